@@ -1,0 +1,154 @@
+#include "engine/commands.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <optional>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/path_picture.h"
+#include "engine/replay.h"
+#include "engine/report.h"
+#include "engine/scene.h"
+#include "io/trace_csv.h"
+#include "io/trajectory.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kBadInput = 2;
+
+int refuse(const Error& error) {
+  std::cerr << "palpate: " << error.to_string() << "\n";
+  return kBadInput;
+}
+
+Result<Scene> load_scene(const std::string& path, double proxy_radius_m) {
+  return Scene::load(path, {.proxy_radius_m = proxy_radius_m});
+}
+
+// JSON for programs; a name in a file need not be UTF-8, and is then told with replacements.
+void print(const nlohmann::ordered_json& json) {
+  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+}
+
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
+                                 const std::vector<std::int64_t>& steps_ns) {
+  Result<TraceWriter> writer = TraceWriter::create(path);
+  if (!writer) return writer.error();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const TickRecord& r = records[i];
+    writer->add({r.tick, r.time_s, r.device_m, r.goal_m, r.proxy_m, r.normal_scene,
+                 r.force_device_N, r.contact, r.alpha_rad * 180.0 / std::numbers::pi,
+                 r.T_device_scene, steps_ns[i]});
+  }
+  const Result<std::size_t> written = writer->finish();
+  if (!written) return written.error();
+  return std::nullopt;
+}
+
+// A bar on a terminal, nothing elsewhere.
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::string label)
+      : label_(std::move(label)), shown_(isatty(STDERR_FILENO)) {}
+  ~ProgressBar() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+  }
+  void show(double share) const {
+    if (!shown_) return;
+    constexpr int kWidth = 40;
+    const int full = static_cast<int>(share * kWidth);
+    std::fprintf(stderr, "\r%s [%s%s] %3.0f %%", label_.c_str(), std::string(full, '#').c_str(),
+                 std::string(kWidth - full, ' ').c_str(), 100 * share);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::string label_;
+  bool shown_;
+};
+
+}  // namespace
+
+int info(const InfoCommand& command) {
+  const Result<Scene> scene = load_scene(command.scene, 0.0);
+  if (!scene) return refuse(scene.error());
+  if (command.json) {
+    print(scene_json(*scene));
+  } else {
+    std::cout << scene_text(command.scene, *scene);
+  }
+  return 0;
+}
+
+int replay(const ReplayCommand& command) {
+  const Result<RunSetup> setup = make_setup(command.options);
+  if (!setup) return refuse(setup.error());
+  const Result<std::vector<Vec3>> path = read_trajectory(command.trajectory);
+  if (!path) return refuse(path.error());
+  const Result<Scene> scene = load_scene(command.scene, command.options.radius_m);
+  if (!scene) return refuse(scene.error());
+  const ReplayResult result = replay(*scene, *setup, *path, command.repeat);
+  if (!command.trace.empty()) {
+    if (const auto error = write_trace(command.trace, result.records, result.steps_ns)) {
+      return refuse(*error);
+    }
+  }
+  if (command.json) {
+    print(summary_json(result.summary, *scene));
+  } else {
+    std::cout << command.scene << ", " << command.trajectory << "\n"
+              << summary_text(result.summary);
+  }
+  return 0;
+}
+
+int run(const RunCommand& command) {
+  const Result<RunSetup> base = make_setup(command.options);
+  if (!base) return refuse(base.error());
+  const Result<Scene> scene = load_scene(command.scene, command.options.radius_m);
+  if (!scene) return refuse(scene.error());
+  std::error_code failed;
+  std::filesystem::create_directories(command.out_dir, failed);
+  if (failed) {
+    return refuse({ErrorCode::kFileUnwritable, command.out_dir, "--out", failed.message(),
+                   "name a folder that can be written to"});
+  }
+  std::vector<ExplorationRun> runs;
+  for (const bool a4 : {false, true}) {
+    if (command.options.a4 != "compare" && (command.options.a4 == "on") != a4) continue;
+    RunSetup setup = *base;
+    setup.haptics.a4.enabled = a4;
+    const ProgressBar bar(a4 ? "with A4   " : "without A4");
+    Result<ExplorationRun> run =
+        explore(*scene, setup, command.exploration, [&](double share) { bar.show(share); });
+    if (!run) return refuse(run.error());
+    const std::string trace = command.out_dir + (a4 ? "/trace-on.csv" : "/trace-off.csv");
+    if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
+    runs.push_back(std::move(*run));
+  }
+  const std::string name = std::filesystem::path(command.scene).filename().string();
+  const auto picture = write_path_picture(runs, name, command.out_dir + "/paths.svg");
+  if (!picture) std::cerr << "palpate: " << picture.error().to_string() << "\n";
+  if (!runs.front().realtime_note.empty()) {
+    std::cerr << "palpate: " << runs.front().realtime_note << "\n";
+  }
+  if (command.json) {
+    nlohmann::ordered_json json{{"runs", nlohmann::ordered_json::array()}};
+    for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, *scene));
+    print(json);
+  } else {
+    std::cout << command.scene << ": " << scene->statistics().cleaning.triangles << " triangles, "
+              << base->actuation.sensors() << " sensors, " << base->actuation.actuators()
+              << " actuators\n"
+              << runs_text(runs) << "traces" << (picture ? " and paths.svg" : "") << " in "
+              << command.out_dir << "/\n";
+  }
+  return 0;
+}
+
+}  // namespace palpate

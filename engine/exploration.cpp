@@ -1,0 +1,141 @@
+#include "engine/exploration.h"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "engine/contour_plan.h"
+#include "engine/haptic_thread.h"
+#include "engine/simulated_device.h"
+#include "engine/surface_walk.h"
+#include "geometry/section.h"
+
+namespace palpate {
+namespace {
+
+// Keeps every tick in memory that was set aside before the start, and passes it on to the hand.
+class Recorder final : public TickObserver {
+ public:
+  Recorder(ExplorationRun& run, std::size_t ticks, TickObserver& next) : run_(run), next_(next) {
+    run_.records.resize(ticks);
+    run_.steps_ns.resize(ticks);
+  }
+  void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
+               std::int64_t step_ns) noexcept override {
+    if (count_ < run_.records.size()) {
+      run_.records[count_] = record;
+      run_.steps_ns[count_] = step_ns;
+      ++count_;
+    }
+    summary_.add(record);
+    next_.on_tick(record, T_device_scene, step_ns);
+  }
+  RunSummary finish() const { return summary_.finish(run_.steps_ns); }
+
+ private:
+  ExplorationRun& run_;
+  TickObserver& next_;
+  std::size_t count_ = 0;
+  SummaryAccumulator summary_;
+};
+
+struct PlannedHand {
+  std::unique_ptr<HandPlan> plan;
+  Vec3 start_scene_m;
+  std::vector<Vec3> contour_scene;
+};
+
+Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
+                                 const ExplorationSettings& settings) {
+  const ScenePose& pose = setup.haptics.initial_pose;
+  const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
+  const double offset = setup.haptics.plane_height_m - pose.translation_m.z();
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  scene.append_triangles_scene(positions, triangles);
+  const std::vector<Polyline> section = plane_section(positions, triangles, normal, offset);
+  if (section.empty()) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Vec3& p : positions) {
+      const double height = pose.point(p).z();
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
+    std::ostringstream range;
+    range << "the scene spans " << low << " to " << high << " m along A3";
+    return Error{ErrorCode::kInvalidArgument, "", "--plane-height",
+                 "nothing to touch at this height: " + range.str(),
+                 "choose a height in between, or use 3 sensors"};
+  }
+  ContourPlanSettings plan;
+  plan.turn_s = settings.seconds - plan.approach_s;
+  auto hand = std::make_unique<ContourPlan>(section.front(), normal, plan);
+  const Vec3 start = hand->start_scene_m();
+  return PlannedHand{std::move(hand), start, section.front().points_m};
+}
+
+PlannedHand plan_walk(const Scene& scene, const ExplorationSettings& settings) {
+  SurfaceWalkSettings walk;
+  walk.duration_s = settings.seconds;
+  walk.seed = settings.seed;
+  auto hand = std::make_unique<SurfaceWalk>(scene, walk);
+  const Vec3 start = hand->start_scene_m();
+  return {std::move(hand), start, {}};
+}
+
+void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress) {
+  constexpr std::size_t kReportEvery = 1000;
+  for (std::size_t n = 0; n < ticks; ++n) {
+    session.tick(dt_s);
+    if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
+  }
+}
+
+void run_realtime(HapticSession& session, Device& device, const RunSetup& setup, std::size_t ticks,
+                  const Progress& progress, ExplorationRun& run) {
+  HapticThread thread(session, device, {1.0 / setup.dt_s, ticks});
+  run.realtime_note = thread.start().explanation;
+  while (thread.running()) {
+    progress(static_cast<double>(thread.ticks()) / static_cast<double>(ticks));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  thread.join();
+  run.missed_deadlines = thread.missed_deadlines();
+}
+
+}  // namespace
+
+Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
+                               const ExplorationSettings& settings, const Progress& progress) {
+  Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
+                                                         : plan_walk(scene, settings);
+  if (!hand) return hand.error();
+  const ScenePose& pose = setup.haptics.initial_pose;
+  PlantSettings plant;
+  plant.seed = settings.seed;
+  SimulatedDevice device(plant, *hand->plan, pose.point(hand->start_scene_m), pose,
+                         setup.actuation.is_planar());
+  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+
+  ExplorationRun run;
+  run.a4 = setup.haptics.a4.enabled;
+  run.contour_scene = std::move(hand->contour_scene);
+  const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
+  Recorder recorder(run, ticks, device);
+  HapticSession session(loop, device, &recorder);
+  if (settings.virtual_time) {
+    run_virtual(session, setup.dt_s, ticks, progress);
+  } else {
+    run_realtime(session, device, setup, ticks, progress, run);
+  }
+  progress(1.0);
+  run.summary = recorder.finish();
+  run.turn_fraction = hand->plan->turn_fraction();
+  run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
+  return run;
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+#pragma once
+
+// The main job: a simulated hand explores a scene.
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/run_options.h"
+#include "engine/run_summary.h"
+#include "engine/scene.h"
+#include "geometry/result.h"
+
+namespace palpate {
+
+struct ExplorationSettings {
+  double seconds = 28.0;      // the approach takes one of them, the turn the rest
+  bool virtual_time = false;  // as fast as it goes, instead of the real-time thread
+  std::uint64_t seed = 1;
+  double workspace_m = 0.4;  // extent of the device along each axis
+};
+
+struct ExplorationRun {
+  bool a4 = false;
+  std::vector<TickRecord> records;
+  std::vector<std::int64_t> steps_ns;
+  RunSummary summary;
+  double turn_fraction = 0.0;
+  std::uint64_t missed_deadlines = 0;
+  bool exceeds_workspace = false;
+  std::string realtime_note;        // what the system did not grant
+  std::vector<Vec3> contour_scene;  // what the hand followed; empty for a walk
+};
+
+// Called now and then from the calling thread with the share of the run that is done.
+using Progress = std::function<void(double)>;
+
+// One run. With 2 sensors the hand follows the longest section of the scene through the plane
+// height; with 3 it walks over the surface. An error if there is nothing at the plane height.
+Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
+                               const ExplorationSettings& settings, const Progress& progress);
+
+}  // namespace palpate

@@ -1,0 +1,131 @@
+// The command line of Palpate: reads arguments, calls a command, turns errors into exit codes.
+
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/commands.h"
+
+namespace {
+
+constexpr int kOurFault = 1;
+constexpr int kBadArguments = 2;
+
+void add_scene(CLI::App& app, std::string& scene) {
+  app.add_option("SCENE", scene, "glTF 2.0 file, .gltf or .glb")->required();
+}
+
+// Options that `run` and `replay` share. Defaults shown are those of `options`.
+void add_run_options(CLI::App& app, palpate::RunOptions& options) {
+  app.add_option("--sensors", options.sensors, "sensed axes, 2 or 3: the first N of A1 A2 A3")
+      ->capture_default_str();
+  app.add_option("--actuators", options.actuators,
+                 "actuated axes: the first M [" + std::to_string(options.default_actuators) + "]");
+  app.add_option("--actuated-axes", options.actuated_axes,
+                 "directions that push instead, device frame, as \"0 0 1; 1 0 0\"");
+  app.add_option("--force", options.force, "what the actuators are told")
+      ->check(CLI::IsMember({"none", "actuated", "full"}))
+      ->capture_default_str();
+  app.add_option("--table1", options.table1, "theoretical rotation: Table 1 corrected or printed")
+      ->check(CLI::IsMember({"corrected", "printed"}))
+      ->capture_default_str();
+  app.add_option("--a4-step", options.a4_step,
+                 "elementary rotation: exact solution of the profile, or the paper's S dt")
+      ->check(CLI::IsMember({"exact", "paper"}))
+      ->capture_default_str();
+  app.add_option("--rate", options.rate_Hz, "ticks a second, Hz")->capture_default_str();
+  app.add_option("--stiffness", options.stiffness_N_per_m, "coupling spring, N/m")
+      ->capture_default_str();
+  app.add_option("--damping", options.damping_Ns_per_m, "coupling damper, N s/m")
+      ->capture_default_str();
+  app.add_option("--radius", options.radius_m, "radius of the proxy, m; 0 is a point")
+      ->capture_default_str();
+  app.add_option("--plane-height", options.plane_height_m,
+                 "with 2 sensors: where on A3 the plane A1 A2 lies, m")
+      ->capture_default_str();
+  app.add_option("--place", options.place,
+                 "pose of the scene in the device frame, \"x y z qw qx qy qz\"");
+}
+
+void add_run(CLI::App& program, palpate::RunCommand& command) {
+  command.options.sensors = 2;
+  command.options.default_actuators = 1;
+  command.options.a4 = "compare";
+  command.options.damping_Ns_per_m = 2.0;
+  CLI::App& app = *program.add_subcommand(
+      "run", "let a simulated hand explore a scene in real time, without and with A4");
+  add_scene(app, command.scene);
+  add_run_options(app, command.options);
+  app.add_option("--a4", command.options.a4, "rotate the scene: on, off, or both runs compared")
+      ->check(CLI::IsMember({"on", "off", "compare"}))
+      ->capture_default_str();
+  app.add_option("--seconds", command.exploration.seconds, "length of a run, s")
+      ->check(CLI::Range(2.0, 86400.0))
+      ->capture_default_str();
+  app.add_option("--seed", command.exploration.seed, "of the hand's noise and walk")
+      ->capture_default_str();
+  app.add_option("--workspace", command.exploration.workspace_m,
+                 "extent of the device along an axis, m; more is flagged")
+      ->capture_default_str();
+  app.add_flag("--virtual", command.exploration.virtual_time,
+               "in simulated time, as fast as it goes");
+  app.add_option("--out", command.out_dir, "folder for traces and picture")->capture_default_str();
+  app.add_flag("--json", command.json, "print the results as JSON");
+}
+
+void add_replay(CLI::App& program, palpate::ReplayCommand& command) {
+  CLI::App& app = *program.add_subcommand(
+      "replay", "play a recorded device path through a scene, the same bits every time");
+  add_scene(app, command.scene);
+  app.add_option("--trajectory", command.trajectory,
+                 "device positions, one \"[t] x y z\" in metres a line")
+      ->required();
+  add_run_options(app, command.options);
+  app.add_option("--a4", command.options.a4, "rotate the scene while in contact")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  app.add_option("--out", command.trace, "CSV file for the trace");
+  app.add_option("--repeat", command.repeat, "passes; each tick's shortest time is kept")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print the results as JSON");
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App program(
+      "Palpate: feel any triangle mesh through a point haptic device, with fewer "
+      "motors than sensors if need be.");
+  program.set_version_flag("--version", "palpate " PALPATE_VERSION);
+  program.require_subcommand(1);
+  palpate::RunCommand run;
+  palpate::ReplayCommand replay;
+  palpate::InfoCommand info;
+  add_run(program, run);
+  add_replay(program, replay);
+  CLI::App& info_app = *program.add_subcommand("info", "tell what a scene is made of");
+  add_scene(info_app, info.scene);
+  info_app.add_flag("--json", info.json, "print as JSON");
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return program.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "palpate: " << error.what() << " (palpate --help tells more)\n";
+    return kBadArguments;
+  }
+  if (program.got_subcommand("run")) return palpate::run(run);
+  if (program.got_subcommand("replay")) return palpate::replay(replay);
+  return palpate::info(info);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_program(argc, argv);
+  } catch (const std::exception& error) {  // out of memory, say
+    std::cerr << "palpate: " << error.what() << "\n";
+    return kOurFault;
+  }
+}

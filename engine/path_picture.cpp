@@ -1,0 +1,115 @@
+#include "engine/path_picture.h"
+
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <sstream>
+
+namespace palpate {
+namespace {
+
+// More points than a picture has pixels across only make the file larger.
+constexpr std::size_t kPointsPerCurve = 2500;
+
+// Okabe and Ito's colour-blind-safe blue and vermillion.
+constexpr const char* kPathColour = "#0072B2";
+constexpr const char* kContourColour = "#D55E00";
+
+std::size_t stride_of(const ExplorationRun& run) {
+  return std::max<std::size_t>(1, run.records.size() / kPointsPerCurve);
+}
+
+void write_path(std::ostream& out, const std::string& name, const ExplorationRun& run) {
+  out << name << " << EOD\n";
+  for (std::size_t i = 0; i < run.records.size(); i += stride_of(run)) {
+    const Vec3& p = run.records[i].device_m;
+    out << p.y() << " " << p.x() << "\n";
+  }
+  out << "EOD\n";
+}
+
+void write_contour(std::ostream& out, const std::string& name, const ExplorationRun& run) {
+  out << name << " << EOD\n";
+  const ScenePose& pose = run.records.front().T_device_scene;
+  for (std::size_t i = 0; i <= run.contour_scene.size() && !run.contour_scene.empty(); ++i) {
+    const Vec3 p = pose.point(run.contour_scene[i % run.contour_scene.size()]);
+    out << p.y() << " " << p.x() << "\n";
+  }
+  if (run.contour_scene.empty()) out << "NaN NaN\n";
+  out << "EOD\n";
+}
+
+void write_angles(std::ostream& out, const std::string& name, const ExplorationRun& run) {
+  out << name << " << EOD\n";
+  for (std::size_t i = 0; i < run.records.size(); i += stride_of(run)) {
+    const TickRecord& r = run.records[i];
+    out << r.time_s << " ";
+    if (r.contact) {
+      out << r.alpha_rad * 180.0 / std::numbers::pi << "\n";
+    } else {
+      out << "NaN\n";
+    }
+  }
+  out << "EOD\n";
+}
+
+std::string quoted(const std::string& text) {
+  std::string safe = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') safe += '\\';
+    safe += c;
+  }
+  return safe + "\"";
+}
+
+std::string script(const std::vector<ExplorationRun>& runs, const std::string& scene_name,
+                   const std::string& svg_path) {
+  std::ostringstream out;
+  out << "set terminal svg size " << 480 * runs.size() << ",780 font 'sans,13' background 'white'\n"
+      << "set output " << quoted(svg_path) << "\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::string n = std::to_string(i);
+    write_path(out, "$path" + n, runs[i]);
+    write_contour(out, "$contour" + n, runs[i]);
+    write_angles(out, "$angle" + n, runs[i]);
+  }
+  out << "set multiplot layout 2," << runs.size() << " rowsfirst title " << quoted(scene_name)
+      << " noenhanced\n"
+      << "set grid lc rgb '#dddddd'\nset key below\n"
+      << "set size ratio -1\nset xrange [] reverse\nset offsets graph 0.05,0.05,0.05,0.05\n"
+      << "set xlabel 'A2 (m), sensed'\nset ylabel 'A1 (m), sensed and pushed'\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    out << "set title '" << (runs[i].a4 ? "with A4" : "without A4") << "'\n"
+        << "plot $contour" << i << " with lines lw 2 lc rgb '" << kContourColour
+        << "' title 'object at the start', $path" << i << " with lines lw 1.5 lc rgb '"
+        << kPathColour << "' title 'path of the device'\n";
+  }
+  out << "set size noratio\nset xrange [*:*] noreverse\nset yrange [0:90]\nset ytics 30\n"
+      << "set offsets 0,0,0,0\n"
+      << "set xlabel 'time (s)'\nset ylabel 'contact angle (deg)'\nunset title\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    out << "plot $angle" << i << " with lines lw 1.5 lc rgb '" << kPathColour
+        << "' title 'normal to A1', 30 with lines dt 2 lc rgb '" << kContourColour
+        << "' title '30 deg'\n";
+  }
+  out << "unset multiplot\n";
+  return out.str();
+}
+
+}  // namespace
+
+Result<std::string> write_path_picture(const std::vector<ExplorationRun>& runs,
+                                       const std::string& scene_name, const std::string& svg_path) {
+  const auto failed = [&](const std::string& why) {
+    return Error{ErrorCode::kFileUnwritable, svg_path, "picture", why,
+                 "install gnuplot-nox; the traces are complete without it"};
+  };
+  const std::string text = script(runs, scene_name, svg_path);
+  FILE* const gnuplot = popen("gnuplot 2>/dev/null", "w");
+  if (!gnuplot) return failed("gnuplot could not be started");
+  const bool written = std::fwrite(text.data(), 1, text.size(), gnuplot) == text.size();
+  if (pclose(gnuplot) != 0 || !written) return failed("gnuplot did not draw it");
+  return svg_path;
+}
+
+}  // namespace palpate

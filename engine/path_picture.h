@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/exploration.h"
+#include "geometry/result.h"
+
+namespace palpate {
+
+// Draws the paths of the device of one or two runs, and the contact angle over time, as an SVG file
+// by gnuplot. Device frame, seen against A3: A1 upwards, A2 to the left. Returns the file written.
+// An error if gnuplot is missing or fails; the runs themselves are not affected.
+Result<std::string> write_path_picture(const std::vector<ExplorationRun>& runs,
+                                       const std::string& scene_name, const std::string& svg_path);
+
+}  // namespace palpate

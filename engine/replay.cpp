@@ -1,0 +1,33 @@
+#include "engine/replay.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace palpate {
+
+ReplayResult replay(const Scene& scene, const RunSetup& setup, const std::vector<Vec3>& path_m,
+                    int passes) {
+  ReplayResult result;
+  result.records.resize(path_m.size());
+  result.steps_ns.resize(path_m.size());
+  SummaryAccumulator summary;
+  for (int pass = 0; pass < passes; ++pass) {
+    HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+    for (std::size_t n = 0; n < path_m.size(); ++n) {
+      const auto start = std::chrono::steady_clock::now();
+      const TickRecord& record = loop.tick(path_m[n], setup.dt_s);
+      const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
+      if (pass == 0) {
+        result.records[n] = record;
+        result.steps_ns[n] = step.count();
+        summary.add(record);
+      } else {
+        result.steps_ns[n] = std::min<std::int64_t>(result.steps_ns[n], step.count());
+      }
+    }
+  }
+  result.summary = summary.finish(result.steps_ns);
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+#pragma once
+
+// A recorded device path through a scene: deterministic, no thread, as fast as it goes.
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/run_options.h"
+#include "engine/run_summary.h"
+#include "engine/scene.h"
+
+namespace palpate {
+
+struct ReplayResult {
+  std::vector<TickRecord> records;
+  std::vector<std::int64_t> steps_ns;  // each tick's shortest over the passes
+  RunSummary summary;
+};
+
+// One tick per device position (device frame, metres). passes >= 1: repeats the whole path from a
+// fresh start and keeps each tick's shortest time, the one least disturbed by the machine.
+ReplayResult replay(const Scene& scene, const RunSetup& setup, const std::vector<Vec3>& path_m,
+                    int passes);
+
+}  // namespace palpate

@@ -1,0 +1,200 @@
+#include "engine/report.h"
+
+#include <cstdio>
+#include <functional>
+
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+using nlohmann::ordered_json;
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  char text[160];
+  std::snprintf(text, sizeof text, pattern, args...);
+  return text;
+}
+
+double load_ms(const SceneStatistics& s) {
+  return s.parse_ms + s.mesh_ms + s.index_ms;
+}
+
+std::string faults_text(const RunSummary& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.faults.size(); ++i) {
+    if (s.faults[i] == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += std::to_string(s.faults[i]) + " " + std::string(kFaultNames[i]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+// A line of a table: what it is called, and how a run's value is written.
+struct Line {
+  const char* name;
+  std::function<std::string(const ExplorationRun&)> value;
+};
+
+std::vector<Line> run_lines() {
+  using Run = ExplorationRun;
+  return {
+      {"mean contact angle",
+       [](const Run& r) { return format("%.1f deg", r.summary.mean_contact_angle_deg); }},
+      {"contact within 30 deg",
+       [](const Run& r) { return format("%.1f %%", 100 * r.summary.share_within_30deg); }},
+      {"mean penetration",
+       [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.mean_penetration_m); }},
+      {"largest penetration",
+       [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
+      {"losses of contact",
+       [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
+      {"work lost by missing motors",
+       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
+      {"work given by the device",
+       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.port_work_J); }},
+      {"device travel A1 x A2 x A3",
+       [](const Run& r) {
+         const Vec3& e = r.summary.device_extent_m;
+         return format("%.2f x %.2f x %.2f m%s", e.x(), e.y(), e.z(),
+                       r.exceeds_workspace ? " !" : "");
+       }},
+      {"way followed", [](const Run& r) { return format("%.1f %%", 100 * r.turn_fraction); }},
+      {"missed deadlines",
+       [](const Run& r) {
+         return format("%llu of %llu", static_cast<unsigned long long>(r.missed_deadlines),
+                       static_cast<unsigned long long>(r.summary.ticks));
+       }},
+      {"tick p50 / p99 / max",
+       [](const Run& r) {
+         const StepTimes& s = r.summary.step_ns;
+         return format("%.2f / %.2f / %.2f us", 1e-3 * static_cast<double>(s.p50_ns),
+                       1e-3 * static_cast<double>(s.p99_ns), 1e-3 * static_cast<double>(s.max_ns));
+       }},
+      {"faults", [](const Run& r) { return faults_text(r.summary); }},
+  };
+}
+
+}  // namespace
+
+ordered_json scene_json(const Scene& scene) {
+  const SceneStatistics& s = scene.statistics();
+  return {{"nodes", s.nodes},
+          {"meshes", s.meshes},
+          {"instances", s.instances},
+          {"triangles_in", s.cleaning.triangles_in},
+          {"triangles", s.cleaning.triangles},
+          {"instanced_triangles", s.instanced_triangles},
+          {"vertices", s.cleaning.welded_vertices},
+          {"dropped",
+           {{"degenerate", s.cleaning.dropped_degenerate},
+            {"duplicate", s.cleaning.dropped_duplicate}}},
+          {"split_vertices", s.cleaning.split_vertices},
+          {"boundary_edges", s.cleaning.boundary_edges},
+          {"non_manifold_edges", s.cleaning.non_manifold_edges},
+          {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
+          {"effects", ordered_json::array()},
+          {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
+          {"memory_bytes", s.memory_bytes},
+          {"warnings", s.warnings}};
+}
+
+ordered_json summary_json(const RunSummary& s, const Scene& scene) {
+  ordered_json faults = ordered_json::object();
+  for (std::size_t i = 0; i < s.faults.size(); ++i) {
+    faults[std::string(kFaultNames[i])] = s.faults[i];
+  }
+  return {{"ticks", s.ticks},
+          {"contact_ticks", s.contact_ticks},
+          {"mean_penetration_m", s.mean_penetration_m},
+          {"max_penetration_m", s.max_penetration_m},
+          {"mean_contact_angle_deg", s.mean_contact_angle_deg},
+          {"share_within_30deg", s.share_within_30deg},
+          {"losses_of_contact", s.losses_of_contact},
+          {"work_lost_J", s.work_lost_J},
+          {"port_work_J", s.port_work_J},
+          {"faults", faults},
+          {"step_ns",
+           {{"p50", s.step_ns.p50_ns},
+            {"p99", s.step_ns.p99_ns},
+            {"p999", s.step_ns.p999_ns},
+            {"max", s.step_ns.max_ns}}},
+          {"load_ms", load_ms(scene.statistics())},
+          {"triangles", scene.statistics().cleaning.triangles}};
+}
+
+ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
+  ordered_json json = {{"a4", run.a4}};
+  json.update(summary_json(run.summary, scene));
+  const Vec3& extent = run.summary.device_extent_m;
+  json["device_extent_m"] = {extent.x(), extent.y(), extent.z()};
+  json["exceeds_workspace"] = run.exceeds_workspace;
+  json["turn_fraction"] = run.turn_fraction;
+  json["missed_deadlines"] = run.missed_deadlines;
+  return json;
+}
+
+std::string scene_text(const std::string& path, const Scene& scene) {
+  const SceneStatistics& s = scene.statistics();
+  const CleaningReport& c = s.cleaning;
+  std::string text = path + "\n";
+  text += format("  nodes %zu, meshes %zu, instances %zu\n", s.nodes, s.meshes, s.instances);
+  text +=
+      format("  triangles %zu of %zu (%zu without area and %zu duplicates dropped), %zu placed\n",
+             c.triangles, c.triangles_in, c.dropped_degenerate, c.dropped_duplicate,
+             s.instanced_triangles);
+  text += format("  vertices %zu, split for OpenMesh %zu\n", c.welded_vertices, c.split_vertices);
+  text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
+                 c.non_manifold_edges);
+  text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
+  text += "  effects: none\n";
+  text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f; %.1f MB\n", load_ms(s),
+                 s.parse_ms, s.mesh_ms, s.index_ms, 1e-6 * static_cast<double>(s.memory_bytes));
+  for (const std::string& warning : s.warnings) text += "  warning: " + warning + "\n";
+  return text;
+}
+
+std::string summary_text(const RunSummary& s) {
+  std::string text;
+  text += format("  ticks %llu, in contact %llu, losses of contact %llu\n",
+                 static_cast<unsigned long long>(s.ticks),
+                 static_cast<unsigned long long>(s.contact_ticks),
+                 static_cast<unsigned long long>(s.losses_of_contact));
+  text += format("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
+                 1e3 * s.max_penetration_m);
+  text += format("  contact angle mean %.2f deg, within 30 deg %.1f %%\n", s.mean_contact_angle_deg,
+                 100 * s.share_within_30deg);
+  text += format("  work lost %.4g mJ, work given by the device %.4g mJ\n", 1e3 * s.work_lost_J,
+                 1e3 * s.port_work_J);
+  text += format("  tick p50 %lld ns, p99 %lld ns, max %lld ns\n",
+                 static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
+                 static_cast<long long>(s.step_ns.max_ns));
+  text += "  faults: " + faults_text(s) + "\n";
+  return text;
+}
+
+std::string runs_text(const std::vector<ExplorationRun>& runs) {
+  constexpr int kNameWidth = 28;
+  constexpr int kValueWidth = 26;
+  std::string text = format("%-*s", kNameWidth, "");
+  for (const ExplorationRun& run : runs) {
+    text += format("%*s", kValueWidth, run.a4 ? "with A4" : "without A4");
+  }
+  text += "\n";
+  for (const Line& line : run_lines()) {
+    text += format("%-*s", kNameWidth, line.name);
+    for (const ExplorationRun& run : runs) {
+      text += format("%*s", kValueWidth, line.value(run).c_str());
+    }
+    text += "\n";
+  }
+  bool exceeds = false;
+  for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
+  if (exceeds) {
+    text += "! more than the device's workspace: A4 unrolls a contour into one long stroke\n";
+  }
+  return text;
+}
+
+}  // namespace palpate

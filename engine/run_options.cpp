@@ -1,0 +1,120 @@
+#include "engine/run_options.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string option, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
+}
+
+// Numbers separated by blanks or commas; nothing if anything else is there.
+std::optional<std::vector<double>> parse_numbers(const std::string& text) {
+  std::string blanks = text;
+  for (char& c : blanks) {
+    if (c == ',') c = ' ';
+  }
+  std::istringstream stream(blanks);
+  stream.imbue(std::locale::classic());
+  std::vector<double> numbers;
+  for (double x = 0.0; stream >> x;) numbers.push_back(x);
+  if (!stream.eof()) return std::nullopt;
+  return numbers;
+}
+
+Result<std::vector<Vec3>> parse_axes(const std::string& text) {
+  std::vector<Vec3> axes;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ';');) {
+    const auto numbers = parse_numbers(part);
+    if (numbers && numbers->empty()) continue;  // after a closing semicolon
+    if (!numbers || numbers->size() != 3) {
+      return invalid("--actuated-axes", "\"" + part + "\" is not three numbers",
+                     "write for example \"0 0 1; 1 0 0\"");
+    }
+    axes.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  }
+  return axes;
+}
+
+Result<ScenePose> parse_place(const std::string& text) {
+  ScenePose pose;
+  if (text.empty()) return pose;
+  const auto n = parse_numbers(text);
+  if (!n || n->size() != 7) {
+    return invalid("--place", "\"" + text + "\" is not seven numbers \"x y z qw qx qy qz\"",
+                   "metres and a quaternion, identity is \"0 0 0 1 0 0 0\"");
+  }
+  const Quat q((*n)[3], (*n)[4], (*n)[5], (*n)[6]);
+  const double norm = q.norm();
+  // Typed with six digits or more, a unit quaternion has this length; what has not is a mistake.
+  constexpr double kTypedUnit = 1e-4;
+  if (!(std::abs(norm - 1.0) <= kTypedUnit)) {
+    return invalid("--place", "the quaternion has length " + std::to_string(norm) + ", expected 1");
+  }
+  pose.rotation = norm == 1.0 ? q : Quat(q.normalized());
+  pose.translation_m = {(*n)[0], (*n)[1], (*n)[2]};
+  if (!pose.translation_m.allFinite()) return invalid("--place", "the position is not finite");
+  return pose;
+}
+
+Result<ActuationModel> make_actuation(const RunOptions& options) {
+  if (options.actuated_axes.empty()) {
+    return ActuationModel::from_counts(options.sensors,
+                                       options.actuators.value_or(options.default_actuators));
+  }
+  auto axes = parse_axes(options.actuated_axes);
+  if (!axes) return axes.error();
+  if (options.actuators && static_cast<std::size_t>(*options.actuators) != axes->size()) {
+    return invalid("--actuators",
+                   std::to_string(*options.actuators) + " actuators, but --actuated-axes gives " +
+                       std::to_string(axes->size()) + " directions",
+                   "leave --actuators out");
+  }
+  return ActuationModel::from_axes(options.sensors, *axes);
+}
+
+std::optional<Error> check_numbers(const RunOptions& o) {
+  const auto check = [](const char* name, double value, bool zero_allowed) -> std::optional<Error> {
+    if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0)))
+      return std::nullopt;
+    std::ostringstream text;
+    text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
+    return invalid(name, text.str());
+  };
+  if (auto e = check("--rate", o.rate_Hz, false)) return e;
+  if (auto e = check("--stiffness", o.stiffness_N_per_m, true)) return e;
+  if (auto e = check("--damping", o.damping_Ns_per_m, true)) return e;
+  if (auto e = check("--radius", o.radius_m, true)) return e;
+  if (!std::isfinite(o.plane_height_m)) return invalid("--plane-height", "not a finite number");
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<RunSetup> make_setup(const RunOptions& options) {
+  if (auto error = check_numbers(options)) return *error;
+  const auto actuation = make_actuation(options);
+  if (!actuation) return actuation.error();
+  const auto pose = parse_place(options.place);
+  if (!pose) return pose.error();
+  RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz};
+  setup.haptics.god_object.radius_m = options.radius_m;
+  setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m};
+  setup.haptics.force = options.force == "none"   ? ForceMode::kNone
+                        : options.force == "full" ? ForceMode::kFull
+                                                  : ForceMode::kActuated;
+  setup.haptics.a4.enabled = options.a4 == "on";
+  setup.haptics.a4.table1 =
+      options.table1 == "printed" ? Table1Form::kAsPrinted : Table1Form::kCorrected;
+  setup.haptics.a4.step = options.a4_step == "paper" ? StepRule::kSpeedByDt : StepRule::kExact;
+  setup.haptics.plane_height_m = options.plane_height_m;
+  setup.haptics.initial_pose = *pose;
+  return setup;
+}
+
+}  // namespace palpate

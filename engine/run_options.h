@@ -1,0 +1,42 @@
+#pragma once
+
+// What `run` and `replay` let a user choose, and how it becomes settings.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "geometry/result.h"
+#include "haptics/actuation.h"
+#include "haptics/haptic_loop.h"
+
+namespace palpate {
+
+// As given on the command line; texts are parsed by make_setup().
+struct RunOptions {
+  int sensors = 3;
+  std::optional<int> actuators;  // default: `default_actuators`, or the number of axes given
+  int default_actuators = 3;
+  std::string actuated_axes;  // "0 0 1; 1 0 0", device frame
+  std::string force = "actuated";
+  std::string a4 = "off";
+  std::string table1 = "corrected";
+  std::string a4_step = "exact";
+  double rate_Hz = 1000.0;
+  double stiffness_N_per_m = 1000.0;
+  double damping_Ns_per_m = 0.0;
+  double radius_m = 0.0;
+  double plane_height_m = 0.0;
+  std::string place;  // "x y z qw qx qy qz": T_device_scene at the start
+};
+
+struct RunSetup {
+  ActuationModel actuation;
+  HapticSettings haptics;
+  double dt_s;
+};
+
+// Checks ranges and finiteness; an error names the option.
+Result<RunSetup> make_setup(const RunOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#include "engine/run_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr double kRadToDeg = 180.0 / std::numbers::pi;
+constexpr double kFeasibleAngleRad = 30.0 / kRadToDeg;  // Barbagli & Salisbury 2003
+
+}  // namespace
+
+StepTimes StepTimes::of(std::vector<std::int64_t> steps_ns) {
+  if (steps_ns.empty()) return {};
+  std::sort(steps_ns.begin(), steps_ns.end());
+  const auto percentile = [&](double share) {
+    const double rank = std::ceil(share * static_cast<double>(steps_ns.size()));
+    return steps_ns[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
+  };
+  return {percentile(0.5), percentile(0.99), percentile(0.999), steps_ns.back()};
+}
+
+void SummaryAccumulator::add(const TickRecord& record) noexcept {
+  ++sums_.ticks;
+  for (int bit = 0; bit < kFaultCount; ++bit) {
+    sums_.faults[static_cast<std::size_t>(bit)] += record.faults >> bit & 1u;
+  }
+  if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
+  was_in_contact_ = record.contact;
+  if (record.faults & (kFaultNonFiniteSample | kFaultBadTimeStep)) {
+    last_force_N_.setZero();
+    last_full_force_N_.setZero();
+    return;
+  }
+  if (!has_position_) lowest_m_ = highest_m_ = last_device_m_ = record.device_m;
+  has_position_ = true;
+  lowest_m_ = lowest_m_.cwiseMin(record.device_m);
+  highest_m_ = highest_m_.cwiseMax(record.device_m);
+  const Vec3 moved_m = record.device_m - last_device_m_;
+  sums_.work_lost_J += (last_full_force_N_ - last_force_N_).dot(moved_m);
+  sums_.port_work_J += last_force_N_.dot(moved_m);
+  last_device_m_ = record.device_m;
+  last_force_N_ = record.force_device_N;
+  last_full_force_N_ = record.full_force_device_N;
+  if (!record.contact) return;
+  ++sums_.contact_ticks;
+  const double penetration_m = (record.proxy_m - record.goal_m).norm();
+  penetration_sum_m_ += penetration_m;
+  sums_.max_penetration_m = std::max(sums_.max_penetration_m, penetration_m);
+  angle_sum_rad_ += record.alpha_rad;
+  if (record.alpha_rad <= kFeasibleAngleRad) ++within_30deg_;
+}
+
+RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const {
+  RunSummary summary = sums_;
+  if (summary.contact_ticks > 0) {
+    const auto contact_ticks = static_cast<double>(summary.contact_ticks);
+    summary.mean_penetration_m = penetration_sum_m_ / contact_ticks;
+    summary.mean_contact_angle_deg = angle_sum_rad_ / contact_ticks * kRadToDeg;
+    summary.share_within_30deg = static_cast<double>(within_30deg_) / contact_ticks;
+  }
+  summary.device_extent_m = highest_m_ - lowest_m_;
+  summary.step_ns = StepTimes::of(std::move(steps_ns));
+  return summary;
+}
+
+}  // namespace palpate

@@ -1,0 +1,60 @@
+#pragma once
+
+// What a run amounts to, gathered tick by tick.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "haptics/haptic_loop.h"
+
+namespace palpate {
+
+// Percentiles of the time one tick of the loop took, nanoseconds.
+struct StepTimes {
+  std::int64_t p50_ns = 0;
+  std::int64_t p99_ns = 0;
+  std::int64_t p999_ns = 0;
+  std::int64_t max_ns = 0;
+
+  static StepTimes of(std::vector<std::int64_t> steps_ns);
+};
+
+// Means run over contact ticks. A force is held from its tick to the next, so work pairs it with
+// the displacement that follows; ticks with a bad sample give none.
+struct RunSummary {
+  std::uint64_t ticks = 0;
+  std::uint64_t contact_ticks = 0;
+  double mean_penetration_m = 0.0;
+  double max_penetration_m = 0.0;
+  double mean_contact_angle_deg = 0.0;
+  double share_within_30deg = 0.0;      // of contact ticks; Barbagli & Salisbury's limit
+  std::uint64_t losses_of_contact = 0;  // 1 -> 0 transitions, undebounced
+  double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
+  double port_work_J = 0.0;             // sum f_commanded . dx_device; > 0: the device gave energy
+  std::array<std::uint64_t, kFaultCount> faults{};
+  Vec3 device_extent_m = Vec3::Zero();
+  StepTimes step_ns;
+};
+
+class SummaryAccumulator {
+ public:
+  // Allocation-free: may run on the haptic thread.
+  void add(const TickRecord& record) noexcept;
+  RunSummary finish(std::vector<std::int64_t> steps_ns) const;
+
+ private:
+  RunSummary sums_;
+  double penetration_sum_m_ = 0.0;
+  double angle_sum_rad_ = 0.0;
+  std::uint64_t within_30deg_ = 0;
+  bool was_in_contact_ = false;
+  bool has_position_ = false;
+  Vec3 last_device_m_ = Vec3::Zero();
+  Vec3 last_force_N_ = Vec3::Zero();
+  Vec3 last_full_force_N_ = Vec3::Zero();
+  Vec3 lowest_m_ = Vec3::Zero();
+  Vec3 highest_m_ = Vec3::Zero();
+};
+
+}  // namespace palpate

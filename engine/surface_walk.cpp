@@ -1,0 +1,93 @@
+#include "engine/surface_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace palpate {
+namespace {
+
+struct SurfaceSample {
+  Vec3 point_m;
+  Vec3 normal;
+};
+
+class SurfaceSampler {
+ public:
+  SurfaceSampler(const Scene& scene, std::uint64_t seed) : random_(seed) {
+    scene.append_triangles_scene(positions_, triangles_);
+    double area = 0.0;
+    for (const Triangle& t : triangles_) {
+      area += cross(t).norm();
+      cumulative_.push_back(area);
+    }
+  }
+
+  SurfaceSample draw() {
+    const double at = uniform() * cumulative_.back();
+    const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), at);
+    const auto i = std::min<std::size_t>(static_cast<std::size_t>(found - cumulative_.begin()),
+                                         triangles_.size() - 1);
+    const Triangle& t = triangles_[i];
+    const double root = std::sqrt(uniform());
+    const double v = uniform();
+    return {(1 - root) * positions_[t[0]] + root * (1 - v) * positions_[t[1]] +
+                root * v * positions_[t[2]],
+            cross(t).normalized()};
+  }
+
+ private:
+  Vec3 cross(const Triangle& t) const {
+    return (positions_[t[1]] - positions_[t[0]]).cross(positions_[t[2]] - positions_[t[0]]);
+  }
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+  std::mt19937_64 random_;
+  std::vector<Vec3> positions_;
+  std::vector<Triangle> triangles_;
+  std::vector<double> cumulative_;
+};
+
+}  // namespace
+
+SurfaceWalk::SurfaceWalk(const Scene& scene, const SurfaceWalkSettings& settings)
+    : settings_(settings) {
+  SurfaceSampler sampler(scene, settings.seed);
+  const SurfaceSample first = sampler.draw();
+  start_m_ = first.point_m + 2 * settings_.press_depth_m * first.normal;
+  const auto count = static_cast<std::size_t>(
+      std::max(1.0, std::ceil(settings_.duration_s / settings_.seconds_per_waypoint)));
+  waypoints_m_.push_back(first.point_m);
+  while (waypoints_m_.size() <= count) waypoints_m_.push_back(sampler.draw().point_m);
+  reached_.assign(waypoints_m_.size(), false);
+  given_up_at_s_ = settings_.seconds_per_waypoint;
+}
+
+HandTarget SurfaceWalk::target(double time_s, const ScenePose& T_device_scene,
+                               const TickRecord& last) noexcept {
+  const Vec3 to_waypoint = waypoints_m_[next_] - last.proxy_m;
+  if (to_waypoint.norm() <= 2 * settings_.press_depth_m) reached_[next_] = true;
+  if ((reached_[next_] || time_s >= given_up_at_s_) && next_ + 1 < waypoints_m_.size()) {
+    ++next_;
+    given_up_at_s_ = time_s + settings_.seconds_per_waypoint;
+  }
+  // Off the surface straight to the waypoint; on it along the surface and a little into it.
+  const Vec3 way = waypoints_m_[next_] - last.proxy_m;
+  const Vec3 along = way - way.dot(last.normal_scene) * last.normal_scene;
+  const double distance = along.norm();
+  const Vec3 direction = distance > 0.0 ? Vec3(along / distance) : Vec3(Vec3::Zero());
+  HandTarget target;
+  target.position_m =
+      T_device_scene.point(last.proxy_m + std::min(distance, settings_.press_depth_m) * direction -
+                           settings_.press_depth_m * last.normal_scene);
+  target.velocity_m_per_s = T_device_scene.direction(settings_.speed_m_per_s * direction);
+  return target;
+}
+
+double SurfaceWalk::turn_fraction() const {
+  const auto given = static_cast<std::ptrdiff_t>(next_ + 1);
+  return static_cast<double>(std::count(reached_.begin(), reached_.begin() + given, true)) /
+         static_cast<double>(given);
+}
+
+}  // namespace palpate

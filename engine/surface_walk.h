@@ -1,0 +1,43 @@
+#pragma once
+
+// A hand that wanders over a surface with three sensed axes.
+
+#include <vector>
+
+#include "engine/scene.h"
+#include "engine/simulated_device.h"
+
+namespace palpate {
+
+struct SurfaceWalkSettings {
+  double press_depth_m = 4e-3;
+  double speed_m_per_s = 0.04;
+  double duration_s = 28.0;
+  double seconds_per_waypoint = 4.0;
+  std::uint64_t seed = 1;
+};
+
+// Walks from one random point of the surface (uniform by area) towards the next, aiming along the
+// face it feels and press_depth_m below it, as a hand does that looks at the proxy. A waypoint that
+// is not reached in its time is given up.
+class SurfaceWalk final : public HandPlan {
+ public:
+  SurfaceWalk(const Scene& scene, const SurfaceWalkSettings& settings);
+
+  HandTarget target(double time_s, const ScenePose& T_device_scene,
+                    const TickRecord& last) noexcept override;
+  // Share of the waypoints given so far that the proxy came within two press depths of.
+  double turn_fraction() const override;
+
+  const Vec3& start_scene_m() const { return start_m_; }
+
+ private:
+  SurfaceWalkSettings settings_;
+  std::vector<Vec3> waypoints_m_;  // scene frame
+  std::vector<bool> reached_;
+  Vec3 start_m_;
+  std::size_t next_ = 0;
+  double given_up_at_s_ = 0.0;
+};
+
+}  // namespace palpate

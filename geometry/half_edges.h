@@ -1,0 +1,40 @@
+#pragma once
+
+// Which faces of a triangle list meet at which edge.
+//
+// Half-edge 3 f + e is edge e of face f, from its corner e to its corner (e + 1) mod 3; corner
+// 3 f + e is where it starts.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/types.h"
+
+namespace palpate {
+
+constexpr std::uint32_t kNoHalfEdge = 0xffffffffu;
+
+// The half-edge after h, and the one before it, around their face.
+constexpr std::uint32_t next_half_edge(std::uint32_t h) {
+  return h % 3 == 2 ? h - 2 : h + 1;
+}
+constexpr std::uint32_t previous_half_edge(std::uint32_t h) {
+  return h % 3 == 0 ? h + 2 : h - 1;
+}
+
+struct HalfEdgeMates {
+  // The one other half-edge between the same two vertices, whichever way it runs; kNoHalfEdge if
+  // there is none, or more than one.
+  std::vector<std::uint32_t> any;
+  // The same, but only where the two run opposite ways: where their faces are oriented alike.
+  std::vector<std::uint32_t> aligned;
+  std::size_t boundary_edges = 0;      // edges with one face
+  std::size_t non_manifold_edges = 0;  // edges with three faces or more, or two not aligned
+};
+
+// Pairs the half-edges of faces with three different vertices each, all less than vertex_count, no
+// two faces with the same three. Fewer than 2^32 / 3 faces. O(n log n) at worst.
+HalfEdgeMates match_half_edges(const std::vector<Triangle>& faces, std::size_t vertex_count);
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+#pragma once
+
+// Distance from a point to one triangle, robust on slivers.
+
+#include "geometry/types.h"
+
+namespace palpate {
+
+enum class TriangleFeature : std::uint8_t { kFace, kEdge, kVertex };
+
+// A triangle with its unit normal (counter-clockwise from the front). Any frame, metres.
+struct TriangleGeometry {
+  Vec3 a, b, c;
+  Vec3 normal;
+};
+
+struct TrianglePoint {
+  Vec3 point;       // on the closed triangle
+  double distance;  // from the query point, metres, >= 0
+  TriangleFeature feature = TriangleFeature::kFace;
+};
+
+// True iff the projection of p on the plane of t lies in the closed triangle, up to rounding.
+bool prism_contains(const TriangleGeometry& t, const Vec3& p);
+
+// The point of the closed triangle nearest to p. Decides by the given unit normal and by in-plane
+// edge normals rather than by barycentric coordinates, which lose all digits on a sliver.
+// Error: a few ulp of the largest coordinate difference. noexcept, no allocation.
+TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#pragma once
+
+// Vectors and rigid transforms shared by every folder. SI units throughout.
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace palpate {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+// Unaligned, so that the layout of a struct holding one does not depend on the -m flags of the
+// translation unit that includes this header.
+using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise from the front
+
+// A rigid transform named T_to_from: p_to = rotation * p_from + translation_m.
+struct RigidTransform {
+  Quat rotation = Quat::Identity();   // unit quaternion, from -> to
+  Vec3 translation_m = Vec3::Zero();  // origin of "from" in "to", metres
+
+  Vec3 point(const Vec3& p_from) const { return rotation * p_from + translation_m; }
+  Vec3 direction(const Vec3& v_from) const { return rotation * v_from; }
+  Vec3 inverse_point(const Vec3& p_to) const {
+    return rotation.conjugate() * Vec3(p_to - translation_m);
+  }
+  Vec3 inverse_direction(const Vec3& v_to) const { return rotation.conjugate() * v_to; }
+};
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+#pragma once
+
+// Positions that compare equal become one vertex.
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/types.h"
+
+namespace palpate {
+
+struct Weld {
+  std::vector<Vec3> positions_m;         // distinct, in order of first occurrence; no -0
+  std::vector<std::uint32_t> vertex_of;  // per position given: index into positions_m
+};
+
+// Exact: no tolerance, -0 equals +0. Positions: finite, fewer than 2^32 - 1 of them. Expected
+// linear time (hashing). Any frame.
+Weld weld_equal_positions(const std::vector<Vec3>& positions_m);
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#pragma once
+
+// What the proxy can touch: rigid bodies, each with the index of its surface.
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "geometry/surface_index.h"
+#include "geometry/types.h"
+
+namespace palpate {
+
+// A surface placed in the solver frame.
+struct ContactBody {
+  const SurfaceIndex* index;  // in the body frame; outlives the world
+  RigidTransform T_solver_body;
+  bool is_identity;  // the transform changes nothing, not even a bit
+};
+
+// Immutable while a haptic loop uses it.
+//
+// The solver frame has the axes of the scene frame and its origin at anchor_scene_m, the middle of
+// the scene: a scene 1 km from the origin loses no digits in the solver.
+struct ContactWorld {
+  std::vector<ContactBody> bodies;
+  Box bounds_solver;  // around all surfaces
+  Vec3 anchor_scene_m = Vec3::Zero();
+  double size_m = 0.0;  // largest extent of the scene
+
+  Vec3 to_solver(const Vec3& p_scene) const { return p_scene - anchor_scene_m; }
+  Vec3 to_scene(const Vec3& p_solver) const { return p_solver + anchor_scene_m; }
+};
+
+// Lengths the solver decides by, all derived from the scene's size and the format of double.
+struct SolverScale {
+  // The proxy stops this far from a surface, so that rounding can never put it on the other side.
+  // Rounding of a height is at most 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff); 1e-11
+  // leaves three orders of magnitude for the millions of ticks over which heights wander.
+  double stand_off_m;
+  // A step shorter than this is none: the iteration has converged.
+  double step_tolerance_m;
+
+  static constexpr double kStandOffPerSize = 1e-11;
+  static constexpr double kStepPerStandOff = 0.01;
+
+  // radius_m: of the proxy; positions are then exact to the radius' rounding, too.
+  static SolverScale of(double size_m, double radius_m) {
+    const double stand_off =
+        kStandOffPerSize * std::max({size_m, radius_m, std::numeric_limits<double>::min()});
+    return {stand_off, kStepPerStandOff * stand_off};
+  }
+};
+
+}  // namespace palpate

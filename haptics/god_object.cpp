@@ -1,0 +1,210 @@
+#include "haptics/god_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
+// its in-plane normal would have lost half its digits.
+constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
+
+// Unit normals that sum to less than their rounding cancel.
+constexpr double kCancelledNormal = 16 * kEpsilon;
+
+// Normals of two contacts with one face count as the same plane within rounding.
+constexpr double kSameNormalCosine = 1.0 - 8 * kEpsilon;
+
+}  // namespace
+
+GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
+    : settings_(settings), world_bounds_(world.bounds_solver), tracer_(world, settings.radius_m) {
+  // One size of margin: what lies outside cannot touch anything, and what lies inside has
+  // coordinates of the order of the scene, as the stand-off assumes.
+  world_bounds_ = world_bounds_.grown(world.size_m + 2 * settings.radius_m);
+}
+
+void GodObject::place(const Vec3& p) noexcept {
+  proxy_ = p;
+  last_active_count_ = 0;
+  std::array<FaceContact, kMaxContactPlanes> contacts;
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  const double stand_off = scale().stand_off_m;
+  const std::size_t count = tracer_.contacts_near(p, 2 * stand_off, contacts);
+  for (std::size_t i = 0; i < count; ++i) {
+    planes[i] = {contacts[i].normal, stand_off - contacts[i].clearance_m};
+  }
+  const PlaneProjection lift =
+      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
+  if (lift.solved) proxy_ += lift.displacement_m;
+}
+
+ProxyState GodObject::move_to(const Vec3& goal,
+                              const std::optional<Vec3>& motion_plane_normal) noexcept {
+  goal_ = goal;
+  motion_plane_normal_ = motion_plane_normal;
+  seed_from_last_tick();
+  bool began_empty = plane_count_ == 0;
+  Vec3 round_start = proxy_;
+  bool capped = true;
+  int iteration = 0;
+  while (capped && iteration < settings_.max_iterations) {
+    ++iteration;
+    const Progress progress = take_step();
+    if (progress == Progress::kStopped) continue;
+    // A round ends where its planes let the proxy go no nearer. That is the local minimum if the
+    // faces of those planes are really there, or if a round from scratch ends where it began.
+    const double moved = (proxy_ - round_start).norm();
+    const bool at_minimum = progress == Progress::kMoved && settled();
+    if (at_minimum || (began_empty && moved <= scale().step_tolerance_m)) {
+      capped = false;
+      break;
+    }
+    plane_count_ = 0;
+    began_empty = true;
+    round_start = proxy_;
+  }
+  keep_active_for_next_tick();
+  return report(iteration, capped);
+}
+
+void GodObject::seed_from_last_tick() {
+  plane_count_ = 0;
+  projection_ = {};
+  for (int i = 0; i < last_active_count_; ++i) {
+    const FaceContact& last = last_active_[i];
+    const FaceContact now = tracer_.contact_at(last.face, proxy_, last.normal);
+    if (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_)) continue;
+    add_plane(now);
+  }
+}
+
+GodObject::Progress GodObject::take_step() {
+  if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
+  projection_ = project_onto_planes(
+      std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_)), goal_ - proxy_);
+  if (!projection_.solved) return Progress::kStuck;
+  Vec3 step = projection_.displacement_m;
+  if (step.norm() <= scale().step_tolerance_m) return Progress::kMoved;
+  double enter = 0.0;
+  double leave = 1.0;
+  const bool inside = world_bounds_.clip(proxy_, step, enter, leave);
+  const bool leaves = inside && leave < 1.0;
+  if (leaves) step *= leave;  // nothing to touch beyond
+  const std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
+  if (!hit) {
+    advance(step);
+    if (projection_.active_count == 0 && !leaves) proxy_ = goal_;  // to the bit
+    return leaves ? Progress::kStuck : Progress::kMoved;
+  }
+  advance(hit->fraction * step);
+  const bool is_new = add_plane(hit->contact);
+  const bool moved = hit->fraction * step.norm() > scale().step_tolerance_m;
+  return is_new || moved ? Progress::kStopped : Progress::kStuck;
+}
+
+// Takes a proxy that is outside everything straight to where things begin. False if it has reached
+// the goal without meeting anything.
+bool GodObject::enter_bounds() {
+  if (world_bounds_.squared_distance(proxy_) == 0.0) return true;
+  const Vec3 step = goal_ - proxy_;
+  double enter = 0.0;
+  double leave = 1.0;
+  projection_ = {};
+  projection_.solved = true;
+  if (!world_bounds_.clip(proxy_, step, enter, leave)) {
+    proxy_ = goal_;
+    return false;
+  }
+  proxy_ += enter * step;
+  return true;
+}
+
+// False if the very same plane was there already.
+bool GodObject::add_plane(const FaceContact& contact) {
+  Vec3 normal = contact.normal;
+  double room = contact.clearance_m - scale().stand_off_m;
+  if (motion_plane_normal_) {
+    normal -= normal.dot(*motion_plane_normal_) * *motion_plane_normal_;
+    const double in_plane = normal.norm();
+    if (in_plane < kMinInPlaneNormal) return false;
+    normal /= in_plane;
+    room /= in_plane;
+  }
+  // Never negative room: the proxy is where it is, and must stay feasible.
+  const ContactPlane plane{normal, std::min(0.0, -room)};
+  for (int i = 0; i < plane_count_; ++i) {
+    if (contacts_[i].face != contact.face ||
+        planes_of_contact_[i].normal.dot(normal) < kSameNormalCosine) {
+      continue;
+    }
+    planes_of_contact_[i] = plane;
+    contacts_[i] = contact;
+    return false;
+  }
+  if (plane_count_ == kMaxContactPlanes) drop_inactive_planes();
+  planes_of_contact_[plane_count_] = plane;
+  contacts_[plane_count_] = contact;
+  ++plane_count_;
+  return true;
+}
+
+void GodObject::drop_inactive_planes() {
+  const auto& active = projection_.active;  // in ascending order, so moving down is safe
+  for (int i = 0; i < projection_.active_count; ++i) {
+    planes_of_contact_[i] = planes_of_contact_[active[i]];
+    contacts_[i] = contacts_[active[i]];
+  }
+  plane_count_ = projection_.active_count;
+}
+
+void GodObject::advance(const Vec3& displacement) {
+  proxy_ += displacement;
+  for (int i = 0; i < plane_count_; ++i) {
+    ContactPlane& plane = planes_of_contact_[i];
+    plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
+  }
+}
+
+// True iff every face that pushes is really there, under the proxy, and not only its plane.
+bool GodObject::settled() const {
+  for (int i = 0; i < projection_.active_count; ++i) {
+    if (!tracer_.is_over(contacts_[projection_.active[i]], proxy_)) return false;
+  }
+  return true;
+}
+
+void GodObject::keep_active_for_next_tick() {
+  last_active_count_ = projection_.active_count;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    last_active_[i] = contacts_[projection_.active[i]];
+  }
+}
+
+ProxyState GodObject::report(int iterations, bool capped) const {
+  ProxyState state;
+  state.proxy = proxy_;
+  state.iterations = iterations;
+  state.capped = capped;
+  const Vec3 lag = proxy_ - goal_;
+  state.in_contact = lag.norm() > scale().stand_off_m;
+  if (!state.in_contact) return state;
+  state.active_planes = projection_.active_count;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    state.normal += planes_of_contact_[projection_.active[i]].normal;
+  }
+  if (projection_.active_count == 0) {
+    state.normal = lag.normalized();  // cut short by the cap before a plane was reached
+  } else if (state.normal.norm() <= kCancelledNormal) {
+    state.normal.setZero();
+  } else {
+    state.normal.normalize();
+  }
+  return state;
+}
+
+}  // namespace palpate

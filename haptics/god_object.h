@@ -1,0 +1,90 @@
+#pragma once
+
+// The god-object: the proxy that stays on the surface while the device point goes into it.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "haptics/contact_world.h"
+#include "haptics/plane_projection.h"
+#include "haptics/segment_tracer.h"
+
+namespace palpate {
+
+struct GodObjectSettings {
+  double radius_m = 0.0;    // 0: a point
+  int max_iterations = 64;  // projections a tick; a capped proxy is feasible, only less near
+};
+
+// What one step found. Solver frame, metres.
+struct ProxyState {
+  Vec3 proxy = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  // normalised average of the active planes; 0 if they cancel or none
+  bool in_contact = false;     // |proxy - goal| exceeds the stand-off
+  int active_planes = 0;       // that push
+  int iterations = 0;
+  bool capped = false;  // stopped by max_iterations before it converged
+};
+
+// The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
+// within the tick: it moves to the local minimum of the distance to the goal that is reached from
+// where it was along a feasible path of decreasing distance. On the way it collides continuously
+// with every triangle (SegmentTracer), and each piece of the path it commits is certified free.
+//
+// Monotone: no piece of the path increases the distance to the goal by more than rounding, whatever
+// the cap; with a fixed mesh this gives the energy certificate of a passive spring.
+//
+// No allocation, lock or exception after construction. Not thread-safe: one thread owns it.
+class GodObject {
+ public:
+  // The world must outlive the god-object.
+  GodObject(const ContactWorld& world, const GodObjectSettings& settings);
+
+  // Puts the proxy at p. If that is within a stand-off of the surface, where sides cannot be told,
+  // it is lifted to the front of the faces there by as much.
+  void place(const Vec3& p) noexcept;
+
+  // Moves the proxy towards goal. Given motion_plane_normal (unit), proxy and goal both keep to the
+  // plane through the goal with that normal, and contact normals are the in-plane ones.
+  ProxyState move_to(const Vec3& goal,
+                     const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
+
+  const Vec3& proxy() const { return proxy_; }
+  const SolverScale& scale() const { return tracer_.scale(); }
+
+ private:
+  enum class Progress : std::uint8_t {
+    kMoved,    // as near as the present planes allow
+    kStopped,  // met another face on the way
+    kStuck     // no use going on with these planes
+  };
+
+  void seed_from_last_tick();
+  Progress take_step();
+  bool enter_bounds();
+  bool add_plane(const FaceContact& contact);
+  void drop_inactive_planes();
+  void advance(const Vec3& displacement);
+  bool settled() const;
+  void keep_active_for_next_tick();
+  ProxyState report(int iterations, bool capped) const;
+
+  GodObjectSettings settings_;
+  Box world_bounds_;
+  SegmentTracer tracer_;
+  Vec3 proxy_ = Vec3::Zero();
+  Vec3 goal_ = Vec3::Zero();
+  std::optional<Vec3> motion_plane_normal_;
+
+  // The planes met in this round, and the contacts they come from.
+  std::array<ContactPlane, kMaxContactPlanes> planes_of_contact_{};
+  std::array<FaceContact, kMaxContactPlanes> contacts_{};
+  int plane_count_ = 0;
+  PlaneProjection projection_;
+
+  std::array<FaceContact, 3> last_active_{};
+  int last_active_count_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+#include "haptics/haptic_loop.h"
+
+#include <cmath>
+#include <optional>
+
+namespace palpate {
+
+HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
+                       const HapticSettings& settings)
+    : world_(&world),
+      actuation_(actuation),
+      settings_(settings),
+      god_object_(world, settings.god_object),
+      coupling_(settings.coupling),
+      theoretical_rotation_(actuation, settings.a4.table1),
+      T_device_scene_(settings.initial_pose) {
+  record_.tick = ~std::uint64_t{0};  // the first tick is 0
+}
+
+const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
+  ++record_.tick;
+  record_.T_device_scene = T_device_scene_;
+  record_.faults = get_user_motion(p_device_m, dt_s);  // action 1
+  if (record_.faults != kFaultNone) {
+    record_.force_device_N.setZero();
+    record_.full_force_device_N.setZero();
+    coupling_.reset();
+    return record_;
+  }
+  apply_user_motion();    // action 2
+  detect_collision();     // action 3
+  find_contact_normal();  // action 4
+  render_force(dt_s);
+  const AxisAngle theoretical = find_theoretical_rotation();  // action 5
+  apply_elementary_rotation(theoretical, dt_s);               // action 6
+  return record_;
+}
+
+// Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
+std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
+  record_.device_m = p_device_m;
+  if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
+  if (!std::isfinite(dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
+  if (has_proxy_) record_.time_s += dt_s;
+  if (!std::isfinite(record_.device_m.squaredNorm())) return kFaultNonFiniteSample;
+  return kFaultNone;
+}
+
+// Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
+// proxy stays at the display's centre; that is display_transform(), the contact is the same.
+void HapticLoop::apply_user_motion() {
+  record_.goal_m = T_device_scene_.inverse_point(record_.device_m);
+}
+
+// Action 3: the god-object follows the device point and stops at surfaces.
+void HapticLoop::detect_collision() {
+  const Vec3 goal_solver = world_->to_solver(record_.goal_m);
+  if (!has_proxy_) god_object_.place(goal_solver);
+  has_proxy_ = true;
+  std::optional<Vec3> motion_plane_normal;
+  if (actuation_.is_planar()) {
+    motion_plane_normal = T_device_scene_.inverse_direction(Vec3::UnitZ());
+  }
+  proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal);
+  record_.contact = proxy_state_.in_contact;
+  record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
+  record_.solver_iterations = proxy_state_.iterations;
+  if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
+}
+
+// Action 4: the normalised average of the normals in contact, and its angle to what can be pushed.
+void HapticLoop::find_contact_normal() {
+  record_.normal_scene = record_.contact ? proxy_state_.normal : Vec3(Vec3::Zero());
+  const Vec3 normal_device = T_device_scene_.direction(record_.normal_scene);
+  record_.alpha_rad =
+      normal_device.isZero(0.0) ? 0.0 : actuation_.angle_to_actuated_rad(normal_device);
+}
+
+void HapticLoop::render_force(double dt_s) {
+  record_.full_force_device_N.setZero();
+  record_.force_device_N.setZero();
+  if (!record_.contact) {
+    coupling_.reset();
+    return;
+  }
+  const Vec3 lag = proxy_state_.proxy - world_->to_solver(record_.goal_m);
+  record_.full_force_device_N =
+      T_device_scene_.direction(coupling_.force_N(lag, record_.normal_scene, dt_s));
+  switch (settings_.force) {
+    case ForceMode::kNone:
+      break;
+    case ForceMode::kActuated:
+      record_.force_device_N = actuation_.actuated_part(record_.full_force_device_N);
+      break;
+    case ForceMode::kFull:
+      record_.force_device_N = record_.full_force_device_N;
+      break;
+  }
+}
+
+// Action 5: Table 1. Nothing out of contact.
+AxisAngle HapticLoop::find_theoretical_rotation() {
+  if (!record_.contact) theoretical_rotation_.reset();
+  if (!record_.contact || !settings_.a4.enabled) return {};
+  return theoretical_rotation_.update(T_device_scene_.direction(record_.normal_scene));
+}
+
+// Action 6: Figure 3. The pivot is the proxy: it stays feasible, and the spring gains no energy.
+void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double dt_s) {
+  if (theoretical.angle_rad == 0.0) return;
+  const double angle_rad =
+      elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
+  T_device_scene_ =
+      turned_about(T_device_scene_, record_.proxy_m, {theoretical.axis_device, angle_rad});
+}
+
+}  // namespace palpate

@@ -1,0 +1,110 @@
+#pragma once
+
+// One tick of haptic rendering with A4: device position in, force and scene pose out.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "haptics/actuation.h"
+#include "haptics/contact_world.h"
+#include "haptics/elementary_rotation.h"
+#include "haptics/god_object.h"
+#include "haptics/scene_pose.h"
+#include "haptics/theoretical_rotation.h"
+#include "haptics/virtual_coupling.h"
+
+namespace palpate {
+
+// Which part of the coupling force the actuators are told. Independent of what A4 aligns with.
+enum class ForceMode : std::uint8_t {
+  kNone,
+  kActuated,  // projected on the actuated axes
+  kFull       // as if every axis had an actuator
+};
+
+struct A4Settings {
+  bool enabled = true;
+  Table1Form table1 = Table1Form::kCorrected;
+  RotationProfile profile;
+  StepRule step = StepRule::kExact;
+};
+
+struct HapticSettings {
+  GodObjectSettings god_object;
+  CouplingSettings coupling;
+  ForceMode force = ForceMode::kActuated;
+  A4Settings a4;
+  double plane_height_m = 0.0;  // 2 sensors: device and proxy keep to z_device = this
+  ScenePose initial_pose;       // T_device_scene at the first tick
+};
+
+// Fault bits of a tick. A fault never stops the loop; the next good sample carries on.
+enum Fault : std::uint32_t {
+  kFaultNone = 0,
+  kFaultNonFiniteSample = 1u << 0,  // NaN, infinite, or so large that its square is: zero force
+  kFaultBadTimeStep = 1u << 1,      // dt zero, negative or not finite: zero force
+  kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
+};
+inline constexpr int kFaultCount = 3;
+inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
+    "non_finite_sample", "bad_time_step", "solver_capped"};
+
+// One instant: everything before the elementary rotation of that tick.
+struct TickRecord {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;               // sum of the good dt before this tick
+  Vec3 device_m = Vec3::Zero();      // device frame, as sensed
+  Vec3 goal_m = Vec3::Zero();        // scene frame: the device point
+  Vec3 proxy_m = Vec3::Zero();       // scene frame; equals goal off contact
+  Vec3 normal_scene = Vec3::Zero();  // unit; zero off contact or where planes cancel
+  Vec3 full_force_device_N = Vec3::Zero();
+  Vec3 force_device_N = Vec3::Zero();  // commanded, acting on the hand
+  ScenePose T_device_scene;
+  double alpha_rad = 0.0;  // normal to actuated axes, [0, pi/2]; 0 off contact
+  bool contact = false;
+  std::uint32_t faults = kFaultNone;
+  int solver_iterations = 0;
+};
+
+// The six actions of A4 (Lecuyer et al. 2005, section 3), each tick, on one thread.
+//
+// No allocation, lock, I/O or exception after construction. Deterministic: the same world, settings
+// and samples give the same bits.
+class HapticLoop {
+ public:
+  // The world must outlive the loop.
+  HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
+             const HapticSettings& settings);
+
+  // p_device_m: the sensed position. dt_s: time since the last tick. The first sample sets the
+  // proxy. A bad sample holds the last state, commands zero force and sets a fault bit.
+  const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
+
+  // The pose after the last tick's elementary rotation: what a display should show.
+  const ScenePose& T_device_scene() const { return T_device_scene_; }
+  double stand_off_m() const { return god_object_.scale().stand_off_m; }
+
+ private:
+  std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
+  void apply_user_motion();
+  void detect_collision();
+  void find_contact_normal();
+  void render_force(double dt_s);
+  AxisAngle find_theoretical_rotation();
+  void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
+
+  const ContactWorld* world_;
+  ActuationModel actuation_;
+  HapticSettings settings_;
+  GodObject god_object_;
+  VirtualCoupling coupling_;
+  TheoreticalRotation theoretical_rotation_;
+
+  ScenePose T_device_scene_;
+  ProxyState proxy_state_;
+  TickRecord record_;
+  bool has_proxy_ = false;
+};
+
+}  // namespace palpate

@@ -1,0 +1,111 @@
+#include "haptics/plane_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace palpate {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// Normals whose cross product is smaller than their own rounding are parallel: no edge to solve on.
+constexpr double kParallelSine = 8 * kEpsilon;
+
+// Likewise for three normals in one plane.
+constexpr double kCoplanarVolume = 64 * kEpsilon;
+
+// A plane is violated only by more than the rounding of evaluating it.
+constexpr double kViolationRoundoff = 16 * kEpsilon;
+
+// Rounding of the difference of two squared distances, relative to either: 4 for each norm, 8 for
+// normals of which the length is 1 to within 2 ulp and counts to the fourth power, doubled.
+constexpr double kMonotoneRoundoff = 32 * kEpsilon;
+
+using Candidate = std::optional<Vec3>;
+
+Candidate on_one(const ContactPlane& i, const Vec3& target) {
+  const double multiplier = i.offset_m - i.normal.dot(target);
+  if (multiplier < 0.0) return std::nullopt;
+  return Vec3(target + multiplier * i.normal);
+}
+
+Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& target) {
+  const Vec3 edge = i.normal.cross(j.normal);
+  const double sine = edge.norm();
+  if (sine <= kParallelSine) return std::nullopt;
+  const Vec3 along = edge / sine;
+  const Vec3 across = along.cross(i.normal);  // completes i.normal and along to a basis
+  const double cosine = i.normal.dot(j.normal);
+  const double height = (j.offset_m - cosine * i.offset_m) / sine;
+  const double multiplier_j = (height - target.dot(across)) / sine;
+  const double multiplier_i = i.offset_m - target.dot(i.normal) - multiplier_j * cosine;
+  if (multiplier_i < 0.0 || multiplier_j < 0.0) return std::nullopt;
+  return Vec3(i.offset_m * i.normal + height * across + target.dot(along) * along);
+}
+
+Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPlane& k,
+                   const Vec3& target) {
+  const Vec3 jk = j.normal.cross(k.normal);
+  const Vec3 ki = k.normal.cross(i.normal);
+  const Vec3 ij = i.normal.cross(j.normal);
+  const double volume = i.normal.dot(jk);
+  if (std::abs(volume) <= kCoplanarVolume) return std::nullopt;
+  const Vec3 y = (i.offset_m * jk + j.offset_m * ki + k.offset_m * ij) / volume;
+  const Vec3 push = (y - target) / volume;
+  if (push.dot(jk) < 0.0 || push.dot(ki) < 0.0 || push.dot(ij) < 0.0) return std::nullopt;
+  return y;
+}
+
+bool satisfies_others(std::span<const ContactPlane> planes, const PlaneProjection& p) {
+  const auto used = std::span(p.active).first(static_cast<std::size_t>(p.active_count));
+  for (int j = 0; j < static_cast<int>(planes.size()); ++j) {
+    if (std::find(used.begin(), used.end(), j) != used.end()) continue;
+    const ContactPlane& plane = planes[static_cast<std::size_t>(j)];
+    const double tolerance =
+        kViolationRoundoff * (p.displacement_m.norm() + std::abs(plane.offset_m));
+    if (plane.normal.dot(p.displacement_m) < plane.offset_m - tolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
+                                    Feasibility start) noexcept {
+  PlaneProjection result;
+  const auto accept = [&](const Candidate& y, std::array<int, 3> active, int count) {
+    if (!y) return false;
+    // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
+    // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
+    const double gain =
+        start == Feasibility::kMustMove ? 0.0 : target.squaredNorm() - (*y - target).squaredNorm();
+    if (gain < -kMonotoneRoundoff * target.squaredNorm()) return false;
+    result.displacement_m = gain < 0.0 ? Vec3(Vec3::Zero()) : *y;
+    result.active = active;
+    result.active_count = count;
+    result.solved = satisfies_others(planes, result);
+    return result.solved;
+  };
+  const int n = static_cast<int>(planes.size());
+  if (accept(target, {}, 0)) return result;
+  for (int i = 0; i < n; ++i) {
+    if (accept(on_one(planes[i], target), {i}, 1)) return result;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) {
+      if (accept(on_two(planes[i], planes[j], target), {i, j}, 2)) return result;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) {
+      for (int k = j + 1; k < n; ++k) {
+        if (accept(on_three(planes[i], planes[j], planes[k], target), {i, j, k}, 3)) return result;
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace palpate

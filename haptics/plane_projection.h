@@ -1,0 +1,38 @@
+#pragma once
+
+// The god-object's subproblem: the point nearest to the goal that violates no contact plane.
+
+#include <array>
+#include <span>
+
+#include "geometry/types.h"
+
+namespace palpate {
+
+// Half-space normal . y >= offset_m of displacements y from the proxy.
+struct ContactPlane {
+  Vec3 normal;      // unit, towards the proxy's side
+  double offset_m;  // minus the room the proxy still has towards the surface: <= 0 if feasible
+};
+
+// Whether y = 0 is known to satisfy every plane. Then no answer is farther from the target than it.
+enum class Feasibility : std::uint8_t { kAtStart, kMustMove };
+
+// Which planes hold the answer, and the answer.
+struct PlaneProjection {
+  Vec3 displacement_m = Vec3::Zero();
+  std::array<int, 3> active{};  // indices of the planes that push, first active_count valid
+  int active_count = 0;
+  bool solved = false;  // false: rounding hid the solution, displacement 0 is what remains
+};
+
+// Minimises |y - target|^2 subject to every plane (at most kMaxContactPlanes), exactly: the one
+// subset of up to three planes whose equality solution has multipliers >= 0 and violates no other
+// plane. Zilles & Salisbury 1995, section 4, by enumeration instead of a 6 x 6 system. Planes whose
+// normals lie in one plane (a device with two sensors) simply never form a triple.
+PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
+                                    Feasibility start = Feasibility::kAtStart) noexcept;
+
+inline constexpr int kMaxContactPlanes = 8;
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#pragma once
+
+// How far a proxy can move before it meets one triangle. Frame of the triangle, metres.
+
+#include "geometry/triangle.h"
+#include "geometry/types.h"
+
+namespace palpate {
+
+// Where a step of the proxy is stopped by one triangle.
+struct TriangleHit {
+  Vec3 normal;           // unit, from the triangle to the proxy
+  double clearance_m;    // between the proxy's surface and the triangle at the stopping point
+  double fraction;       // of the step up to the stopping point
+  double meet_fraction;  // of the step up to the meeting
+  TriangleFeature feature;
+  Vec3 feature_point;  // the point of the triangle that is met
+};
+
+// Point proxy from p to p + d; it is stopped stand_off_m above the triangle, measured along the
+// normal, or where it is if that is nearer. Returns false if the two certainly do not meet.
+bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double stand_off_m,
+                 TriangleHit& hit) noexcept;
+
+// Sphere of radius_m > 0 whose centre goes from p to p + d; stopped when radius_m + stand_off_m
+// from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
+// but not come nearer.
+//
+// The distance to a triangle is convex along the step, so Newton's iteration from the start never
+// passes the first contact: each tangent lies below the distance, and a tangent that stays above
+// the target to the end of the step proves that there is no contact.
+bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double radius_m,
+                  double stand_off_m, TriangleHit& hit) noexcept;
+
+}  // namespace palpate

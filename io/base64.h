@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+// RFC 4648, section 4, with or without the padding; nothing if the text is not base64.
+std::optional<std::vector<std::uint8_t>> base64_decoded(std::string_view text);
+
+}  // namespace palpate

@@ -1,0 +1,319 @@
+#include "io/gltf_accessor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include "io/gltf_error.h"
+#include "io/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+// Elements of equal size at equal distances. All of them lie within first.
+struct ElementRange {
+  Bytes first;  // from the first byte of element 0 on
+  std::size_t stride = 0;
+  std::size_t count = 0;
+};
+
+// What one element of an accessor is made of.
+struct ElementLayout {
+  int component_type = 0;  // TINYGLTF_COMPONENT_TYPE_...
+  std::size_t components = 1;
+  bool normalized = false;
+
+  std::size_t bytes() const {
+    return components * static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(
+                            static_cast<std::uint32_t>(component_type)));
+  }
+};
+
+std::string name_of(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return "signed 8-bit integers";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return "unsigned 8-bit integers";
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return "signed 16-bit integers";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return "unsigned 16-bit integers";
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return "unsigned 32-bit integers";
+    default:
+      return "32-bit floats";
+  }
+}
+
+// The bytes of a buffer view. A decoder of compressed views has its place here.
+Result<Bytes> view_bytes(const GltfAsset& asset, std::size_t view_id) {
+  const tinygltf::BufferView& view = asset.model.bufferViews[view_id];
+  const auto buffer = asset.buffers.bytes(static_cast<std::size_t>(view.buffer));
+  if (!buffer) return buffer.error();
+  if (view.byteOffset > buffer->size() || view.byteLength > buffer->size() - view.byteOffset) {
+    return gltf_invalid(gltf_element("bufferViews", view_id),
+                        "its byteOffset " + std::to_string(view.byteOffset) + " and byteLength " +
+                            std::to_string(view.byteLength) + " reach beyond buffer " +
+                            std::to_string(view.buffer) + " of " + std::to_string(buffer->size()) +
+                            " bytes");
+  }
+  return buffer->subspan(view.byteOffset, view.byteLength);
+}
+
+// count elements of element_bytes each, from byte_offset of the view on. count and element_bytes
+// are at least 1. element: for messages.
+Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
+                                   std::size_t byte_offset, std::size_t count,
+                                   std::size_t element_bytes, const std::string& element) {
+  const auto view = view_bytes(asset, view_id);
+  if (!view) return view.error();
+  const std::size_t declared_stride = asset.model.bufferViews[view_id].byteStride;
+  const std::size_t stride = declared_stride == 0 ? element_bytes : declared_stride;
+  if (stride < element_bytes) {
+    return gltf_invalid(gltf_element("bufferViews", view_id, "byteStride"),
+                        "is " + std::to_string(stride) + ", but an element of " + element +
+                            " has " + std::to_string(element_bytes) + " bytes");
+  }
+  // Written with divisions and differences only, because the sums and products may wrap.
+  const bool fits = byte_offset <= view->size() && element_bytes <= view->size() - byte_offset &&
+                    count - 1 <= (view->size() - byte_offset - element_bytes) / stride;
+  if (!fits) {
+    return gltf_invalid(
+        element, std::to_string(count) + " elements of " + std::to_string(element_bytes) +
+                     " bytes at stride " + std::to_string(stride) + " from byteOffset " +
+                     std::to_string(byte_offset) + " reach beyond bufferView " +
+                     std::to_string(view_id) + " of " + std::to_string(view->size()) + " bytes");
+  }
+  return ElementRange{view->subspan(byte_offset), stride, count};
+}
+
+template <typename Component, typename Out>
+Out decoded(Component stored, bool normalized) {
+  if constexpr (std::is_integral_v<Component> && std::is_floating_point_v<Out>) {
+    // Section 3.6.2.2: c / max, and for signed types not below -1.
+    constexpr Out kLargest = std::numeric_limits<Component>::max();
+    if (normalized) return std::max(static_cast<Out>(stored) / kLargest, Out{-1});
+  }
+  return static_cast<Out>(stored);
+}
+
+// Element i of the range goes to element target(i) of out.
+template <typename Component, typename Out, typename Target>
+void decode_as(const ElementRange& range, const ElementLayout& layout, const Target& target,
+               Out* out) {
+  for (std::size_t i = 0; i < range.count; ++i) {
+    const std::uint8_t* element = range.first.data() + i * range.stride;
+    Out* destination = out + target(i) * layout.components;
+    for (std::size_t c = 0; c < layout.components; ++c) {
+      Component stored;
+      std::memcpy(&stored, element + c * sizeof stored, sizeof stored);
+      destination[c] = decoded<Component, Out>(stored, layout.normalized);
+    }
+  }
+}
+
+template <typename Out, typename Target>
+void decode(const ElementRange& range, const ElementLayout& layout, const Target& target,
+            Out* out) {
+  switch (layout.component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return decode_as<std::int8_t>(range, layout, target, out);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return decode_as<std::uint8_t>(range, layout, target, out);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return decode_as<std::int16_t>(range, layout, target, out);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return decode_as<std::uint16_t>(range, layout, target, out);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return decode_as<std::uint32_t>(range, layout, target, out);
+    default:
+      // Indices, decoded into integers, are never floats: converting those could overflow.
+      if constexpr (std::is_floating_point_v<Out>) decode_as<float>(range, layout, target, out);
+  }
+}
+
+bool is_index_type(int component_type) {
+  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+         component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+         component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+// Which elements of an accessor of the given size are replaced.
+Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
+                                                  const tinygltf::Accessor& accessor,
+                                                  const std::string& element) {
+  const auto& sparse = accessor.sparse;
+  const ElementLayout layout{sparse.indices.componentType, 1, false};
+  if (!is_index_type(layout.component_type)) {
+    return gltf_invalid(
+        element + "/sparse/indices/componentType",
+        "stands for " + name_of(layout.component_type) + "; expected unsigned integers");
+  }
+  const auto count = static_cast<std::size_t>(sparse.count);
+  const auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
+                                   static_cast<std::size_t>(sparse.indices.byteOffset), count,
+                                   layout.bytes(), element + "/sparse/indices");
+  if (!range) return range.error();
+  std::vector<std::uint32_t> targets(count);
+  decode(
+      *range, layout, [](std::size_t i) { return i; }, targets.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (targets[i] >= accessor.count || (i > 0 && targets[i] <= targets[i - 1])) {
+      return gltf_invalid(element + "/sparse/indices",
+                          "element " + std::to_string(i) + " is " + std::to_string(targets[i]) +
+                              "; expected rising values below " + std::to_string(accessor.count));
+    }
+  }
+  return targets;
+}
+
+template <typename Out>
+std::optional<Error> apply_sparse(const GltfAsset& asset, const tinygltf::Accessor& accessor,
+                                  const ElementLayout& layout, const std::string& element,
+                                  Out* out) {
+  const auto& sparse = accessor.sparse;
+  if (sparse.count < 1 || static_cast<std::size_t>(sparse.count) > accessor.count) {
+    return gltf_invalid(element + "/sparse/count",
+                        "is " + std::to_string(sparse.count) + "; expected 1 to " +
+                            std::to_string(accessor.count) + ", the count of the accessor");
+  }
+  const auto targets = sparse_targets(asset, accessor, element);
+  if (!targets) return targets.error();
+  const auto values = range_in_view(asset, static_cast<std::size_t>(sparse.values.bufferView),
+                                    static_cast<std::size_t>(sparse.values.byteOffset),
+                                    targets->size(), layout.bytes(), element + "/sparse/values");
+  if (!values) return values.error();
+  decode(
+      *values, layout, [&](std::size_t i) { return (*targets)[i]; }, out);
+  return std::nullopt;
+}
+
+// Writes all elements to out, which holds zeros and has room for them.
+template <typename Out>
+std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accessor_id, Out* out) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  const std::string element = gltf_element("accessors", accessor_id);
+  const ElementLayout layout{accessor.componentType,
+                             static_cast<std::size_t>(tinygltf::GetNumComponentsInType(
+                                 static_cast<std::uint32_t>(accessor.type))),
+                             accessor.normalized};
+  if (accessor.bufferView >= 0) {
+    const auto range = range_in_view(asset, static_cast<std::size_t>(accessor.bufferView),
+                                     accessor.byteOffset, accessor.count, layout.bytes(), element);
+    if (!range) return range.error();
+    decode(
+        *range, layout, [](std::size_t i) { return i; }, out);
+  }
+  if (accessor.sparse.isSparse) return apply_sparse(asset, accessor, layout, element, out);
+  return std::nullopt;
+}
+
+// Common to all accessors; without it the sizes of the file must not be used to allocate.
+std::optional<Error> check_data_and_count(const tinygltf::Accessor& accessor,
+                                          std::size_t accessor_id, std::size_t max_count) {
+  if (accessor.bufferView < 0 && !accessor.sparse.isSparse) {
+    return gltf_error(ErrorCode::kUnsupported, gltf_element("accessors", accessor_id),
+                      "has neither bufferView nor sparse, so no data",
+                      "if the mesh is compressed, export it without compression");
+  }
+  if (accessor.count == 0) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "count"),
+                        "is 0; expected 1 or more");
+  }
+  if (accessor.count > max_count) {
+    return gltf_error(ErrorCode::kLimitExceeded, gltf_element("accessors", accessor_id, "count"),
+                      "is " + std::to_string(accessor.count) + "; at most " +
+                          std::to_string(max_count) + " can still be read");
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor_id) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (accessor.type != TINYGLTF_TYPE_VEC3) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
+                        "is not VEC3, as positions must be");
+  }
+  const int type = accessor.componentType;
+  if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    if (!accessor.normalized) return std::nullopt;
+    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
+                        "is true for floats; expected integers");
+  }
+  if (asset.mesh_quantization && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return std::nullopt;
+  return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
+                      "stands for " + name_of(type) + "; expected 32-bit floats for positions",
+                      asset.mesh_quantization
+                          ? "KHR_mesh_quantization allows 8-bit and 16-bit integers"
+                          : "integers need KHR_mesh_quantization in extensionsUsed");
+}
+
+std::optional<Error> check_index_type(const tinygltf::Accessor& accessor, std::size_t accessor_id) {
+  if (accessor.type != TINYGLTF_TYPE_SCALAR) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
+                        "is not SCALAR, as indices must be");
+  }
+  if (!is_index_type(accessor.componentType)) {
+    return gltf_invalid(
+        gltf_element("accessors", accessor_id, "componentType"),
+        "stands for " + name_of(accessor.componentType) + "; expected unsigned integers");
+  }
+  if (accessor.normalized) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
+                        "is true; expected false for indices");
+  }
+  return std::nullopt;
+}
+
+// 255, 65535 or 4294967295
+std::uint32_t restart_value(int component_type) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
+  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu : 0xffffffffu;
+}
+
+}  // namespace
+
+Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor_id,
+                                         std::size_t max_count) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (auto error = check_position_type(asset, accessor_id)) return *error;
+  if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  std::vector<Vec3> positions(accessor.count, Vec3::Zero());
+  if (auto error = decode_accessor(asset, accessor_id, positions.front().data())) return *error;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!positions[i].allFinite()) {
+      return gltf_invalid(gltf_element("accessors", accessor_id),
+                          "position " + std::to_string(i) + " is not finite");
+    }
+  }
+  return positions;
+}
+
+Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor_id,
+                                                std::size_t max_count) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (auto error = check_index_type(accessor, accessor_id)) return *error;
+  if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  std::vector<std::uint32_t> indices(accessor.count);
+  if (auto error = decode_accessor(asset, accessor_id, indices.data())) return *error;
+  const auto restart =
+      std::find(indices.begin(), indices.end(), restart_value(accessor.componentType));
+  if (restart != indices.end()) {
+    return gltf_invalid(gltf_element("accessors", accessor_id),
+                        "index " + std::to_string(restart - indices.begin()) + " is " +
+                            std::to_string(*restart) +
+                            ", the largest of its type, which glTF does not allow");
+  }
+  return indices;
+}
+
+}  // namespace palpate

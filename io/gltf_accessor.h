@@ -1,0 +1,38 @@
+#pragma once
+
+// Decoding of accessors (glTF 2.0, section 3.6.2): base view and stride, sparse values with or
+// without a base view, all component types, normalised integers.
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/result.h"
+#include "geometry/types.h"
+#include "io/gltf_buffers.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace palpate {
+
+// One asset while it is read. The ids in the model are within range (see gltf_schema.h); sizes and
+// offsets are not to be trusted.
+struct GltfAsset {
+  const tinygltf::Model& model;
+  GltfBuffers& buffers;
+  bool mesh_quantization = false;  // integer positions are allowed
+};
+
+// The elements of a VEC3 accessor: 32-bit floats, or, if integers are allowed, the values that
+// these stand for. All finite. Fails if it has more than max_count elements (kLimitExceeded) or
+// none, before anything is allocated.
+Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor,
+                                         std::size_t max_count);
+
+// The elements of an accessor of unsigned integer scalars that are not normalised. The value that
+// glTF reserves for primitive restart, the largest of the type, is refused.
+Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor,
+                                                std::size_t max_count);
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+#include "io/gltf_buffers.h"
+
+#include <string_view>
+#include <utility>
+
+#include "io/base64.h"
+#include "io/gltf_error.h"
+#include "io/gltf_file.h"
+#include "io/gltf_limits.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view kDataScheme = "data:";
+constexpr std::string_view kBase64Marker = ";base64";
+constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.com/spec/";
+
+// What a clone without Git LFS leaves in place of a large file; long enough to pass for the buffer
+// of a small mesh.
+bool is_lfs_pointer(const std::vector<std::uint8_t>& bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with(kLfsPointerStart);
+}
+
+Result<std::vector<std::uint8_t>> data_uri_bytes(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
+    return gltf_invalid({}, "the data URI is not marked as base64",
+                        "expected data:application/octet-stream;base64,...");
+  }
+  auto bytes = base64_decoded(uri.substr(comma + 1));
+  if (!bytes) return gltf_invalid({}, "the data URI is not valid base64");
+  return std::move(*bytes);
+}
+
+}  // namespace
+
+GltfBuffers::GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
+                         std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder)
+    : bin_chunk_(bin_chunk), folder_(std::move(folder)) {
+  buffers_.reserve(declarations.size());
+  for (auto& declaration : declarations) buffers_.push_back({std::move(declaration), {}, false});
+}
+
+Result<std::span<const std::uint8_t>> GltfBuffers::bytes(std::size_t index) {
+  const auto source = source_bytes(index);
+  if (!source) return source.error();
+  const std::uint64_t expected = buffers_[index].declaration.byte_length;
+  if (expected == 0) {
+    return gltf_invalid(gltf_element("buffers", index, "byteLength"), "is 0; expected 1 or more");
+  }
+  if (expected > source->size()) {
+    return gltf_invalid(gltf_element("buffers", index, "byteLength"),
+                        "is " + std::to_string(expected) + ", but its data have " +
+                            std::to_string(source->size()) + " bytes",
+                        "the data may have been cut short");
+  }
+  return source->first(static_cast<std::size_t>(expected));
+}
+
+Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t index) {
+  Buffer& buffer = buffers_[index];
+  const auto& uri = buffer.declaration.uri;
+  if (!uri) {
+    if (index == 0 && bin_chunk_) return *bin_chunk_;
+    return gltf_invalid(gltf_element("buffers", index),
+                        "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
+  }
+  if (!buffer.loaded) {
+    auto loaded = uri_bytes(*uri);
+    if (!loaded) {
+      Error error = loaded.error();
+      error.element = gltf_element("buffers", index, "uri");
+      return error;
+    }
+    loaded_bytes_ += loaded->size();
+    if (loaded_bytes_ > kMaxGltfBufferBytes) {
+      return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
+                        "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
+                            " bytes, the most that are read");
+    }
+    buffer.storage = std::move(*loaded);
+    buffer.loaded = true;
+  }
+  return std::span<const std::uint8_t>(buffer.storage);
+}
+
+Result<std::vector<std::uint8_t>> GltfBuffers::uri_bytes(const std::string& uri) const {
+  if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
+  const auto file = resolve_inside(folder_, uri);
+  if (!file) return file.error();
+  auto bytes = read_regular_file(*file, kMaxGltfFileBytes);
+  if (bytes && is_lfs_pointer(*bytes)) {
+    return gltf_error(ErrorCode::kFileUnreadable, {},
+                      "the file " + gltf_quoted(uri) + " is a Git LFS pointer, not the data",
+                      "run git lfs pull where the asset came from");
+  }
+  if (bytes) return bytes;
+  Error error = bytes.error();
+  error.problem = "the file " + gltf_quoted(uri) + " " + error.problem;
+  if (error.hint.empty()) error.hint = "it must lie beside the asset";
+  return error;
+}
+
+}  // namespace palpate

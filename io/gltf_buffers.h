@@ -1,0 +1,49 @@
+#pragma once
+
+// The bytes of the buffers of one glTF asset, loaded when first asked for: a buffer that no
+// geometry uses may be missing.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/result.h"
+
+namespace palpate {
+
+struct GltfBufferDeclaration {
+  std::optional<std::string> uri;
+  std::uint64_t byte_length = 0;
+};
+
+// Not thread-safe; one per call of read_gltf().
+class GltfBuffers {
+ public:
+  // folder: that of the asset, which external buffers must not leave. bin_chunk must outlive this.
+  GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
+              std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder);
+
+  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file.
+  // Valid while this lives.
+  Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
+
+ private:
+  struct Buffer {
+    GltfBufferDeclaration declaration;
+    std::vector<std::uint8_t> storage;
+    bool loaded = false;
+  };
+
+  Result<std::span<const std::uint8_t>> source_bytes(std::size_t index);
+  Result<std::vector<std::uint8_t>> uri_bytes(const std::string& uri) const;
+
+  std::vector<Buffer> buffers_;
+  std::optional<std::span<const std::uint8_t>> bin_chunk_;
+  std::string folder_;
+  std::uint64_t loaded_bytes_ = 0;
+};
+
+}  // namespace palpate

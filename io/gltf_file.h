@@ -1,0 +1,23 @@
+#pragma once
+
+// Reading files that an untrusted asset may have named.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/result.h"
+
+namespace palpate {
+
+// The content of a regular file of at most max_bytes. A folder, pipe, socket or device is refused
+// without being waited for. Error::path is the path given. Thread-safe.
+Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
+                                                    std::uint64_t max_bytes);
+
+// The file that a relative URI reference of an asset names, percent-decoded. folder: that of the
+// asset. Refused: a scheme, an absolute path, a broken escape, and whatever lies outside the folder
+// once "..", links and escapes are resolved. Never the current directory. Thread-safe.
+Result<std::string> resolve_inside(const std::string& folder, const std::string& uri);
+
+}  // namespace palpate

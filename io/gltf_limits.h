@@ -1,0 +1,23 @@
+#pragma once
+
+// The largest asset read_gltf() takes. Beyond them it returns ErrorCode::kLimitExceeded. They bound
+// the memory and the time that a hostile file can cost; every one of them is checked before the
+// allocation it bounds.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace palpate {
+
+inline constexpr std::uint64_t kMaxGltfFileBytes = std::uint64_t{1} << 30;    // per file
+inline constexpr std::uint64_t kMaxGltfBufferBytes = std::uint64_t{1} << 31;  // all buffers
+inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;    // data URIs included
+inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
+inline constexpr std::size_t kMaxGltfJsonDepth = 256;
+inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                  // 1: a root
+inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;   // all meshes of the scene
+inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
+inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
+
+}  // namespace palpate

@@ -1,0 +1,180 @@
+#include "io/gltf_primitives.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "io/gltf_error.h"
+#include "io/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+std::optional<TriangleMode> triangle_mode(int mode) {
+  switch (mode) {
+    case TINYGLTF_MODE_TRIANGLES:
+      return TriangleMode::kList;
+    case TINYGLTF_MODE_TRIANGLE_STRIP:
+      return TriangleMode::kStrip;
+    case TINYGLTF_MODE_TRIANGLE_FAN:
+      return TriangleMode::kFan;
+    default:
+      return std::nullopt;
+  }
+}
+
+// The most indices that make no more than this many triangles.
+std::size_t max_index_count(TriangleMode mode, std::size_t triangles) {
+  return mode == TriangleMode::kList ? 3 * triangles : triangles + 2;
+}
+
+std::optional<Error> check_index_count(TriangleMode mode, std::size_t count,
+                                       const std::string& element) {
+  const std::string found = "has " + std::to_string(count) + " vertices or indices; expected ";
+  if (mode == TriangleMode::kList && count % 3 != 0) {
+    return gltf_invalid(element, found + "a multiple of 3 for a list of triangles");
+  }
+  if (count < 3) return gltf_invalid(element, found + "3 or more");
+  return std::nullopt;
+}
+
+// Reads the primitives of one mesh into one description.
+class MeshReader {
+ public:
+  MeshReader(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
+             std::vector<std::string>& warnings)
+      : asset_(asset), mesh_id_(mesh), budget_(budget), warnings_(warnings) {}
+
+  Result<MeshDescription> run() {
+    const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_id_];
+    description_.name = mesh.name.empty() ? "mesh " + std::to_string(mesh_id_) : mesh.name;
+    bool has_targets = false;
+    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+      const std::string element =
+          gltf_element("meshes", mesh_id_, "primitives/" + std::to_string(i));
+      if (auto error = read_primitive(mesh.primitives[i], element)) return *error;
+      has_targets |= !mesh.primitives[i].targets.empty();
+    }
+    if (has_targets) {
+      warnings_.push_back(gltf_element("meshes", mesh_id_) + ": " + gltf_quoted(description_.name) +
+                          " has morph targets; it is read without them");
+    }
+    return std::move(description_);
+  }
+
+ private:
+  std::optional<Error> read_primitive(const tinygltf::Primitive& primitive,
+                                      const std::string& element) {
+    const auto mode = triangle_mode(primitive.mode);
+    if (!mode) {
+      warnings_.push_back(element + ": points and lines are left out");
+      return std::nullopt;
+    }
+    const auto position = primitive.attributes.find("POSITION");
+    if (position == primitive.attributes.end()) {
+      warnings_.push_back(element + ": has no POSITION and is left out");
+      return std::nullopt;
+    }
+    const auto vertices = vertices_of(static_cast<std::size_t>(position->second));
+    if (!vertices) return vertices.error();
+    const auto indices = indices_of(primitive, *mode, vertices->count, element);
+    if (!indices) return indices.error();
+    if (auto error = check_index_count(*mode, indices->size(), element)) return error;
+    append(assemble_triangles(*mode, *indices), vertices->first);
+    return std::nullopt;
+  }
+
+  struct VertexRange {
+    std::uint32_t first = 0;  // index into the positions of the description
+    std::size_t count = 0;
+  };
+
+  // Decodes the accessor, or finds it decoded. A decoder of compressed primitives has its place
+  // here and in indices_of.
+  Result<VertexRange> vertices_of(std::size_t accessor) {
+    if (const auto known = ranges_.find(accessor); known != ranges_.end()) return known->second;
+    const auto positions = read_positions(asset_, accessor, budget_.vertices);
+    if (!positions) return positions.error();
+    budget_.vertices -= positions->size();
+    auto& all = description_.positions;
+    const VertexRange range{static_cast<std::uint32_t>(all.size()), positions->size()};
+    all.insert(all.end(), positions->begin(), positions->end());
+    ranges_.emplace(accessor, range);
+    return range;
+  }
+
+  Result<std::vector<std::uint32_t>> indices_of(const tinygltf::Primitive& primitive,
+                                                TriangleMode mode, std::size_t vertex_count,
+                                                const std::string& element) {
+    const std::size_t max_count = max_index_count(mode, budget_.triangles);
+    if (primitive.indices < 0) {
+      if (vertex_count > max_count) {
+        return gltf_error(
+            ErrorCode::kLimitExceeded, element,
+            "has more triangles than can still be read, " + std::to_string(budget_.triangles));
+      }
+      std::vector<std::uint32_t> indices(vertex_count);
+      std::iota(indices.begin(), indices.end(), 0u);
+      return indices;
+    }
+    auto indices = read_indices(asset_, static_cast<std::size_t>(primitive.indices), max_count);
+    if (!indices) return indices;
+    const auto wrong = std::find_if(indices->begin(), indices->end(),
+                                    [&](std::uint32_t index) { return index >= vertex_count; });
+    if (wrong != indices->end()) {
+      return gltf_invalid(element + "/indices",
+                          "index " + std::to_string(wrong - indices->begin()) + " is " +
+                              std::to_string(*wrong) + ", but the primitive has " +
+                              std::to_string(vertex_count) + " vertices");
+    }
+    return indices;
+  }
+
+  void append(const std::vector<Triangle>& triangles, std::uint32_t first_vertex) {
+    budget_.triangles -= triangles.size();
+    for (const Triangle& t : triangles) {
+      description_.triangles.push_back(
+          {t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
+    }
+  }
+
+  const GltfAsset& asset_;
+  std::size_t mesh_id_;
+  GltfBudget& budget_;
+  std::vector<std::string>& warnings_;
+  MeshDescription description_;
+  std::map<std::size_t, VertexRange> ranges_;  // by accessor
+};
+
+}  // namespace
+
+std::vector<Triangle> assemble_triangles(TriangleMode mode,
+                                         std::span<const std::uint32_t> indices) {
+  std::vector<Triangle> triangles;
+  if (indices.size() < 3) return triangles;
+  const std::size_t count = mode == TriangleMode::kList ? indices.size() / 3 : indices.size() - 2;
+  triangles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    switch (mode) {
+      case TriangleMode::kList:
+        triangles.push_back({indices[3 * i], indices[3 * i + 1], indices[3 * i + 2]});
+        break;
+      case TriangleMode::kStrip:
+        triangles.push_back({indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]});
+        break;
+      case TriangleMode::kFan:
+        triangles.push_back({indices[i + 1], indices[i + 2], indices[0]});
+        break;
+    }
+  }
+  return triangles;
+}
+
+Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
+                                  std::vector<std::string>& warnings) {
+  return MeshReader(asset, mesh, budget, warnings).run();
+}
+
+}  // namespace palpate

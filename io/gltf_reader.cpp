@@ -1,0 +1,249 @@
+#include "io/gltf_reader.h"
+
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf_accessor.h"
+#include "io/gltf_buffers.h"
+#include "io/gltf_error.h"
+#include "io/gltf_extensions.h"
+#include "io/gltf_file.h"
+#include "io/gltf_limits.h"
+#include "io/gltf_nodes.h"
+#include "io/gltf_prescan.h"
+#include "io/gltf_primitives.h"
+#include "io/gltf_schema.h"
+#include "io/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+Result<Json> parse_json(std::string_view text) {
+  if (auto error = check_json_size(text)) return *error;
+  try {
+    return Json::parse(text);
+  } catch (const Json::exception& exception) {
+    return gltf_invalid("JSON", std::string(exception.what()).substr(0, 200));
+  }
+}
+
+// Moves the declarations out of the JSON: their data URIs may be long, and tinygltf is not to load
+// any.
+std::vector<GltfBufferDeclaration> take_buffers(Json& sections) {
+  std::vector<GltfBufferDeclaration> declarations;
+  const auto buffers = sections.find("buffers");
+  if (buffers == sections.end()) return declarations;
+  for (Json& buffer : *buffers) {
+    GltfBufferDeclaration declaration;
+    declaration.byte_length = buffer["byteLength"].get<std::uint64_t>();
+    const auto uri = buffer.find("uri");
+    if (uri != buffer.end()) declaration.uri = std::move(uri->get_ref<std::string&>());
+    declarations.push_back(std::move(declaration));
+  }
+  sections.erase(buffers);
+  return declarations;
+}
+
+// tinygltf refuses the whole file when an index accessor has no buffer view, which sparse ones need
+// not have. Such accessors get an empty view of their own here, and lose it in
+// remove_stand_in_view.
+void add_stand_in_view(Json& sections) {
+  Json& views = sections["bufferViews"];
+  if (views.is_null()) views = Json::array();
+  const std::size_t stand_in = views.size();
+  if (sections.contains("accessors")) {
+    for (Json& accessor : sections["accessors"]) {
+      if (!accessor.contains("bufferView")) accessor["bufferView"] = stand_in;
+    }
+  }
+  Json view;
+  view["buffer"] = 0;
+  view["byteLength"] = 0;
+  views.push_back(std::move(view));
+}
+
+void remove_stand_in_view(tinygltf::Model& model) {
+  const int stand_in = static_cast<int>(model.bufferViews.size()) - 1;
+  for (tinygltf::Accessor& accessor : model.accessors) {
+    if (accessor.bufferView == stand_in) accessor.bufferView = -1;
+  }
+  model.bufferViews.pop_back();
+}
+
+// tinygltf drops without a word what it cannot parse; after the checks nothing should be.
+bool kept_everything(const Json& sections, const tinygltf::Model& model) {
+  const auto size = [&](const char* name) {
+    return sections.contains(name) ? sections[name].size() : 0;
+  };
+  if (size("nodes") != model.nodes.size() || size("scenes") != model.scenes.size() ||
+      size("accessors") != model.accessors.size() ||
+      size("bufferViews") != model.bufferViews.size() || size("meshes") != model.meshes.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
+    if (sections["meshes"][i]["primitives"].size() != model.meshes[i].primitives.size()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Result<tinygltf::Model> load_model(Json& sections) {
+  sections["asset"]["version"] = "2.0";
+  add_stand_in_view(sections);
+  const std::string text = sections.dump(-1, ' ', false, Json::error_handler_t::replace);
+  tinygltf::Model model;
+  std::string error;
+  std::string warning;
+  tinygltf::TinyGLTF loader;
+  const bool loaded = loader.LoadASCIIFromString(&model, &error, &warning, text.data(),
+                                                 static_cast<unsigned int>(text.size()), "");
+  if (!loaded || !kept_everything(sections, model)) {
+    return gltf_invalid("JSON", "tinygltf cannot read it: " + error.substr(0, 200));
+  }
+  remove_stand_in_view(model);
+  return model;
+}
+
+// Makes the description of the scene from a model whose JSON has been checked.
+class SceneReader {
+ public:
+  SceneReader(const GltfAsset& asset, std::vector<std::string> warnings) : asset_(asset) {
+    scene_.warnings = std::move(warnings);
+  }
+
+  Result<SceneDescription> run() {
+    const auto walk = walk_nodes(asset_.model, scene_.warnings);
+    if (!walk) return walk.error();
+    scene_.node_count = walk->node_count;
+    for (const PlacedNode& placed : walk->mesh_nodes) {
+      if (auto error = add_node(placed)) return *error;
+    }
+    if (scene_.meshes.empty()) {
+      return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
+                        scene_.warnings.empty() ? "" : scene_.warnings.front());
+    }
+    shorten_warnings();
+    return std::move(scene_);
+  }
+
+ private:
+  std::optional<Error> add_node(const PlacedNode& placed) {
+    const tinygltf::Node& node = asset_.model.nodes[placed.node];
+    const std::string element = gltf_element("nodes", placed.node);
+    NodeDescription description;
+    description.name = node.name.empty() ? "node " + std::to_string(placed.node) : node.name;
+    description.linear_scene_mesh = placed.T_scene_node.linear;
+    description.translation_m = placed.T_scene_node.translation_m;
+    if (description.linear_scene_mesh.isZero(0.0)) {
+      warn(element, description.name, "is scaled to nothing and is left out");
+      return std::nullopt;
+    }
+    if (is_singular(description.linear_scene_mesh)) {
+      return gltf_error(ErrorCode::kUnsupported, element,
+                        "its transform, with those of its ancestors, flattens the mesh",
+                        "apply the scale to the mesh, or use a scale that is not zero");
+    }
+    const auto mesh = mesh_index(static_cast<std::size_t>(node.mesh));
+    if (!mesh) return mesh.error();
+    if (!*mesh) return std::nullopt;
+    if (node.skin >= 0) {
+      warn(element, description.name, "is skinned; its mesh is read unskinned, where the node is");
+    }
+    description.mesh = **mesh;
+    scene_.nodes.push_back(std::move(description));
+    return std::nullopt;
+  }
+
+  // Reads the mesh when it is first asked for; nothing if it has no triangle.
+  Result<std::optional<std::uint32_t>> mesh_index(std::size_t mesh_id) {
+    if (const auto known = meshes_.find(mesh_id); known != meshes_.end()) return known->second;
+    auto mesh = read_mesh(asset_, mesh_id, budget_, scene_.warnings);
+    if (!mesh) return mesh.error();
+    std::optional<std::uint32_t> index;
+    if (!mesh->triangles.empty()) {
+      index = static_cast<std::uint32_t>(scene_.meshes.size());
+      scene_.meshes.push_back(std::move(*mesh));
+    }
+    meshes_.emplace(mesh_id, index);
+    return index;
+  }
+
+  void warn(const std::string& element, const std::string& name, const std::string& text) {
+    scene_.warnings.push_back(element + ": " + gltf_quoted(name) + " " + text);
+  }
+
+  void shorten_warnings() {
+    const std::size_t count = scene_.warnings.size();
+    if (count <= kMaxGltfWarnings) return;
+    scene_.warnings.resize(kMaxGltfWarnings);
+    scene_.warnings.push_back("and " + std::to_string(count - kMaxGltfWarnings) +
+                              " further warnings");
+  }
+
+  const GltfAsset& asset_;
+  SceneDescription scene_;
+  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles};
+  std::map<std::size_t, std::optional<std::uint32_t>> meshes_;  // by id in the file
+};
+
+// As read_gltf, but with Error::path empty where a part deeper down has not filled it.
+Result<SceneDescription> read_asset(const std::string& path) {
+  const auto file = read_regular_file(path, kMaxGltfFileBytes);
+  if (!file) return file.error();
+  const auto container = split_container(*file);
+  if (!container) return container.error();
+  const auto root = parse_json(container->json);
+  if (!root) return root.error();
+  if (auto error = check_asset_version(*root)) return *error;
+  auto extensions = check_extensions(*root);
+  if (!extensions) return extensions.error();
+  auto sections = checked_sections(*root);
+  if (!sections) return sections.error();
+  GltfBuffers buffers(take_buffers(*sections), container->bin_chunk,
+                      std::filesystem::path(path).parent_path().string());
+  const auto model = load_model(*sections);
+  if (!model) return model.error();
+  std::vector<std::string> warnings = std::move(extensions->warnings);
+  if (container->misaligned) {
+    warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
+  }
+  const GltfAsset asset{*model, buffers, extensions->mesh_quantization};
+  return SceneReader(asset, std::move(warnings)).run();
+}
+
+Error with_path(Error error, const std::string& path) {
+  error.path = path;
+  return error;
+}
+
+}  // namespace
+
+Result<SceneDescription> read_gltf(const std::string& path) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    auto scene = read_asset(path);
+    if (!scene) return with_path(scene.error(), path);
+    scene->path = path;
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    scene->parse_ms = elapsed.count();
+    return scene;
+  } catch (const std::bad_alloc&) {
+    return with_path(gltf_error(ErrorCode::kLimitExceeded, {}, "there is not enough memory for it"),
+                     path);
+  } catch (const std::exception& exception) {
+    return with_path(gltf_invalid({}, std::string("cannot be read: ") + exception.what()), path);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,184 @@
+#include "io/trace_csv.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSignificantDigits = 17;  // enough to give every double back
+constexpr std::size_t kBufferBytes = 1u << 20;
+constexpr std::size_t kMaxNumberBytes = 24;  // "-1.2345678901234567e-308"
+constexpr std::size_t kMaxRowBytes = 27 * (kMaxNumberBytes + 1);
+constexpr int kMaxNameAttempts = 100;
+
+char* put(char* out, double value) {
+  if (std::isnan(value)) {  // of either sign
+    std::memcpy(out, "nan", 3);
+    return out + 3;
+  }
+  return std::to_chars(out, out + kMaxNumberBytes, value, std::chars_format::general,
+                       kSignificantDigits)
+      .ptr;
+}
+
+char* put(char* out, std::uint64_t value) {
+  return std::to_chars(out, out + kMaxNumberBytes, value).ptr;
+}
+
+char* put(char* out, std::int64_t value) {
+  return std::to_chars(out, out + kMaxNumberBytes, value).ptr;
+}
+
+char* put(char* out, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) *out++ = ',';
+    out = put(out, v[i]);
+  }
+  return out;
+}
+
+template <typename... Values>
+char* put_line(char* out, const Values&... values) {
+  ((out = put(out, values), *out++ = ','), ...);
+  out[-1] = '\n';
+  return out;
+}
+
+Error write_error(const std::string& path, int reason) {
+  return {ErrorCode::kFileUnwritable, path, "",
+          "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
+          "check the folder, its permissions and the space left"};
+}
+
+}  // namespace
+
+// The open file and the lines that are not in it yet.
+class TraceWriter::Output {
+ public:
+  explicit Output(std::string path) : path_(std::move(path)), buffer_(kBufferBytes) {}
+  ~Output() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!part_path_.empty()) ::unlink(part_path_.c_str());
+  }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  const std::string& path() const { return path_; }
+
+  // Returns 0 or what errno said, as the others do.
+  int open() {
+    if (path_.empty()) return ENOENT;
+    std::error_code code;
+    const fs::file_status status = fs::status(path_, code);
+    if (fs::is_directory(status)) return EISDIR;
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+      return descriptor_ >= 0 ? 0 : errno;
+    }
+    // A link stays one: the file it names is replaced.
+    const fs::path target = fs::exists(status) ? fs::canonical(path_, code) : fs::path(path_);
+    target_path_ = code ? path_ : target.string();
+    return open_part();
+  }
+
+  // Room for one row; to be followed by commit().
+  char* room() {
+    if (buffer_.size() - filled_ < kMaxRowBytes) flush();
+    return buffer_.data() + filled_;
+  }
+  void commit(const char* end) { filled_ = static_cast<std::size_t>(end - buffer_.data()); }
+
+  int finish() {
+    flush();
+    const int closed = ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno;
+    if (failure_ == 0) failure_ = closed;
+    if (failure_ != 0 || part_path_.empty()) return failure_;
+    if (::rename(part_path_.c_str(), target_path_.c_str()) != 0) return errno;
+    part_path_.clear();
+    return 0;
+  }
+
+ private:
+  int open_part() {
+    for (int attempt = 0; attempt < kMaxNameAttempts; ++attempt) {
+      std::string name =
+          target_path_ + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part";
+      descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (descriptor_ >= 0) {
+        part_path_ = std::move(name);
+        return 0;
+      }
+      if (errno != EEXIST) return errno;
+    }
+    return EEXIST;
+  }
+
+  void flush() {
+    std::size_t written = 0;
+    while (failure_ == 0 && written < filled_) {
+      const ssize_t count = ::write(descriptor_, buffer_.data() + written, filled_ - written);
+      if (count >= 0) {
+        written += static_cast<std::size_t>(count);
+      } else if (errno != EINTR) {
+        failure_ = errno;
+      }
+    }
+    filled_ = 0;
+  }
+
+  std::string path_;         // as the caller named it
+  std::string target_path_;  // where the file goes in the end
+  std::string part_path_;    // where it is until then; empty: written in place
+  int descriptor_ = -1;
+  int failure_ = 0;  // the first errno of a write
+  std::vector<char> buffer_;
+  std::size_t filled_ = 0;
+};
+
+TraceWriter::TraceWriter(std::unique_ptr<Output> output) : output_(std::move(output)) {}
+TraceWriter::TraceWriter(TraceWriter&&) noexcept = default;
+TraceWriter& TraceWriter::operator=(TraceWriter&&) noexcept = default;
+TraceWriter::~TraceWriter() = default;
+
+Result<TraceWriter> TraceWriter::create(const std::string& path) {
+  auto output = std::make_unique<Output>(path);
+  if (const int reason = output->open()) return write_error(path, reason);
+  char* out = output->room();
+  std::memcpy(out, kTraceColumns.data(), kTraceColumns.size());
+  out += kTraceColumns.size();
+  *out++ = '\n';
+  output->commit(out);
+  return TraceWriter(std::move(output));
+}
+
+void TraceWriter::add(const TraceRow& row) {
+  if (!output_) return;
+  const Quat& q = row.T_device_scene.rotation;
+  output_->commit(put_line(output_->room(), row.tick, row.time_s, row.device_m, row.goal_scene_m,
+                           row.proxy_scene_m, row.normal_scene, row.force_device_N,
+                           std::uint64_t{row.contact}, row.alpha_deg, q.w(), q.x(), q.y(), q.z(),
+                           row.T_device_scene.translation_m, row.step_ns));
+  ++row_count_;
+}
+
+Result<std::size_t> TraceWriter::finish() {
+  if (!output_) {
+    return Error{ErrorCode::kInvalidArgument, "", "", "the trace is finished already", ""};
+  }
+  const std::unique_ptr<Output> output = std::move(output_);
+  if (const int reason = output->finish()) return write_error(output->path(), reason);
+  return row_count_;
+}
+
+}  // namespace palpate

@@ -1,0 +1,258 @@
+#include "io/trajectory.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+// Longer than any line of four numbers and a comment; keeps a binary file from being read whole.
+constexpr std::size_t kMaxLineBytes = 1u << 16;
+constexpr std::size_t kMaxColumns = 4;
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+constexpr const char* kLineHint = "write \"x y z\" or \"t x y z\" a line, decimals with a point";
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+// Text from the file, in quotes, fit for one line of a message.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kMaxLength = 40;
+  std::string shown(text.substr(0, kMaxLength));
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return "\"" + shown + (text.size() > kMaxLength ? "...\"" : "\"");
+}
+
+// The fields of a line without comment. A comma, with or without blanks around it, separates two;
+// so do blanks alone. An empty field is one between commas.
+std::vector<std::string_view> split_fields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  line = trimmed(line);
+  for (bool more = !line.empty(); more;) {
+    const std::size_t end = std::min(line.find_first_of(" \t\r,"), line.size());
+    fields.push_back(line.substr(0, end));
+    const std::string_view rest = trimmed(line.substr(end));
+    const bool comma = rest.starts_with(',');
+    line = comma ? trimmed(rest.substr(1)) : rest;
+    more = comma || !line.empty();
+  }
+  return fields;
+}
+
+enum class NumberKind { kNumber, kOutOfRange, kNone };
+
+struct Number {
+  NumberKind kind;
+  double value;
+};
+
+Number parse_number(std::string_view field) {
+  // from_chars knows no plus sign.
+  if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
+  double value = 0.0;
+  const char* end = field.data() + field.size();
+  const auto [stop, code] = std::from_chars(field.data(), end, value);
+  if (stop != end || code == std::errc::invalid_argument) return {NumberKind::kNone, 0.0};
+  if (code == std::errc::result_out_of_range) return {NumberKind::kOutOfRange, 0.0};
+  return {NumberKind::kNumber, value};
+}
+
+// The columns of a header. Its names may hold blanks ("x (m)") where commas separate them.
+std::vector<std::string_view> header_columns(std::string_view line) {
+  if (line.find(',') == std::string_view::npos) return split_fields(line);
+  std::vector<std::string_view> columns;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    columns.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return columns;
+}
+
+// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for a name that says nothing.
+std::string_view known_name(std::string_view column) {
+  std::string word;
+  for (const char c : column) {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (lower < 'a' || lower > 'z') break;
+    word += lower;
+  }
+  if (word == "time") return "t";
+  for (const std::string_view name : {"t", "x", "y", "z"}) {
+    if (word == name) return name;
+  }
+  return {};
+}
+
+class TrajectoryReader {
+ public:
+  explicit TrajectoryReader(const std::string& path) : path_(path) {}
+
+  std::optional<Error> read_line(std::string_view line) {
+    ++line_number_;
+    if (line_number_ == 1 && line.starts_with(kByteOrderMark)) {
+      line.remove_prefix(kByteOrderMark.size());
+    }
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) return std::nullopt;
+    const std::vector<std::string_view> fields = split_fields(line);
+    const bool may_be_header = std::exchange(at_start_, false);
+    if (may_be_header && is_header(fields)) return read_header(line);
+    return read_sample(fields);
+  }
+
+  Result<std::vector<Vec3>> finish() {
+    if (positions_m_.empty()) {
+      return Error{ErrorCode::kInvalidContent, path_, "", "holds no sample", kLineHint};
+    }
+    return std::move(positions_m_);
+  }
+
+  Error error_here(std::string problem, std::string hint = kLineHint) const {
+    return {ErrorCode::kInvalidContent, path_, "line " + std::to_string(line_number_),
+            std::move(problem), std::move(hint)};
+  }
+
+  void count_line() { ++line_number_; }
+
+ private:
+  // One number among the fields makes it a sample with a misprint, which must not pass unnoticed.
+  static bool is_header(const std::vector<std::string_view>& fields) {
+    for (const std::string_view field : fields) {
+      if (field.empty() || parse_number(field).kind != NumberKind::kNone) return false;
+    }
+    return true;
+  }
+
+  std::optional<Error> read_header(std::string_view line) {
+    const std::vector<std::string_view> columns = header_columns(line);
+    bool speaks = false;
+    for (const std::string_view column : columns) speaks |= !known_name(column).empty();
+    if (!speaks) return std::nullopt;
+    static constexpr std::array<std::string_view, kMaxColumns> kOrder = {"t", "x", "y", "z"};
+    const std::size_t skipped = columns.size() == 3 ? 1 : 0;
+    bool in_order = columns.size() + skipped == kMaxColumns;
+    for (std::size_t i = 0; in_order && i < columns.size(); ++i) {
+      const std::string_view name = known_name(columns[i]);
+      in_order = name.empty() || name == kOrder[i + skipped];
+    }
+    if (!in_order) {
+      return error_here("header " + quoted(line) + ", expected the columns x y z or t x y z",
+                        "reorder or cut the columns of the file");
+    }
+    column_count_ = columns.size();
+    column_line_ = line_number_;
+    return std::nullopt;
+  }
+
+  std::optional<Error> read_sample(const std::vector<std::string_view>& fields) {
+    if (auto error = check_column_count(fields.size())) return error;
+    std::array<double, kMaxColumns> values{};
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const Number number = parse_number(fields[i]);
+      if (number.kind != NumberKind::kNumber) return field_error(i, fields[i], number.kind);
+      values[i] = number.value;
+    }
+    const std::size_t first = fields.size() - 3;
+    if (first == 1) {
+      if (auto error = check_time(values[0], fields[0])) return error;
+    }
+    positions_m_.emplace_back(values[first], values[first + 1], values[first + 2]);
+    return std::nullopt;
+  }
+
+  std::optional<Error> check_column_count(std::size_t count) {
+    if (column_count_ == 0 && (count == 3 || count == kMaxColumns)) {
+      column_count_ = count;
+      column_line_ = line_number_;
+    }
+    if (count == column_count_) return std::nullopt;
+    std::string expected = "3 or 4";
+    if (column_count_ != 0) {
+      expected = std::to_string(column_count_) + " as in line " + std::to_string(column_line_);
+    }
+    return error_here("found " + std::to_string(count) +
+                      (count == 1 ? " column, expected " : " columns, expected ") + expected);
+  }
+
+  Error field_error(std::size_t i, std::string_view field, NumberKind kind) const {
+    const std::string column = "column " + std::to_string(i + 1) + " ";
+    if (field.empty()) return error_here(column + "is empty, expected a number");
+    return error_here(column + "is " + quoted(field) + ", expected a number" +
+                      (kind == NumberKind::kOutOfRange ? " within the range of a double" : ""));
+  }
+
+  std::optional<Error> check_time(double time, std::string_view field) {
+    if (!std::isfinite(time)) {
+      return error_here("time is " + quoted(field) + ", expected a finite number");
+    }
+    if (!(time > last_time_)) {
+      return error_here("time " + quoted(field) + " does not increase",
+                        "of 4 columns the first is the time; sort the lines by it");
+    }
+    last_time_ = time;
+    return std::nullopt;
+  }
+
+  std::string path_;
+  std::size_t line_number_ = 0;
+  bool at_start_ = true;          // no line but empty ones and comments so far
+  std::size_t column_count_ = 0;  // 0: not known yet
+  std::size_t column_line_ = 0;   // the line it is known from
+  double last_time_ = -std::numeric_limits<double>::infinity();
+  std::vector<Vec3> positions_m_;
+};
+
+Error open_error(const std::string& path, int reason) {
+  const bool missing = reason == ENOENT || reason == ENOTDIR;
+  return {missing ? ErrorCode::kFileNotFound : ErrorCode::kFileUnreadable, path, "",
+          "cannot be opened: " + std::error_code(reason, std::generic_category()).message(),
+          "give a text file of device positions"};
+}
+
+}  // namespace
+
+Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return open_error(path, EISDIR);
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return open_error(path, errno != 0 ? errno : EIO);
+  TrajectoryReader reader(path);
+  std::vector<char> line(kMaxLineBytes);
+  while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
+    // gcount() includes the newline, which only the end of the file can lack.
+    const auto read = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
+    if (auto error = reader.read_line({line.data(), read})) return *error;
+  }
+  if (file.bad()) {
+    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to its end", ""};
+  }
+  if (!file.eof()) {
+    reader.count_line();
+    return reader.error_here("is longer than " + std::to_string(kMaxLineBytes) + " bytes");
+  }
+  return reader.finish();
+}
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+# Shared by run.sh and test.sh: installs what is missing from Debian's packages and builds a preset.
+# Source it; it defines functions and changes nothing by itself.
+
+palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+
+palpate_packages=(
+  build-essential cmake ninja-build
+  libembree-dev libopenmesh-dev libtinygltf-dev libeigen3-dev
+  libcli11-dev nlohmann-json3-dev
+  libgtest-dev libbenchmark-dev
+  gnuplot-nox
+)
+
+say() { printf 'palpate: %s\n' "$*" >&2; }
+
+# Installs the packages that are not there yet; silent and instant when nothing is missing.
+install_missing_packages() {
+  local missing=() package
+  for package in "${palpate_packages[@]}"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+      missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || {
+      say "these packages are missing and neither root nor sudo is at hand: ${missing[*]}"
+      return 1
+    }
+    as_root=(sudo)
+  fi
+  say "installing ${missing[*]} (a few minutes the first time)"
+  local log
+  log=$(mktemp)
+  if ! { "${as_root[@]}" apt-get update &&
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+    cat "$log" >&2
+    say "apt-get could not install ${missing[*]}; its output is above"
+    return 1
+  fi
+  rm -f "$log"
+}
+
+# build_preset PRESET [TARGET...]: configures when needed, then builds.
+build_preset() {
+  local preset=$1 build=$palpate_root/build/$1
+  shift
+  if [ ! -f "$build/build.ninja" ]; then
+    say "configuring $preset"
+    (cd "$palpate_root" && cmake --preset "$preset" >"$palpate_root/.configure.log" 2>&1) || {
+      cat "$palpate_root/.configure.log" >&2
+      rm -f "$palpate_root/.configure.log"
+      return 1
+    }
+    rm -f "$palpate_root/.configure.log"
+  fi
+  local target_flags=()
+  if (($#)); then target_flags=(--target "$@"); fi
+  if ! cmake --build "$build" "${target_flags[@]}" -- -n 2>/dev/null | grep -q 'no work to do'; then
+    say "building $preset (a few minutes the first time)"
+  fi
+  local log
+  log=$(mktemp)
+  if ! cmake --build "$build" "${target_flags[@]}" >"$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    return 1
+  fi
+  rm -f "$log"
+}

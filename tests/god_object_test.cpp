@@ -1,0 +1,224 @@
+#include "haptics/god_object.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/random.h"
+#include "tests/worlds.h"
+
+namespace palpate {
+namespace {
+
+using test::box_soup;
+using test::OwnedWorld;
+using test::Random;
+using test::Soup;
+
+constexpr double kRelativeAccuracy = 1e-9;  // of the scene's size, asked for by the specification
+
+// A proxy that lives in the scene frame of its world.
+class SceneProxy {
+ public:
+  explicit SceneProxy(const OwnedWorld& world, double radius_m = 0.0)
+      : world_(world.world()), god_object_(world_, {.radius_m = radius_m}) {}
+
+  void place(const Vec3& p_scene) { god_object_.place(world_.to_solver(p_scene)); }
+  ProxyState move_to(const Vec3& p_scene) {
+    ProxyState state = god_object_.move_to(world_.to_solver(p_scene));
+    state.proxy = world_.to_scene(state.proxy);
+    return state;
+  }
+  double size() const { return world_.size_m; }
+
+ private:
+  const ContactWorld& world_;
+  GodObject god_object_;
+};
+
+Soup square_plane() {
+  Soup soup;
+  soup.add_quad({-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+  return soup;
+}
+
+// Two half planes that meet along x with a solid angle below them; angle measured in the solid.
+Soup wedge(double solid_angle_rad) {
+  const double half = 0.5 * solid_angle_rad;
+  const Vec3 right(0.0, std::sin(half), -std::cos(half));
+  const Vec3 left(0.0, -std::sin(half), -std::cos(half));
+  const Vec3 x = Vec3::UnitX();
+  Soup soup;
+  soup.add_quad(-x, -x + right, x + right, x);
+  soup.add_quad(-x, x, x + left, -x + left);
+  return soup;
+}
+
+class GodObjectOfRadius : public testing::TestWithParam<double> {};
+
+TEST_P(GodObjectOfRadius, ProjectsOnAPlaneInRandomPoses) {
+  const double radius = GetParam();
+  Random random(11);
+  for (int trial = 0; trial < 50; ++trial) {
+    const RigidTransform pose = random.pose(10.0);
+    const OwnedWorld world(square_plane(), pose, radius);
+    SceneProxy proxy(world, radius);
+    proxy.place(pose.point({0.0, 0.0, radius + 0.3}));
+    for (int step = 0; step < 50; ++step) {
+      const Vec3 goal = random.in_box(0.5);
+      const Vec3 expected(goal.x(), goal.y(), std::max(goal.z(), radius));
+      const ProxyState state = proxy.move_to(pose.point(goal));
+      ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size());
+      ASSERT_EQ(state.in_contact, goal.z() < radius);
+      ASSERT_FALSE(state.capped);
+    }
+  }
+}
+
+TEST_P(GodObjectOfRadius, FollowsTheOutsideOfABoxInRandomPoses) {
+  const double radius = GetParam();
+  Random random(12);
+  const Vec3 half(0.5, 0.4, 0.3);
+  for (int trial = 0; trial < 30; ++trial) {
+    const RigidTransform pose = random.pose(10.0);
+    const OwnedWorld world(box_soup(half), pose, radius);
+    SceneProxy proxy(world, radius);
+    // From far outside towards a face: the proxy ends on that face, under the goal.
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 goal = 0.9 * random.in_box(1.0).cwiseProduct(half);
+      Vec3 start = goal;
+      start[axis] = 2.0;
+      goal[axis] = random.uniform(-0.2, 0.29);
+      proxy.place(pose.point(start));
+      const ProxyState state = proxy.move_to(pose.point(goal));
+      Vec3 expected = goal;
+      expected[axis] = half[axis] + radius;
+      ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size());
+      ASSERT_EQ(state.active_planes, 1);
+    }
+  }
+}
+
+TEST_P(GodObjectOfRadius, StaysInsideABoxItStartedIn) {
+  const double radius = GetParam();
+  Random random(13);
+  const Vec3 half(0.5, 0.4, 0.3);
+  for (int trial = 0; trial < 30; ++trial) {
+    const RigidTransform pose = random.pose(1000.0);
+    const OwnedWorld world(box_soup(half), pose, radius);
+    SceneProxy proxy(world, radius);
+    proxy.place(pose.point(Vec3::Zero()));
+    for (int step = 0; step < 50; ++step) {
+      const Vec3 goal = random.in_box(1.5);
+      const Vec3 room = half - Vec3::Constant(radius);
+      const Vec3 expected = goal.cwiseMin(room).cwiseMax(-room);
+      const ProxyState state = proxy.move_to(pose.point(goal));
+      ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size())
+          << "goal " << goal.transpose();
+    }
+  }
+}
+
+TEST_P(GodObjectOfRadius, SolvesConcaveWedgesOfAnyAngleInOneTick) {
+  const double radius = GetParam();
+  Random random(14);
+  for (const double opening_deg : {10.0, 60.0, 90.0, 120.0, 179.0, 179.9}) {
+    const double solid = (360.0 - opening_deg) * std::numbers::pi / 180.0;
+    const double half = 0.5 * opening_deg * std::numbers::pi / 180.0;
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(wedge(solid), pose, radius);
+    SceneProxy proxy(world, radius);
+    for (int step = 0; step < 40; ++step) {
+      proxy.place(pose.point({0.0, 0.0, radius / std::sin(half) + 0.2}));
+      const Vec3 goal(random.uniform(-0.5, 0.5), 0.0, random.uniform(-0.4, -0.1));
+      const ProxyState state = proxy.move_to(pose.point(goal));
+      const Vec3 expected(goal.x(), 0.0, radius / std::sin(half));
+      ASSERT_LE((state.proxy - pose.point(expected)).norm(),
+                1e-8 / std::sin(half) / std::sin(solid / 2) * proxy.size())
+          << opening_deg;
+      ASSERT_EQ(state.active_planes, 2);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(PointAndSphere, GodObjectOfRadius, testing::Values(0.0, 0.05));
+
+TEST(GodObject, StaysOnItsFaceUntilTheProjectionLeavesIt) {
+  const OwnedWorld world(box_soup(Vec3::Constant(0.5)));
+  SceneProxy proxy(world);
+  proxy.place({0.0, 0.0, 1.0});
+  for (double x = 0.0; x < 0.5; x += 0.01) {
+    const Vec3 goal(x, 0.0, 0.5 - 0.8 * x);  // nearer to the side wall towards the end
+    const ProxyState state = proxy.move_to(goal);
+    ASSERT_NEAR(state.proxy.z(), 0.5, 1e-9);
+    ASSERT_NEAR(state.proxy.x(), x, 1e-9);
+  }
+  const ProxyState over = proxy.move_to({0.51, 0.0, 0.1});
+  EXPECT_FALSE(over.in_contact);
+  EXPECT_EQ(over.proxy, Vec3(0.51, 0.0, 0.1));
+}
+
+TEST(GodObject, NeverIncreasesTheDistanceToTheGoal) {
+  Random random(15);
+  const OwnedWorld world(box_soup({0.5, 0.4, 0.3}));
+  for (const double radius : {0.0, 0.05}) {
+    const OwnedWorld swept(box_soup({0.5, 0.4, 0.3}), {}, radius);
+    SceneProxy proxy(swept, radius);
+    proxy.place({0.0, 0.0, 1.0});
+    Vec3 at(0.0, 0.0, 1.0);
+    for (int step = 0; step < 20000; ++step) {
+      const Vec3 goal = random.in_box(0.8);
+      const ProxyState state = proxy.move_to(goal);
+      ASSERT_LE((state.proxy - goal).norm(), (at - goal).norm() * (1 + 1e-14));
+      at = state.proxy;
+    }
+  }
+}
+
+TEST(GodObject, AveragesTheNormalsOfSeveralPlanes) {
+  const OwnedWorld world(box_soup(Vec3::Constant(0.5)));
+  SceneProxy proxy(world);
+  proxy.place(Vec3::Zero());
+  const ProxyState state = proxy.move_to({1.0, 1.0, 0.0});
+  EXPECT_EQ(state.active_planes, 2);
+  EXPECT_LE((state.normal - Vec3(-1, -1, 0).normalized()).norm(), 1e-12);
+}
+
+TEST(GodObject, LiftsAStartExactlyOnTheSurfaceToTheFront) {
+  Random random(16);
+  const OwnedWorld world(box_soup(Vec3::Constant(0.5)));
+  for (const Vec3& start : {Vec3(0.1, 0.2, 0.5), Vec3(0.5, 0.1, 0.5), Vec3(0.5, 0.5, 0.5)}) {
+    SceneProxy proxy(world);
+    proxy.place(start);
+    for (int step = 0; step < 100; ++step) {
+      const ProxyState state = proxy.move_to(start + random.in_box(0.1));
+      ASSERT_GE(state.proxy.cwiseAbs().maxCoeff(), 0.5);
+    }
+  }
+}
+
+// A device with two sensors: the solver works in a plane.
+TEST(GodObject, KeepsToThePlaneOfMotion) {
+  Random random(17);
+  for (int trial = 0; trial < 20; ++trial) {
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(box_soup({0.5, 0.4, 0.3}), pose);
+    GodObject god_object(world.world(), {});
+    const Vec3 plane_normal = pose.direction(Vec3::UnitZ());
+    const double height = random.uniform(-0.29, 0.29);
+    const auto solver = [&](const Vec3& p) { return world.world().to_solver(pose.point(p)); };
+    god_object.place(solver({0.0, 0.0, height}));
+    for (int step = 0; step < 50; ++step) {
+      Vec3 goal = random.in_box(1.0);
+      goal.z() = height;
+      const ProxyState state = god_object.move_to(solver(goal), plane_normal);
+      const Vec3 expected(std::clamp(goal.x(), -0.5, 0.5), std::clamp(goal.y(), -0.4, 0.4), height);
+      ASSERT_LE((state.proxy - solver(expected)).norm(), 1e-9);
+      ASSERT_LE(std::abs(state.normal.dot(plane_normal)), 1e-12);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate
