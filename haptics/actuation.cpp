@@ -56,10 +56,11 @@ Result<ActuationModel> ActuationModel::from_axes(int sensors,
   std::array<Vec3, 3> basis{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   for (std::size_t i = 0; i < axes_device.size(); ++i) {
     const Vec3& axis = axes_device[i];
-    if (!axis.allFinite() || axis.stableNorm() == 0.0) {
+    const double largest = axis.cwiseAbs().maxCoeff();
+    if (!axis.allFinite() || largest == 0.0) {
       return invalid(describe(i, axis), "expected a finite direction of non-zero length", "");
     }
-    Vec3 direction = axis.stableNormalized();
+    Vec3 direction = (axis / largest).normalized();  // scaled first: no overflow
     if (sensors == 2 && std::abs(direction.z()) > kSpanRoundoff) {
       return invalid(describe(i, axis), "leaves the sensed plane A1 A2 of a 2-sensor device",
                      "set its third component to 0, or use 3 sensors");

@@ -8,7 +8,7 @@
 namespace palpate {
 
 // Figure 3 (Lecuyer et al. 2005): angular speed as a function of the angle still to go. Linear from
-// speed_at_zero to speed_at_knee, constant above the knee.
+// speed_at_zero to speed_at_knee, constant above the knee. All three must be positive.
 struct RotationProfile {
   double speed_at_zero_rad_per_s = 5.0 * std::numbers::pi / 180.0;
   double speed_at_knee_rad_per_s = 90.0 * std::numbers::pi / 180.0;

@@ -89,7 +89,9 @@ GodObject::Progress GodObject::take_step() {
       std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_)), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
   Vec3 step = projection_.displacement_m;
-  if (step.norm() <= scale().step_tolerance_m) return Progress::kMoved;
+  // Free, the proxy goes to the goal however near it is; held by planes, it has converged.
+  const bool is_free = projection_.active_count == 0;
+  if (!is_free && step.norm() <= scale().step_tolerance_m) return Progress::kMoved;
   double enter = 0.0;
   double leave = 1.0;
   const bool inside = world_bounds_.clip(proxy_, step, enter, leave);
@@ -98,7 +100,7 @@ GodObject::Progress GodObject::take_step() {
   const std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
   if (!hit) {
     advance(step);
-    if (projection_.active_count == 0 && !leaves) proxy_ = goal_;  // to the bit
+    if (is_free && !leaves) proxy_ = goal_;  // to the bit
     return leaves ? Progress::kStuck : Progress::kMoved;
   }
   advance(hit->fraction * step);
@@ -191,7 +193,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   state.iterations = iterations;
   state.capped = capped;
   const Vec3 lag = proxy_ - goal_;
-  state.in_contact = lag.norm() > scale().stand_off_m;
+  state.in_contact = lag.norm() > scale().step_tolerance_m;
   if (!state.in_contact) return state;
   state.active_planes = projection_.active_count;
   for (int i = 0; i < projection_.active_count; ++i) {

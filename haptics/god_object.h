@@ -21,7 +21,7 @@ struct GodObjectSettings {
 struct ProxyState {
   Vec3 proxy = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // normalised average of the active planes; 0 if they cancel or none
-  bool in_contact = false;     // |proxy - goal| exceeds the stand-off
+  bool in_contact = false;     // |proxy - goal| exceeds the step tolerance
   int active_planes = 0;       // that push
   int iterations = 0;
   bool capped = false;  // stopped by max_iterations before it converged

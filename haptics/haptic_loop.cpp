@@ -41,7 +41,7 @@ std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   record_.device_m = p_device_m;
   if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
   if (!std::isfinite(dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
-  if (has_proxy_) record_.time_s += dt_s;
+  if (record_.tick > 0) record_.time_s += dt_s;
   if (!std::isfinite(record_.device_m.squaredNorm())) return kFaultNonFiniteSample;
   return kFaultNone;
 }

@@ -83,7 +83,6 @@ class HapticLoop {
 
   // The pose after the last tick's elementary rotation: what a display should show.
   const ScenePose& T_device_scene() const { return T_device_scene_; }
-  double stand_off_m() const { return god_object_.scale().stand_off_m; }
 
  private:
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);

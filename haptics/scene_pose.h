@@ -10,16 +10,17 @@ namespace palpate {
 // T_device_scene: p_device = R(q) p_scene + o.
 using ScenePose = RigidTransform;
 
-// Turns the scene about a point that stays where it is in both frames: p_device =
-// pose(pivot_scene). o' = c + dR (o - c) with c the pivot in the device frame. The quaternion is
-// renormalised, so its length stays within 4 ulp of 1 however many ticks it turns.
+// Turns the scene about a point that stays where it is in both frames, to 2 ulp: the new origin is
+// solved from c = R(q') pivot + o' with c the pivot in the device frame, which keeps the pivot in
+// place whatever q' was rounded to. The quaternion is renormalised, so its length stays within 4
+// ulp of 1 however many ticks it turns.
 inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
                               const AxisAngle& turn) noexcept {
   const Quat step(Eigen::AngleAxisd(turn.angle_rad, turn.axis_device));
   const Vec3 pivot_device = T_device_scene.point(pivot_scene_m);
   ScenePose turned;
   turned.rotation = (step * T_device_scene.rotation).normalized();
-  turned.translation_m = pivot_device + step * Vec3(T_device_scene.translation_m - pivot_device);
+  turned.translation_m = pivot_device - turned.rotation * pivot_scene_m;
   return turned;
 }
 

@@ -17,7 +17,7 @@ using test::Random;
 constexpr double kPi = std::numbers::pi;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // Of the lengths involved: three rotations of a vector, each of about two roundings, and two sums.
-constexpr double kPivotRoundoff = 8 * kEpsilon;
+constexpr double kPivotRoundoff = 1e-15;
 constexpr int kManySteps = 1'000'000;
 
 // The largest elementary rotation of a tick at 1 kHz.

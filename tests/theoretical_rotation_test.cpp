@@ -152,6 +152,14 @@ TEST_P(Table1, GivesNumbersForEveryNormal) {
   }
 }
 
+TEST_P(Table1, NoNormalMeansNoRotation) {
+  Random random(3416);
+  for (const Table1Form form : {Table1Form::kCorrected, Table1Form::kAsPrinted}) {
+    TheoreticalRotation rotation(random_row(random, GetParam()).model, form);
+    EXPECT_EQ(rotation.update(Vec3::Zero()).angle_rad, 0.0);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Rows, Table1,
                          testing::Values(ActuationCase::kCase1, ActuationCase::kCase2,
                                          ActuationCase::kCase3),
