@@ -13,6 +13,9 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // its in-plane normal would have lost half its digits.
 constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
 
+// A contact normal with a larger part than this out of the plane of motion does not belong to it.
+constexpr double kOutOfPlane = 64 * kEpsilon;
+
 // Unit normals that sum to less than their rounding cancel.
 constexpr double kCancelledNormal = 16 * kEpsilon;
 
@@ -88,6 +91,7 @@ GodObject::Progress GodObject::take_step() {
   projection_ = project_onto_planes(
       std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_)), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
+  if (const auto progress = roll_towards_goal()) return *progress;
   Vec3 step = projection_.displacement_m;
   // Free, the proxy goes to the goal however near it is; held by planes, it has converged.
   const bool is_free = projection_.active_count == 0;
@@ -97,11 +101,17 @@ GodObject::Progress GodObject::take_step() {
   const bool inside = world_bounds_.clip(proxy_, step, enter, leave);
   const bool leaves = inside && leave < 1.0;
   if (leaves) step *= leave;  // nothing to touch beyond
+  if (const auto stopped = stop_at_first_hit(step)) return *stopped;
+  if (is_free && !leaves) proxy_ = goal_;  // to the bit
+  return leaves ? Progress::kStuck : Progress::kMoved;
+}
+
+// Takes the step as far as it is free. Nothing if all of it is.
+std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& step) {
   const std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
   if (!hit) {
     advance(step);
-    if (is_free && !leaves) proxy_ = goal_;  // to the bit
-    return leaves ? Progress::kStuck : Progress::kMoved;
+    return std::nullopt;
   }
   advance(hit->fraction * step);
   const bool is_new = add_plane(hit->contact);
@@ -172,10 +182,51 @@ void GodObject::advance(const Vec3& displacement) {
   }
 }
 
+// A sphere held by an edge or vertex alone is held by a curved surface. Sliding along its tangent
+// plane and dropping back converges step by step; instead, the sphere goes along that tangent plane
+// to where it meets the tangent plane at the answer, straight out from the feature through the
+// goal, which the next step then follows. Both pieces lie outside the curved surface. Nothing if
+// there is nothing to roll over, or if that way would lead farther from the goal first.
+std::optional<GodObject::Progress> GodObject::roll_towards_goal() {
+  if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return std::nullopt;
+  const int held_by = projection_.active[0];
+  const FaceContact now = contacts_[held_by];
+  if (now.feature == TriangleFeature::kFace) return std::nullopt;
+  FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
+  const bool other_side = answer.normal.dot(now.normal) <= 0.0;
+  const bool out_of_plane =
+      motion_plane_normal_ && std::abs(answer.normal.dot(*motion_plane_normal_)) > kOutOfPlane;
+  if (other_side || out_of_plane || is_same_place(now, answer)) return std::nullopt;
+
+  const double reach = tracer_.radius_m() + scale().stand_off_m;
+  const ContactPlane tangents[2] = {
+      planes_of_contact_[held_by],
+      {answer.normal, reach - answer.normal.dot(proxy_ - answer.feature_point)}};
+  const Vec3 target = goal_ - proxy_;
+  const PlaneProjection edge = project_onto_planes(tangents, target, Feasibility::kMustMove);
+  const Vec3& step = edge.displacement_m;
+  if (!edge.solved || (step - target).squaredNorm() >= target.squaredNorm()) return std::nullopt;
+  if (const auto stopped = stop_at_first_hit(step)) return *stopped;
+  plane_count_ = 0;
+  answer.clearance_m = answer.normal.dot(proxy_ - answer.feature_point) - tracer_.radius_m();
+  add_plane(answer);
+  return Progress::kStopped;
+}
+
+// Whether a sphere touches the same place of a curved feature in both contacts.
+bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const {
+  return (a.normal - b.normal).norm() * tracer_.radius_m() <= scale().stand_off_m;
+}
+
 // True iff every face that pushes is really there, under the proxy, and not only its plane.
 bool GodObject::settled() const {
   for (int i = 0; i < projection_.active_count; ++i) {
-    if (!tracer_.is_over(contacts_[projection_.active[i]], proxy_)) return false;
+    const FaceContact& contact = contacts_[projection_.active[i]];
+    if (!tracer_.is_over(contact, proxy_)) return false;
+    if (contact.feature != TriangleFeature::kFace &&
+        !is_same_place(contact, tracer_.contact_at(contact.face, proxy_, contact.normal))) {
+      return false;
+    }
   }
   return true;
 }

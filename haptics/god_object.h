@@ -62,6 +62,9 @@ class GodObject {
 
   void seed_from_last_tick();
   Progress take_step();
+  std::optional<Progress> stop_at_first_hit(const Vec3& step);
+  std::optional<Progress> roll_towards_goal();
+  bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();

@@ -144,6 +144,36 @@ TEST_P(GodObjectOfRadius, SolvesConcaveWedgesOfAnyAngleInOneTick) {
 
 INSTANTIATE_TEST_SUITE_P(PointAndSphere, GodObjectOfRadius, testing::Values(0.0, 0.05));
 
+// Goals outside the box but nearer than the radius: the proxy rests on the rounded offset of the
+// nearest edge or vertex, straight out from it, in one tick.
+TEST(GodObject, RollsOverEdgesAndVerticesToTheExactPoint) {
+  Random random(18);
+  const double radius = 0.05;
+  const Vec3 half(0.5, 0.4, 0.3);
+  for (int trial = 0; trial < 200; ++trial) {
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(box_soup(half), pose, radius);
+    SceneProxy proxy(world, radius);
+    proxy.place(pose.point({0.5 * random.uniform(-1, 1), 0.4 * random.uniform(-1, 1), 1.0}));
+    proxy.move_to(pose.point({0.0, 0.0, 0.32}));
+    for (int step = 0; step < 20; ++step) {
+      const bool at_vertex = random.index(2) == 0;
+      const Vec3 corner(half.x(), at_vertex ? half.y() : random.uniform(-0.3, 0.3), half.z());
+      Vec3 out = random.unit_vector().cwiseAbs() + Vec3::Constant(0.05);
+      if (!at_vertex) out.y() = 0.0;
+      out.normalize();
+      // At less than a third of the radius the offset is almost flat for the goal, and the way
+      // along it takes more than one tick.
+      const Vec3 goal = corner + random.uniform(0.35, 0.95) * radius * out;
+      const ProxyState state = proxy.move_to(pose.point(goal));
+      ASSERT_LE((state.proxy - pose.point(corner + radius * out)).norm(),
+                kRelativeAccuracy * proxy.size())
+          << "trial " << trial << " step " << step << " iterations " << state.iterations;
+      ASSERT_FALSE(state.capped);
+    }
+  }
+}
+
 TEST(GodObject, StaysOnItsFaceUntilTheProjectionLeavesIt) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.5)));
   SceneProxy proxy(world);
