@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -106,10 +108,36 @@ void run_realtime(HapticSession& session, Device& device, const RunSetup& setup,
   run.missed_deadlines = thread.missed_deadlines();
 }
 
+// Every tick is kept in memory, 240 bytes of it: an hour at 1 kHz is below this limit.
+constexpr double kMostTicks = 4e6;
+
+// Comparisons are false for NaN.
+std::optional<Error> check_settings(const ExplorationSettings& settings, double dt_s) {
+  const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
+    return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
+  };
+  if (!(settings.seconds > ContourPlanSettings{}.approach_s)) {
+    return invalid("--seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
+                   "25 to 30 s are usual");
+  }
+  const double ticks = settings.seconds / dt_s;
+  if (!(ticks >= 1.0 && ticks <= kMostTicks)) {
+    std::ostringstream text;
+    text << "times --rate that makes " << ticks << " ticks, expected 1 to " << kMostTicks;
+    return invalid("--seconds", text.str(), "choose a shorter run or another rate");
+  }
+  if (!(settings.workspace_m > 0.0)) {
+    return invalid("--workspace", std::to_string(settings.workspace_m) + " m given, expected > 0",
+                   "");
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress) {
+  if (const auto error = check_settings(settings, setup.dt_s)) return *error;
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
                                                          : plan_walk(scene, settings);
   if (!hand) return hand.error();

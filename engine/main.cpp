@@ -1,7 +1,9 @@
 // The command line of Palpate: reads arguments, calls a command, turns errors into exit codes.
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -64,6 +66,7 @@ void add_run(CLI::App& program, palpate::RunCommand& command) {
       ->check(CLI::Range(2.0, 86400.0))
       ->capture_default_str();
   app.add_option("--seed", command.exploration.seed, "of the hand's noise and walk")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--workspace", command.exploration.workspace_m,
                  "extent of the device along an axis, m; more is flagged")
@@ -111,7 +114,12 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return program.exit(help);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "palpate: " << error.what() << " (palpate --help tells more)\n";
+    std::string problem = error.what();
+    if (program.get_subcommands().empty() && !program.remaining().empty()) {
+      problem = program.remaining().front() + ": is no subcommand; expected run, replay or info";
+    }
+    std::replace(problem.begin(), problem.end(), '\n', ' ');
+    std::cerr << "palpate: " << problem << " (palpate --help tells more)\n";
     return kBadArguments;
   }
   if (program.got_subcommand("run")) return palpate::run(run);

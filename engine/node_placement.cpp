@@ -19,7 +19,13 @@ std::optional<NodePlacement> split_linear(const Mat3& linear) {
   const double sign = (u * v.transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   const Mat3 rotation = u * Vec3(1.0, 1.0, sign).asDiagonal() * v.transpose();
   const Quat q(Quat(rotation).normalized());
-  return NodePlacement{q.conjugate().toRotationMatrix() * linear, q};
+  const Mat3 deformation = q.conjugate().toRotationMatrix() * linear;
+  // A node that is only turned deforms nothing: it can share an index with one that is not turned.
+  constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  if ((deformation - Mat3::Identity()).norm() <= kRounding) {
+    return NodePlacement{Mat3::Identity(), q};
+  }
+  return NodePlacement{deformation, q};
 }
 
 }  // namespace palpate

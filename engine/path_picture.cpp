@@ -75,16 +75,18 @@ std::string script(const std::vector<ExplorationRun>& runs, const std::string& s
   }
   out << "set multiplot layout 2," << runs.size() << " rowsfirst title " << quoted(scene_name)
       << " noenhanced\n"
-      << "set grid lc rgb '#dddddd'\nset key below\n"
+      << "set grid lc rgb '#dddddd'\nset key below spacing 1.3\n"
       << "set size ratio -1\nset xrange [] reverse\nset offsets graph 0.05,0.05,0.05,0.05\n"
-      << "set xlabel 'A2 (m), sensed'\nset ylabel 'A1 (m), sensed and pushed'\n";
+      << "set xtics 0.1\nset ytics 0.1\n"
+      << "set xlabel 'A2 (m)'\nset ylabel 'A1 (m)'\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
     out << "set title '" << (runs[i].a4 ? "with A4" : "without A4") << "'\n"
         << "plot $contour" << i << " with lines lw 2 lc rgb '" << kContourColour
         << "' title 'object at the start', $path" << i << " with lines lw 1.5 lc rgb '"
         << kPathColour << "' title 'path of the device'\n";
   }
-  out << "set size noratio\nset xrange [*:*] noreverse\nset yrange [0:90]\nset ytics 30\n"
+  out << "set size noratio\nset xrange [*:*] noreverse\nset xtics autofreq\n"
+      << "set yrange [-3:93]\nset ytics 30\n"
       << "set offsets 0,0,0,0\n"
       << "set xlabel 'time (s)'\nset ylabel 'contact angle (deg)'\nunset title\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {

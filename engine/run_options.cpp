@@ -87,6 +87,7 @@ std::optional<Error> check_numbers(const RunOptions& o) {
     return invalid(name, text.str());
   };
   if (auto e = check("--rate", o.rate_Hz, false)) return e;
+  if (!std::isfinite(1.0 / o.rate_Hz)) return invalid("--rate", "so low that a tick never ends");
   if (auto e = check("--stiffness", o.stiffness_N_per_m, true)) return e;
   if (auto e = check("--damping", o.damping_Ns_per_m, true)) return e;
   if (auto e = check("--radius", o.radius_m, true)) return e;

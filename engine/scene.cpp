@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "engine/node_placement.h"
 #include "io/gltf_reader.h"
@@ -34,6 +35,23 @@ void add(CleaningReport& sum, const CleaningReport& report) {
   sum.split_vertices += report.split_vertices;
   sum.boundary_edges += report.boundary_edges;
   sum.non_manifold_edges += report.non_manifold_edges;
+}
+
+// An earlier node of the same mesh and scale, whose index this one can share. Nodes that are turned
+// have their scale from a decomposition, so it is the same only up to rounding; one that is not
+// turned keeps its vertices to the bit.
+const SceneObject* find_twin(const std::vector<SceneObject>& objects, std::size_t mesh,
+                             const NodePlacement& placement) {
+  constexpr double kSameScale = 64 * std::numeric_limits<double>::epsilon();
+  const Mat3& scale = placement.deformation;
+  const bool is_turned = placement.rotation.coeffs() != Quat::Identity().coeffs();
+  const double tolerance = is_turned ? kSameScale * scale.norm() : 0.0;
+  for (const SceneObject& object : objects) {
+    if (object.mesh == mesh && (object.map_body_mesh.linear - scale).norm() <= tolerance) {
+      return &object;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -82,13 +100,17 @@ void Scene::add_object(const NodeDescription& node) {
                                    ": left out, its transform is singular and leaves no surface");
     return;
   }
-  // The body frame has its origin in the middle of the surface.
-  const Box box = bounding_box(mesh.welded_positions(), placement->deformation);
-  const Vec3 middle = 0.5 * (box.low + box.high);
   SceneObject object;
   object.name = node.name;
   object.mesh = node.mesh;
-  object.map_body_mesh = {placement->deformation, -middle};
+  if (const SceneObject* twin = find_twin(objects_, node.mesh, *placement)) {
+    object.map_body_mesh = twin->map_body_mesh;
+  } else {
+    // The body frame has its origin in the middle of the surface.
+    const Box box = bounding_box(mesh.welded_positions(), placement->deformation);
+    object.map_body_mesh = {placement->deformation, -0.5 * (box.low + box.high)};
+  }
+  const Vec3 middle = -object.map_body_mesh.translation_m;
   object.T_scene_body = {placement->rotation, node.translation_m + placement->rotation * middle};
   objects_.push_back(std::move(object));
   statistics_.instanced_triangles += mesh.face_count();
