@@ -17,6 +17,10 @@ struct TriangleGeometry {
 struct TrianglePoint {
   Vec3 point;       // on the closed triangle
   double distance;  // from the query point, metres, >= 0
+  // Unit, from point to the query point. Exactly the triangle's normal or its opposite over the
+  // face, however near; elsewhere the difference of the points, which loses digits near the edge.
+  // The triangle's normal where the two points coincide.
+  Vec3 direction;
   TriangleFeature feature = TriangleFeature::kFace;
 };
 

@@ -13,6 +13,10 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // its in-plane normal would have lost half its digits.
 constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
 
+// A step that is stopped is shortened at most so often; then the proxy stays where it is. Each time
+// is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
+constexpr int kMaxShortenings = 8;
+
 // A contact normal with a larger part than this out of the plane of motion does not belong to it.
 constexpr double kOutOfPlane = 64 * kEpsilon;
 
@@ -108,14 +112,25 @@ GodObject::Progress GodObject::take_step() {
 
 // Takes the step as far as it is free. Nothing if all of it is.
 std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& step) {
-  const std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
+  std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
   if (!hit) {
     advance(step);
     return std::nullopt;
   }
-  advance(hit->fraction * step);
+  Vec3 taken = hit->fraction * step;
+  const auto moves = [&] { return taken.norm() > scale().step_tolerance_m; };
+  // The face it is stopped by may not be the only one that is close there. What is taken has been
+  // traced to its very end.
+  for (int shortened = 0; moves(); ++shortened) {
+    const std::optional<TraceHit> nearer = tracer_.trace(proxy_, taken);
+    if (!nearer) break;
+    hit = nearer;
+    taken *= shortened < kMaxShortenings ? nearer->fraction : 0.0;
+  }
+  const bool moved = moves();
+  if (!moved) taken.setZero();
+  advance(taken);
   const bool is_new = add_plane(hit->contact);
-  const bool moved = hit->fraction * step.norm() > scale().step_tolerance_m;
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
 }
 

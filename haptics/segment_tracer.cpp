@@ -21,9 +21,10 @@ double finest_pack_diagonal(const ContactWorld& world) {
   return finest;
 }
 
-// The lanes whose plane the segment may cross; the rest certainly miss. Written as plain loops over
-// all lanes, which the compiler turns into vector code.
-unsigned lanes_crossing_plane(const TrianglePack& pack, const Vec3& p, const Vec3& d) {
+// The lanes whose plane the segment may cross or end close to; the rest are out of the way. Written
+// as plain loops over all lanes, which the compiler turns into vector code.
+unsigned lanes_in_the_way(const TrianglePack& pack, const Vec3& p, const Vec3& d,
+                          double clearance) {
   constexpr int kLanes = TrianglePack::kLanes;
   const double step = d.lpNorm<1>();
   double start[kLanes];
@@ -40,8 +41,9 @@ unsigned lanes_crossing_plane(const TrianglePack& pack, const Vec3& p, const Vec
   }
   unsigned lanes = 0;
   for (int i = 0; i < kLanes; ++i) {
-    const bool apart =
-        (start[i] > bound[i] && end[i] > bound[i]) || (start[i] < -bound[i] && end[i] < -bound[i]);
+    const double end_bound = std::max(bound[i], clearance);
+    const bool apart = (start[i] > bound[i] && end[i] > end_bound) ||
+                       (start[i] < -bound[i] && end[i] < -end_bound);
     lanes |= static_cast<unsigned>(!apart) << i;
   }
   return lanes & ((1u << pack.count) - 1u);
@@ -84,16 +86,17 @@ struct SegmentTracer::Search {
   void consider(std::uint32_t pack_id) {
     const TrianglePack& pack = placed->index->pack(pack_id);
     const bool is_point = tracer.radius_m_ == 0.0;
-    const unsigned lanes =
-        is_point ? lanes_crossing_plane(pack, p_body, d_body) : (1u << pack.count) - 1u;
+    const SolverScale& scale = tracer.scale_;
+    const unsigned lanes = is_point ? lanes_in_the_way(pack, p_body, d_body, scale.clearance_m)
+                                    : (1u << pack.count) - 1u;
     for (unsigned lane = 0; lane < TrianglePack::kLanes; ++lane) {
       if (!(lanes >> lane & 1u)) continue;
       TriangleHit hit;
       const TriangleGeometry triangle = pack.triangle(static_cast<int>(lane));
-      const double stand_off = tracer.scale_.stand_off_m;
       const bool met =
-          is_point ? trace_point(triangle, p_body, d_body, stand_off, hit)
-                   : trace_sphere(triangle, p_body, d_body, tracer.radius_m_, stand_off, hit);
+          is_point
+              ? trace_point(triangle, p_body, d_body, {scale.stand_off_m, scale.clearance_m}, hit)
+              : trace_sphere(triangle, p_body, d_body, tracer.radius_m_, scale.stand_off_m, hit);
       if (met) keep_earlier(hit, {body, pack_id, lane});
     }
   }
@@ -206,10 +209,8 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
             body.T_solver_body.point(p_body - height * normal)};
   }
   const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-  const Vec3 normal =
-      nearest.distance > 0.0 ? Vec3((p_body - nearest.point) / nearest.distance) : side_body;
-  return {face, body.T_solver_body.direction(normal), nearest.distance - radius_m_, nearest.feature,
-          body.T_solver_body.point(nearest.point)};
+  return {face, body.T_solver_body.direction(nearest.direction), nearest.distance - radius_m_,
+          nearest.feature, body.T_solver_body.point(nearest.point)};
 }
 
 bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {

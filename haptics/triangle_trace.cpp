@@ -18,12 +18,30 @@ void stop_before(double meet_fraction, double approach_per_step, double back_off
   hit.fraction = std::max(0.0, meet_fraction - back_off_m / approach_per_step);
 }
 
+// A step that passes the triangle by: is its end too close?
+bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& d,
+                   const TraceMargins& margins, TriangleHit& hit) {
+  const Vec3 end = p + d;
+  if (std::abs(t.normal.dot(end - t.a)) >= margins.clearance_m) return false;
+  const TrianglePoint nearest = closest_point_on_triangle(t, end);
+  if (nearest.distance >= margins.clearance_m) return false;
+  if (trace_sphere(t, p, d, margins.clearance_m, margins.stand_off_m, hit)) return true;
+  // So close to an edge, directions have few digits, and Newton may have been led past the contact.
+  // The end is too close all the same: a stand-off less is tried.
+  hit = {
+      nearest.direction, nearest.distance, std::max(0.0, 1.0 - margins.stand_off_m / d.norm()), 1.0,
+      nearest.feature,   nearest.point};
+  return true;
+}
+
 }  // namespace
 
-bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double stand_off_m,
-                 TriangleHit& hit) noexcept {
+bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d,
+                 const TraceMargins& margins, TriangleHit& hit) noexcept {
   const SegmentCrossing crossing = cross_segment(t, p, d);
-  if (crossing.kind == SegmentCrossing::Kind::kMiss) return false;
+  if (crossing.kind == SegmentCrossing::Kind::kMiss) {
+    return stop_near_end(t, p, d, margins, hit);
+  }
   double height = crossing.height_start;
   hit.normal = height < 0.0 ? Vec3(-t.normal) : t.normal;
   hit.feature = TriangleFeature::kFace;
@@ -36,7 +54,7 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double
   const double approach = -hit.normal.dot(d);
   if (approach <= 0.0) return false;  // leaves the face, or keeps its height over it
   hit.feature_point = p + crossing.fraction * d;
-  stop_before(std::min(1.0, height / approach), approach, stand_off_m, hit);
+  stop_before(std::min(1.0, height / approach), approach, margins.stand_off_m, hit);
   hit.clearance_m = height - hit.fraction * approach;
   return true;
 }
@@ -56,8 +74,7 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& d, doubl
     const Vec3 centre = p + fraction * d;
     const TrianglePoint nearest = closest_point_on_triangle(t, centre);
     if (step == 0) target = std::min(target, nearest.distance);
-    hit.normal =
-        nearest.distance > 0.0 ? Vec3((centre - nearest.point) / nearest.distance) : t.normal;
+    hit.normal = nearest.direction;
     const double approach = -hit.normal.dot(d);
     // Below the rounding of the distance, an approach over the whole step is none.
     const double roundoff = kHeightRoundoff * (nearest.distance + d.lpNorm<1>());

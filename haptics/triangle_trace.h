@@ -17,10 +17,17 @@ struct TriangleHit {
   Vec3 feature_point;  // the point of the triangle that is met
 };
 
-// Point proxy from p to p + d; it is stopped stand_off_m above the triangle, measured along the
-// normal, or where it is if that is nearer. Returns false if the two certainly do not meet.
-bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double stand_off_m,
-                 TriangleHit& hit) noexcept;
+// Distances that keep a proxy on its side. See SolverScale.
+struct TraceMargins {
+  double stand_off_m;
+  double clearance_m;
+};
+
+// Point proxy from p to p + d; it is stopped a stand-off above the triangle, measured along the
+// normal, or where it is if that is nearer. A step that passes the triangle by but ends within the
+// clearance of it is stopped before, as by a sphere of that radius. Returns false if neither is so.
+bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d,
+                 const TraceMargins& margins, TriangleHit& hit) noexcept;
 
 // Sphere of radius_m > 0 whose centre goes from p to p + d; stopped when radius_m + stand_off_m
 // from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
