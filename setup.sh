@@ -8,7 +8,7 @@ palpate_packages=(
   libembree-dev libopenmesh-dev libtinygltf-dev libeigen3-dev
   libcli11-dev nlohmann-json3-dev
   libgtest-dev libbenchmark-dev
-  gnuplot-nox
+  gnuplot-nox python3
 )
 
 say() { printf 'palpate: %s\n' "$*" >&2; }

@@ -1,0 +1,83 @@
+// palpate_benchmarks [--subdivisions=5,7] [--ticks=10000] [Google Benchmark's options]
+//
+// subdivisions: sizes of the sphere, 5 for 20,480 triangles and four times as many with each
+// further one (8: 1.3 million, 9: 5.2 million). ticks: length of every path, in samples of 1 ms.
+
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/registration.h"
+
+namespace {
+
+constexpr int kMostSubdivisions = 10;
+constexpr int kMostTicks = 10'000'000;
+
+// A whole number in [1, most].
+std::optional<int> parse_number(std::string_view text, int most) {
+  int number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || number < 1 || number > most) return std::nullopt;
+  return number;
+}
+
+// Numbers separated by commas; empty if one of them is none.
+std::vector<int> parse_list(std::string_view text, int most) {
+  std::vector<int> numbers;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const std::optional<int> number = parse_number(text.substr(0, comma), most);
+    if (!number) return {};
+    numbers.push_back(*number);
+    if (comma == std::string_view::npos) return numbers;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+struct Options {
+  std::vector<int> subdivisions{5, 7};
+  int ticks = 10000;
+};
+
+bool parse_option(std::string_view argument, Options& options) {
+  constexpr std::string_view kSubdivisions = "--subdivisions=";
+  constexpr std::string_view kTicks = "--ticks=";
+  if (argument.starts_with(kSubdivisions)) {
+    options.subdivisions = parse_list(argument.substr(kSubdivisions.size()), kMostSubdivisions);
+    return !options.subdivisions.empty();
+  }
+  if (!argument.starts_with(kTicks)) return false;
+  const std::optional<int> ticks = parse_number(argument.substr(kTicks.size()), kMostTicks);
+  options.ticks = ticks.value_or(options.ticks);
+  return ticks.has_value();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    if (parse_option(argv[i], options)) continue;
+    std::fprintf(stderr,
+                 "palpate_benchmarks: cannot use %s (see --help, --subdivisions, --ticks)\n",
+                 argv[i]);
+    return 2;
+  }
+  benchmark::AddCustomContext("compiler", PALPATE_COMPILER);
+  benchmark::AddCustomContext("flags", PALPATE_COMPILE_FLAGS);
+  for (const int subdivisions : options.subdivisions) {
+    const auto samples = static_cast<std::size_t>(options.ticks);
+    palpate::bench::register_index_benchmarks(subdivisions, samples);
+    palpate::bench::register_tick_benchmarks(subdivisions, samples);
+  }
+  const std::size_t run = benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return run > 0 ? 0 : 2;
+}

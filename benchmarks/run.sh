@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Builds the release preset, runs the benchmarks and keeps the result under the name of this
+# processor; update_readme.py then brings the table of the README up to date. Arguments go to
+# palpate_benchmarks. Measure on an idle machine: whatever else runs is measured as well.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"
+install_missing_packages
+build_preset release palpate palpate_benchmarks
+
+cpu_field() { sed -n "s/^$1[[:space:]]*: //p" /proc/cpuinfo | head -n 1; }
+
+# Google Benchmark splits its context at commas and equals signs.
+cpu=$(cpu_field 'model name' | tr ',=' '  ' | tr -s ' ')
+cpu="${cpu:-$(uname -m)} (family $(cpu_field 'cpu family') model $(cpu_field model))"
+slug=$(printf '%s' "$cpu" | tr '[:upper:]' '[:lower:]' | tr -cs 'a-z0-9' '-' | sed 's/^-//; s/-$//')
+
+# Only what can change a time makes a commit another one: not the results, not a document.
+sources=(CMakeLists.txt CMakePresets.json engine geometry haptics io models benchmarks
+  ':!benchmarks/results' ':!*.md' ':!*.sh' ':!*.py')
+commit=$(git -C "$palpate_root" rev-parse --short=12 HEAD 2>/dev/null || echo unknown)
+if [ -n "$(git -C "$palpate_root" status --porcelain -- "${sources[@]}" 2>/dev/null)" ]; then
+  commit+=-modified
+fi
+
+result=$palpate_root/benchmarks/results/$slug.json
+fresh=$(mktemp)
+trap 'rm -f "$fresh"' EXIT
+say "measuring for $slug (seconds to minutes)"
+cd "$palpate_root/build/release"
+./palpate_benchmarks --benchmark_out="$fresh" --benchmark_out_format=json \
+  --benchmark_context="cpu=$cpu,commit=$commit" "$@"
+if grep -q '"error_occurred": true' "$fresh"; then
+  say "a benchmark failed, so nothing was kept; its message is above"
+  exit 1
+fi
+# The host's name says nothing about a time and belongs to nobody else.
+mkdir -p "${result%/*}"
+grep -v '"host_name":' "$fresh" >"$result"
+"$palpate_root/benchmarks/measure_objects.py" "$palpate_root/build/release/palpate"
+say "wrote benchmarks/results/$slug.json; benchmarks/update_readme.py puts it into the README"

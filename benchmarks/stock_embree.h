@@ -1,0 +1,38 @@
+#pragma once
+
+// The peer: the same queries as one gets them from Embree without Palpate, on Embree's own triangle
+// geometry, in float, with the point query callback its tutorials describe.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "models/primitives.h"
+
+namespace palpate::bench {
+
+struct StockPoint {
+  Eigen::Vector3f point_m;
+  float distance_m;
+  std::uint32_t triangle;
+};
+
+class StockSurface {
+ public:
+  explicit StockSurface(const TriangleMesh& mesh);
+  ~StockSurface();
+  StockSurface(StockSurface&&) noexcept;
+  StockSurface& operator=(StockSurface&&) noexcept;
+
+  // The nearest surface point closer than radius_m.
+  std::optional<StockPoint> closest_point(const Eigen::Vector3f& p, float radius_m) const noexcept;
+
+  // The fraction of the segment p to p + d at which it first meets a triangle.
+  std::optional<float> first_hit(const Eigen::Vector3f& p, const Eigen::Vector3f& d) const noexcept;
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+}  // namespace palpate::bench
