@@ -7,6 +7,7 @@
 
 #include "geometry/embree.h"
 #include "geometry/pack_builder.h"
+#include "geometry/pack_queries.h"
 #include "geometry/segment_triangle.h"
 
 namespace palpate {
@@ -175,7 +176,9 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
   point_query(scene_->scene, p, radius_m, float_margin_m_, [&](std::uint32_t id) {
     if (pack_boxes_[id].squared_distance(p) > best * best) return best;
     const TrianglePack& pack = packs_[id];
+    const unsigned lanes = lanes_within(pack, p, best);
     for (int lane = 0; lane < pack.count; ++lane) {
+      if (!(lanes >> lane & 1u)) continue;
       const TrianglePoint point = closest_point_on_triangle(pack.triangle(lane), p);
       if (point.distance > best || (nearest && point.distance == best)) continue;
       best = point.distance;
@@ -242,7 +245,9 @@ std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) 
       [](void* s, std::uint32_t id) {
         auto& first = *static_cast<State*>(s);
         const TrianglePack& pack = first.index->pack(id);
+        const unsigned lanes = lanes_in_the_way(pack, first.p, first.d, 0.0);
         for (int lane = 0; lane < pack.count; ++lane) {
+          if (!(lanes >> lane & 1u)) continue;
           const SegmentCrossing crossing = cross_segment(pack.triangle(lane), first.p, first.d);
           if (crossing.kind == SegmentCrossing::Kind::kMiss) continue;
           if (crossing.fraction >= first.best) continue;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "geometry/segment_triangle.h"
+#include "geometry/pack_queries.h"
 #include "haptics/triangle_trace.h"
 
 namespace palpate {
@@ -19,34 +19,6 @@ double finest_pack_diagonal(const ContactWorld& world) {
     finest = std::min(finest, body.index->mean_pack_diagonal_m());
   }
   return finest;
-}
-
-// The lanes whose plane the segment may cross or end close to; the rest are out of the way. Written
-// as plain loops over all lanes, which the compiler turns into vector code.
-unsigned lanes_in_the_way(const TrianglePack& pack, const Vec3& p, const Vec3& d,
-                          double clearance) {
-  constexpr int kLanes = TrianglePack::kLanes;
-  const double step = d.lpNorm<1>();
-  double start[kLanes];
-  double end[kLanes];
-  double bound[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    const double x = p.x() - pack.a[0][i];
-    const double y = p.y() - pack.a[1][i];
-    const double z = p.z() - pack.a[2][i];
-    start[i] = pack.normal[0][i] * x + pack.normal[1][i] * y + pack.normal[2][i] * z;
-    end[i] = start[i] +
-             (pack.normal[0][i] * d.x() + pack.normal[1][i] * d.y() + pack.normal[2][i] * d.z());
-    bound[i] = kHeightRoundoff * (std::abs(x) + std::abs(y) + std::abs(z) + step);
-  }
-  unsigned lanes = 0;
-  for (int i = 0; i < kLanes; ++i) {
-    const double end_bound = std::max(bound[i], clearance);
-    const bool apart = (start[i] > bound[i] && end[i] > end_bound) ||
-                       (start[i] < -bound[i] && end[i] < -end_bound);
-    lanes |= static_cast<unsigned>(!apart) << i;
-  }
-  return lanes & ((1u << pack.count) - 1u);
 }
 
 // The part of the step p to p + d inside a ball that contains p, as a fraction that may exceed 1.
