@@ -35,6 +35,13 @@ void print(const nlohmann::ordered_json& json) {
   std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 
+// The exit code once everything is told: output that got lost (a full disk) is no success.
+int finish_output() {
+  if (std::cout.flush()) return 0;
+  return refuse({ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
+                 "check where it goes and the space left"});
+}
+
 std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
                                  const std::vector<std::int64_t>& steps_ns) {
   Result<TraceWriter> writer = TraceWriter::create(path);
@@ -82,7 +89,7 @@ int info(const InfoCommand& command) {
   } else {
     std::cout << scene_text(command.scene, *scene);
   }
-  return 0;
+  return finish_output();
 }
 
 int replay(const ReplayCommand& command) {
@@ -104,7 +111,7 @@ int replay(const ReplayCommand& command) {
     std::cout << command.scene << ", " << command.trajectory << "\n"
               << summary_text(result.summary);
   }
-  return 0;
+  return finish_output();
 }
 
 int run(const RunCommand& command) {
@@ -148,7 +155,7 @@ int run(const RunCommand& command) {
               << runs_text(runs) << "traces" << (picture ? " and paths.svg" : "") << " in "
               << command.out_dir << "/\n";
   }
-  return 0;
+  return finish_output();
 }
 
 }  // namespace palpate

@@ -95,7 +95,19 @@ void add_replay(CLI::App& program, palpate::ReplayCommand& command) {
   app.add_flag("--json", command.json, "print the results as JSON");
 }
 
+// CLI11 takes an empty value for none and keeps the default: `--stiffness "$K"` with K not set.
+bool has_empty_argument(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (*argv[i]) continue;
+    std::cerr << "palpate: " << (i > 1 ? argv[i - 1] : "palpate")
+              << ": nothing given, expected a value (palpate --help tells more)\n";
+    return true;
+  }
+  return false;
+}
+
 int run_program(int argc, char** argv) {
+  if (has_empty_argument(argc, argv)) return kBadArguments;
   CLI::App program(
       "Palpate: feel any triangle mesh through a point haptic device, with fewer "
       "motors than sensors if need be.");

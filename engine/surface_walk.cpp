@@ -36,6 +36,17 @@ class SurfaceSampler {
             cross(t).normalized()};
   }
 
+  // A point within reach of another; on a coarse sample of a vast surface the nearest drawn.
+  Vec3 draw_near(const Vec3& point_m, double reach_m) {
+    constexpr int kDraws = 10000;
+    Vec3 nearest = draw().point_m;
+    for (int i = 1; i < kDraws && (nearest - point_m).norm() > reach_m; ++i) {
+      const Vec3 drawn = draw().point_m;
+      if ((drawn - point_m).norm() < (nearest - point_m).norm()) nearest = drawn;
+    }
+    return nearest;
+  }
+
  private:
   Vec3 cross(const Triangle& t) const {
     return (positions_[t[1]] - positions_[t[0]]).cross(positions_[t[2]] - positions_[t[0]]);
@@ -55,31 +66,42 @@ SurfaceWalk::SurfaceWalk(const Scene& scene, const SurfaceWalkSettings& settings
   SurfaceSampler sampler(scene, settings.seed);
   const SurfaceSample first = sampler.draw();
   start_m_ = first.point_m + 2 * settings_.press_depth_m * first.normal;
+  // More than the hand will reach: few legs are as short as an eighth of their time allows.
   const auto count = static_cast<std::size_t>(
-      std::max(1.0, std::ceil(settings_.duration_s / settings_.seconds_per_waypoint)));
+      std::max(1.0, std::ceil(8 * settings_.duration_s / settings_.seconds_per_waypoint)));
+  last_normal_ = first.normal;
+  const double reach_m = 0.5 * settings_.speed_m_per_s * settings_.seconds_per_waypoint;
   waypoints_m_.push_back(first.point_m);
-  while (waypoints_m_.size() <= count) waypoints_m_.push_back(sampler.draw().point_m);
+  while (waypoints_m_.size() <= count) {
+    waypoints_m_.push_back(sampler.draw_near(waypoints_m_.back(), reach_m));
+  }
   reached_.assign(waypoints_m_.size(), false);
   given_up_at_s_ = settings_.seconds_per_waypoint;
 }
 
 HandTarget SurfaceWalk::target(double time_s, const ScenePose& T_device_scene,
                                const TickRecord& last) noexcept {
-  const Vec3 to_waypoint = waypoints_m_[next_] - last.proxy_m;
-  if (to_waypoint.norm() <= 2 * settings_.press_depth_m) reached_[next_] = true;
+  if (last.contact) {
+    last_contact_s_ = time_s;
+    if (!last.normal_scene.isZero(0.0)) last_normal_ = last.normal_scene;
+    const Vec3 to_waypoint = waypoints_m_[next_] - last.proxy_m;
+    if (to_waypoint.norm() <= 2 * settings_.press_depth_m) reached_[next_] = true;
+  }
   if ((reached_[next_] || time_s >= given_up_at_s_) && next_ + 1 < waypoints_m_.size()) {
     ++next_;
     given_up_at_s_ = time_s + settings_.seconds_per_waypoint;
   }
-  // Off the surface straight to the waypoint; on it along the surface and a little into it.
+  // Along the surface and a little into it; far from any surface straight to the waypoint.
+  const bool is_lost = time_s - last_contact_s_ > settings_.search_s;
+  const Vec3 normal = is_lost ? Vec3(Vec3::Zero()) : last_normal_;
   const Vec3 way = waypoints_m_[next_] - last.proxy_m;
-  const Vec3 along = way - way.dot(last.normal_scene) * last.normal_scene;
+  const Vec3 along = way - way.dot(normal) * normal;
   const double distance = along.norm();
   const Vec3 direction = distance > 0.0 ? Vec3(along / distance) : Vec3(Vec3::Zero());
   HandTarget target;
   target.position_m =
       T_device_scene.point(last.proxy_m + std::min(distance, settings_.press_depth_m) * direction -
-                           settings_.press_depth_m * last.normal_scene);
+                           settings_.press_depth_m * normal);
   target.velocity_m_per_s = T_device_scene.direction(settings_.speed_m_per_s * direction);
   return target;
 }

@@ -14,12 +14,15 @@ struct SurfaceWalkSettings {
   double speed_m_per_s = 0.04;
   double duration_s = 28.0;
   double seconds_per_waypoint = 4.0;
+  double search_s = 0.5;  // how long the hand feels back for a surface it has lost
   std::uint64_t seed = 1;
 };
 
-// Walks from one random point of the surface (uniform by area) towards the next, aiming along the
-// face it feels and press_depth_m below it, as a hand does that looks at the proxy. A waypoint that
-// is not reached in its time is given up.
+// Touches down on a random point of the surface (uniform by area) and walks from there towards the
+// next, each within reach of the one before. It aims along the face it feels and press_depth_m
+// below it, as a hand does that looks at the proxy. A waypoint that is not reached in its time is
+// given up. A hand that loses the surface presses back to where it was for a while before it goes
+// straight to the waypoint.
 class SurfaceWalk final : public HandPlan {
  public:
   SurfaceWalk(const Scene& scene, const SurfaceWalkSettings& settings);
@@ -36,6 +39,8 @@ class SurfaceWalk final : public HandPlan {
   std::vector<Vec3> waypoints_m_;  // scene frame
   std::vector<bool> reached_;
   Vec3 start_m_;
+  Vec3 last_normal_;  // scene frame, of the last contact, or where it will touch down
+  double last_contact_s_ = 0.0;
   std::size_t next_ = 0;
   double given_up_at_s_ = 0.0;
 };

@@ -1,0 +1,738 @@
+// The program as a user or a script meets it: exit codes, what goes to stdout and stderr, files.
+// Needs PALPATE_PROGRAM, the program, and PALPATE_MODELS_DIR, the folder of the models.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <spawn.h>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/trace_csv.h"
+#include "tests/gltf_builder.h"
+
+extern char** environ;
+
+namespace palpate {
+namespace {
+
+using nlohmann::json;
+using test::GltfBuilder;
+using test::TemporaryFolder;
+
+constexpr const char* kStar = PALPATE_MODELS_DIR "/star.glb";
+constexpr const char* kCube = PALPATE_MODELS_DIR "/cube.glb";
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+struct Outcome {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string out;
+  std::string err;
+};
+
+class CommandLine : public testing::Test {
+ protected:
+  // Runs the program in the test's folder. stdout_path: where its output goes instead.
+  Outcome call(std::vector<std::string> arguments, const std::string& stdout_path = {}) const {
+    const std::string out = stdout_path.empty() ? folder.path("stdout") : stdout_path;
+    const std::string err = folder.path("stderr");
+    arguments.insert(arguments.begin(), PALPATE_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    const int flags = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.path().c_str());
+    pid_t child = 0;
+    const int refused =
+        posix_spawn(&child, PALPATE_PROGRAM, &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    EXPECT_EQ(refused, 0);
+    int status = 0;
+    waitpid(child, &status, 0);
+    Outcome outcome;
+    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+    if (stdout_path.empty()) outcome.out = content_of(out);
+    outcome.err = content_of(err);
+    return outcome;
+  }
+
+  // Bad arguments or input: code 2, nothing on stdout, one line on stderr with all of `names`.
+  void expect_refused(const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& names) const {
+    std::string text;
+    for (const std::string& a : arguments) text += a + " ";
+    SCOPED_TRACE(text);
+    const Outcome o = call(arguments);
+    EXPECT_EQ(o.exit_code, 2);
+    EXPECT_EQ(o.out, "");
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    EXPECT_TRUE(o.err.starts_with("palpate: ") && o.err.ends_with("\n")) << o.err;
+    for (const std::string& name : names) {
+      EXPECT_NE(o.err.find(name), std::string::npos) << "no \"" << name << "\" in: " << o.err;
+    }
+  }
+
+  Outcome expect_done(const std::vector<std::string>& arguments) const {
+    std::string text;
+    for (const std::string& a : arguments) text += a + " ";
+    SCOPED_TRACE(text);
+    const Outcome o = call(arguments);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return o;
+  }
+
+  // Into the star from the side, along it and out again.
+  std::string write_path(const std::string& name = "path.txt") const {
+    std::ostringstream text;
+    for (int n = 0; n < 200; ++n) text << 0.12 - 0.0005 * n << " " << 0.0003 * n << " 0\n";
+    for (int n = 0; n < 50; ++n) text << "0.02 " << 0.06 + 0.005 * n << " 0\n";
+    return folder.write(name, text.str());
+  }
+
+  std::vector<std::string> replay(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"replay", kStar, "--trajectory", folder.path("path.txt")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  TemporaryFolder folder;
+};
+
+// The rows of a trace as texts, without the header.
+std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  for (const std::string& line : lines_of(csv)) {
+    std::vector<std::string> row;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');) row.push_back(field);
+    rows.push_back(row);
+  }
+  if (!rows.empty()) rows.erase(rows.begin());
+  return rows;
+}
+
+std::string without_last_column(const std::string& csv) {
+  std::string text;
+  for (const std::string& line : lines_of(csv)) text += line.substr(0, line.rfind(',')) + "\n";
+  return text;
+}
+
+std::vector<std::string> keys_of(const json& object) {
+  std::vector<std::string> keys;
+  for (const auto& item : object.items()) keys.push_back(item.key());
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+std::vector<std::string> sorted(std::vector<std::string> texts) {
+  std::sort(texts.begin(), texts.end());
+  return texts;
+}
+
+const std::vector<std::string> kSummaryKeys{"ticks",
+                                            "contact_ticks",
+                                            "mean_penetration_m",
+                                            "max_penetration_m",
+                                            "mean_contact_angle_deg",
+                                            "share_within_30deg",
+                                            "losses_of_contact",
+                                            "work_lost_J",
+                                            "port_work_J",
+                                            "faults",
+                                            "step_ns",
+                                            "load_ms",
+                                            "triangles"};
+
+// ---- help and version --------------------------------------------------------------------------
+
+TEST_F(CommandLine, TellsItsVersion) {
+  const Outcome o = expect_done({"--version"});
+  EXPECT_TRUE(std::regex_match(o.out, std::regex("palpate [0-9]+\\.[0-9]+\\.[0-9]+\n"))) << o.out;
+  EXPECT_EQ(o.err, "");
+}
+
+TEST_F(CommandLine, NamesItsCommandsInTheHelp) {
+  const Outcome o = expect_done({"--help"});
+  for (const char* name : {"run", "replay", "info", "--version", "--help"}) {
+    EXPECT_NE(o.out.find(name), std::string::npos) << name;
+  }
+}
+
+// An option, and what its line of help must say: the unit, or the choices.
+struct Told {
+  const char* option;
+  const char* says;
+};
+
+const std::vector<Told> kSharedOptions{{"--sensors", "2 or 3"},
+                                       {"--actuators", "axes"},
+                                       {"--actuated-axes", "0 0 1"},
+                                       {"--force", "none,actuated,full"},
+                                       {"--rate", "Hz"},
+                                       {"--stiffness", "N/m"},
+                                       {"--damping", "N s/m"},
+                                       {"--radius", " m"},
+                                       {"--plane-height", " m"},
+                                       {"--place", "x y z qw qx qy qz"},
+                                       {"--table1", "corrected"},
+                                       {"--a4-step", "exact"},
+                                       {"--json", "JSON"},
+                                       {"--a4", "on,off"}};
+
+// The part of a help text about an option: its line and the continuation of it.
+std::string help_of(const std::string& help, const std::string& option) {
+  const std::regex start("\n  " + option + "[ \n]");
+  std::smatch found;
+  if (!std::regex_search(help, found, start)) return {};
+  const std::string rest = found.str().substr(1) + found.suffix().str();
+  std::smatch next;
+  return std::regex_search(rest, next, std::regex("\n  -")) ? next.prefix().str() : rest;
+}
+
+void expect_told(const std::string& help, const std::vector<Told>& options) {
+  for (const Told& told : options) {
+    const std::string text = help_of(help, told.option);
+    EXPECT_FALSE(text.empty()) << told.option << " is not in the help";
+    EXPECT_NE(text.find(told.says), std::string::npos) << told.says << " is not in: " << text;
+  }
+}
+
+TEST_F(CommandLine, TellsEveryOptionWithItsUnit) {
+  const Outcome run = expect_done({"run", "--help"});
+  expect_told(run.out, kSharedOptions);
+  expect_told(run.out, {{"--seconds", " s"},
+                        {"--seed", "seed"},
+                        {"--virtual", "simulated time"},
+                        {"--workspace", " m"},
+                        {"--out", "folder"},
+                        {"--a4", "compare"}});
+  const Outcome replayed = expect_done({"replay", "--help"});
+  expect_told(replayed.out, kSharedOptions);
+  expect_told(replayed.out, {{"--trajectory", "metres"}, {"--out", "CSV"}, {"--repeat", "passes"}});
+  const Outcome info = expect_done({"info", "--help"});
+  expect_told(info.out, {{"--json", "JSON"}});
+}
+
+TEST_F(CommandLine, TellsTheDefaultsOfTheTwoCommands) {
+  const std::string run = expect_done({"run", "--help"}).out;
+  const std::string replayed = expect_done({"replay", "--help"}).out;
+  const auto expect_default = [](const std::string& help, const char* option, const char* value) {
+    EXPECT_NE(help_of(help, option).find(value), std::string::npos) << help_of(help, option);
+  };
+  expect_default(run, "--sensors", "=2");
+  expect_default(run, "--actuators", "[1]");
+  expect_default(run, "--stiffness", "=1000");
+  expect_default(run, "--damping", "=2");
+  expect_default(run, "--a4", "=compare");
+  expect_default(run, "--force", "=actuated");
+  expect_default(run, "--out", "=out");
+  expect_default(replayed, "--sensors", "=3");
+  expect_default(replayed, "--actuators", "[3]");
+  expect_default(replayed, "--a4", "=off");
+  expect_default(replayed, "--damping", "=0");
+  expect_default(replayed, "--radius", "=0");
+}
+
+// ---- bad arguments -----------------------------------------------------------------------------
+
+TEST_F(CommandLine, RefusesWhatItDoesNotKnow) {
+  write_path();
+  expect_refused({}, {"subcommand"});
+  expect_refused({"feel"}, {"feel"});
+  expect_refused({"--bogus"}, {"--bogus"});
+  expect_refused({"info"}, {"SCENE"});
+  expect_refused({"replay", kStar}, {"--trajectory"});
+  expect_refused(replay({"--bogus"}), {"--bogus"});
+  expect_refused(replay({"superfluous"}), {"superfluous"});
+  expect_refused(replay({"--virtual"}), {"--virtual"});
+  expect_refused(replay({"--force", "all"}), {"--force", "all"});
+  expect_refused(replay({"--a4", "compare"}), {"--a4"});
+  expect_refused(replay({"--table1", "x"}), {"--table1"});
+  expect_refused({"run", kStar, "--a4", "perhaps"}, {"--a4"});
+  expect_refused({"feel\nme"}, {"feel me"});
+  expect_refused(replay({"--out", ""}), {"--out"});
+  expect_refused(replay({"--place", ""}), {"--place"});
+}
+
+TEST_F(CommandLine, RefusesDevicesThatMakeNoSense) {
+  write_path();
+  expect_refused(replay({"--sensors", "1", "--actuators", "1"}), {"sensors", "1"});
+  expect_refused(replay({"--sensors", "1", "--actuators", "0"}), {"sensors", "1"});
+  expect_refused(replay({"--sensors", "4"}), {"sensors", "4"});
+  expect_refused(replay({"--sensors", "0", "--actuators", "0"}), {"sensors", "0"});
+  expect_refused(replay({"--sensors", "2", "--actuators", "3"}), {"actuators", "3"});
+  expect_refused(replay({"--actuators", "4"}), {"actuators", "4"});
+  expect_refused(replay({"--actuators", "-1"}), {"actuators", "-1"});
+  expect_refused({"run", kStar, "--sensors", "1"}, {"sensors"});
+  expect_refused({"run", kStar, "--actuators", "3"}, {"actuators"});
+}
+
+TEST_F(CommandLine, RefusesActuatedAxesThatMakeNoSense) {
+  write_path();
+  const auto expect = [&](const char* axes, const std::vector<std::string>& more,
+                          const std::vector<std::string>& names) {
+    std::vector<std::string> arguments{"--actuated-axes", axes};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refused(replay(arguments), names);
+  };
+  expect("0 0 1", {"--sensors", "2"}, {"actuated", "0 0 1", "sens"});
+  expect("1 0 0; 0 1 0.001", {"--sensors", "2"}, {"actuated", "2"});
+  expect("1 0 0; 2 0 0", {}, {"actuated", "2 0 0", "depend"});
+  expect("1 0 0; 0 1 0; 1 1 0", {}, {"actuated", "1 1 0"});
+  expect("1 0 0; 0 1 0; 0 0 1; 1 1 1", {}, {"actua"});
+  expect("0 0 0", {}, {"actuated", "0 0 0"});
+  expect("1 0", {}, {"--actuated-axes", "1 0"});
+  expect("1 0 0 0", {}, {"--actuated-axes"});
+  expect("1 0 x", {}, {"--actuated-axes"});
+  expect("nan 0 1", {}, {"--actuated-axes"});
+  expect("0 1 0", {"--actuators", "2"}, {"--actuators", "2"});
+}
+
+TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
+  write_path();
+  for (const char* option : {"--rate", "--stiffness", "--damping", "--radius"}) {
+    for (const char* value : {"nan", "inf", "-1", "1e999"}) {
+      expect_refused(replay({option, value}), {option});
+    }
+    expect_refused(replay({option, "soft"}), {option});
+    expect_refused(replay({option, ""}), {option});
+  }
+  expect_refused(replay({"--rate", "0"}), {"--rate"});
+  expect_refused(replay({"--rate", "1e-320"}), {"--rate"});
+  expect_refused(replay({"--plane-height", "nan"}), {"--plane-height"});
+  expect_refused(replay({"--repeat", "0"}), {"--repeat"});
+  expect_refused(replay({"--sensors", "2.5"}), {"--sensors"});
+  expect_refused(replay({"--place", "0 0 0"}), {"--place"});
+  expect_refused(replay({"--place", "0 0 0 0 0 0 0"}), {"--place"});
+  expect_refused(replay({"--place", "0 0 0 1 1 0 0"}), {"--place"});
+  expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});
+}
+
+TEST_F(CommandLine, RefusesRunsThatMakeNoSense) {
+  const auto expect = [&](const std::vector<std::string>& more,
+                          const std::vector<std::string>& names) {
+    std::vector<std::string> arguments{"run", kStar, "--virtual"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refused(arguments, names);
+  };
+  for (const char* seconds : {"nan", "inf", "0", "-3", "1e300"}) {
+    expect({"--seconds", seconds}, {"--seconds"});
+  }
+  expect({"--rate", "1e12"}, {"--rate"});
+  expect({"--rate", "1e-12"}, {"--rate"});
+  expect({"--workspace", "nan"}, {"--workspace"});
+  expect({"--workspace", "-1"}, {"--workspace"});
+  expect({"--seed", "-1"}, {"--seed"});
+  expect({"--plane-height", "1"}, {"--plane-height", "-0.02", "0.02"});
+  expect({"--plane-height", "nan"}, {"--plane-height"});
+  expect({"--place", "0 0 1 1 0 0 0"}, {"--plane-height"});
+}
+
+// ---- bad input ---------------------------------------------------------------------------------
+
+TEST_F(CommandLine, RefusesScenesItCannotRead) {
+  write_path();
+  GltfBuilder broken = GltfBuilder::one_triangle();
+  broken.json["accessors"][0]["count"] = 1000;
+  const std::string beyond = broken.write_glb(folder);
+  const std::string text = folder.write("text.glb", "no scene");
+  const std::string empty = folder.write("empty.glb", "");
+  const std::string nothing = folder.write("nothing.gltf", R"({"asset":{"version":"2.0"}})");
+  for (const std::string command : {"info", "run", "replay"}) {
+    const auto expect = [&](const std::string& scene, const std::vector<std::string>& names) {
+      std::vector<std::string> arguments{command, scene};
+      if (command == "replay") {
+        arguments.insert(arguments.end(), {"--trajectory", folder.path("path.txt")});
+      }
+      expect_refused(arguments, names);
+    };
+    expect(folder.path("missing.glb"), {"missing.glb"});
+    expect(folder.path(), {folder.path()});
+    expect(text, {"text.glb"});
+    expect(empty, {"empty.glb"});
+    expect(nothing, {"nothing.gltf"});
+    expect(beyond, {beyond, "accessors"});
+    expect("", {command});
+  }
+}
+
+TEST_F(CommandLine, RefusesTrajectoriesItCannotRead) {
+  const auto expect = [&](const std::string& file, const std::vector<std::string>& names) {
+    expect_refused({"replay", kStar, "--trajectory", file}, names);
+  };
+  expect(folder.path("missing.txt"), {"missing.txt"});
+  expect(folder.path(), {folder.path()});
+  expect(folder.write("empty.txt", ""), {"empty.txt"});
+  expect(folder.write("short.txt", "0 0 0\n0 0\n"), {"short.txt", "2"});
+  expect(folder.write("word.txt", "0 0 0\n0 0 0\n0 there 0\n"), {"word.txt", "3"});
+  expect(folder.write("back.txt", "0 0 0 0\n2 0 0 0\n1 0 0 0\n"), {"back.txt", "3"});
+}
+
+TEST_F(CommandLine, RefusesToWriteWhereItCannot) {
+  write_path();
+  const std::string file = folder.write("file", "");
+  expect_refused(replay({"--out", folder.path("missing/trace.csv")}), {"missing/trace.csv"});
+  expect_refused(replay({"--out", folder.path()}), {folder.path()});
+  expect_refused(replay({"--out", file + "/trace.csv"}), {file});
+  expect_refused(replay({"--out", "/dev/full"}), {"/dev/full"});
+  expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", file}, {file});
+  expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", file + "/out"}, {file});
+  std::filesystem::create_directories(folder.path("taken/trace-off.csv"));
+  expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", folder.path("taken")},
+                 {"trace-off.csv"});
+}
+
+TEST_F(CommandLine, RefusesToWriteWhereItMayNot) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  write_path();
+  std::filesystem::create_directory(folder.path("closed"));
+  std::filesystem::permissions(folder.path("closed"), std::filesystem::perms::owner_read |
+                                                          std::filesystem::perms::owner_exec);
+  expect_refused(replay({"--out", folder.path("closed/trace.csv")}), {"closed/trace.csv"});
+  expect_refused({"run", kStar, "--virtual", "--out", folder.path("closed/out")}, {"closed/out"});
+  expect_refused({"run", kStar, "--virtual", "--out", folder.path("closed")}, {"closed"});
+  std::filesystem::permissions(folder.path("closed"), std::filesystem::perms::owner_all);
+}
+
+TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
+  const Outcome o = call({"info", kStar}, "/dev/full");
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+}
+
+// ---- info --------------------------------------------------------------------------------------
+
+TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
+  const Outcome o = expect_done({"info", kCube, "--json"});
+  EXPECT_EQ(o.err, "");
+  const json info = json::parse(o.out);
+  EXPECT_EQ(keys_of(info), sorted({"nodes", "meshes", "instances", "triangles_in", "triangles",
+                                   "instanced_triangles", "vertices", "dropped", "split_vertices",
+                                   "boundary_edges", "non_manifold_edges", "extent_m", "effects",
+                                   "load_ms", "memory_bytes", "warnings"}));
+  EXPECT_EQ(keys_of(info["dropped"]), sorted({"degenerate", "duplicate"}));
+  EXPECT_EQ(keys_of(info["load_ms"]), sorted({"parse", "mesh", "index"}));
+  EXPECT_EQ(info["triangles_in"], 12);
+  EXPECT_EQ(info["triangles"], 12);
+  EXPECT_EQ(info["vertices"], 8);
+  EXPECT_EQ(info["boundary_edges"], 0);
+  EXPECT_EQ(info["effects"], json::array());
+  EXPECT_EQ(info["warnings"], json::array());
+  EXPECT_EQ(info["extent_m"].size(), 3u);
+  for (const json& extent : info["extent_m"]) EXPECT_EQ(extent, info["extent_m"][0]);
+  EXPECT_GT(info["memory_bytes"], 1000);
+}
+
+TEST_F(CommandLine, CountsTheTrianglesOfEveryNode) {
+  GltfBuilder gltf = GltfBuilder::one_triangle();
+  gltf.add_node({{"mesh", 0}, {"translation", {5, 0, 0}}});
+  gltf.add_node({{"mesh", 0}, {"scale", {0, 0, 0}}, {"name", "vanished"}});
+  const json info = json::parse(expect_done({"info", gltf.write_glb(folder), "--json"}).out);
+  EXPECT_EQ(info["nodes"], 3);
+  EXPECT_EQ(info["meshes"], 1);
+  EXPECT_EQ(info["instances"], 2);
+  EXPECT_EQ(info["triangles"], 1);
+  EXPECT_EQ(info["instanced_triangles"], 2);
+  ASSERT_EQ(info["warnings"].size(), 1u);
+  EXPECT_NE(info["warnings"][0].get<std::string>().find("vanished"), std::string::npos);
+}
+
+TEST_F(CommandLine, TellsPeopleWhatASceneIsMadeOf) {
+  const Outcome o = expect_done({"info", kStar});
+  EXPECT_NE(o.out.find("36 of 36"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("extent"), std::string::npos);
+}
+
+// ---- replay ------------------------------------------------------------------------------------
+
+TEST_F(CommandLine, ReplaysATrajectoryIntoATraceOfTheAgreedColumns) {
+  write_path();
+  expect_done(replay({"--out", folder.path("trace.csv")}));
+  const std::string csv = content_of(folder.path("trace.csv"));
+  EXPECT_EQ(lines_of(csv).at(0),
+            "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
+            "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
+            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,step_ns");
+  const auto rows = rows_of(csv);
+  ASSERT_EQ(rows.size(), 250u);
+  int contact_ticks = 0;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    ASSERT_EQ(rows[n].size(), 27u);
+    EXPECT_EQ(rows[n][0], std::to_string(n));
+    EXPECT_NEAR(std::stod(rows[n][1]), 1e-3 * static_cast<double>(n), 1e-12);
+    ASSERT_TRUE(rows[n][17] == "0" || rows[n][17] == "1");
+    contact_ticks += rows[n][17] == "1";
+    EXPECT_GE(std::stoll(rows[n][26]), 0);
+    if (rows[n][17] == "1") continue;
+    for (std::size_t column : {11, 12, 13, 14, 15, 16, 18}) EXPECT_EQ(rows[n][column], "0");
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(rows[n][5 + axis], rows[n][8 + axis]);
+  }
+  EXPECT_GT(contact_ticks, 20);
+  EXPECT_LT(contact_ticks, 250);
+  EXPECT_EQ(rows[1][2], "0.1195") << "17 significant digits are those the number needs";
+}
+
+TEST_F(CommandLine, GivesTheSameTraceEveryTimeButForTheClock) {
+  write_path();
+  const std::vector<std::vector<std::string>> ways{
+      {}, {"--sensors", "2", "--actuators", "1", "--a4", "on", "--damping", "2"}};
+  for (const auto& way : ways) {
+    for (const char* name : {"a.csv", "b.csv"}) {
+      auto arguments = replay(way);
+      arguments.insert(arguments.end(), {"--out", folder.path(name)});
+      if (name[0] == 'b') arguments.insert(arguments.end(), {"--repeat", "3"});
+      expect_done(arguments);
+    }
+    const std::string a = content_of(folder.path("a.csv"));
+    EXPECT_EQ(without_last_column(a), without_last_column(content_of(folder.path("b.csv"))));
+    EXPECT_GT(a.size(), 10000u);
+  }
+}
+
+TEST_F(CommandLine, SumsAReplayUpInJson) {
+  write_path();
+  const Outcome o = expect_done(replay({"--json", "--out", folder.path("trace.csv")}));
+  EXPECT_EQ(o.err, "");
+  const json summary = json::parse(o.out);
+  EXPECT_EQ(keys_of(summary), sorted(kSummaryKeys));
+  EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
+  EXPECT_EQ(keys_of(summary["faults"]),
+            sorted({"non_finite_sample", "bad_time_step", "solver_capped"}));
+  // The figures are those of the trace.
+  int contact_ticks = 0;
+  int losses = 0;
+  double penetration_sum_m = 0.0;
+  std::string before = "0";
+  for (const auto& row : rows_of(content_of(folder.path("trace.csv")))) {
+    const auto number = [&](std::size_t i) { return std::stod(row[i]); };
+    losses += before == "1" && row[17] == "0";
+    before = row[17];
+    if (row[17] != "1") continue;
+    ++contact_ticks;
+    penetration_sum_m +=
+        std::hypot(number(8) - number(5), number(9) - number(6), number(10) - number(7));
+  }
+  EXPECT_EQ(summary["ticks"], 250);
+  EXPECT_EQ(summary["contact_ticks"], contact_ticks);
+  EXPECT_EQ(summary["losses_of_contact"], losses);
+  EXPECT_NEAR(summary["mean_penetration_m"], penetration_sum_m / contact_ticks, 1e-15);
+  EXPECT_EQ(summary["work_lost_J"], 0.0) << "every axis pushes";
+  EXPECT_EQ(summary["triangles"], 36);
+}
+
+TEST_F(CommandLine, SumsAReplayUpForPeople) {
+  write_path();
+  const std::string out = expect_done(replay({})).out;
+  for (const char* what : {"ticks 250", "penetration", "contact angle", "work", "faults: none"}) {
+    EXPECT_NE(out.find(what), std::string::npos) << what << " is not in " << out;
+  }
+}
+
+TEST_F(CommandLine, TakesNanAndInfAsSamplesThatAreFaults) {
+  folder.write("path.txt", "0.12 0 0\n0.05 0 0\nnan 0 0\n0.05 0 0\n0 inf 0\n0.04 0 0\n");
+  const auto arguments = replay({"--json", "--out", folder.path("trace.csv")});
+  const json summary = json::parse(expect_done(arguments).out);
+  EXPECT_EQ(summary["ticks"], 6);
+  EXPECT_EQ(summary["faults"]["non_finite_sample"], 2);
+  const auto rows = rows_of(content_of(folder.path("trace.csv")));
+  ASSERT_EQ(rows.size(), 6u);
+  EXPECT_EQ(rows[2][2], "nan");
+  EXPECT_EQ(rows[4][3], "inf");
+  for (const std::size_t bad : {2u, 4u}) {
+    for (std::size_t force = 14; force < 17; ++force) EXPECT_EQ(rows[bad][force], "0");
+  }
+  for (const std::size_t good : {1u, 3u, 5u}) {
+    EXPECT_EQ(rows[good][17], "1");
+    EXPECT_NE(rows[good][14], "0");
+  }
+}
+
+TEST_F(CommandLine, ReadsTrajectoriesWithHeaderTimesAndComments) {
+  folder.write("path.txt",
+               "t,x,y,z\n# a comment\n0,0.12,0,0\n0.5,0.11,0,0 # another\n\n9,0.1,0,0\n");
+  const json summary = json::parse(expect_done(replay({"--json"})).out);
+  EXPECT_EQ(summary["ticks"], 3);
+}
+
+TEST_F(CommandLine, TakesTheTimeStepFromTheRateAndNotFromTheFile) {
+  folder.write("path.txt", "0 0.12 0 0\n5 0.11 0 0\n7 0.1 0 0\n");
+  expect_done(replay({"--rate", "4000", "--out", folder.path("trace.csv")}));
+  const auto rows = rows_of(content_of(folder.path("trace.csv")));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[1][1], "0.00025000000000000001");
+  EXPECT_EQ(rows[2][1], "0.00050000000000000001");
+}
+
+TEST_F(CommandLine, TakesActuatedAxesInPlaceOfTheirNumber) {
+  write_path();
+  const auto trace = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--out", folder.path("trace.csv"), "--a4", "on"});
+    expect_done(replay(more));
+    return without_last_column(content_of(folder.path("trace.csv")));
+  };
+  const std::string counted = trace({"--sensors", "2", "--actuators", "1"});
+  EXPECT_EQ(trace({"--sensors", "2", "--actuated-axes", "1 0 0"}), counted);
+  EXPECT_EQ(trace({"--sensors", "2", "--actuated-axes", "3 0 0", "--actuators", "1"}), counted);
+  EXPECT_NE(trace({"--sensors", "2", "--actuated-axes", "0 1 0"}), counted);
+}
+
+// Work with force held over a tick, from the traces: what --force commands and what it leaves out.
+TEST_F(CommandLine, CommandsTheForceThatWasAskedFor) {
+  write_path();
+  const auto forces = [&](const char* force) {
+    expect_done(replay({"--sensors", "2", "--actuators", "1", "--force", force, "--out",
+                        folder.path("trace.csv")}));
+    return rows_of(content_of(folder.path("trace.csv")));
+  };
+  const auto none = forces("none");
+  const auto actuated = forces("actuated");
+  const auto full = forces("full");
+  int with_sideways_force = 0;
+  for (std::size_t n = 0; n < full.size(); ++n) {
+    EXPECT_EQ(none[n][14], "0");
+    EXPECT_EQ(none[n][15], "0");
+    EXPECT_EQ(actuated[n][14], full[n][14]);
+    EXPECT_EQ(actuated[n][15], "0");
+    with_sideways_force += full[n][15] != "0";
+    EXPECT_EQ(none[n][18], full[n][18]) << "alpha, whatever the force";
+  }
+  EXPECT_GT(with_sideways_force, 20);
+}
+
+TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
+  write_path();
+  std::ostringstream moved;  // the same way, turned by 90 deg about z and moved
+  for (const std::string& line : lines_of(content_of(folder.path("path.txt")))) {
+    std::istringstream numbers(line);
+    double x = 0.0;
+    double y = 0.0;
+    numbers >> x >> y;
+    moved << 0.25 - y << " " << -0.5 + x << " 1\n";
+  }
+  const json there = json::parse(expect_done(replay({"--json"})).out);
+  const std::string path = folder.write("moved.txt", moved.str());
+  const std::string place = "0.25 -0.5 1 0.70710678118654757 0 0 0.70710678118654757";
+  const json here = json::parse(
+      expect_done({"replay", kStar, "--trajectory", path, "--place", place, "--json"}).out);
+  EXPECT_EQ(here["contact_ticks"], there["contact_ticks"]);
+  EXPECT_NEAR(here["mean_penetration_m"], there["mean_penetration_m"], 1e-12);
+}
+
+// ---- run ---------------------------------------------------------------------------------------
+
+TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
+  const Outcome o = expect_done({"run", kStar, "--virtual", "--json"});
+  const json result = json::parse(o.out);
+  EXPECT_EQ(keys_of(result), sorted({"runs"}));
+  ASSERT_EQ(result["runs"].size(), 2u);
+  auto expected = kSummaryKeys;
+  expected.insert(expected.end(), {"a4", "turn_fraction", "missed_deadlines", "device_extent_m"});
+  for (const json& run : result["runs"]) {
+    for (const std::string& key : expected) EXPECT_TRUE(run.contains(key)) << key;
+    EXPECT_EQ(keys_of(run["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
+    EXPECT_EQ(run["ticks"], 28000);
+    EXPECT_EQ(run["triangles"], 36);
+    EXPECT_GE(run["turn_fraction"], 0.99);
+    EXPECT_EQ(run["missed_deadlines"], 0);
+    EXPECT_EQ(run["device_extent_m"].size(), 3u);
+  }
+  EXPECT_EQ(result["runs"][0]["a4"], false);
+  EXPECT_EQ(result["runs"][1]["a4"], true);
+  EXPECT_LT(result["runs"][1]["mean_contact_angle_deg"], 35.0);
+  EXPECT_GT(result["runs"][0]["mean_contact_angle_deg"], 40.0);
+  // The default folder, in the folder it runs in.
+  for (const char* name : {"out/trace-off.csv", "out/trace-on.csv"}) {
+    const std::string csv = content_of(folder.path(name));
+    EXPECT_EQ(lines_of(csv).at(0), kTraceColumns);
+    EXPECT_EQ(rows_of(csv).size(), 28000u);
+  }
+  EXPECT_NE(content_of(folder.path("out/trace-off.csv")),
+            content_of(folder.path("out/trace-on.csv")));
+  const std::string picture = content_of(folder.path("out/paths.svg"));
+  EXPECT_NE(picture.find("<svg"), std::string::npos);
+  EXPECT_NE(picture.find("</svg>"), std::string::npos);
+}
+
+TEST_F(CommandLine, RunsWithOrWithoutA4Only) {
+  for (const bool a4 : {false, true}) {
+    const std::string out = folder.path(a4 ? "on/deep" : "off/deep");
+    const json result = json::parse(expect_done({"run", kStar, "--virtual", "--seconds", "2",
+                                                 "--a4", a4 ? "on" : "off", "--json", "--out", out})
+                                        .out);
+    ASSERT_EQ(result["runs"].size(), 1u);
+    EXPECT_EQ(result["runs"][0]["a4"], a4);
+    EXPECT_EQ(std::filesystem::exists(out + "/trace-on.csv"), a4);
+    EXPECT_EQ(std::filesystem::exists(out + "/trace-off.csv"), !a4);
+  }
+}
+
+TEST_F(CommandLine, TellsPeopleBothRunsSideBySide) {
+  const std::string out =
+      expect_done({"run", kStar, "--virtual", "--seconds", "4", "--out", folder.path("o")}).out;
+  for (const char* what : {"without A4", "with A4", "contact angle", "within 30 deg", "penetration",
+                           "losses", "work", "travel", "missed deadlines", "p50 / p99 / max"}) {
+    EXPECT_NE(out.find(what), std::string::npos) << what << " is not in " << out;
+  }
+}
+
+TEST_F(CommandLine, GivesOneTraceForOneSeed) {
+  const auto trace = [&](const char* seed, bool virtual_time) {
+    std::vector<std::string> arguments{"run", kStar,    "--seconds", "2",     "--a4",
+                                       "on",  "--seed", seed,        "--out", folder.path("o")};
+    if (virtual_time) arguments.emplace_back("--virtual");
+    expect_done(arguments);
+    return without_last_column(content_of(folder.path("o/trace-on.csv")));
+  };
+  const std::string first = trace("5", true);
+  EXPECT_EQ(trace("5", true), first);
+  EXPECT_EQ(trace("5", false), first) << "in real time, too";
+  EXPECT_NE(trace("6", true), first);
+}
+
+TEST_F(CommandLine, WalksWithThreeSensorsAndRunsWithoutActuators) {
+  const std::vector<std::vector<std::string>> devices{
+      {"--sensors", "3"},
+      {"--sensors", "3", "--actuators", "2"},
+      {"--sensors", "3", "--actuators", "3"},
+      {"--sensors", "3", "--actuated-axes", "0 0 1"},
+      {"--sensors", "2", "--actuators", "0"},
+      {"--sensors", "2", "--actuators", "2"}};
+  for (const auto& device : devices) {
+    std::vector<std::string> arguments{"run", kCube, "--virtual", "--seconds", "5", "--json"};
+    arguments.insert(arguments.end(), device.begin(), device.end());
+    const json result = json::parse(expect_done(arguments).out);
+    for (const json& run : result["runs"]) EXPECT_GT(run["contact_ticks"], 1000);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

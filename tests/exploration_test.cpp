@@ -1,0 +1,409 @@
+// The main job in virtual time: a simulated hand explores the models that are shipped.
+
+#include "engine/exploration.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/contour_plan.h"
+#include "engine/replay.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Compiled once for all tests.
+const Scene& model(const std::string& name) {
+  static std::map<std::string, Scene> scenes;
+  auto found = scenes.find(name);
+  if (found == scenes.end()) {
+    auto scene = Scene::load(PALPATE_MODELS_DIR "/" + name + ".glb");
+    if (!scene) ADD_FAILURE() << scene.error().to_string();
+    found = scenes.emplace(name, std::move(*scene)).first;
+  }
+  return found->second;
+}
+
+RunOptions options_of(int sensors, int actuators, const std::string& force = "actuated") {
+  RunOptions options;
+  options.sensors = sensors;
+  options.default_actuators = actuators;
+  options.damping_Ns_per_m = 2.0;
+  options.force = force;
+  return options;
+}
+
+struct Condition {
+  RunOptions options = options_of(2, 1);
+  bool a4 = false;
+  double start_deg = 0.0;  // of the scene, about A3
+};
+
+Result<ExplorationRun> try_explore(const std::string& name, const Condition& condition,
+                                   const ExplorationSettings& settings) {
+  auto setup = make_setup(condition.options);
+  if (!setup) return setup.error();
+  setup->haptics.a4.enabled = condition.a4;
+  setup->haptics.initial_pose.rotation =
+      Quat(Eigen::AngleAxisd(condition.start_deg * std::numbers::pi / 180, Vec3::UnitZ()));
+  return explore(model(name), *setup, settings, [](double) {});
+}
+
+ExplorationRun explored(const std::string& name, const Condition& condition, std::uint64_t seed,
+                        double seconds = 28.0) {
+  ExplorationSettings settings;
+  settings.virtual_time = true;
+  settings.seed = seed;
+  settings.seconds = seconds;
+  auto run = try_explore(name, condition, settings);
+  if (!run) {
+    ADD_FAILURE() << run.error().to_string();
+    return {};
+  }
+  return std::move(*run);
+}
+
+std::uint64_t fault_count(const ExplorationRun& run) {
+  const auto& faults = run.summary.faults;
+  return std::accumulate(faults.begin(), faults.end(), std::uint64_t{0});
+}
+
+std::vector<std::uint64_t> bits_of(const TickRecord& r) {
+  std::vector<std::uint64_t> bits{r.tick, r.contact, r.faults,
+                                  static_cast<std::uint64_t>(r.solver_iterations)};
+  const auto add = [&](double x) { bits.push_back(std::bit_cast<std::uint64_t>(x)); };
+  add(r.time_s);
+  add(r.alpha_rad);
+  for (const Vec3* v : {&r.device_m, &r.goal_m, &r.proxy_m, &r.normal_scene, &r.full_force_device_N,
+                        &r.force_device_N, &r.T_device_scene.translation_m}) {
+    for (int k = 0; k < 3; ++k) add((*v)[k]);
+  }
+  for (int k = 0; k < 4; ++k) add(r.T_device_scene.rotation.coeffs()[k]);
+  return bits;
+}
+
+// First tick at which two runs differ by a bit; the number of ticks if none.
+std::size_t first_difference(const ExplorationRun& a, const ExplorationRun& b) {
+  EXPECT_EQ(a.records.size(), b.records.size());
+  for (std::size_t n = 0; n < a.records.size(); ++n) {
+    if (bits_of(a.records[n]) != bits_of(b.records[n])) return n;
+  }
+  return a.records.size();
+}
+
+// ---- the paper's four objects ------------------------------------------------------------------
+
+struct Turn {
+  const char* name;
+  double start_deg;
+};
+
+void PrintTo(const Turn& turn, std::ostream* out) {
+  *out << turn.name << " started at " << turn.start_deg << " deg";
+}
+
+class PaperObject : public testing::TestWithParam<Turn> {};
+
+// The paper reports 32.1 deg with A4 and 49.4 deg without.
+TEST_P(PaperObject, IsTurnedOnceAndA4LowersTheContactAngle) {
+  const auto [name, start_deg] = GetParam();
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const bool a4 : {false, true}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + (a4 ? ", with A4" : ", without A4"));
+      const ExplorationRun run = explored(name, {options_of(2, 1), a4, start_deg}, seed);
+      EXPECT_EQ(run.a4, a4);
+      EXPECT_EQ(run.summary.ticks, 28000u);
+      EXPECT_GE(run.turn_fraction, 0.99);
+      EXPECT_LE(run.turn_fraction, 1.0);
+      EXPECT_EQ(fault_count(run), 0u);
+      EXPECT_GT(run.summary.contact_ticks, 0.8 * 27000);
+      if (a4) {
+        EXPECT_LT(run.summary.mean_contact_angle_deg, 35.0);
+      } else {
+        EXPECT_GT(run.summary.mean_contact_angle_deg, 40.0);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BothStarts, PaperObject,
+                         testing::Values(Turn{"star", 0}, Turn{"star", 45}, Turn{"labyrinth", 0},
+                                         Turn{"labyrinth", 45}, Turn{"inverted_labyrinth", 0},
+                                         Turn{"inverted_labyrinth", 45}, Turn{"lock", 0},
+                                         Turn{"lock", 45}));
+
+TEST(Exploration, TurnsAroundAStarInTheUsualTimesOf25To30Seconds) {
+  for (const double seconds : {26.0, 31.0}) {  // one second of it is the approach
+    for (const bool a4 : {false, true}) {
+      EXPECT_GE(explored("star", {options_of(2, 1), a4, 0}, 1, seconds).turn_fraction, 0.99);
+    }
+  }
+}
+
+TEST(Exploration, KeepsTheHandAndTheProxyInThePlane) {
+  Condition condition{options_of(2, 1), true, 30};
+  condition.options.plane_height_m = 0.01;
+  const ExplorationRun run = explored("lock", condition, 4, 6.0);
+  for (const TickRecord& r : run.records) {
+    ASSERT_EQ(r.device_m.z(), 0.01);
+    ASSERT_NEAR(r.T_device_scene.point(r.proxy_m).z(), 0.01, 1e-15);
+    ASSERT_EQ(r.force_device_N.z(), 0.0);
+    ASSERT_EQ(r.force_device_N.y(), 0.0) << "nothing pushes along A2";
+  }
+}
+
+// ---- one seed, one trace -----------------------------------------------------------------------
+
+TEST(Exploration, GivesTheSameBitsForTheSameSeed) {
+  for (const int sensors : {2, 3}) {
+    const Condition condition{options_of(sensors, 1), true, 0};
+    const std::string name = sensors == 2 ? "star" : "torus";
+    const ExplorationRun a = explored(name, condition, 7, 10.0);
+    const ExplorationRun b = explored(name, condition, 7, 10.0);
+    EXPECT_EQ(first_difference(a, b), 10000u);
+    EXPECT_EQ(a.turn_fraction, b.turn_fraction);
+    EXPECT_EQ(a.summary.port_work_J, b.summary.port_work_J);
+  }
+}
+
+TEST(Exploration, GivesAnotherMotionForAnotherSeed) {
+  for (const int sensors : {2, 3}) {
+    const Condition condition{options_of(sensors, 1), true, 0};
+    const std::string name = sensors == 2 ? "star" : "torus";
+    const ExplorationRun a = explored(name, condition, 7, 4.0);
+    const ExplorationRun b = explored(name, condition, 8, 4.0);
+    EXPECT_LT(first_difference(a, b), 100u);
+  }
+}
+
+// dt is nominal: what the clock of the machine does changes nothing.
+TEST(Exploration, GivesTheSameBitsInRealTime) {
+  ExplorationSettings settings;
+  settings.seconds = 2.0;
+  settings.seed = 5;
+  const Condition condition{options_of(2, 1), true, 0};
+  const auto real = try_explore("star", condition, settings);
+  ASSERT_TRUE(real) << real.error().to_string();
+  const ExplorationRun simulated = explored("star", condition, 5, 2.0);
+  EXPECT_EQ(first_difference(*real, simulated), 2000u);
+}
+
+// The device positions of a run, replayed, give the run.
+TEST(Exploration, CanBeReplayedFromItsDevicePositions) {
+  const Condition condition{options_of(2, 1), true, 0};
+  const ExplorationRun run = explored("star", condition, 2, 6.0);
+  std::vector<Vec3> path;
+  for (const TickRecord& r : run.records) path.push_back(r.device_m);
+  auto setup = make_setup(condition.options);
+  ASSERT_TRUE(setup);
+  setup->haptics.a4.enabled = true;
+  const ReplayResult again = replay(model("star"), *setup, path, 2);
+  ASSERT_EQ(again.records.size(), run.records.size());
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    ASSERT_EQ(bits_of(again.records[n]), bits_of(run.records[n])) << n;
+  }
+  EXPECT_EQ(again.summary.mean_contact_angle_deg, run.summary.mean_contact_angle_deg);
+  EXPECT_EQ(again.summary.work_lost_J, run.summary.work_lost_J);
+}
+
+// ---- the walk with three sensors ---------------------------------------------------------------
+
+TEST(Exploration, WalksOverATorusWithThreeSensors) {
+  for (const int actuators : {1, 2}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE(std::to_string(actuators) + " actuators, seed " + std::to_string(seed));
+      const ExplorationRun off = explored("torus", {options_of(3, actuators), false, 0}, seed);
+      const ExplorationRun on = explored("torus", {options_of(3, actuators), true, 0}, seed);
+      for (const ExplorationRun* run : {&off, &on}) {
+        EXPECT_EQ(fault_count(*run), 0u);
+        EXPECT_GT(run->summary.contact_ticks, 0.9 * 28000);
+        EXPECT_GT(run->turn_fraction, 0.75) << "share of waypoints reached";
+        EXPECT_GT(run->summary.device_extent_m.maxCoeff(), 0.1) << "it goes somewhere";
+      }
+      EXPECT_LT(on.summary.mean_contact_angle_deg, 0.5 * off.summary.mean_contact_angle_deg);
+      EXPECT_GT(on.summary.share_within_30deg, 0.9);
+    }
+  }
+}
+
+TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
+  for (const int sensors : {2, 3}) {
+    const std::string name = sensors == 2 ? "star" : "torus";
+    const ExplorationRun run = explored(name, {options_of(sensors, sensors), true, 20}, 1);
+    EXPECT_GT(run.summary.contact_ticks, 20000u);
+    EXPECT_EQ(run.summary.work_lost_J, 0.0);
+    EXPECT_LT(run.summary.mean_contact_angle_deg, 1e-6);
+    const Quat start = run.records.front().T_device_scene.rotation;
+    EXPECT_EQ(run.records.back().T_device_scene.rotation.coeffs(), start.coeffs());
+  }
+}
+
+// ---- the paper's conditions: NoH, UaH and H, with and without rotation -------------------------
+
+TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
+  for (const bool a4 : {false, true}) {
+    const ExplorationRun none = explored("star", {options_of(2, 1, "none"), a4, 0}, 1);
+    const ExplorationRun actuated = explored("star", {options_of(2, 1, "actuated"), a4, 0}, 1);
+    const ExplorationRun full = explored("star", {options_of(2, 1, "full"), a4, 0}, 1);
+    for (const ExplorationRun* run : {&none, &actuated, &full}) {
+      EXPECT_EQ(fault_count(*run), 0u);
+      EXPECT_GT(run->summary.contact_ticks, 20000u);
+      EXPECT_GT(run->turn_fraction, 0.9);
+      EXPECT_EQ(run->summary.mean_contact_angle_deg < 35.0, a4) << "whatever the force is";
+    }
+    EXPECT_EQ(none.summary.port_work_J, 0.0);
+    EXPECT_NE(none.summary.work_lost_J, 0.0);
+    EXPECT_NE(actuated.summary.work_lost_J, 0.0);
+    EXPECT_EQ(full.summary.work_lost_J, 0.0);
+    // Less force, deeper in: H < UaH < NoH.
+    EXPECT_LT(full.summary.mean_penetration_m, none.summary.mean_penetration_m);
+    EXPECT_LT(actuated.summary.mean_penetration_m, none.summary.mean_penetration_m);
+    if (!a4) {
+      EXPECT_LT(full.summary.mean_penetration_m, actuated.summary.mean_penetration_m);
+    }
+  }
+}
+
+// ---- what the turn fraction says ----------------------------------------------------------------
+
+// Fed by hand: a square contour of 1 m a side, opened in the middle of its first side.
+class TurnFraction : public testing::Test {
+ protected:
+  static ContourPlan square_plan() {
+    Polyline square;
+    square.closed = true;
+    square.points_m = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    return {square, Vec3::UnitZ(), {}};
+  }
+  void touch(const Vec3& proxy) {
+    TickRecord record;
+    record.contact = true;
+    record.proxy_m = record.goal_m = proxy;
+    plan.target(time_s += 1e-3, {}, record);
+  }
+  // From the middle of the bottom side on, counter-clockwise.
+  void slide(double from_m, double to_m) {
+    for (double s = from_m; s <= to_m; s += 0.01) {
+      const double along = std::fmod(s + 0.5, 4.0);
+      const int side = static_cast<int>(along);
+      const double x = along - side;
+      touch(std::array{Vec3(x, 0, 0), Vec3(1, x, 0), Vec3(1 - x, 1, 0),
+                       Vec3(0, 1 - x, 0)}[static_cast<std::size_t>(side)]);
+    }
+  }
+  ContourPlan plan = square_plan();
+  double time_s = 0.0;
+};
+
+TEST_F(TurnFraction, IsTheShareOfTheContourThatTheProxyHasPassed) {
+  EXPECT_EQ(plan.turn_fraction(), 0.0);
+  slide(0.0, 1.0);
+  EXPECT_NEAR(plan.turn_fraction(), 0.25, 0.005);
+  slide(1.0, 3.0);
+  EXPECT_NEAR(plan.turn_fraction(), 0.75, 0.005);
+  slide(3.0, 3.999);
+  EXPECT_NEAR(plan.turn_fraction(), 1.0, 0.005);
+}
+
+TEST_F(TurnFraction, StaysWhereTheHandStalls) {
+  slide(0.0, 1.2);
+  for (int n = 0; n < 30000; ++n) touch({1, 0.7, 0});
+  EXPECT_NEAR(plan.turn_fraction(), 0.3, 0.005);
+}
+
+TEST_F(TurnFraction, DoesNotGrowWithoutContact) {
+  slide(0.0, 0.4);
+  TickRecord record;
+  record.proxy_m = record.goal_m = Vec3(1, 0.5, 0);
+  for (int n = 0; n < 30000; ++n) plan.target(time_s += 1e-3, {}, record);
+  EXPECT_NEAR(plan.turn_fraction(), 0.1, 0.005);
+}
+
+TEST_F(TurnFraction, DoesNotCountALeapToAnotherPartOfTheContour) {
+  slide(0.0, 0.2);
+  for (int n = 0; n < 1000; ++n) touch({0, 0.3, 0});  // the last side but one
+  EXPECT_NEAR(plan.turn_fraction(), 0.05, 0.005);
+}
+
+TEST(Exploration, FlagsATravelBeyondTheWorkspace) {
+  ExplorationSettings settings;
+  settings.virtual_time = true;
+  settings.seconds = 10.0;
+  settings.workspace_m = 0.05;
+  const auto small = try_explore("star", {}, settings);
+  settings.workspace_m = 0.4;
+  const auto large = try_explore("star", {}, settings);
+  ASSERT_TRUE(small && large);
+  EXPECT_TRUE(small->exceeds_workspace);
+  EXPECT_FALSE(large->exceeds_workspace);
+}
+
+// ---- what it refuses ---------------------------------------------------------------------------
+
+std::string refused_option(const Condition& condition, ExplorationSettings settings) {
+  settings.virtual_time = true;
+  const auto run = try_explore("star", condition, settings);
+  return run ? "" : run.error().element;
+}
+
+TEST(Exploration, RefusesSettingsThatMakeNoRun) {
+  Condition outside;
+  outside.options.plane_height_m = 0.5;
+  EXPECT_EQ(refused_option(outside, {}), "--plane-height");
+  ExplorationSettings settings;
+  for (const double seconds : {kNan, -1.0, 0.5, 1e12, HUGE_VAL}) {
+    settings.seconds = seconds;
+    EXPECT_EQ(refused_option({}, settings), "--seconds") << seconds;
+  }
+  settings = {};
+  for (const double workspace_m : {kNan, 0.0, -1.0}) {
+    settings.workspace_m = workspace_m;
+    EXPECT_EQ(refused_option({}, settings), "--workspace") << workspace_m;
+  }
+  for (const double rate_Hz : {1e-12, 1e12}) {
+    Condition rate;
+    rate.options.rate_Hz = rate_Hz;
+    EXPECT_EQ(refused_option(rate, {}), "--seconds") << rate_Hz;
+  }
+}
+
+// ---- display -----------------------------------------------------------------------------------
+
+// The camera metaphor only changes what is shown: To = 0, Ts = -Tu.
+TEST(CameraMetaphor, ChangesTheDisplayAndNotABitOfTheTrace) {
+  const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 1, 6.0);
+  auto setup = make_setup(options_of(2, 1));
+  ASSERT_TRUE(setup);
+  setup->haptics.a4.enabled = true;
+  std::array<HapticLoop, 2> loops{
+      HapticLoop(model("star").world(), setup->actuation, setup->haptics),
+      HapticLoop(model("star").world(), setup->actuation, setup->haptics)};
+  const std::array modes{DisplayMode::kClassical, DisplayMode::kCamera};
+  for (const TickRecord& played : run.records) {
+    std::array<RigidTransform, 2> shown;
+    std::array<TickRecord, 2> records;
+    for (std::size_t i = 0; i < 2; ++i) {
+      records[i] = loops[i].tick(played.device_m, setup->dt_s);
+      shown[i] = display_transform(modes[i], loops[i].T_device_scene(), records[i].proxy_m);
+    }
+    ASSERT_EQ(bits_of(records[0]), bits_of(played));
+    ASSERT_EQ(bits_of(records[1]), bits_of(played));
+    ASSERT_EQ(shown[0].rotation.coeffs(), shown[1].rotation.coeffs());
+    ASSERT_GT((shown[0].translation_m - shown[1].translation_m).norm(), 0.01);
+    ASSERT_LE(shown[1].point(played.proxy_m).norm(), 1e-15) << "the proxy is at the centre";
+  }
+}
+
+}  // namespace
+}  // namespace palpate
