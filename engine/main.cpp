@@ -23,7 +23,8 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
   app.add_option("--sensors", options.sensors, "sensed axes, 2 or 3: the first N of A1 A2 A3")
       ->capture_default_str();
   app.add_option("--actuators", options.actuators,
-                 "actuated axes: the first M [" + std::to_string(options.default_actuators) + "]");
+                 "actuated axes: the first M [" + std::to_string(options.default_actuators) +
+                     ", but no more than sensors]");
   app.add_option("--actuated-axes", options.actuated_axes,
                  "directions that push instead, device frame, as \"0 0 1; 1 0 0\"");
   app.add_option("--force", options.force, "what the actuators are told")

@@ -1,5 +1,6 @@
 #include "engine/run_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -64,8 +65,9 @@ Result<ScenePose> parse_place(const std::string& text) {
 
 Result<ActuationModel> make_actuation(const RunOptions& options) {
   if (options.actuated_axes.empty()) {
-    return ActuationModel::from_counts(options.sensors,
-                                       options.actuators.value_or(options.default_actuators));
+    return ActuationModel::from_counts(
+        options.sensors,
+        options.actuators.value_or(std::min(options.default_actuators, options.sensors)));
   }
   auto axes = parse_axes(options.actuated_axes);
   if (!axes) return axes.error();

@@ -15,7 +15,8 @@ namespace palpate {
 // As given on the command line; texts are parsed by make_setup().
 struct RunOptions {
   int sensors = 3;
-  std::optional<int> actuators;  // default: `default_actuators`, or the number of axes given
+  // Default: `default_actuators` but no more than sensors, or the number of axes given.
+  std::optional<int> actuators;
   int default_actuators = 3;
   std::string actuated_axes;  // "0 0 1; 1 0 0", device frame
   std::string force = "actuated";

@@ -52,16 +52,20 @@ void HapticLoop::apply_user_motion() {
   record_.goal_m = T_device_scene_.inverse_point(record_.device_m);
 }
 
-// Action 3: the god-object follows the device point and stops at surfaces.
+// Action 3: the god-object follows the device point and stops at surfaces. It starts where the
+// first good sample is.
 void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(record_.goal_m);
-  if (!has_proxy_) god_object_.place(goal_solver);
-  has_proxy_ = true;
-  std::optional<Vec3> motion_plane_normal;
-  if (actuation_.is_planar()) {
-    motion_plane_normal = T_device_scene_.inverse_direction(Vec3::UnitZ());
+  if (has_proxy_) {
+    std::optional<Vec3> motion_plane_normal;
+    if (actuation_.is_planar()) {
+      motion_plane_normal = T_device_scene_.inverse_direction(Vec3::UnitZ());
+    }
+    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal);
+  } else {
+    god_object_.place(goal_solver);
+    has_proxy_ = true;
   }
-  proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal);
   record_.contact = proxy_state_.in_contact;
   record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
   record_.solver_iterations = proxy_state_.iterations;

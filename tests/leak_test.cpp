@@ -41,7 +41,9 @@ struct LeakCase {
   double jitter_m;  // of each vertex
 };
 
-void PrintTo(const LeakCase& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const LeakCase& c, std::ostream* out) {
+  *out << c.name;
+}
 
 Soup soup_of(const LeakCase& c, Random& random) {
   Soup soup;
@@ -69,7 +71,11 @@ Vec3 next_goal(const Soup& soup, const Vec3& at, Random& random) {
 class ClosedSurface : public testing::TestWithParam<LeakCase> {};
 
 TEST_P(ClosedSurface, KeepsThePointOnItsSide) {
+#ifdef PALPATE_SOAK
+  constexpr int kTicks = 200000;
+#else
   constexpr int kTicks = 20000;
+#endif
   Random random(51);
   const Soup soup = soup_of(GetParam(), random);
   const OwnedWorld world(soup);
