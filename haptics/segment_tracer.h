@@ -69,7 +69,7 @@ class SegmentTracer {
   double radius_m() const { return radius_m_; }
 
  private:
-  // As many packs as a prototype needed around a 1000-triangle apex, with as much again.
+  // An apex of 1000 triangles is in 125 packs; this is as much again.
   static constexpr std::size_t kCacheCapacity = 256;
 
   struct CachedPack {

@@ -16,14 +16,14 @@ namespace palpate {
 // The triangles of one glTF mesh, its primitives appended in file order.
 struct MeshDescription {
   std::string name;
-  std::vector<Vec3> positions;          // mesh frame, metres, as in the file (float values)
-  std::vector<Triangle> triangles;      // indices into positions
+  std::vector<Vec3> positions;      // mesh frame, metres, as in the file (float values)
+  std::vector<Triangle> triangles;  // indices into positions
 };
 
 // One node of the default scene that carries a mesh.
 struct NodeDescription {
-  std::string name;                     // "node 7" when the file gives none
-  std::uint32_t mesh = 0;               // index into SceneDescription::meshes
+  std::string name;        // "node 7" when the file gives none
+  std::uint32_t mesh = 0;  // index into SceneDescription::meshes
   // p_scene = linear * p_mesh + translation_m, the product of the node's ancestors in double.
   // Any non-singular linear part: scale, mirror and shear included.
   Mat3 linear_scene_mesh = Mat3::Identity();

@@ -237,6 +237,26 @@ TEST(Exploration, WalksOverATorusWithThreeSensors) {
   }
 }
 
+// Over an edge the hand, aiming along the old face, loses the surface: it presses back to it, but
+// not for ever.
+TEST(Exploration, FindsTheSurfaceAgainThatItLost) {
+  struct Walked {
+    const char* name;
+    double least_contact_share;
+  };
+  for (const auto& [name, least_contact_share] : {Walked{"cube", 0.87}, Walked{"lock", 0.5}}) {
+    for (const int actuators : {1, 2}) {
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE(std::string(name) + ", " + std::to_string(actuators) + " actuators, seed " +
+                     std::to_string(seed));
+        const ExplorationRun run = explored(name, {options_of(3, actuators), true, 0}, seed);
+        EXPECT_EQ(fault_count(run), 0u);
+        EXPECT_GT(run.summary.contact_ticks, least_contact_share * 28000);
+      }
+    }
+  }
+}
+
 TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
   for (const int sensors : {2, 3}) {
     const std::string name = sensors == 2 ? "star" : "torus";
