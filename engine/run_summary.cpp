@@ -29,6 +29,17 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   }
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
   was_in_contact_ = record.contact;
+  add_work(record);
+  if (!record.contact) return;
+  ++sums_.contact_ticks;
+  const double penetration_m = (record.proxy_m - record.goal_m).norm();
+  penetration_sum_m_ += penetration_m;
+  sums_.max_penetration_m = std::max(sums_.max_penetration_m, penetration_m);
+  angle_sum_rad_ += record.alpha_rad;
+  if (record.alpha_rad <= kFeasibleAngleRad) ++within_30deg_;
+}
+
+void SummaryAccumulator::add_work(const TickRecord& record) noexcept {
   if (record.faults & (kFaultNonFiniteSample | kFaultBadTimeStep)) {
     last_force_N_.setZero();
     last_full_force_N_.setZero();
@@ -44,13 +55,6 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   last_device_m_ = record.device_m;
   last_force_N_ = record.force_device_N;
   last_full_force_N_ = record.full_force_device_N;
-  if (!record.contact) return;
-  ++sums_.contact_ticks;
-  const double penetration_m = (record.proxy_m - record.goal_m).norm();
-  penetration_sum_m_ += penetration_m;
-  sums_.max_penetration_m = std::max(sums_.max_penetration_m, penetration_m);
-  angle_sum_rad_ += record.alpha_rad;
-  if (record.alpha_rad <= kFeasibleAngleRad) ++within_30deg_;
 }
 
 RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const {

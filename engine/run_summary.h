@@ -44,6 +44,8 @@ class SummaryAccumulator {
   RunSummary finish(std::vector<std::int64_t> steps_ns) const;
 
  private:
+  void add_work(const TickRecord& record) noexcept;
+
   RunSummary sums_;
   double penetration_sum_m_ = 0.0;
   double angle_sum_rad_ = 0.0;

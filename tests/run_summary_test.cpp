@@ -130,10 +130,11 @@ TEST(RunSummary, CountsFaultsByName) {
   EXPECT_EQ(s.faults[2], 2u);
 }
 
-// Its position is no number, its force zero, the rest of it what was before.
-TEST(RunSummary, TakesNothingButTheFaultFromABadSample) {
+// Its position is no number, its force zero, the rest of it what was before: the trace says
+// contact, and so do the means. Work and extent leave it out.
+TEST(RunSummary, CountsABadSampleAsTheStateItHoldsButNotItsPosition) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  TickRecord bad = contact_tick(Vec3::Constant(nan), 100.0, 1.0, Vec3::Zero(), Vec3::Zero());
+  TickRecord bad = contact_tick(Vec3::Constant(nan), 0.5, 0, Vec3::Zero(), Vec3::Zero());
   bad.faults = kFaultNonFiniteSample;
   const RunSummary s = summary_of({
       bad, contact_tick({0, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),
@@ -142,7 +143,7 @@ TEST(RunSummary, TakesNothingButTheFaultFromABadSample) {
       contact_tick({64, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}), free_tick({65, 0, 0}),  // way 1: 2 J
   });
   EXPECT_EQ(s.ticks, 6u);
-  EXPECT_EQ(s.contact_ticks, 3u);
+  EXPECT_EQ(s.contact_ticks, 5u);
   EXPECT_EQ(s.mean_penetration_m, 0.5);
   EXPECT_EQ(s.max_penetration_m, 0.5);
   EXPECT_EQ(s.mean_contact_angle_deg, 0.0);
