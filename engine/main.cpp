@@ -37,6 +37,10 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
                  "elementary rotation: exact solution of the profile, or the paper's S dt")
       ->check(CLI::IsMember({"exact", "paper"}))
       ->capture_default_str();
+  app.add_option("--accuracy", options.accuracy,
+                 "of the proxy: fast (float, uncertified), balanced, or exact")
+      ->check(CLI::IsMember({"fast", "balanced", "exact"}))
+      ->capture_default_str();
   app.add_option("--rate", options.rate_Hz, "ticks a second, Hz")->capture_default_str();
   app.add_option("--stiffness", options.stiffness_N_per_m, "coupling spring, N/m")
       ->capture_default_str();

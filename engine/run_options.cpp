@@ -105,8 +105,13 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!actuation) return actuation.error();
   const auto pose = parse_place(options.place);
   if (!pose) return pose.error();
+  const auto accuracy = accuracy_preset(options.accuracy);
+  if (!accuracy) {
+    return invalid("--accuracy", "\"" + options.accuracy + "\" is none of fast, balanced, exact");
+  }
   RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz};
   setup.haptics.god_object.radius_m = options.radius_m;
+  setup.haptics.god_object.accuracy = *accuracy;
   setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m};
   setup.haptics.force = options.force == "none"   ? ForceMode::kNone
                         : options.force == "full" ? ForceMode::kFull

@@ -23,6 +23,7 @@ struct RunOptions {
   std::string a4 = "off";
   std::string table1 = "corrected";
   std::string a4_step = "exact";
+  std::string accuracy = "balanced";
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = 1000.0;
   double damping_Ns_per_m = 0.0;

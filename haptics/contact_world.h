@@ -42,18 +42,15 @@ struct SolverScale {
   // Where a point proxy ends a step, it is at least this far from every triangle, crossed or not: a
   // proxy that came to rest closer than rounding beside an edge would have lost its side.
   double clearance_m;
-  // A step shorter than this is none: the iteration has converged.
-  double step_tolerance_m;
 
   static constexpr double kStandOffPerSize = 1e-11;
   static constexpr double kClearancePerStandOff = 0.25;
-  static constexpr double kStepPerStandOff = 0.01;
 
   // radius_m: of the proxy; positions are then exact to the radius' rounding, too.
   static SolverScale of(double size_m, double radius_m) {
     const double stand_off =
         kStandOffPerSize * std::max({size_m, radius_m, std::numeric_limits<double>::min()});
-    return {stand_off, kClearancePerStandOff * stand_off, kStepPerStandOff * stand_off};
+    return {stand_off, kClearancePerStandOff * stand_off};
   }
 };
 

@@ -17,6 +17,9 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
+// One iteration goes into the world's bounds, along a step, and to the goal's very bits.
+constexpr std::size_t kMostCornersPerStep = 3;
+
 // A contact normal with a larger part than this out of the plane of motion does not belong to it.
 constexpr double kOutOfPlane = 64 * kEpsilon;
 
@@ -29,14 +32,17 @@ constexpr double kSameNormalCosine = 1.0 - 8 * kEpsilon;
 }  // namespace
 
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
-    : settings_(settings), world_bounds_(world.bounds_solver), tracer_(world, settings.radius_m) {
+    : settings_(settings), world_bounds_(world.bounds_solver), tracer_(world, settings.radius_m, settings.accuracy) {
+  step_tolerance_m_ = settings.accuracy.tolerance * scale().stand_off_m;
   // One size of margin: what lies outside cannot touch anything, and what lies inside has
   // coordinates of the order of the scene, as the stand-off assumes.
   world_bounds_ = world_bounds_.grown(world.size_m + 2 * settings.radius_m);
+  path_.reserve(1 + kMostCornersPerStep * static_cast<std::size_t>(settings.accuracy.iterations));
 }
 
 void GodObject::place(const Vec3& p) noexcept {
   proxy_ = p;
+  path_.clear();
   last_active_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
@@ -54,12 +60,14 @@ ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
   goal_ = goal;
   motion_plane_normal_ = motion_plane_normal;
+  path_.clear();
+  path_.push_back(proxy_);
   seed_from_last_tick();
   bool began_empty = plane_count_ == 0;
   Vec3 round_start = proxy_;
   bool capped = true;
   int iteration = 0;
-  while (capped && iteration < settings_.max_iterations) {
+  while (capped && iteration < settings_.accuracy.iterations) {
     ++iteration;
     const Progress progress = take_step();
     if (progress == Progress::kStopped) continue;
@@ -67,7 +75,7 @@ ProxyState GodObject::move_to(const Vec3& goal,
     // faces of those planes are really there, or if a round from scratch ends where it began.
     const double moved = (proxy_ - round_start).norm();
     const bool at_minimum = progress == Progress::kMoved && settled();
-    if (at_minimum || (began_empty && moved <= scale().step_tolerance_m)) {
+    if (at_minimum || (began_empty && moved <= step_tolerance_m_)) {
       capped = false;
       break;
     }
@@ -99,14 +107,14 @@ GodObject::Progress GodObject::take_step() {
   Vec3 step = projection_.displacement_m;
   // Free, the proxy goes to the goal however near it is; held by planes, it has converged.
   const bool is_free = projection_.active_count == 0;
-  if (!is_free && step.norm() <= scale().step_tolerance_m) return Progress::kMoved;
+  if (!is_free && step.norm() <= step_tolerance_m_) return Progress::kMoved;
   double enter = 0.0;
   double leave = 1.0;
   const bool inside = world_bounds_.clip(proxy_, step, enter, leave);
   const bool leaves = inside && leave < 1.0;
   if (leaves) step *= leave;  // nothing to touch beyond
   if (const auto stopped = stop_at_first_hit(step)) return *stopped;
-  if (is_free && !leaves) proxy_ = goal_;  // to the bit
+  if (is_free && !leaves) commit(goal_);  // to the bit
   return leaves ? Progress::kStuck : Progress::kMoved;
 }
 
@@ -118,10 +126,10 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& step
     return std::nullopt;
   }
   Vec3 taken = hit->fraction * step;
-  const auto moves = [&] { return taken.norm() > scale().step_tolerance_m; };
+  const auto moves = [&] { return taken.norm() > step_tolerance_m_; };
   // The face it is stopped by may not be the only one that is close there. What is taken has been
   // traced to its very end.
-  for (int shortened = 0; moves(); ++shortened) {
+  for (int shortened = 0; settings_.accuracy.certify && moves(); ++shortened) {
     const std::optional<TraceHit> nearer = tracer_.trace(proxy_, taken);
     if (!nearer) break;
     hit = nearer;
@@ -144,10 +152,10 @@ bool GodObject::enter_bounds() {
   projection_ = {};
   projection_.solved = true;
   if (!world_bounds_.clip(proxy_, step, enter, leave)) {
-    proxy_ = goal_;
+    commit(goal_);
     return false;
   }
-  proxy_ += enter * step;
+  commit(proxy_ + enter * step);
   return true;
 }
 
@@ -189,8 +197,14 @@ void GodObject::drop_inactive_planes() {
   plane_count_ = projection_.active_count;
 }
 
+void GodObject::commit(const Vec3& proxy) {
+  if (proxy == proxy_) return;
+  proxy_ = proxy;
+  path_.push_back(proxy);
+}
+
 void GodObject::advance(const Vec3& displacement) {
-  proxy_ += displacement;
+  commit(proxy_ + displacement);
   for (int i = 0; i < plane_count_; ++i) {
     ContactPlane& plane = planes_of_contact_[i];
     plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
@@ -259,7 +273,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   state.iterations = iterations;
   state.capped = capped;
   const Vec3 lag = proxy_ - goal_;
-  state.in_contact = lag.norm() > scale().step_tolerance_m;
+  state.in_contact = lag.norm() > step_tolerance_m_;
   if (!state.in_contact) return state;
   state.active_planes = projection_.active_count;
   for (int i = 0; i < projection_.active_count; ++i) {

@@ -5,7 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "haptics/accuracy.h"
 #include "haptics/contact_world.h"
 #include "haptics/plane_projection.h"
 #include "haptics/segment_tracer.h"
@@ -13,8 +16,8 @@
 namespace palpate {
 
 struct GodObjectSettings {
-  double radius_m = 0.0;    // 0: a point
-  int max_iterations = 64;  // projections a tick; a capped proxy is feasible, only less near
+  double radius_m = 0.0;  // 0: a point
+  Accuracy accuracy = {};
 };
 
 // What one step found. Solver frame, metres.
@@ -24,7 +27,7 @@ struct ProxyState {
   bool in_contact = false;     // |proxy - goal| exceeds the step tolerance
   int active_planes = 0;       // that push
   int iterations = 0;
-  bool capped = false;  // stopped by max_iterations before it converged
+  bool capped = false;  // stopped by Accuracy::iterations before it converged
 };
 
 // The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
@@ -51,6 +54,9 @@ class GodObject {
                      const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
   const Vec3& proxy() const { return proxy_; }
+  // The corners of the polyline that the last move_to() committed, from where the proxy was to
+  // where it is. Solver frame, metres. Valid until the next call.
+  std::span<const Vec3> path() const { return path_; }
   const SolverScale& scale() const { return tracer_.scale(); }
 
  private:
@@ -69,6 +75,7 @@ class GodObject {
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();
   void advance(const Vec3& displacement);
+  void commit(const Vec3& proxy);
   bool settled() const;
   void keep_active_for_next_tick();
   ProxyState report(int iterations, bool capped) const;
@@ -76,8 +83,10 @@ class GodObject {
   GodObjectSettings settings_;
   Box world_bounds_;
   SegmentTracer tracer_;
+  double step_tolerance_m_;  // a step shorter than this is none: the iteration has converged
   Vec3 proxy_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();
+  std::vector<Vec3> path_;  // never grows: its capacity is what the iterations can fill
   std::optional<Vec3> motion_plane_normal_;
 
   // The planes met in this round, and the contacts they come from.

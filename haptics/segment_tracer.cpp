@@ -92,10 +92,11 @@ struct SegmentTracer::Search {
   }
 };
 
-SegmentTracer::SegmentTracer(const ContactWorld& world, double radius_m)
+SegmentTracer::SegmentTracer(const ContactWorld& world, double radius_m, const Accuracy& accuracy)
     : world_(&world),
       radius_m_(radius_m),
       scale_(SolverScale::of(world.size_m, radius_m)),
+      accuracy_(accuracy),
       default_ball_m_(kBallPerPackDiagonal * finest_pack_diagonal(world)) {}
 
 bool SegmentTracer::fill_cache(const Vec3& p, const Vec3& d) noexcept {
@@ -153,7 +154,7 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& d) noexc
   const auto finish = [](const Search& s) {
     return s.found ? std::optional(s.best) : std::nullopt;
   };
-  for (int attempt = 0; attempt < 2; ++attempt) {
+  for (int attempt = 0; accuracy_.reuse_candidates && attempt < 2; ++attempt) {
     const double inside =
         ball_radius_m_ > 0.0 ? fraction_inside(ball_centre_, ball_radius_m_, p, d) : 0.0;
     if (inside > 0.0) {

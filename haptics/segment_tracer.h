@@ -8,6 +8,7 @@
 #include <span>
 
 #include "geometry/triangle.h"
+#include "haptics/accuracy.h"
 #include "haptics/contact_world.h"
 
 namespace palpate {
@@ -49,7 +50,7 @@ class SegmentTracer {
  public:
   // The world must outlive the tracer. radius_m >= 0; the world's indices must have been built for
   // sweeps of at least radius_m + the stand-off.
-  SegmentTracer(const ContactWorld& world, double radius_m);
+  SegmentTracer(const ContactWorld& world, double radius_m, const Accuracy& accuracy = {});
 
   // The first obstacle of the proxy on its way from p to p + d.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& d) noexcept;
@@ -85,6 +86,7 @@ class SegmentTracer {
   const ContactWorld* world_;
   double radius_m_;
   SolverScale scale_;
+  Accuracy accuracy_;
   double default_ball_m_;
 
   std::array<CachedPack, kCacheCapacity> cached_packs_{};

@@ -1,0 +1,49 @@
+#pragma once
+
+// What accuracy costs: every cap, tolerance and short cut of the god-object in one place.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace palpate {
+
+// The arithmetic that decides where the proxy meets a triangle.
+enum class NarrowPhase : std::uint8_t {
+  kFloat,  // coordinates relative to the pack of triangles, rounded to float
+  kDouble  // with a 113-bit fallback where double cannot tell
+};
+
+struct Accuracy {
+  // Projections a tick. A capped proxy is feasible and no farther from the goal than before, but
+  // may be nearer still; the tick has kFaultSolverCapped. >= 1.
+  int iterations = 64;
+  // A step shorter than this has converged. In stand-offs (SolverScale), > 0.
+  double tolerance = 0.01;
+  NarrowPhase narrow_phase = NarrowPhase::kDouble;
+  // Candidate triangles of one tick serve the next while the proxy stays in their safe zone. The
+  // answer is the same to the bit.
+  bool reuse_candidates = true;
+  // What is committed of a step that was stopped is traced again to its very end, and a proxy ends
+  // a step no closer than the clearance to any triangle. Without it a proxy can be put closer than
+  // rounding to a second face, and lose its side there.
+  bool certify = true;
+
+  static constexpr Accuracy fast() {
+    return {8, 1.0, NarrowPhase::kFloat, true, false};
+  }
+  static constexpr Accuracy balanced() { return {}; }
+  static constexpr Accuracy exact() {
+    return {512, 1e-4, NarrowPhase::kDouble, true, true};
+  }
+};
+
+// "fast", "balanced" or "exact".
+constexpr std::optional<Accuracy> accuracy_preset(std::string_view name) {
+  if (name == "fast") return Accuracy::fast();
+  if (name == "balanced") return Accuracy::balanced();
+  if (name == "exact") return Accuracy::exact();
+  return std::nullopt;
+}
+
+}  // namespace palpate
