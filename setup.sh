@@ -7,7 +7,7 @@ palpate_packages=(
   build-essential cmake ninja-build
   libembree-dev libopenmesh-dev libtinygltf-dev libeigen3-dev
   libcli11-dev nlohmann-json3-dev
-  libgtest-dev libbenchmark-dev
+  libgtest-dev libboost-dev libbenchmark-dev libcgal-dev
   gnuplot-nox python3
 )
 

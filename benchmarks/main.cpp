@@ -1,7 +1,8 @@
-// palpate_benchmarks [--subdivisions=5,7] [--ticks=10000] [Google Benchmark's options]
+// palpate_benchmarks [--subdivisions=5,7,8,9] [--ticks=10000] [Google Benchmark's options]
 //
 // subdivisions: sizes of the sphere, 5 for 20,480 triangles and four times as many with each
-// further one (8: 1.3 million, 9: 5.2 million). ticks: length of every path, in samples of 1 ms.
+// further one (8: 1.3 million, 9: 5.2 million). ticks: length of the paths, in samples of 1 ms; a
+// quarter of it where caches are evicted or the input is meant to be slow.
 
 #include <charconv>
 #include <cstdio>
@@ -11,6 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/cgal_surface.h"
 #include "benchmarks/registration.h"
 
 namespace {
@@ -41,21 +43,36 @@ std::vector<int> parse_list(std::string_view text, int most) {
 }
 
 struct Options {
-  std::vector<int> subdivisions{5, 7};
+  std::vector<int> subdivisions{5, 7, 8, 9};
   int ticks = 10000;
 };
 
-bool parse_option(std::string_view argument, Options& options) {
-  constexpr std::string_view kSubdivisions = "--subdivisions=";
-  constexpr std::string_view kTicks = "--ticks=";
-  if (argument.starts_with(kSubdivisions)) {
-    options.subdivisions = parse_list(argument.substr(kSubdivisions.size()), kMostSubdivisions);
-    return !options.subdivisions.empty();
-  }
-  if (!argument.starts_with(kTicks)) return false;
-  const std::optional<int> ticks = parse_number(argument.substr(kTicks.size()), kMostTicks);
+// Each takes what follows its name and says whether that made sense.
+bool set_subdivisions(std::string_view value, Options& options) {
+  options.subdivisions = parse_list(value, kMostSubdivisions);
+  return !options.subdivisions.empty();
+}
+bool set_ticks(std::string_view value, Options& options) {
+  const std::optional<int> ticks = parse_number(value, kMostTicks);
   options.ticks = ticks.value_or(options.ticks);
   return ticks.has_value();
+}
+
+struct OptionRule {
+  std::string_view prefix;
+  bool (*set)(std::string_view value, Options& options);
+};
+constexpr OptionRule kOptionRules[] = {
+    {"--subdivisions=", set_subdivisions},
+    {"--ticks=", set_ticks},
+};
+
+bool parse_option(std::string_view argument, Options& options) {
+  for (const OptionRule& rule : kOptionRules) {
+    if (!argument.starts_with(rule.prefix)) continue;
+    return rule.set(argument.substr(rule.prefix.size()), options);
+  }
+  return false;
 }
 
 }  // namespace
@@ -72,11 +89,13 @@ int main(int argc, char** argv) {
   }
   benchmark::AddCustomContext("compiler", PALPATE_COMPILER);
   benchmark::AddCustomContext("flags", PALPATE_COMPILE_FLAGS);
+  benchmark::AddCustomContext("cgal", palpate::bench::kHaveCgal ? "yes" : "no");
+  const palpate::bench::SampleCounts counts{static_cast<std::size_t>(options.ticks)};
   for (const int subdivisions : options.subdivisions) {
-    const auto samples = static_cast<std::size_t>(options.ticks);
-    palpate::bench::register_index_benchmarks(subdivisions, samples);
-    palpate::bench::register_tick_benchmarks(subdivisions, samples);
+    palpate::bench::register_index_benchmarks(subdivisions, counts);
+    palpate::bench::register_tick_benchmarks(subdivisions, counts);
   }
+  palpate::bench::register_side_test_benchmarks();
   const std::size_t run = benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return run > 0 ? 0 : 2;

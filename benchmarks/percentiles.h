@@ -11,29 +11,34 @@
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/caches.h"
 #include "engine/run_summary.h"
 
 namespace palpate::bench {
 
 // A path is run this often, and the shortest of a sample's times counts: what the machine did
-// meanwhile rarely hits the same sample every time. Caches stay warm from sample to sample, which
-// on a device, with a millisecond between them, they need not.
+// meanwhile rarely hits the same sample every time. Unless they are evicted, caches stay warm from
+// sample to sample, which on a device, with a millisecond between them, they need not.
 inline constexpr std::size_t kRepeats = 6;
 
 // std::chrono::steady_clock around every sample: on Linux it reads the same time stamp counter as
-// rdtscp would, for the same 20 ns, so nothing is gained by going around it.
+// rdtscp would, for the same 20 ns, so nothing is gained by going around it. The counter itself may
+// advance in coarser steps than a nanosecond (10 ns on AMD's processors).
 inline std::int64_t nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
 }
 
-// What an empty sample takes: the clock's own share in every time reported. Not subtracted.
-inline double clock_overhead_ns() {
-  static const double median = [] {
-    std::vector<std::int64_t> empty(10001);
-    for (std::int64_t& time_ns : empty) {
-      time_ns = nanoseconds_since(std::chrono::steady_clock::now());
+// What the clock itself takes: the median of empty samples, each the shortest of kRepeats as every
+// sample is. It is subtracted from every time, and reported as clock_ns beside them.
+inline std::int64_t clock_overhead_ns() {
+  static const std::int64_t median = [] {
+    std::vector<std::int64_t> empty(10001, std::numeric_limits<std::int64_t>::max());
+    for (std::size_t repeat = 0; repeat < kRepeats; ++repeat) {
+      for (std::int64_t& time_ns : empty) {
+        time_ns = std::min(time_ns, nanoseconds_since(std::chrono::steady_clock::now()));
+      }
     }
-    return static_cast<double>(StepTimes::of(empty).p50_ns);
+    return StepTimes::of(empty).p50_ns;
   }();
   return median;
 }
@@ -44,32 +49,41 @@ inline void report_percentiles(benchmark::State& state, const std::vector<std::i
   state.counters["p99_ns"] = static_cast<double>(steps.p99_ns);
   state.counters["p999_ns"] = static_cast<double>(steps.p999_ns);
   state.counters["max_ns"] = static_cast<double>(steps.max_ns);
-  state.counters["clock_ns"] = clock_overhead_ns();
+  state.counters["clock_ns"] = static_cast<double>(clock_overhead_ns());
 }
 
 using SampleError = const char*;  // null: none
 
+struct Samples {
+  std::size_t count;
+  Caches caches;  // before every sample
+};
+
 // Runs the path kRepeats times, one sample an iteration: begin_pass() untimed before each pass,
-// sample(n) timed for each n, after_sample(n) untimed; a SampleError that it returns ends the
-// benchmark. Google Benchmark's own time is then the mean over all passes. For benchmarks
-// registered with UseManualTime() and Iterations(kRepeats * sample_count).
-template <typename BeginPass, typename Sample, typename AfterSample>
-void time_path(benchmark::State& state, std::size_t sample_count, BeginPass begin_pass,
-               Sample sample, AfterSample after_sample) {
-  std::vector<std::int64_t> shortest_ns(sample_count, std::numeric_limits<std::int64_t>::max());
+// before_sample(n) untimed, to bring the sample's own input back into the caches; sample(n) timed
+// for each n; after_sample(n) untimed; a SampleError that it returns ends the benchmark. Google
+// Benchmark's own time is then the mean over all passes. For benchmarks registered with
+// UseManualTime() and Iterations(kRepeats * count).
+template <typename BeginPass, typename BeforeSample, typename Sample, typename AfterSample>
+void time_path(benchmark::State& state, const Samples& samples, BeginPass begin_pass,
+               BeforeSample before_sample, Sample sample, AfterSample after_sample) {
+  const std::int64_t clock_ns = clock_overhead_ns();
+  std::vector<std::int64_t> shortest_ns(samples.count, std::numeric_limits<std::int64_t>::max());
   std::size_t n = 0;
   for ([[maybe_unused]] auto iteration : state) {
     if (n == 0) begin_pass();
+    if (samples.caches == Caches::kEvicted) evict_l1_and_l2();
+    before_sample(n);
     const auto start = std::chrono::steady_clock::now();
     sample(n);
-    const std::int64_t time_ns = nanoseconds_since(start);
+    const std::int64_t time_ns = std::max<std::int64_t>(0, nanoseconds_since(start) - clock_ns);
     if (const SampleError error = after_sample(n)) {
       state.SkipWithError(error);
       return;
     }
     shortest_ns[n] = std::min(shortest_ns[n], time_ns);
     state.SetIterationTime(static_cast<double>(time_ns) * 1e-9);
-    n = n + 1 == sample_count ? 0 : n + 1;
+    n = n + 1 == samples.count ? 0 : n + 1;
   }
   report_percentiles(state, shortest_ns);
 }

@@ -1,11 +1,34 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <string>
+
+#include "benchmarks/caches.h"
+#include "benchmarks/sphere.h"
 
 namespace palpate::bench {
 
-// Names are workload/triangles; Google Benchmark appends the iterations.
-void register_index_benchmarks(int subdivisions, std::size_t sample_count);
-void register_tick_benchmarks(int subdivisions, std::size_t sample_count);
+// How long the paths are, in samples of 1 ms.
+struct SampleCounts {
+  std::size_t warm;
+
+  // Evicting takes a hundred times as long as what is then timed, and the worst inputs are slow by
+  // intention. Still enough to tap once.
+  std::size_t fewer() const { return std::min(warm, std::max<std::size_t>(warm / 4, 250)); }
+  std::size_t for_caches(Caches caches) const { return caches == Caches::kWarm ? warm : fewer(); }
+};
+
+// Google Benchmark appends the iterations.
+inline std::string row_name(const std::string& workload, int subdivisions) {
+  return workload + "/" + std::to_string(sphere_triangles(subdivisions));
+}
+
+// In this order for one size: ticks are compared with peers of the index.
+void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
+void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
+
+// Of no size: side_test_<how>/<class of inputs>. Nothing without CGAL, which it compares with.
+void register_side_test_benchmarks();
 
 }  // namespace palpate::bench

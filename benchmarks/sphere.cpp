@@ -1,6 +1,6 @@
 #include "benchmarks/sphere.h"
 
-#include <memory>
+#include <optional>
 #include <utility>
 
 #include "models/primitives.h"
@@ -8,30 +8,60 @@
 namespace palpate::bench {
 namespace {
 
-std::unique_ptr<Sphere> build_sphere(int subdivisions) {
+std::optional<Scene> compile_sphere(int subdivisions, double proxy_radius_m) {
   TriangleMesh mesh = icosphere(subdivisions, kSphereRadius_m);
-  StockSurface stock(mesh);
   SceneDescription description;
   description.meshes.push_back({"sphere", std::move(mesh.positions_m), std::move(mesh.triangles)});
   description.nodes.emplace_back();
   description.nodes.back().name = "sphere";
   description.node_count = 1;
-  Result<Scene> scene = Scene::compile(std::move(description));
-  if (!scene) return nullptr;
-  return std::make_unique<Sphere>(Sphere{std::move(*scene), std::move(stock)});
+  SceneSettings settings;
+  settings.proxy_radius_m = proxy_radius_m;
+  Result<Scene> scene = Scene::compile(std::move(description), settings);
+  if (!scene) return std::nullopt;
+  return std::move(*scene);
 }
+
+// One value, built anew when the key it is asked for is not that of the last time.
+template <typename Key, typename Value>
+class LastBuilt {
+ public:
+  template <typename Build>
+  const std::optional<Value>& get(const Key& key, Build build) {
+    if (key_ != key) {
+      value_.reset();  // first, so that two large ones never share the memory
+      value_ = build();
+      key_ = key;
+    }
+    return value_;
+  }
+
+ private:
+  std::optional<Key> key_;
+  std::optional<Value> value_;
+};
 
 }  // namespace
 
-const Sphere* sphere(int subdivisions) {
-  static std::unique_ptr<Sphere> built;
-  static int built_subdivisions = -1;
-  if (built_subdivisions != subdivisions) {
-    built.reset();  // first, so that two large ones never share the memory
-    built = build_sphere(subdivisions);
-    built_subdivisions = subdivisions;
-  }
-  return built.get();
+const Scene* sphere_scene(int subdivisions, double proxy_radius_m) {
+  static LastBuilt<std::pair<int, double>, Scene> last;
+  const std::optional<Scene>& scene = last.get(
+      {subdivisions, proxy_radius_m}, [&] { return compile_sphere(subdivisions, proxy_radius_m); });
+  return scene ? &*scene : nullptr;
+}
+
+const StockSurface& stock_sphere(int subdivisions) {
+  static LastBuilt<int, StockSurface> last;
+  return *last.get(subdivisions, [&] {
+    return std::optional<StockSurface>(icosphere(subdivisions, kSphereRadius_m));
+  });
+}
+
+const CgalSurface& cgal_sphere(int subdivisions) {
+  static LastBuilt<int, CgalSurface> last;
+  return *last.get(subdivisions, [&] {
+    return std::optional<CgalSurface>(icosphere(subdivisions, kSphereRadius_m));
+  });
 }
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// One full tick of the haptic loop: point proxy, default coupling.
+// One full tick of the haptic loop: default accuracy, default coupling.
 
 #include <optional>
 #include <string>
@@ -6,7 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/medians.h"
 #include "benchmarks/percentiles.h"
+#include "benchmarks/proxy_neighbours.h"
 #include "benchmarks/registration.h"
 #include "benchmarks/sphere.h"
 #include "benchmarks/trajectories.h"
@@ -20,20 +22,94 @@ namespace {
 constexpr double kEntryHeight_m = 1e-3;
 constexpr int kEntryTicks = 11;
 
-struct TickCase {
-  const char* name;
-  HeightSwing swing;
-  int actuators;  // of 3 sensors
-  bool a4;
-  double least_contact_share;  // what a run must show to count
-  double most_contact_share;
+constexpr double kSphereProxyRadius_m = 1e-3;
+constexpr std::size_t kFirstTicks = 50;       // of a loop that starts at the centre
+constexpr double kWander_m = 10.0 * kStep_m;  // about the centre, pressed: several triangles' width
+constexpr double kTeleportRadiusPerRadius = 1.5;  // so that most jumps cross the surface
+
+struct DevicePath {
+  std::vector<Vec3> lead_in_m;  // not timed
+  std::vector<Vec3> timed_m;
 };
 
+// What a run must show to count: the share of ticks in contact.
+struct ContactShare {
+  double least;
+  double most;
+};
+constexpr ContactShare kNever{0.0, 0.0};
+constexpr ContactShare kAlways{1.0, 1.0};
+constexpr ContactShare kNowAndThen{0.3, 0.7};
+constexpr ContactShare kAny{0.0, 1.0};
+
+struct TickCase {
+  const char* name;
+  DevicePath (*path)(const TickCase&, const SampleCounts&);
+  ContactShare contact;
+  Caches caches = Caches::kWarm;
+  double proxy_radius_m = 0.0;
+  int actuators = 3;                 // of 3 sensors; with fewer, A4 turns the scene
+  bool may_be_capped = false;        // the worst inputs ask for more than a tick will do
+  const char* stock_peer = nullptr;  // the row of the index to compare with
+};
+
+// Along the sphere, at heights above where the proxy's centre is when it touches.
+template <const HeightSwing& kSwing>
+DevicePath along_sphere(const TickCase& tick_case, const SampleCounts& counts) {
+  const double radius_m = kSphereRadius_m + tick_case.proxy_radius_m;
+  DevicePath path{{}, path_over_sphere(radius_m, kSwing, counts.for_caches(tick_case.caches))};
+  const Vec3& first = path.timed_m.front();
+  const Vec3 entry = (radius_m + kEntryHeight_m) * first.normalized();
+  for (int i = 0; i < kEntryTicks; ++i) {
+    path.lead_in_m.emplace_back(entry + static_cast<double>(i) / kEntryTicks * (first - entry));
+  }
+  return path;
+}
+
+DevicePath starting_at_centre(const TickCase&, const SampleCounts&) {
+  return {{}, path_about_centre(kStep_m, kFirstTicks)};
+}
+
+DevicePath pressed_to_centre(const TickCase&, const SampleCounts& counts) {
+  return {path_to_centre(kSphereRadius_m), path_about_centre(kWander_m, counts.fewer())};
+}
+
+DevicePath teleports(const TickCase&, const SampleCounts& counts) {
+  return {{}, random_teleports(kTeleportRadiusPerRadius * kSphereRadius_m, counts.fewer())};
+}
+
+// The sphere proxy last: its index is another one.
 constexpr TickCase kCases[] = {
-    {"tick_free", kFree, 3, false, 0.0, 0.0},
-    {"tick_sliding", kSliding, 3, false, 1.0, 1.0},
-    {"tick_tapping", kTapping, 3, false, 0.3, 0.7},
-    {"tick_sliding_a4", kSliding, 1, true, 1.0, 1.0},
+    {.name = "tick_free", .path = along_sphere<kFree>, .contact = kNever},
+    {.name = "tick_sliding",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .stock_peer = "stock_closest_point"},
+    {.name = "tick_tapping", .path = along_sphere<kTapping>, .contact = kNowAndThen},
+    {.name = "tick_sliding_a4", .path = along_sphere<kSliding>, .contact = kAlways, .actuators = 1},
+    {.name = "tick_free_evicted",
+     .path = along_sphere<kFree>,
+     .contact = kNever,
+     .caches = Caches::kEvicted},
+    {.name = "tick_sliding_evicted",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .caches = Caches::kEvicted,
+     .stock_peer = "stock_closest_point_evicted"},
+    {.name = "tick_tapping_evicted",
+     .path = along_sphere<kTapping>,
+     .contact = kNowAndThen,
+     .caches = Caches::kEvicted},
+    {.name = "tick_centre", .path = starting_at_centre, .contact = kNever, .may_be_capped = true},
+    {.name = "tick_centre_pressed",
+     .path = pressed_to_centre,
+     .contact = kAlways,
+     .may_be_capped = true},
+    {.name = "tick_teleport", .path = teleports, .contact = kAny, .may_be_capped = true},
+    {.name = "tick_sphere_sliding",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .proxy_radius_m = kSphereProxyRadius_m},
 };
 
 // What the loop did, to prove that the right thing was timed.
@@ -41,82 +117,104 @@ struct Tally {
   double ticks = 0.0;
   double contacts = 0.0;
   double iterations = 0.0;
-  bool faults = false;
+  double capped = 0.0;
+  bool other_faults = false;
+  std::vector<Vec3> proxies_scene_m;  // of the first pass
 
   void add(const TickRecord& record) {
     ticks += 1.0;
     contacts += record.contact ? 1.0 : 0.0;
     iterations += record.solver_iterations;
-    faults = faults || record.faults != kFaultNone;
+    capped += (record.faults & kFaultSolverCapped) != 0 ? 1.0 : 0.0;
+    other_faults = other_faults || (record.faults & ~kFaultSolverCapped) != 0;
   }
 };
 
 Tally time_ticks(benchmark::State& state, const ContactWorld& world, const TickCase& tick_case,
-                 const ActuationModel& actuation, const std::vector<Vec3>& path_scene_m) {
-  constexpr double kDt_s = 1.0 / kSampleRateHz;
+                 const ActuationModel& actuation, const DevicePath& path) {
   HapticSettings settings;
-  settings.a4.enabled = tick_case.a4;
+  settings.god_object.radius_m = tick_case.proxy_radius_m;
+  settings.a4.enabled = tick_case.actuators < 3;
   std::optional<HapticLoop> loop;
   const TickRecord* record = nullptr;
+  Vec3 next_device_m;
   Vec3 p_device_m;
   Tally tally;
   // The path is given in the scene frame, so that the proxy meets the same triangles whether A4
-  // turns the scene or not.
+  // turns the scene or not. Aimed before caches are evicted: it reads the loop's pose.
   const auto aim = [&](const Vec3& p_scene_m) {
-    p_device_m = loop->T_device_scene().point(p_scene_m);
+    next_device_m = loop->T_device_scene().point(p_scene_m);
   };
   time_path(
-      state, path_scene_m.size(),
+      state, {path.timed_m.size(), tick_case.caches},
       [&] {
         loop.emplace(world, actuation, settings);
-        const Vec3& first = path_scene_m.front();
-        const Vec3 entry = (kSphereRadius_m + kEntryHeight_m) * first.normalized();
-        for (int i = 0; i < kEntryTicks; ++i) {
-          aim(entry + static_cast<double>(i) / kEntryTicks * (first - entry));
-          loop->tick(p_device_m, kDt_s);
+        for (const Vec3& p_scene_m : path.lead_in_m) {
+          aim(p_scene_m);
+          loop->tick(next_device_m, kDt_s);
         }
-        aim(first);
+        aim(path.timed_m.front());
       },
+      [&](std::size_t) { p_device_m = next_device_m; },
       [&](std::size_t) { record = &loop->tick(p_device_m, kDt_s); },
       [&](std::size_t n) {
         tally.add(*record);
-        if (n + 1 < path_scene_m.size()) aim(path_scene_m[n + 1]);
+        if (tally.proxies_scene_m.size() < path.timed_m.size()) {
+          tally.proxies_scene_m.push_back(record->proxy_m);
+        }
+        if (n + 1 < path.timed_m.size()) aim(path.timed_m[n + 1]);
         return SampleError{};
       });
   return tally;
 }
 
+// Null if the run did what the case says.
+SampleError what_went_wrong(const TickCase& tick_case, const Tally& tally) {
+  if (tally.other_faults) return "a tick had a fault";
+  if (tally.capped > 0.0 && !tick_case.may_be_capped) return "a tick ran out of iterations";
+  const double contact_share = tally.contacts / tally.ticks;
+  const bool as_told =
+      contact_share >= tick_case.contact.least && contact_share <= tick_case.contact.most;
+  return as_told ? nullptr : "the proxy was not in contact as the case says";
+}
+
 void run(benchmark::State& state, const TickCase& tick_case, int subdivisions,
-         std::size_t sample_count) {
-  const Sphere* target = sphere(subdivisions);
-  if (!target) return state.SkipWithError("the sphere could not be compiled");
+         const SampleCounts& counts) {
+  const Scene* scene = sphere_scene(subdivisions, tick_case.proxy_radius_m);
+  if (!scene) return state.SkipWithError("the sphere could not be compiled");
   const Result<ActuationModel> actuation = ActuationModel::from_counts(3, tick_case.actuators);
   if (!actuation) return state.SkipWithError("the actuation was refused");
-  const Tally tally = time_ticks(state, target->scene.world(), tick_case, *actuation,
-                                 path_over_sphere(kSphereRadius_m, tick_case.swing, sample_count));
-  const double contact_share = tally.contacts / tally.ticks;
-  if (tally.faults) return state.SkipWithError("a tick had a fault");
-  if (contact_share < tick_case.least_contact_share ||
-      contact_share > tick_case.most_contact_share) {
-    return state.SkipWithError("the proxy was not in contact as the case says");
+  const Tally tally =
+      time_ticks(state, scene->world(), tick_case, *actuation, tick_case.path(tick_case, counts));
+  if (const SampleError error = what_went_wrong(tick_case, tally)) {
+    return state.SkipWithError(error);
   }
   state.counters["triangles"] = static_cast<double>(sphere_triangles(subdivisions));
   state.counters["solver_iterations"] = tally.iterations / tally.ticks;
-  state.counters["contact_share"] = contact_share;
+  state.counters["contact_share"] = tally.contacts / tally.ticks;
+  state.counters["capped_share"] = tally.capped / tally.ticks;
+  if (tick_case.proxy_radius_m > 0.0) {
+    const ProxyNeighbours mean =
+        mean_proxy_neighbours(*scene, tally.proxies_scene_m, tick_case.proxy_radius_m, kStep_m);
+    state.counters["triangles_under_proxy"] = mean.under;
+    state.counters["triangles_in_reach"] = mean.in_reach;
+  }
+  remember_p50(row_name(tick_case.name, subdivisions), state);
+  if (tick_case.stock_peer) {
+    report_ratio(state, "vs_stock_p50", row_name(tick_case.stock_peer, subdivisions));
+  }
 }
 
 }  // namespace
 
-void register_tick_benchmarks(int subdivisions, std::size_t sample_count) {
+void register_tick_benchmarks(int subdivisions, const SampleCounts& counts) {
   for (const TickCase& tick_case : kCases) {
-    const std::string name =
-        std::string(tick_case.name) + "/" + std::to_string(sphere_triangles(subdivisions));
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=, &tick_case](benchmark::State& state) {
-                                   run(state, tick_case, subdivisions, sample_count);
-                                 })
+    const std::size_t samples = tick_case.path(tick_case, counts).timed_m.size();
+    benchmark::RegisterBenchmark(
+        row_name(tick_case.name, subdivisions).c_str(),
+        [=, &tick_case](benchmark::State& state) { run(state, tick_case, subdivisions, counts); })
         ->UseManualTime()
-        ->Iterations(static_cast<benchmark::IterationCount>(kRepeats * sample_count));
+        ->Iterations(static_cast<benchmark::IterationCount>(kRepeats * samples));
   }
 }
 

@@ -1,10 +1,7 @@
 #pragma once
 
-// Where a device goes in the benchmarks: paths along a sphere about the origin, one sample a tick.
-//
-// Every path moves kSpeed_m_per_s along a gently weaving line over the sphere, so that it keeps
-// meeting new triangles, while its height above the sphere swings between two bounds. Metres, in
-// the sphere's frame. Deterministic: no random numbers, no clock.
+// Where a device goes in the benchmarks: paths about a sphere at the origin, one sample a tick.
+// Metres, in the sphere's frame. Deterministic: what is random has a fixed seed.
 
 #include <cstddef>
 #include <vector>
@@ -15,6 +12,8 @@ namespace palpate::bench {
 
 inline constexpr double kSampleRateHz = 1000.0;
 inline constexpr double kSpeed_m_per_s = 0.1;
+inline constexpr double kDt_s = 1.0 / kSampleRateHz;
+inline constexpr double kStep_m = kSpeed_m_per_s * kDt_s;  // from sample to sample
 
 // The bounds of the height above the sphere (below it: negative) and the time of one swing between
 // them and back. Requires a climb slower than kSpeed_m_per_s: pi (high - low) / period.
@@ -30,9 +29,20 @@ inline constexpr HeightSwing kTapping{-3e-3, 3e-3, 0.25};  // in and out, four t
 inline constexpr HeightSwing kNear{0.0, 5e-3, 0.5};        // as a device point on its way out
 inline constexpr HeightSwing kOnSurface{0.0, 0.0, 0.5};    // as a proxy in contact
 
-// Starts at the upper bound. Consecutive samples are kSpeed_m_per_s / kSampleRateHz apart, within
-// the curvature of a step.
+// Moves kSpeed_m_per_s along a gently weaving line over the sphere, so that it keeps meeting new
+// triangles, while its height swings; starts at the upper bound. Consecutive samples are kStep_m
+// apart, within the curvature of a step.
 std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
                                    std::size_t sample_count);
+
+// From kStep_m outside the sphere straight towards its centre, which is not in it.
+std::vector<Vec3> path_to_centre(double radius_m);
+
+// The exact centre of the sphere, from where every triangle is about as near, then points about it
+// in all directions and at all distances from a nanometre to the farthest.
+std::vector<Vec3> path_about_centre(double farthest_m, std::size_t sample_count);
+
+// Jumps each tick, evenly distributed over the ball of that radius.
+std::vector<Vec3> random_teleports(double ball_radius_m, std::size_t sample_count);
 
 }  // namespace palpate::bench

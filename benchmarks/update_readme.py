@@ -15,19 +15,46 @@ BEGIN = "<!-- measured:begin -->"
 END = "<!-- measured:end -->"
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# In the order of the table: benchmark, what it says in the README.
+# In the order of the table: benchmark, what it says in the README. Peers in italics.
 ROWS = [
-    ("tick_free", "haptic tick, free motion"),
-    ("tick_tapping", "haptic tick, tapping"),
-    ("tick_sliding", "haptic tick, sliding"),
-    ("tick_sliding_a4", "haptic tick, sliding, A4 turning the scene"),
+    ("tick_free", "tick, free motion"),
+    ("tick_tapping", "tick, tapping"),
+    ("tick_sliding", "tick, sliding"),
+    ("tick_sliding_a4", "tick, sliding, A4 turning the scene"),
+    ("tick_free_evicted", "tick, free motion, L1 and L2 evicted"),
+    ("tick_tapping_evicted", "tick, tapping, L1 and L2 evicted"),
+    ("tick_sliding_evicted", "tick, sliding, L1 and L2 evicted"),
+    ("tick_sphere_sliding", "tick, sliding, sphere proxy of 1 mm"),
+    ("tick_centre", "first 50 ticks at the sphere's centre"),
+    ("tick_centre_pressed", "tick, pressed to the sphere's centre"),
+    ("tick_teleport", "tick, random jumps across the sphere"),
     ("closest_point", "closest point"),
+    ("stock_closest_point", "*Embree's own triangles (float)*"),
+    ("cgal_closest_point", "*CGAL's AABB_tree with a hint*"),
+    ("closest_point_evicted", "closest point, L1 and L2 evicted"),
+    ("stock_closest_point_evicted", "*Embree's own triangles (float)*"),
     ("first_hit", "first hit of a segment"),
+    ("stock_first_hit", "*Embree's own triangles (float)*"),
+    ("cgal_first_hit", "*CGAL's AABB_tree, any hit*"),
     ("packs_near", "triangles near a point"),
-    ("stock_closest_point", "*closest point, Embree's own triangles (float)*"),
-    ("stock_first_hit", "*first hit, Embree's own triangles (float)*"),
 ]
-STATISTICS = [("p50_ns", "p50"), ("p99_ns", "p99"), ("max_ns", "max")]
+STATISTICS = ["p50_ns", "p99_ns", "p999_ns", "max_ns"]
+
+# Benchmark, its counter (a ratio of medians within one run), what it says in the README.
+RATIOS = [
+    ("tick_sliding", "vs_stock_p50", "sliding tick / Embree's closest point"),
+    ("tick_sliding_evicted", "vs_stock_p50", "the same, L1 and L2 evicted"),
+    ("closest_point", "vs_stock_p50", "closest point / Embree's"),
+    ("closest_point_evicted", "vs_stock_p50", "the same, L1 and L2 evicted"),
+    ("closest_point", "vs_cgal_p50", "closest point / CGAL's with a hint"),
+    ("first_hit", "vs_stock_p50", "first hit / Embree's"),
+    ("first_hit", "vs_cgal_p50", "first hit / CGAL's any hit"),
+]
+
+SIDE_TESTS = [("side_test_float128", "113 bits in software"), ("side_test_adaptive", "expansions"),
+              ("side_test_cgal", "CGAL's kernel")]
+SIDE_CLASSES = [("easy", "easy"), ("near", "double fails"), ("exact", "exactly zero"),
+                ("hidden", "113 bits fail")]
 
 
 class BadInput(Exception):
@@ -35,7 +62,8 @@ class BadInput(Exception):
 
 
 def read_result(path):
-    """The context and {(workload, triangles): counters} of one file of Google Benchmark."""
+    """The context and {(workload, triangles or class of inputs): counters} of one file of Google
+    Benchmark."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         context = document["context"]
@@ -43,18 +71,29 @@ def read_result(path):
             context[key]
         runs = {}
         for run in document["benchmarks"]:
-            workload, triangles = run["name"].split("/")[:2]
+            workload, subject = run["name"].split("/")[:2]
             if run.get("error_occurred"):
                 raise BadInput(f"{path}: {workload} failed: {run.get('error_message')}")
-            runs[workload, int(triangles)] = run
+            if subject.isdigit():
+                subject = int(subject)
+                for key in STATISTICS + ["clock_ns"]:
+                    run[key]
+            runs[workload, subject] = run
+        if not sizes_of(runs):
+            raise BadInput(f"{path}: no workload on a sphere in it")
         return context, runs
     except (OSError, ValueError, KeyError) as error:
         raise BadInput(f"{path}: not a result of benchmarks/run.sh ({error!r})") from error
 
 
 def microseconds(time_ns):
-    """The clock counts in steps of 10 ns, so two decimals say all there is."""
-    return f"{time_ns / 1000:.2f}"
+    """Three digits, and no more than two decimals: the clock counts in steps of 10 ns."""
+    time_us = time_ns / 1000
+    return f"{time_us:.{0 if time_us >= 100 else 1 if time_us >= 10 else 2}f}"
+
+
+def sizes_of(runs):
+    return sorted({subject for _, subject in runs if isinstance(subject, int)})
 
 
 def size_name(triangles):
@@ -62,36 +101,75 @@ def size_name(triangles):
 
 
 def machine_line(context, runs):
-    clock_ns = max(run["clock_ns"] for run in runs.values())
+    clock_ns = max(run["clock_ns"] for run in runs.values() if "clock_ns" in run)
     return (
         f"{context['cpu']}, {context['num_cpus']} cores at {context['mhz_per_cpu'] / 1000:.1f} GHz; "
         f"{context['compiler']}, `{context['flags']}`; commit {context['commit']}, "
-        f"{context['date'][:10]}. Microseconds, the clock's own {clock_ns:.0f} ns included."
+        f"{context['date'][:10]}. Microseconds: median / 99 % / 99.9 % / worst over the samples of "
+        f"a path, each sample the shortest of six passes, less the {clock_ns:.0f} ns of the clock "
+        "itself."
     )
 
 
 def table(runs):
-    sizes = sorted({triangles for _, triangles in runs})
-    heads = [f"{size_name(size)}: {title}" if title == "p50" else title
-             for size in sizes for _, title in STATISTICS]
-    lines = ["| triangles | " + " | ".join(heads) + " |",
-             "|---|" + "---:|" * len(heads)]
+    sizes = sizes_of(runs)
+    lines = ["| triangles | " + " | ".join(size_name(size) for size in sizes) + " |",
+             "|---|" + "---:|" * len(sizes)]
     for workload, title in ROWS:
-        cells = [microseconds(runs[workload, size][key]) if (workload, size) in runs else "-"
-                 for size in sizes for key, _ in STATISTICS]
-        lines.append(f"| {title} | " + " | ".join(cells) + " |")
+        cells = [" / ".join(microseconds(runs[workload, size][key]) for key in STATISTICS)
+                 if (workload, size) in runs else "-" for size in sizes]
+        if any(cell != "-" for cell in cells):
+            lines.append(f"| {title} | " + " | ".join(cells) + " |")
     return lines
 
 
-def ratio_line(runs):
-    """How much of the peer's time a closest point takes, at the median."""
+def growth_cells(runs, workload):
+    """The median at each size over that at the size before."""
+    medians = [runs.get((workload, size), {}).get("p50_ns") for size in sizes_of(runs)]
+    return ["-"] + [f"{larger / smaller:.2f}" if smaller and larger else "-"
+                    for smaller, larger in zip(medians, medians[1:])]
+
+
+def ratio_table(runs):
+    sizes = sizes_of(runs)
+    rows = []
+    for workload, counter, title in RATIOS:
+        ratios = [runs.get((workload, size), {}).get(counter) for size in sizes]
+        rows.append((title, ["-" if ratio is None else f"{ratio:.2f}" for ratio in ratios]))
+    rows.append(("sliding tick / at the size before", growth_cells(runs, "tick_sliding")))
+    rows = [row for row in rows if any(cell != "-" for cell in row[1])]
+    if not rows:
+        return ""
+    lines = ["| ratio of medians | " + " | ".join(size_name(size) for size in sizes) + " |",
+             "|---|" + "---:|" * len(sizes)]
+    return "\n".join(lines + [f"| {title} | " + " | ".join(cells) + " |" for title, cells in rows])
+
+
+def sphere_line(runs):
     parts = []
-    for size in sorted({triangles for _, triangles in runs}):
-        ours, peer = (runs.get((name, size)) for name in ("closest_point", "stock_closest_point"))
-        if ours and peer:
-            parts.append(f"{ours['p50_ns'] / peer['p50_ns']:.2f} at {size_name(size)}")
-    return ("Time of a closest point, in double, relative to Embree's point query on its own float "
-            "triangles (p50): " + ", ".join(parts) + ".") if parts else ""
+    for size in sizes_of(runs):
+        under = runs.get(("tick_sphere_sliding", size), {}).get("triangles_under_proxy")
+        if under is not None:
+            parts.append(f"{under:.0f} at {size_name(size)}")
+    return ("Triangles within 1 mm of the point where the sphere proxy touches: " +
+            ", ".join(parts) + ".") if parts else ""
+
+
+def side_test_table(runs):
+    if not all((way, name) in runs for way, _ in SIDE_TESTS for name, _ in SIDE_CLASSES):
+        return ""
+
+    def cell(way, name):
+        run = runs[way, name]
+        undecided = ", undecided" if run["undecided"] else ""
+        return f"{run['call_ns']:.0f}{undecided}"
+    lines = ["| on which side of an edge a line passes, ns | " +
+             " | ".join(title for _, title in SIDE_CLASSES) + " |",
+             "|---|" + "---:|" * len(SIDE_CLASSES)]
+    for way, title in SIDE_TESTS:
+        lines.append(f"| {title} | " + " | ".join(cell(way, name) for name, _ in SIDE_CLASSES) +
+                     " |")
+    return "\n".join(lines)
 
 
 def objects_table(path):
@@ -121,7 +199,8 @@ def generate(results_directory):
     sections = [objects_table(results_directory / "paper_objects" / "objects.json")]
     for path in paths:
         context, runs = read_result(path)
-        parts = [machine_line(context, runs), "\n".join(table(runs)), ratio_line(runs)]
+        parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
+                 ratio_table(runs), side_test_table(runs)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)
 

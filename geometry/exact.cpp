@@ -1,74 +1,16 @@
 #include "geometry/exact.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
 #include <limits>
+
+#include "geometry/expansion.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kHalfUlpOfOne = 0x1p-53;
-
-struct TwoTerms {  // their exact sum is meant; high is that sum rounded
-  double high;
-  double low;
-};
-
-TwoTerms two_sum(double a, double b) {
-  const double sum = a + b;
-  const double from_b = sum - a;
-  const double from_a = sum - from_b;
-  return {sum, (a - from_a) + (b - from_b)};
-}
-
-TwoTerms two_difference(double a, double b) {
-  return two_sum(a, -b);
-}
-
-TwoTerms two_product(double a, double b) {
-  const double product = a * b;
-  return {product, std::fma(a, b, -product)};
-}
-
-// An exact sum of up to 16 doubles, held as terms that do not overlap, the smallest first
-// (Shewchuk's grow-expansion with zero elimination).
-class Expansion {
- public:
-  void add(double term) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < size_; ++i) {
-      const TwoTerms sum = two_sum(term, terms_[i]);
-      if (sum.low != 0.0) terms_[kept++] = sum.low;
-      term = sum.high;
-    }
-    if (term != 0.0) terms_[kept++] = term;
-    size_ = kept;
-  }
-
-  void add_product(const TwoTerms& a, const TwoTerms& b, double sign) {
-    for (const double a_term : {a.low, a.high}) {
-      for (const double b_term : {b.low, b.high}) {
-        const TwoTerms product = two_product(sign * a_term, b_term);
-        add(product.low);
-        add(product.high);
-      }
-    }
-  }
-
-  // Within an ulp, and zero iff the sum is.
-  double rounded() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) sum += terms_[i];
-    return sum;
-  }
-
- private:
-  std::array<double, 16> terms_;  // only the first size_ have a value
-  std::size_t size_ = 0;
-};
 
 // The component of (b - a) x (c - a) along the axis that completes axes i and j, within two ulp of
 // itself and zero iff it is zero, for corners from scaled_corners().
@@ -90,10 +32,7 @@ double cross_component(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j
   const double size = std::abs(left.high) + std::abs(right.high);
   if (16.0 * kHalfUlpOfOne * size <= std::abs(value)) return value;
 
-  Expansion exact;
-  exact.add_product(b_i, c_j, 1.0);
-  exact.add_product(b_j, c_i, -1.0);
-  return exact.rounded();
+  return sum(product(expansion(b_i), c_j), product(expansion(negated(b_j)), c_i)).rounded();
 }
 
 // True if that component certainly is not zero, judged from the corners as they are.

@@ -1,7 +1,9 @@
 #include "geometry/pack_builder.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <limits>
+#include <span>
 
 #include "geometry/exact.h"
 
@@ -60,44 +62,83 @@ struct MappedMesh {
   }
 };
 
-TrianglePack make_pack(const MappedMesh& mesh, FaceRange faces) {
+Box box_around(std::span<const TriangleGeometry> triangles) {
+  Box box{triangles.front().a, triangles.front().a};
+  for (const TriangleGeometry& t : triangles) {
+    box.low = box.low.cwiseMin(t.a).cwiseMin(t.b).cwiseMin(t.c);
+    box.high = box.high.cwiseMax(t.a).cwiseMax(t.b).cwiseMax(t.c);
+  }
+  return box;
+}
+
+// The power of two that brings lengths up to `reach` to at most 1. Reach is never so small that it
+// overflows: the exponent is limited, and coordinates then are smaller than they could be.
+double scale_for(double reach) {
+  constexpr int kMostExponent = 1000;
+  int exponent = 0;
+  std::frexp(reach, &exponent);
+  return std::ldexp(1.0, std::min(-exponent, kMostExponent));
+}
+
+// Single precision, relative to the middle of the box.
+TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& box, int count) {
   TrianglePack pack{};
-  pack.count = static_cast<int>(faces.size());
+  const Vec3 centre = 0.5 * (box.low + box.high);
+  const double per_metre = scale_for((box.high - box.low).maxCoeff());
+  Vec3::Map(pack.centre_m) = centre;
+  pack.per_metre = per_metre;
+  pack.centre_roundoff = static_cast<float>(4 * std::numeric_limits<double>::epsilon() *
+                                            centre.lpNorm<1>() * per_metre);
+  pack.count = count;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const std::uint32_t face = faces[std::min(lane, faces.size() - 1)].face;
-    const TriangleGeometry t = mesh.triangle(face);
+    const TriangleGeometry& t = triangles[lane];
     for (int k = 0; k < 3; ++k) {
-      pack.a[k][lane] = t.a[k];
-      pack.b[k][lane] = t.b[k];
-      pack.c[k][lane] = t.c[k];
-      pack.normal[k][lane] = t.normal[k];
+      pack.a[k][lane] = static_cast<float>((t.a[k] - centre[k]) * per_metre);
+      pack.b[k][lane] = static_cast<float>((t.b[k] - centre[k]) * per_metre);
+      pack.c[k][lane] = static_cast<float>((t.c[k] - centre[k]) * per_metre);
+      pack.normal[k][lane] = static_cast<float>(t.normal[k]);
     }
-    pack.face[lane] = face;
+    pack.height[lane] = static_cast<float>(t.normal.dot(t.a - centre) * per_metre);
   }
   return pack;
 }
 
-void split(const MappedMesh& mesh, FaceRange faces, std::vector<TrianglePack>& packs) {
-  if (faces.size() <= kLanes) {
-    packs.push_back(make_pack(mesh, faces));
-    return;
+void append_pack(const MappedMesh& mesh, FaceRange faces, PackedSurface& surface) {
+  const std::size_t first = surface.triangles.size();
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t face = faces[std::min(lane, faces.size() - 1)].face;
+    surface.faces.push_back(face);
+    if (lane < faces.size()) {
+      surface.triangles.push_back(mesh.triangle(face));
+    } else {
+      surface.triangles.push_back(TriangleGeometry(surface.triangles.back()));
+    }
   }
+  const std::span triangles(&surface.triangles[first], kLanes);
+  surface.boxes.push_back(box_around(triangles));
+  surface.packs.push_back(
+      to_local(triangles, surface.boxes.back(), static_cast<int>(faces.size())));
+}
+
+// Splits down to clusters, then down to packs: every part but the last is full.
+void split(const MappedMesh& mesh, FaceRange faces, PackedSurface& surface) {
+  if (faces.size() <= kLanes) return append_pack(mesh, faces, surface);
   const int axis = widest_axis(faces);
-  // The lower half is a whole number of packs.
-  const std::size_t pack_count = (faces.size() + kLanes - 1) / kLanes;
-  const std::size_t middle = pack_count / 2 * kLanes;
+  const std::size_t whole = faces.size() > kLanes * kLanes ? kLanes * kLanes : kLanes;
+  const std::size_t count = (faces.size() + whole - 1) / whole;
+  const std::size_t middle = count / 2 * whole;
   std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(middle), faces.end(),
                    [axis](const FaceCentre& x, const FaceCentre& y) {
                      return x.sum_m[axis] != y.sum_m[axis] ? x.sum_m[axis] < y.sum_m[axis]
                                                            : x.face < y.face;
                    });
-  split(mesh, faces.first(middle), packs);
-  split(mesh, faces.subspan(middle), packs);
+  split(mesh, faces.first(middle), surface);
+  split(mesh, faces.subspan(middle), surface);
 }
 
 }  // namespace
 
-std::vector<TrianglePack> build_packs(const SurfaceMesh& mesh, const AffineMap& map) {
+PackedSurface pack_surface(const SurfaceMesh& mesh, const AffineMap& map) {
   const MappedMesh mapped(mesh, map);
   std::vector<FaceCentre> centres(mesh.face_count());
   for (std::uint32_t f = 0; f < centres.size(); ++f) {
@@ -105,26 +146,14 @@ std::vector<TrianglePack> build_packs(const SurfaceMesh& mesh, const AffineMap& 
     const auto& positions = mapped.positions;
     centres[f] = {positions[corners[0]] + positions[corners[1]] + positions[corners[2]], f};
   }
-  std::vector<TrianglePack> packs;
-  packs.reserve((centres.size() + kLanes - 1) / kLanes);
-  if (!centres.empty()) split(mapped, centres, packs);
-  return packs;
-}
-
-Box bounding_box(const TrianglePack& pack) {
-  Box box;
-  for (int k = 0; k < 3; ++k) {
-    double low = pack.a[k][0];
-    double high = low;
-    for (const auto* corner : {&pack.a, &pack.b, &pack.c}) {
-      const auto [least, most] = std::minmax_element((*corner)[k], (*corner)[k] + kLanes);
-      low = std::min(low, *least);
-      high = std::max(high, *most);
-    }
-    box.low[k] = low;
-    box.high[k] = high;
-  }
-  return box;
+  PackedSurface surface;
+  const std::size_t pack_count = (centres.size() + kLanes - 1) / kLanes;
+  surface.packs.reserve(pack_count);
+  surface.boxes.reserve(pack_count);
+  surface.triangles.reserve(pack_count * kLanes);
+  surface.faces.reserve(pack_count * kLanes);
+  if (!centres.empty()) split(mapped, centres, surface);
+  return surface;
 }
 
 }  // namespace palpate

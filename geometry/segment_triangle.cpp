@@ -7,61 +7,54 @@
 namespace palpate {
 namespace {
 
-__extension__ using Wide = __float128;  // 113 bits; __extension__ silences -Wpedantic
-
-double norm1(const Vec3& v) {
-  return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z());
+// Sign of a computed value with a bound on its rounding; 0 in doubt.
+int certain_sign(double value, double bound) {
+  return value > bound ? 1 : value < -bound ? -1 : 0;
 }
 
-// Sign of (p + d - p) . ((from - p) x (to - p)), or 0 when 113 bits cannot tell either. One
-// rounding of the difference of two doubles needs more than 113 bits only when they differ by 60
-// binary orders of magnitude, and then it is 2^-113 of the larger.
-int wide_triple_sign(const Vec3& p, const Vec3& d, const Vec3& from, const Vec3& to) {
-  Wide u[3], v[3], w[3];
-  for (int k = 0; k < 3; ++k) {
-    u[k] = d[k];
-    v[k] = static_cast<Wide>(from[k]) - p[k];
-    w[k] = static_cast<Wide>(to[k]) - p[k];
-  }
-  const Wide terms[6] = {u[0] * v[1] * w[2],  u[1] * v[2] * w[0],  u[2] * v[0] * w[1],
-                         -u[0] * v[2] * w[1], -u[1] * v[0] * w[2], -u[2] * v[1] * w[0]};
-  Wide sum = 0;
-  Wide magnitude = 0;
-  for (const Wide& term : terms) {
-    sum += term;
-    magnitude += term < 0 ? -term : term;
-  }
-  // 12 roundings of 2^-113 each, as in kTripleRoundoff.
-  const Wide bound = magnitude * static_cast<Wide>(12 * 0x1p-113);
-  return sum > bound ? 1 : sum < -bound ? -1 : 0;
+// Which side of the plane of t a point is on that double cannot tell: 1 in front.
+int exact_side(const TriangleGeometry& t, const Vec3& p) {
+  return orientation_in_doubt(t.a, t.b, t.c, p);
 }
 
-// On which side of the edge the line passes; 0 is "through it, or in doubt".
-int line_side(const Vec3& p, const Vec3& d, const Vec3& from, const Vec3& to) {
-  const Vec3 v = from - p;
-  const Vec3 w = to - p;
-  const double volume = d.dot(v.cross(w));
-  const double bound = kTripleRoundoff * norm1(d) * norm1(v) * norm1(w);
-  if (volume > bound) return 1;
-  if (volume < -bound) return -1;
-  return wide_triple_sign(p, d, from, to);
+// On which sides of the edges ab, bc, ca the line from p to q passes.
+std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Vec3& q) {
+  const Vec3 d = q - p;
+  const Vec3 a = t.a - p;
+  const Vec3 b = t.b - p;
+  const Vec3 c = t.c - p;
+  const double scale = kTripleRoundoff * norm1(d);
+  const double size_a = norm1(a);
+  const double size_b = norm1(b);
+  const double size_c = norm1(c);
+  std::array<int, 3> sides = {certain_sign(triple_product(d, a, b), scale * size_a * size_b),
+                              certain_sign(triple_product(d, b, c), scale * size_b * size_c),
+                              certain_sign(triple_product(d, c, a), scale * size_c * size_a)};
+  // Two certain sides that differ settle it.
+  const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+  if (*least * *most < 0) return sides;
+  if (sides[0] == 0) sides[0] = orientation_in_doubt(p, q, t.a, t.b);
+  if (sides[1] == 0) sides[1] = orientation_in_doubt(p, q, t.b, t.c);
+  if (sides[2] == 0) sides[2] = orientation_in_doubt(p, q, t.c, t.a);
+  return sides;
 }
 
-// The segment lies in the plane of the triangle, as far as rounding can tell: clips it against the
-// three edges and reports where it comes in. A segment that starts inside has no edge to be
-// stopped at and is reported as crossing at its start.
-SegmentCrossing cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& d) {
-  SegmentCrossing crossing;
+// The segment lies in the plane of the triangle to the last bit: clips it against the three edges
+// and reports where it comes in. Errs on the side of meeting.
+void cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
+                    SegmentCrossing& crossing) {
   double enter = 0.0;
   double leave = 1.0;
   bool from_outside = false;
+  const Vec3 d = q - p;
   const std::array<const Vec3*, 4> corners = {&t.a, &t.b, &t.c, &t.a};
   for (std::size_t e = 0; e < 3; ++e) {
     const Vec3 outward = (*corners[e + 1] - *corners[e]).cross(t.normal).normalized();
     const double start = outward.dot(p - *corners[e]);
-    const double slope = outward.dot(d);
+    const double end = outward.dot(q - *corners[e]);
+    const double slope = end - start;
     const double bound = kHeightRoundoff * (norm1(p - *corners[e]) + norm1(d));
-    if (start > bound && start + slope > bound) return crossing;
+    if (start > bound && end > bound) return;
     if (start > 0.0 && slope < 0.0) {
       const double at = std::min(1.0, start / -slope);
       if (!from_outside || at > enter) {
@@ -74,35 +67,40 @@ SegmentCrossing cross_in_plane(const TriangleGeometry& t, const Vec3& p, const V
       leave = std::min(leave, std::max(0.0, -start / slope));
     }
   }
-  if (enter > leave) return crossing;
-  crossing.kind = from_outside ? SegmentCrossing::Kind::kEdgeOn : SegmentCrossing::Kind::kThrough;
+  if (enter > leave) return;
+  crossing.kind = from_outside ? SegmentCrossing::Kind::kEdgeOn : SegmentCrossing::Kind::kWithin;
   crossing.fraction = enter;
-  return crossing;
 }
 
 }  // namespace
 
-SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& d) noexcept {
+SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& q) noexcept {
   SegmentCrossing crossing;
   const Vec3 to_p = p - t.a;
-  const double height_start = t.normal.dot(to_p);
-  const double height_end = height_start + t.normal.dot(d);
-  const double bound = kHeightRoundoff * (norm1(to_p) + norm1(d));
-  if (std::min(height_start, height_end) > bound || std::max(height_start, height_end) < -bound) {
+  const Vec3 to_q = q - t.a;
+  crossing.height_start = t.normal.dot(to_p);
+  crossing.height_end = t.normal.dot(to_q);
+  const double bound_start = kHeightRoundoff * norm1(to_p);
+  const double bound_end = kHeightRoundoff * norm1(to_q);
+  int start = certain_sign(crossing.height_start, bound_start);
+  int end = certain_sign(crossing.height_end, bound_end);
+  if (start * end > 0) return crossing;
+  // The line first: it is what settles most that remain, and without the exact sides.
+  const std::array<int, 3> sides = line_sides(t, p, q);
+  const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+  if (*least * *most < 0) return crossing;
+  if (start == 0) start = exact_side(t, p);
+  if (end == 0) end = exact_side(t, q);
+  if (start * end > 0) return crossing;
+  if (start == 0 && end == 0) {
+    cross_in_plane(t, p, q, crossing);
     return crossing;
   }
-  if (std::abs(height_start) <= bound && std::abs(height_end) <= bound) {
-    crossing = cross_in_plane(t, p, d);
-  } else {
-    const int sides[3] = {line_side(p, d, t.a, t.b), line_side(p, d, t.b, t.c),
-                          line_side(p, d, t.c, t.a)};
-    const auto [least, most] = std::minmax_element(std::begin(sides), std::end(sides));
-    if (*least < 0 && *most > 0) return crossing;
-    crossing.kind = SegmentCrossing::Kind::kThrough;
-    crossing.fraction = std::clamp(height_start / (height_start - height_end), 0.0, 1.0);
-  }
-  crossing.height_start = height_start;
-  crossing.height_end = height_end;
+  crossing.kind = start == 0 ? SegmentCrossing::Kind::kWithin : SegmentCrossing::Kind::kThrough;
+  crossing.side = start;
+  const double drop = crossing.height_start - crossing.height_end;
+  crossing.fraction =
+      start == 0 || drop == 0.0 ? 0.0 : std::clamp(crossing.height_start / drop, 0.0, 1.0);
   return crossing;
 }
 

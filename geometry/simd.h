@@ -1,14 +1,24 @@
 #pragma once
 
-// Wider SIMD, chosen at run time. A function marked PALPATE_SIMD_CLONES is compiled for SSE2, AVX2
-// and AVX-512, and the loader picks the widest that the processor has. Its body must be plain loops
-// over lanes: then every width gives the same bits, because no operation is reordered or fused
-// (-ffp-contract=off). Left out under sanitizers, whose run-time is not ready when the loader asks,
-// and on other processors.
+// Which vector instructions the queries use: chosen once, at run time, from what the processor has.
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPATE_SIMD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define PALPATE_SIMD_CLONES
-#endif
+#include <cstdint>
+#include <string_view>
+
+namespace palpate {
+
+enum class SimdLevel : std::uint8_t { kBaseline, kAvx2, kAvx512 };  // baseline on x86-64: SSE2
+
+inline constexpr std::string_view kSimdLevelNames[] = {"sse2", "avx2", "avx512"};
+
+// The widest this processor has and this build knows. Only GCC on x86-64 builds more than the
+// baseline.
+SimdLevel widest_simd_level() noexcept;
+
+// What queries use: the widest, unless limited. The answers are the same to the bit.
+SimdLevel simd_level() noexcept;
+
+// For measurements and tests: nothing wider than this from now on. Not while queries are running.
+void limit_simd_level(SimdLevel level) noexcept;
+
+}  // namespace palpate

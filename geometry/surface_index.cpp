@@ -1,6 +1,7 @@
 #include "geometry/surface_index.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -26,43 +27,55 @@ RTCDevice shared_device() {
   return device;
 }
 
-// Everything the bounds callback needs; lives as long as the build.
-struct BoxSource {
-  const std::vector<Box>* boxes;
-  double margin_m;
-};
-
+// Boxes for Embree, already grown by all margins.
 void write_bounds(const RTCBoundsFunctionArguments* args) {
-  const auto& source = *static_cast<const BoxSource*>(args->geometryUserPtr);
-  const Box& box = (*source.boxes)[args->primID];
+  const auto& boxes = *static_cast<const std::vector<Box>*>(args->geometryUserPtr);
+  const Box& box = boxes[args->primID];
   RTCBounds& out = *args->bounds_o;
-  out.lower_x = round_down(box.low.x() - source.margin_m);
-  out.lower_y = round_down(box.low.y() - source.margin_m);
-  out.lower_z = round_down(box.low.z() - source.margin_m);
-  out.upper_x = round_up(box.high.x() + source.margin_m);
-  out.upper_y = round_up(box.high.y() + source.margin_m);
-  out.upper_z = round_up(box.high.z() + source.margin_m);
+  out.lower_x = round_down(box.low.x());
+  out.lower_y = round_down(box.low.y());
+  out.lower_z = round_down(box.low.z());
+  out.upper_x = round_up(box.high.x());
+  out.upper_y = round_up(box.high.y());
+  out.upper_z = round_up(box.high.z());
 }
 
 // A ray query in flight. The Embree context is the first member, so that the callback can find the
 // rest from the pointer it is given.
 struct SegmentQuery {
   embree::RayContext context;
+  const SurfaceIndex* index;
   PackVisitor visitor;
   void* state;
   // The ray begins at the segment's fraction `enter`, and its direction has length 1 (largest
   // component), which the caller's segment has not.
   double enter;
   double length_m;
+  float origin[3], displacement[3];  // the segment from `enter` on
+  float radius;
 };
 
-void visit_pack(const RTCIntersectFunctionNArguments* args) {
+// The packs of a set of lanes of one cluster.
+struct ClusterPacks {
+  std::array<std::uint32_t, TrianglePack::kLanes> ids;
+  std::size_t count = 0;
+  ClusterPacks(std::uint32_t cluster, std::uint32_t lanes) {
+    while (lanes != 0) ids[count++] = SurfaceIndex::slot(cluster, take_lane(lanes));
+  }
+  std::span<const std::uint32_t> span() const { return std::span(ids).first(count); }
+};
+
+void visit_cluster(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const auto* query = reinterpret_cast<const SegmentQuery*>(args->context);
-  const double end = query->visitor(query->state, args->primID);
+  const ClusterPacks packs(
+      args->primID, boxes_on_segment(query->index->cluster_boxes(args->primID), query->origin,
+                                     query->displacement, query->radius));
+  if (packs.count == 0) return;
+  const double end = query->visitor(query->state, packs.span());
   if (end >= 1.0) return;
   // Embree compares boxes with tfar in float, so the new end is rounded up; nothing is reported as
-  // a hit, because a report would let Embree skip packs at equal distance.
+  // a hit, because a report would let Embree skip clusters at equal distance.
   float& tfar = RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0);
   tfar = std::min(tfar, round_up((end - query->enter) * query->length_m));
 }
@@ -91,38 +104,72 @@ struct SurfaceIndex::EmbreeScene {
 };
 
 SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double sweep_radius_m)
-    : packs_(build_packs(mesh, map)),
+    : surface_(pack_surface(mesh, map)),
+      box_{Vec3::Zero(), Vec3::Zero()},
       sweep_radius_m_(sweep_radius_m),
       scene_(std::make_unique<EmbreeScene>()) {
-  pack_boxes_.reserve(packs_.size());
-  box_ = packs_.empty() ? Box{Vec3::Zero(), Vec3::Zero()} : bounding_box(packs_.front());
-  for (const TrianglePack& pack : packs_) {
-    pack_boxes_.push_back(bounding_box(pack));
-    box_.low = box_.low.cwiseMin(pack_boxes_.back().low);
-    box_.high = box_.high.cwiseMax(pack_boxes_.back().high);
-    mean_pack_diagonal_m_ += (pack_boxes_.back().high - pack_boxes_.back().low).norm();
+  if (!surface_.boxes.empty()) box_ = surface_.boxes.front();
+  for (const Box& box : surface_.boxes) {
+    box_.low = box_.low.cwiseMin(box.low);
+    box_.high = box_.high.cwiseMax(box.high);
+    mean_pack_diagonal_m_ += (box.high - box.low).norm();
   }
-  if (!packs_.empty()) mean_pack_diagonal_m_ /= static_cast<double>(packs_.size());
+  if (pack_count() > 0) mean_pack_diagonal_m_ /= static_cast<double>(pack_count());
   const double reach = std::max(box_.low.cwiseAbs().maxCoeff(), box_.high.cwiseAbs().maxCoeff());
   float_margin_m_ =
       kFloatMarginUlps * std::numeric_limits<float>::epsilon() * (reach + sweep_radius_m_);
+  std::vector<Box> cluster_bounds;
+  build_clusters(cluster_bounds);
+  build_embree_scene(cluster_bounds);
+  surface_.boxes = {};
+}
 
-  BoxSource source{&pack_boxes_, float_margin_m_ + sweep_radius_m_};
+void SurfaceIndex::build_clusters(std::vector<Box>& cluster_bounds) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (std::size_t id = 0; id < pack_count(); ++id) {
+    const std::size_t lane = id % TrianglePack::kLanes;
+    if (lane == 0) {
+      cluster_bounds.push_back(surface_.boxes[id]);
+      BoxPack& none = cluster_boxes_.emplace_back();
+      for (int k = 0; k < 3; ++k) {
+        std::fill(std::begin(none.low[k]), std::end(none.low[k]), infinity);
+        std::fill(std::begin(none.high[k]), std::end(none.high[k]), -infinity);
+      }
+    }
+    Box& bounds = cluster_bounds.back();
+    bounds.low = bounds.low.cwiseMin(surface_.boxes[id].low);
+    bounds.high = bounds.high.cwiseMax(surface_.boxes[id].high);
+    const Box grown = surface_.boxes[id].grown(float_margin_m_);
+    for (int k = 0; k < 3; ++k) {
+      cluster_boxes_.back().low[k][lane] = round_down(grown.low[k]);
+      cluster_boxes_.back().high[k][lane] = round_up(grown.high[k]);
+    }
+  }
+  for (Box& bounds : cluster_bounds) bounds = bounds.grown(float_margin_m_ + sweep_radius_m_);
+}
+
+void SurfaceIndex::build_embree_scene(const std::vector<Box>& cluster_bounds) {
   scene_->scene = rtcNewScene(shared_device());
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
   const RTCGeometry geometry = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(packs_.size()));
-  rtcSetGeometryUserData(geometry, &source);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(cluster_bounds.size()));
+  rtcSetGeometryUserData(geometry, const_cast<std::vector<Box>*>(&cluster_bounds));
   rtcSetGeometryMask(geometry, embree::kAllRays);
   rtcSetGeometryBoundsFunction(
       geometry, [](const RTCBoundsFunctionArguments* args) { write_bounds(args); }, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, visit_pack);
+  rtcSetGeometryIntersectFunction(geometry, visit_cluster);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_->scene, geometry);
   rtcCommitScene(scene_->scene);
   rtcSetGeometryUserData(geometry, nullptr);
   rtcReleaseGeometry(geometry);
+}
+
+// What rounding a query point to float can cost, when it lies outside the box that the margins of
+// the boxes are for.
+double SurfaceIndex::point_margin_m(const Vec3& p) const {
+  return std::numeric_limits<float>::epsilon() * p.cwiseAbs().maxCoeff();
 }
 
 SurfaceIndex::~SurfaceIndex() = default;
@@ -132,38 +179,35 @@ SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 std::size_t SurfaceIndex::memory_bytes() const {
   // Embree does not tell what one scene takes; 200 bytes a primitive is what its BVH4 builder
   // allocates for user geometry.
-  constexpr std::size_t kEmbreeBytesPerPack = 200;
-  return packs_.size() * (sizeof(TrianglePack) + sizeof(Box) + kEmbreeBytesPerPack);
+  constexpr std::size_t kEmbreeBytesPerCluster = 200;
+  constexpr std::size_t kBytesPerSlot = sizeof(TriangleGeometry) + sizeof(std::uint32_t);
+  return pack_count() * (sizeof(TrianglePack) + TrianglePack::kLanes * kBytesPerSlot) +
+         cluster_boxes_.size() * (sizeof(BoxPack) + kEmbreeBytesPerCluster);
 }
 
 namespace {
 
-// Runs a point query that calls `visit` for every pack whose float box is within the radius.
-// The visitor returns the radius it still needs.
+// Runs a point query that calls `visit` for every cluster whose float box is within the radius.
+// The visitor returns the radius it still needs, margins included.
 template <typename Visit>
-void point_query(RTCScene scene, const Vec3& p, double radius, double margin, Visit visit) {
-  struct State {
-    Visit* visit;
-    double margin;
-  } state{&visit, margin};
+void point_query(RTCScene scene, const float (&p)[3], float radius, Visit visit) {
   RTCPointQuery query;
-  query.x = static_cast<float>(p.x());
-  query.y = static_cast<float>(p.y());
-  query.z = static_cast<float>(p.z());
+  query.x = p[0];
+  query.y = p[1];
+  query.z = p[2];
   query.time = 0.0f;
-  query.radius = round_up(radius + margin);
+  query.radius = radius;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(
       scene, &query, &context,
       [](RTCPointQueryFunctionArguments* args) {
-        auto& s = *static_cast<State*>(args->userPtr);
-        const float needed = round_up((*s.visit)(args->primID) + s.margin);
+        const float needed = (*static_cast<Visit*>(args->userPtr))(args->primID);
         if (needed >= args->query->radius) return false;
-        args->query->radius = std::max(0.0f, needed);
+        args->query->radius = needed;
         return true;
       },
-      &state);
+      &visit);
 }
 
 }  // namespace
@@ -171,20 +215,37 @@ void point_query(RTCScene scene, const Vec3& p, double radius, double margin, Vi
 std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
                                                         double radius_m) const noexcept {
   std::optional<SurfacePoint> nearest;
-  if (packs_.empty() || box_.squared_distance(p) > radius_m * radius_m) return nearest;
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return nearest;
   double best = radius_m;
-  point_query(scene_->scene, p, radius_m, float_margin_m_, [&](std::uint32_t id) {
-    if (pack_boxes_[id].squared_distance(p) > best * best) return best;
-    const TrianglePack& pack = packs_[id];
-    const unsigned lanes = lanes_within(pack, p, best);
-    for (int lane = 0; lane < pack.count; ++lane) {
-      if (!(lanes >> lane & 1u)) continue;
-      const TrianglePoint point = closest_point_on_triangle(pack.triangle(lane), p);
+  const double margin = point_margin_m(p);
+  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z())};
+  float needed = round_up(best + margin);
+  const auto visit_pack = [&](std::uint32_t id) {
+    LaneDistances distances;
+    std::uint32_t lanes = lanes_within(pack(id), p, best, distances);
+    // The one that looks nearest goes first: as a rule it settles all the others.
+    while (lanes != 0) {
+      const int lane = least_lane(lanes, distances.squared);
+      lanes &= ~(1u << lane);
+      if (!distances.may_be_within(lane, local_length(pack(id), best))) break;
+      const TrianglePoint point = closest_point_on_triangle(triangle(slot(id, lane)), p);
       if (point.distance > best || (nearest && point.distance == best)) continue;
       best = point.distance;
-      nearest = SurfacePoint{point.point, point.distance, pack.face[lane]};
+      nearest = SurfacePoint{point.point, point.distance, face(slot(id, lane))};
     }
-    return best;
+    needed = round_up(best + margin);
+  };
+  point_query(scene_->scene, p_float, needed, [&](std::uint32_t cluster) {
+    BoxDistances distances;
+    std::uint32_t lanes = boxes_within(cluster_boxes_[cluster], p_float, needed, distances);
+    while (lanes != 0) {
+      const int lane = least_lane(lanes, distances.squared);
+      lanes &= ~(1u << lane);
+      if (distances.squared[lane] > needed * needed) break;
+      visit_pack(slot(cluster, lane));
+    }
+    return needed;
   });
   return nearest;
 }
@@ -192,14 +253,19 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
 std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m,
                                      std::span<std::uint32_t> packs) const noexcept {
   std::size_t count = 0;
-  if (packs_.empty() || box_.squared_distance(p) > radius_m * radius_m) return count;
-  const double squared_radius = radius_m * radius_m;
-  point_query(scene_->scene, p, radius_m, float_margin_m_, [&](std::uint32_t id) {
-    if (count > packs.size()) return -float_margin_m_;  // full: nothing more is wanted
-    if (pack_boxes_[id].squared_distance(p) > squared_radius) return radius_m;
-    if (count < packs.size()) packs[count] = id;
-    ++count;
-    return radius_m;
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return count;
+  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z())};
+  const float radius = round_up(radius_m + point_margin_m(p));
+  point_query(scene_->scene, p_float, radius, [&](std::uint32_t cluster) {
+    BoxDistances distances;
+    const ClusterPacks found(cluster,
+                             boxes_within(cluster_boxes_[cluster], p_float, radius, distances));
+    for (const std::uint32_t id : found.span()) {
+      if (count < packs.size()) packs[count] = id;
+      ++count;
+    }
+    return count > packs.size() ? 0.0f : radius;  // full: nothing more is wanted
   });
   return count;
 }
@@ -210,19 +276,26 @@ void SurfaceIndex::visit_segment(const Vec3& p, const Vec3& d, double radius_m, 
   double enter = 0.0;
   double leave = 1.0;
   // Clipped in double first: Embree then works on coordinates no larger than the box.
-  if (packs_.empty()) return;
+  if (surface_.packs.empty()) return;
   if (!box_.grown(float_margin_m_ + radius_m).clip(p, d, enter, leave)) return;
   const double length = d.cwiseAbs().maxCoeff();
   if (length == 0.0) return;
-  SegmentQuery query{{}, visitor, state, enter, length};
-  embree::init(query.context);
-
   const Vec3 origin = p + enter * d;
+  const Vec3 displacement = (leave - enter) * d;
   const Vec3 direction = d / length;
+  SegmentQuery query{};
+  embree::init(query.context);
+  query.index = this;
+  query.visitor = visitor;
+  query.state = state;
+  query.enter = enter;
+  query.length_m = length;
+  query.radius = round_up(radius_m);
   RTCRayHit ray{};
-  ray.ray.org_x = static_cast<float>(origin.x());
-  ray.ray.org_y = static_cast<float>(origin.y());
-  ray.ray.org_z = static_cast<float>(origin.z());
+  ray.ray.org_x = query.origin[0] = static_cast<float>(origin.x());
+  ray.ray.org_y = query.origin[1] = static_cast<float>(origin.y());
+  ray.ray.org_z = query.origin[2] = static_cast<float>(origin.z());
+  for (int k = 0; k < 3; ++k) query.displacement[k] = static_cast<float>(displacement[k]);
   ray.ray.dir_x = static_cast<float>(direction.x());
   ray.ray.dir_y = static_cast<float>(direction.y());
   ray.ray.dir_z = static_cast<float>(direction.z());
@@ -236,23 +309,28 @@ void SurfaceIndex::visit_segment(const Vec3& p, const Vec3& d, double radius_m, 
 std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) const noexcept {
   struct State {
     const SurfaceIndex* index;
-    Vec3 p, d;
+    Vec3 p, q, d;
     double best = std::numeric_limits<double>::infinity();
     std::uint32_t face = 0;
-  } state{this, p, d};
+
+    void consider(std::uint32_t slot) {
+      const SegmentCrossing crossing = cross_segment(index->triangle(slot), p, q);
+      if (crossing.kind == SegmentCrossing::Kind::kMiss || crossing.fraction >= best) return;
+      best = crossing.fraction;
+      face = index->face(slot);
+    }
+  } state{this, p, p + d, d};
   visit_segment(
       p, d, 0.0,
-      [](void* s, std::uint32_t id) {
+      [](void* s, std::span<const std::uint32_t> packs) {
         auto& first = *static_cast<State*>(s);
-        const TrianglePack& pack = first.index->pack(id);
-        const unsigned lanes = lanes_in_the_way(pack, first.p, first.d, 0.0);
-        for (int lane = 0; lane < pack.count; ++lane) {
-          if (!(lanes >> lane & 1u)) continue;
-          const SegmentCrossing crossing = cross_segment(pack.triangle(lane), first.p, first.d);
-          if (crossing.kind == SegmentCrossing::Kind::kMiss) continue;
-          if (crossing.fraction >= first.best) continue;
-          first.best = crossing.fraction;
-          first.face = pack.face[lane];
+        std::array<PackLanes, TrianglePack::kLanes> doubtful;
+        const std::size_t count =
+            lanes_in_the_way(first.index->packs(), packs, first.p, first.d, 0.0, doubtful.data());
+        for (std::size_t i = 0; i < count; ++i) {
+          for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
+            first.consider(slot(doubtful[i].pack, take_lane(lanes)));
+          }
         }
         return first.best;
       },

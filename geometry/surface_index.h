@@ -11,34 +11,19 @@
 
 #include "geometry/surface_mesh.h"
 #include "geometry/triangle.h"
+#include "geometry/triangle_pack.h"
 #include "geometry/types.h"
 
 namespace palpate {
-
-// Eight neighbouring triangles, one lane each, coordinates in the frame of the index (metres).
-// Lanes past `count` repeat the last triangle, so that a loop over all lanes is always valid.
-struct alignas(64) TrianglePack {
-  static constexpr int kLanes = 8;
-  double a[3][kLanes];
-  double b[3][kLanes];
-  double c[3][kLanes];
-  double normal[3][kLanes];  // unit, from a 113-bit cross product
-  std::uint32_t face[kLanes];
-  int count;
-
-  TriangleGeometry triangle(int lane) const {
-    const auto at = [lane](const double(&m)[3][kLanes]) {
-      return Vec3(m[0][lane], m[1][lane], m[2][lane]);
-    };
-    return {at(a), at(b), at(c), at(normal)};
-  }
-};
 
 // An axis-aligned box in the frame of the index, metres.
 struct Box {
   Vec3 low, high;
   double squared_distance(const Vec3& p) const {
     return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
+  }
+  bool contains(const Vec3& p) const {
+    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
   }
   Box grown(double margin) const {
     return {(low.array() - margin).matrix(), (high.array() + margin).matrix()};
@@ -61,6 +46,16 @@ struct SegmentHit {
   std::uint32_t face;
 };
 
+// The triangles of a surface in the order of their packs: slot n is lane n % kLanes of pack
+// n / kLanes. Slots past a pack's count repeat its last triangle. Packs n kLanes to
+// (n + 1) kLanes - 1 lie close together, too: cluster n.
+struct PackedSurface {
+  std::vector<TrianglePack> packs;
+  std::vector<Box> boxes;                   // of the packs
+  std::vector<TriangleGeometry> triangles;  // a slot each, in double: what decides
+  std::vector<std::uint32_t> faces;         // a slot each: of the mesh
+};
+
 // p_index = linear * p_mesh + translation_m: how a surface is placed in the frame of its index.
 struct AffineMap {
   Mat3 linear = Mat3::Identity();  // not singular; a mirror turns the faces over again
@@ -69,21 +64,23 @@ struct AffineMap {
   Vec3 operator()(const Vec3& p) const { return linear * p + translation_m; }
 };
 
-// Called for a pack near a segment; returns the fraction of the segment beyond which packs are of
-// no interest any more (1 to see them all). Must not throw.
-using PackVisitor = double (*)(void* state, std::uint32_t pack);
+// Called with up to sixteen packs near a segment; returns the fraction of the segment beyond which
+// packs are of no interest any more (1 to see them all). Must not throw.
+using PackVisitor = double (*)(void* state, std::span<const std::uint32_t> packs);
 
 // An immutable index over one surface, in a frame of its own (the index frame), which should have
-// its origin near the middle of the surface: then nothing is lost to large coordinates. Embree
-// works in single precision, so it only narrows the search: its boxes are grown by kFloatMarginUlps
-// ulp of the largest float coordinate, and every answer is decided on double vertices.
+// its origin near the middle of the surface: then nothing is lost to large coordinates. Embree's
+// BVH finds clusters of sixteen packs of sixteen triangles; within those, boxes and then triangles
+// are sorted out sixteen at a time. All that is single precision and only narrows the search: boxes
+// are grown by kFloatMarginUlps ulp of the largest float coordinate, and every answer is decided on
+// double vertices.
 //
 // Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. Query points
 // must be finite.
 class SurfaceIndex {
  public:
-  // How far a float box may be off: rounding of the box (1 ulp), of the query point (1), of a ray's
-  // origin, direction and end (4), with as much again in hand.
+  // How far a float box may be off: rounding of the box (1 ulp), of a query point inside it (1), of
+  // a ray's origin, direction and end (4), with as much again in hand.
   static constexpr int kFloatMarginUlps = 12;
 
   // sweep_radius_m: largest radius that visit_segment() will be asked for.
@@ -104,14 +101,31 @@ class SurfaceIndex {
   std::size_t packs_near(const Vec3& p, double radius_m,
                          std::span<std::uint32_t> packs) const noexcept;
 
-  // Visits every pack that comes within radius_m <= sweep_radius_m of the segment p to p + d,
+  // Visits all packs that come within radius_m <= sweep_radius_m of the segment p to p + d,
   // roughly in order along it, until the visitor says that the rest is of no interest. A segment of
   // no length visits nothing.
   void visit_segment(const Vec3& p, const Vec3& d, double radius_m, PackVisitor visitor,
                      void* state) const noexcept;
 
-  const TrianglePack& pack(std::uint32_t id) const { return packs_[id]; }
-  std::size_t pack_count() const { return packs_.size(); }
+  // Triangles are named by slots: slot n is lane n % kLanes of pack n / kLanes.
+  static std::uint32_t slot(std::uint32_t pack, int lane) {
+    return pack * TrianglePack::kLanes + static_cast<std::uint32_t>(lane);
+  }
+  const TriangleGeometry& triangle(std::uint32_t slot) const { return surface_.triangles[slot]; }
+  std::uint32_t face(std::uint32_t slot) const { return surface_.faces[slot]; }
+  // Starts to bring a pack into the cache, to be asked a little later.
+  void prefetch_pack(std::uint32_t id) const {
+    constexpr std::size_t kCacheLine = 64;
+    const char* lines = reinterpret_cast<const char*>(&surface_.packs[id]);
+    for (std::size_t i = 0; i < sizeof(TrianglePack); i += kCacheLine) {
+      __builtin_prefetch(lines + i);
+    }
+  }
+  // Box n % kLanes of entry n / kLanes is around pack n, with margins for rounding.
+  const BoxPack& cluster_boxes(std::uint32_t cluster) const { return cluster_boxes_[cluster]; }
+  const TrianglePack& pack(std::uint32_t id) const { return surface_.packs[id]; }
+  const TrianglePack* packs() const { return surface_.packs.data(); }
+  std::size_t pack_count() const { return surface_.packs.size(); }
   const Box& box() const { return box_; }
   double mean_pack_diagonal_m() const { return mean_pack_diagonal_m_; }
   double sweep_radius_m() const { return sweep_radius_m_; }
@@ -120,8 +134,12 @@ class SurfaceIndex {
  private:
   struct EmbreeScene;
 
-  std::vector<TrianglePack> packs_;
-  std::vector<Box> pack_boxes_;
+  void build_clusters(std::vector<Box>& cluster_bounds);
+  void build_embree_scene(const std::vector<Box>& cluster_bounds);
+  double point_margin_m(const Vec3& p) const;
+
+  PackedSurface surface_;
+  std::vector<BoxPack> cluster_boxes_;
   Box box_;
   double sweep_radius_m_ = 0.0;
   double float_margin_m_ = 0.0;

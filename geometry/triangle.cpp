@@ -1,47 +1,88 @@
 #include "geometry/triangle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+
+#include "geometry/orientation.h"
 
 namespace palpate {
 namespace {
 
-TrianglePoint at(const Vec3& q, const Vec3& p, TriangleFeature feature, const Vec3& normal) {
-  const Vec3 apart = p - q;
+// A unit normal is good to 4 roundings, so is a difference of two points turned into a direction.
+constexpr double kDirectionRoundoff = 4 * kUnitRoundoff;
+
+// One edge as seen from the query point.
+struct Edge {
+  Vec3 along;        // to - from
+  Vec3 p_from;       // p - from
+  Vec3 p_to;         // p - to
+  double past_from;  // of the projection of p, in edge lengths squared: > 0 inside or beyond `to`
+  double past_to;    // < 0 inside or before `from`
+  bool is_outside;   // p is on the outer side of the edge
+
+  Edge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
+      : along(to - from),
+        p_from(p - from),
+        p_to(p - to),
+        past_from(p_from.dot(along)),
+        past_to(p_to.dot(along)),
+        is_outside(triple_product(t.normal, along, p_from) < 0.0) {}
+
+  bool is_beside() const { return past_from > 0.0 && past_to < 0.0; }
+};
+
+TrianglePoint at(const Vec3& apart, const Vec3& p, double error_m, TriangleFeature feature,
+                 const Vec3& normal) {
   const double distance = apart.norm();
-  return {q, distance, distance > 0.0 ? Vec3(apart / distance) : normal, feature};
+  if (distance == 0.0) return {p, 0.0, normal, 0.0, feature};
+  return {p - apart, distance, apart / distance, kDirectionRoundoff + error_m / distance, feature};
 }
 
-TrianglePoint closest_point_on_edge(const Vec3& from, const Vec3& to, const Vec3& p,
-                                    const Vec3& normal) {
-  const Vec3 along = to - from;
-  const double t = (p - from).dot(along) / along.squaredNorm();
-  if (t <= 0.0) return at(from, p, TriangleFeature::kVertex, normal);
-  if (t >= 1.0) return at(to, p, TriangleFeature::kVertex, normal);
-  // From the nearer end, so that the rounding of t * along stays small next to it.
-  const Vec3 q = t < 0.5 ? Vec3(from + t * along)
-                         : Vec3(to - ((to - p).dot(along) / along.squaredNorm()) * along);
-  return at(q, p, TriangleFeature::kEdge, normal);
+// From the nearer end, so that the rounding of the way along the edge stays small next to it: 3 for
+// the projection, 1 for the product, 1 for the difference, each of the distance to that end.
+TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
+  const bool near_from = e.past_from < -e.past_to;
+  const Vec3& from_end = near_from ? e.p_from : e.p_to;
+  const double t = (near_from ? e.past_from : e.past_to) / e.along.squaredNorm();
+  const double error_m = 8 * kUnitRoundoff * norm1(from_end);
+  return at(from_end - t * e.along, p, error_m, TriangleFeature::kEdge, normal);
+}
+
+TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& normal) {
+  return at(from_vertex, p, 0.0, TriangleFeature::kVertex, normal);
 }
 
 }  // namespace
 
-bool prism_contains(const TriangleGeometry& t, const Vec3& p) {
-  return t.normal.cross(t.b - t.a).dot(p - t.a) >= 0.0 &&
-         t.normal.cross(t.c - t.b).dot(p - t.b) >= 0.0 &&
-         t.normal.cross(t.a - t.c).dot(p - t.c) >= 0.0;
-}
-
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept {
-  if (prism_contains(t, p)) {
-    const double height = t.normal.dot(p - t.a);
+  const std::array<Edge, 3> edges = {Edge(t, t.a, t.b, p), Edge(t, t.b, t.c, p),
+                                     Edge(t, t.c, t.a, p)};
+  if (!edges[0].is_outside && !edges[1].is_outside && !edges[2].is_outside) {
+    const double height = t.normal.dot(edges[0].p_from);
     return {p - height * t.normal, std::abs(height), height < 0.0 ? Vec3(-t.normal) : t.normal,
-            TriangleFeature::kFace};
+            kDirectionRoundoff, TriangleFeature::kFace};
   }
-  TrianglePoint nearest = closest_point_on_edge(t.a, t.b, p, t.normal);
-  for (const auto& [from, to] : {std::pair(&t.b, &t.c), std::pair(&t.c, &t.a)}) {
-    const TrianglePoint candidate = closest_point_on_edge(*from, *to, p, t.normal);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  TrianglePoint nearest{p, kNone, t.normal, 0.0};
+  const auto consider = [&](const TrianglePoint& candidate) {
     if (candidate.distance < nearest.distance) nearest = candidate;
+  };
+  // Which feature is nearest is decided by the regions that p can lie in, not by comparing
+  // distances: those of a vertex and of the edge beside it agree to the last bit where their
+  // directions are still far apart.
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Edge& in = edges[(i + 2) % 3];
+    const Edge& out = edges[i];
+    if (out.is_outside && out.is_beside()) consider(on_edge(out, p, t.normal));
+    if (in.past_to >= 0.0 && out.past_from <= 0.0) consider(on_vertex(out.p_from, p, t.normal));
+  }
+  if (nearest.distance < kNone) return nearest;
+  // Rounding has put p between all regions.
+  for (const Edge& edge : edges) {
+    if (edge.is_beside()) consider(on_edge(edge, p, t.normal));
+    consider(on_vertex(edge.p_from, p, t.normal));
   }
   return nearest;
 }

@@ -2,6 +2,8 @@
 
 // Distance from a point to one triangle, robust on slivers.
 
+#include <algorithm>
+
 #include "geometry/types.h"
 
 namespace palpate {
@@ -21,11 +23,17 @@ struct TrianglePoint {
   // face, however near; elsewhere the difference of the points, which loses digits near the edge.
   // The triangle's normal where the two points coincide.
   Vec3 direction;
+  double direction_error_rad;  // bound on the rounding of direction
   TriangleFeature feature = TriangleFeature::kFace;
 };
 
 // True iff the projection of p on the plane of t lies in the closed triangle, up to rounding.
-bool prism_contains(const TriangleGeometry& t, const Vec3& p);
+inline bool prism_contains(const TriangleGeometry& t, const Vec3& p) noexcept {
+  const double ab = triple_product(t.normal, t.b - t.a, p - t.a);
+  const double bc = triple_product(t.normal, t.c - t.b, p - t.b);
+  const double ca = triple_product(t.normal, t.a - t.c, p - t.c);
+  return std::min(std::min(ab, bc), ca) >= 0.0;
+}
 
 // The point of the closed triangle nearest to p. Decides by the given unit normal and by in-plane
 // edge normals rather than by barycentric coordinates, which lose all digits on a sliver.

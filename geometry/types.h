@@ -19,6 +19,13 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise from the front
 
+// u . (v x w). Written out: Eigen takes the cross product through memory, scalar stores and a
+// vector load that has to wait for them.
+inline double triple_product(const Vec3& u, const Vec3& v, const Vec3& w) {
+  return u.x() * (v.y() * w.z() - v.z() * w.y()) + u.y() * (v.z() * w.x() - v.x() * w.z()) +
+         u.z() * (v.x() * w.y() - v.y() * w.x());
+}
+
 // A rigid transform named T_to_from: p_to = rotation * p_from + translation_m.
 struct RigidTransform {
   Quat rotation = Quat::Identity();   // unit quaternion, from -> to

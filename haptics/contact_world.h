@@ -17,6 +17,19 @@ struct ContactBody {
   const SurfaceIndex* index;  // in the body frame; outlives the world
   RigidTransform T_solver_body;
   bool is_identity;  // the transform changes nothing, not even a bit
+
+  Vec3 to_body(const Vec3& p_solver) const {
+    return is_identity ? p_solver : T_solver_body.inverse_point(p_solver);
+  }
+  Vec3 direction_to_body(const Vec3& d_solver) const {
+    return is_identity ? d_solver : T_solver_body.inverse_direction(d_solver);
+  }
+  Vec3 to_solver(const Vec3& p_body) const {
+    return is_identity ? p_body : T_solver_body.point(p_body);
+  }
+  Vec3 direction_to_solver(const Vec3& d_body) const {
+    return is_identity ? d_body : T_solver_body.direction(d_body);
+  }
 };
 
 // Immutable while a haptic loop uses it.

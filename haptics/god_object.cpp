@@ -17,8 +17,14 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
-// One iteration goes into the world's bounds, along a step, and to the goal's very bits.
-constexpr std::size_t kMostCornersPerStep = 3;
+// One iteration goes into the world's bounds and along a step, or round a feature.
+constexpr std::size_t kMostCornersPerStep = 2;
+
+// A proxy held by planes at a vertex is within a few stand-offs of it, by the angles between them.
+constexpr double kAtVertex = 64.0;
+
+// Faces tried at a vertex. Among more of them a free way is hardly wider than a stand-off.
+constexpr std::size_t kMostAtVertex = 12;
 
 // A contact normal with a larger part than this out of the plane of motion does not belong to it.
 constexpr double kOutOfPlane = 64 * kEpsilon;
@@ -32,7 +38,9 @@ constexpr double kSameNormalCosine = 1.0 - 8 * kEpsilon;
 }  // namespace
 
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
-    : settings_(settings), world_bounds_(world.bounds_solver), tracer_(world, settings.radius_m, settings.accuracy) {
+    : settings_(settings),
+      world_bounds_(world.bounds_solver),
+      tracer_(world, settings.radius_m, settings.accuracy) {
   step_tolerance_m_ = settings.accuracy.tolerance * scale().stand_off_m;
   // One size of margin: what lies outside cannot touch anything, and what lies inside has
   // coordinates of the order of the scene, as the stand-off assumes.
@@ -42,12 +50,13 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
 
 void GodObject::place(const Vec3& p) noexcept {
   proxy_ = p;
+  settled_ = false;
   path_.clear();
   last_active_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
   const double stand_off = scale().stand_off_m;
-  const std::size_t count = tracer_.contacts_near(p, 2 * stand_off, contacts);
+  const std::size_t count = tracer_.contacts_in_front(p, 2 * stand_off, contacts);
   for (std::size_t i = 0; i < count; ++i) {
     planes[i] = {contacts[i].normal, stand_off - contacts[i].clearance_m};
   }
@@ -62,29 +71,45 @@ ProxyState GodObject::move_to(const Vec3& goal,
   motion_plane_normal_ = motion_plane_normal;
   path_.clear();
   path_.push_back(proxy_);
+  if (last_active_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
   seed_from_last_tick();
   bool began_empty = plane_count_ == 0;
   Vec3 round_start = proxy_;
   bool capped = true;
+  settled_ = false;
   int iteration = 0;
-  while (capped && iteration < settings_.accuracy.iterations) {
+  while (iteration < settings_.accuracy.iterations) {
     ++iteration;
     const Progress progress = take_step();
     if (progress == Progress::kStopped) continue;
     // A round ends where its planes let the proxy go no nearer. That is the local minimum if the
-    // faces of those planes are really there, or if a round from scratch ends where it began.
-    const double moved = (proxy_ - round_start).norm();
-    const bool at_minimum = progress == Progress::kMoved && settled();
-    if (at_minimum || (began_empty && moved <= step_tolerance_m_)) {
-      capped = false;
-      break;
-    }
-    plane_count_ = 0;
-    began_empty = true;
+    // face of the one plane is really there, or if a round from scratch ends where it began and
+    // leaving out some of its planes does not help.
+    settled_ = progress == Progress::kMoved && settled();
+    if (settled_) capped = false;
+    const bool is_at_rest = began_empty && (proxy_ - round_start).norm() <= step_tolerance_m_;
+    if (is_at_rest) capped = find_way_out();
+    if (!capped) break;
+    if (!is_at_rest) plane_count_ = 0;
+    began_empty = !is_at_rest;
     round_start = proxy_;
   }
   keep_active_for_next_tick();
+  tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   return report(iteration, capped);
+}
+
+// There is nothing to touch on the way.
+ProxyState GodObject::move_freely() {
+  const Vec3 step = goal_ - proxy_;
+  commit(goal_);
+  plane_count_ = 0;
+  projection_ = {};
+  tracer_.look_ahead(proxy_, step, true);
+  ProxyState state;
+  state.proxy = proxy_;
+  state.iterations = 1;
+  return state;
 }
 
 void GodObject::seed_from_last_tick() {
@@ -93,59 +118,118 @@ void GodObject::seed_from_last_tick() {
   for (int i = 0; i < last_active_count_; ++i) {
     const FaceContact& last = last_active_[i];
     const FaceContact now = tracer_.contact_at(last.face, proxy_, last.normal);
-    if (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_)) continue;
+    // A proxy that ended the last tick at its minimum is over its faces: nothing has moved since.
+    if (!settled_ && (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_))) {
+      continue;
+    }
     add_plane(now);
   }
 }
 
 GodObject::Progress GodObject::take_step() {
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
-  projection_ = project_onto_planes(
-      std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_)), goal_ - proxy_);
+  projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
-  if (const auto progress = roll_towards_goal()) return *progress;
-  Vec3 step = projection_.displacement_m;
-  // Free, the proxy goes to the goal however near it is; held by planes, it has converged.
+  if (roll_to_answer()) return Progress::kStopped;
+  // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
+  // converged when it hardly moves.
   const bool is_free = projection_.active_count == 0;
+  const Vec3& step = projection_.displacement_m;
   if (!is_free && step.norm() <= step_tolerance_m_) return Progress::kMoved;
-  double enter = 0.0;
-  double leave = 1.0;
-  const bool inside = world_bounds_.clip(proxy_, step, enter, leave);
-  const bool leaves = inside && leave < 1.0;
-  if (leaves) step *= leave;  // nothing to touch beyond
-  if (const auto stopped = stop_at_first_hit(step)) return *stopped;
-  if (is_free && !leaves) commit(goal_);  // to the bit
+  Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
+  const bool leaves = !world_bounds_.contains(target);
+  if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
+  if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   return leaves ? Progress::kStuck : Progress::kMoved;
 }
 
-// Takes the step as far as it is free. Nothing if all of it is.
-std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& step) {
-  std::optional<TraceHit> hit = tracer_.trace(proxy_, step);
+// The part of a step that lies inside the world's bounds; all of it if it starts outside.
+double GodObject::leave_bounds(const Vec3& step) const {
+  double enter = 0.0;
+  double leave = 1.0;
+  return world_bounds_.clip(proxy_, step, enter, leave) ? leave : 1.0;
+}
+
+// Goes to the target as far as the way is free. Nothing if all of it is.
+std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& target) {
+  std::optional<TraceHit> hit = tracer_.trace(proxy_, target);
   if (!hit) {
-    advance(step);
+    advance_to(target);
     return std::nullopt;
   }
-  Vec3 taken = hit->fraction * step;
-  const auto moves = [&] { return taken.norm() > step_tolerance_m_; };
-  // The face it is stopped by may not be the only one that is close there. What is taken has been
-  // traced to its very end.
+  const Vec3 step = target - proxy_;
+  double fraction = hit->fraction;
+  Vec3 stop = proxy_ + fraction * step;
+  const auto moves = [&] { return (stop - proxy_).norm() > step_tolerance_m_; };
+  // The face it is stopped by may not be the only one that is close there. What is committed has
+  // been traced to its very end.
   for (int shortened = 0; settings_.accuracy.certify && moves(); ++shortened) {
-    const std::optional<TraceHit> nearer = tracer_.trace(proxy_, taken);
+    const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
     if (!nearer) break;
     hit = nearer;
-    taken *= shortened < kMaxShortenings ? nearer->fraction : 0.0;
+    fraction *= shortened < kMaxShortenings ? nearer->fraction : 0.0;
+    stop = proxy_ + fraction * step;
   }
   const bool moved = moves();
-  if (!moved) taken.setZero();
-  advance(taken);
+  if (moved) advance_to(stop);
   const bool is_new = add_plane(hit->contact);
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
+}
+
+// Two or three planes hold the proxy, each met from where it is. On a saddle that need not be a
+// minimum: the room around a vertex is not convex, and another pair of faces can leave a way on
+// between them. Tries the slides along each face here alone and along each two. True if one of them
+// led anywhere.
+bool GodObject::find_way_out() {
+  const PlaneProjection held = projection_;
+  if (held.active_count < 2) return false;
+  std::array<FaceContact, 3> holding;
+  for (int i = 0; i < held.active_count; ++i) holding[i] = contacts_[held.active[i]];
+  const auto holding_now = std::span(holding).first(static_cast<std::size_t>(held.active_count));
+
+  std::array<FaceContact, kMostAtVertex> near;
+  std::size_t count = holding_now.size();
+  if (is_at_vertex(holding_now)) {
+    count = tracer_.contacts_around(proxy_, 4 * scale().stand_off_m, near);
+  } else {
+    std::copy(holding_now.begin(), holding_now.end(), near.begin());
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (slides_along({near[i]})) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (slides_along({near[i], near[j]})) return true;
+    }
+  }
+  plane_count_ = 0;
+  for (const FaceContact& contact : holding_now) add_plane(contact);
+  projection_ = held;
+  for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
+  return false;
+}
+
+// Takes a step held by these planes alone; true if it led anywhere.
+bool GodObject::slides_along(std::initializer_list<FaceContact> contacts) {
+  plane_count_ = 0;
+  for (const FaceContact& contact : contacts) {
+    if (!add_plane(contact)) return false;
+  }
+  const Vec3 before = proxy_;
+  take_step();
+  return (proxy_ - before).norm() > step_tolerance_m_;
+}
+
+// Whether a point rests at a corner of one of the faces that hold it.
+bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
+  if (tracer_.radius_m() > 0.0) return false;
+  return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
+    return tracer_.distance_to_corner_m(contact.face, proxy_) <= kAtVertex * scale().stand_off_m;
+  });
 }
 
 // Takes a proxy that is outside everything straight to where things begin. False if it has reached
 // the goal without meeting anything.
 bool GodObject::enter_bounds() {
-  if (world_bounds_.squared_distance(proxy_) == 0.0) return true;
+  if (world_bounds_.contains(proxy_)) return true;
   const Vec3 step = goal_ - proxy_;
   double enter = 0.0;
   double leave = 1.0;
@@ -203,43 +287,49 @@ void GodObject::commit(const Vec3& proxy) {
   path_.push_back(proxy);
 }
 
-void GodObject::advance(const Vec3& displacement) {
-  commit(proxy_ + displacement);
+void GodObject::advance_to(const Vec3& target) {
+  const Vec3 displacement = target - proxy_;
+  commit(target);
   for (int i = 0; i < plane_count_; ++i) {
     ContactPlane& plane = planes_of_contact_[i];
     plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
   }
 }
 
-// A sphere held by an edge or vertex alone is held by a curved surface. Sliding along its tangent
-// plane and dropping back converges step by step; instead, the sphere goes along that tangent plane
-// to where it meets the tangent plane at the answer, straight out from the feature through the
-// goal, which the next step then follows. Both pieces lie outside the curved surface. Nothing if
-// there is nothing to roll over, or if that way would lead farther from the goal first.
-std::optional<GodObject::Progress> GodObject::roll_towards_goal() {
-  if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return std::nullopt;
+// A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
+// tangent plane that drops back converges step by step, the slower the nearer the goal is to the
+// feature. Instead, the sphere follows two tangents of the curve: the one it is on, to where it
+// meets the one at the answer, which is straight out from the feature through the goal, and that
+// one. Their corner may be a little farther from the goal than the way round, so the two are taken
+// together or not at all. False if there is nothing to roll over, or something in the way.
+bool GodObject::roll_to_answer() {
+  if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return false;
   const int held_by = projection_.active[0];
   const FaceContact now = contacts_[held_by];
-  if (now.feature == TriangleFeature::kFace) return std::nullopt;
+  if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
   const bool other_side = answer.normal.dot(now.normal) <= 0.0;
   const bool out_of_plane =
       motion_plane_normal_ && std::abs(answer.normal.dot(*motion_plane_normal_)) > kOutOfPlane;
-  if (other_side || out_of_plane || is_same_place(now, answer)) return std::nullopt;
+  if (other_side || out_of_plane || is_same_place(now, answer)) return false;
 
   const double reach = tracer_.radius_m() + scale().stand_off_m;
   const ContactPlane tangents[2] = {
       planes_of_contact_[held_by],
       {answer.normal, reach - answer.normal.dot(proxy_ - answer.feature_point)}};
-  const Vec3 target = goal_ - proxy_;
-  const PlaneProjection edge = project_onto_planes(tangents, target, Feasibility::kMustMove);
-  const Vec3& step = edge.displacement_m;
-  if (!edge.solved || (step - target).squaredNorm() >= target.squaredNorm()) return std::nullopt;
-  if (const auto stopped = stop_at_first_hit(step)) return *stopped;
+  const PlaneProjection corner =
+      project_onto_planes(tangents, goal_ - proxy_, Feasibility::kMustMove);
+  if (!corner.solved) return false;
+  const Vec3 by_way_of = proxy_ + corner.displacement_m;
+  const Vec3 target = answer.feature_point + reach * answer.normal;
+  if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
+  if (tracer_.trace(proxy_, by_way_of) || tracer_.trace(by_way_of, target)) return false;
+  commit(by_way_of);
+  commit(target);
   plane_count_ = 0;
-  answer.clearance_m = answer.normal.dot(proxy_ - answer.feature_point) - tracer_.radius_m();
+  answer.clearance_m = scale().stand_off_m;
   add_plane(answer);
-  return Progress::kStopped;
+  return true;
 }
 
 // Whether a sphere touches the same place of a curved feature in both contacts.
@@ -247,12 +337,15 @@ bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const 
   return (a.normal - b.normal).norm() * tracer_.radius_m() <= scale().stand_off_m;
 }
 
-// True iff every face that pushes is really there, under the proxy, and not only its plane.
+// True iff the face that pushes is really there, under the proxy, and not only its plane. Of two or
+// three planes one can hold where its face has ended, and no test of one face can tell: they have
+// to be met again from where the proxy is.
 bool GodObject::settled() const {
+  if (projection_.active_count > 1) return false;
   for (int i = 0; i < projection_.active_count; ++i) {
     const FaceContact& contact = contacts_[projection_.active[i]];
     if (!tracer_.is_over(contact, proxy_)) return false;
-    if (contact.feature != TriangleFeature::kFace &&
+    if (tracer_.radius_m() > 0.0 &&
         !is_same_place(contact, tracer_.contact_at(contact.face, proxy_, contact.normal))) {
       return false;
     }
@@ -279,6 +372,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   for (int i = 0; i < projection_.active_count; ++i) {
     state.normal += planes_of_contact_[projection_.active[i]].normal;
   }
+  if (projection_.active_count == 1) return state;
   if (projection_.active_count == 0) {
     state.normal = lag.normalized();  // cut short by the cap before a plane was reached
   } else if (state.normal.norm() <= kCancelledNormal) {

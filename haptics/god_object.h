@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <vector>
@@ -35,8 +36,8 @@ struct ProxyState {
 // where it was along a feasible path of decreasing distance. On the way it collides continuously
 // with every triangle (SegmentTracer), and each piece of the path it commits is certified free.
 //
-// Monotone: no piece of the path increases the distance to the goal by more than rounding, whatever
-// the cap; with a fixed mesh this gives the energy certificate of a passive spring.
+// Monotone: no step increases the distance to the goal by more than rounding, whatever the cap;
+// with a fixed mesh this gives the energy certificate of a passive spring.
 //
 // No allocation, lock or exception after construction. Not thread-safe: one thread owns it.
 class GodObject {
@@ -66,15 +67,20 @@ class GodObject {
     kStuck     // no use going on with these planes
   };
 
+  ProxyState move_freely();
   void seed_from_last_tick();
   Progress take_step();
-  std::optional<Progress> stop_at_first_hit(const Vec3& step);
-  std::optional<Progress> roll_towards_goal();
+  std::optional<Progress> stop_at_first_hit(const Vec3& target);
+  bool roll_to_answer();
+  bool find_way_out();
+  bool slides_along(std::initializer_list<FaceContact> contacts);
+  bool is_at_vertex(std::span<const FaceContact> contacts) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
+  double leave_bounds(const Vec3& step) const;
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();
-  void advance(const Vec3& displacement);
+  void advance_to(const Vec3& target);
   void commit(const Vec3& proxy);
   bool settled() const;
   void keep_active_for_next_tick();
@@ -95,6 +101,11 @@ class GodObject {
   int plane_count_ = 0;
   PlaneProjection projection_;
 
+  std::span<const ContactPlane> planes() const {
+    return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
+  }
+
+  bool settled_ = false;  // the last tick ended at a local minimum
   std::array<FaceContact, 3> last_active_{};
   int last_active_count_ = 0;
 };

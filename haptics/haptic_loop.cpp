@@ -13,7 +13,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       god_object_(world, settings.god_object),
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1),
-      T_device_scene_(settings.initial_pose) {
+      T_device_scene_(settings.initial_pose),
+      R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
 }
 
@@ -49,7 +50,8 @@ std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
 // proxy stays at the display's centre; that is display_transform(), the contact is the same.
 void HapticLoop::apply_user_motion() {
-  record_.goal_m = T_device_scene_.inverse_point(record_.device_m);
+  record_.goal_m =
+      R_device_scene_.transpose() * Vec3(record_.device_m - T_device_scene_.translation_m);
 }
 
 // Action 3: the god-object follows the device point and stops at surfaces. It starts where the
@@ -59,7 +61,7 @@ void HapticLoop::detect_collision() {
   if (has_proxy_) {
     std::optional<Vec3> motion_plane_normal;
     if (actuation_.is_planar()) {
-      motion_plane_normal = T_device_scene_.inverse_direction(Vec3::UnitZ());
+      motion_plane_normal = R_device_scene_.transpose().col(2);
     }
     proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal);
   } else {
@@ -74,10 +76,14 @@ void HapticLoop::detect_collision() {
 
 // Action 4: the normalised average of the normals in contact, and its angle to what can be pushed.
 void HapticLoop::find_contact_normal() {
-  record_.normal_scene = record_.contact ? proxy_state_.normal : Vec3(Vec3::Zero());
-  const Vec3 normal_device = T_device_scene_.direction(record_.normal_scene);
-  record_.alpha_rad =
-      normal_device.isZero(0.0) ? 0.0 : actuation_.angle_to_actuated_rad(normal_device);
+  record_.normal_scene.setZero();
+  record_.alpha_rad = 0.0;
+  normal_device_.setZero();
+  if (!record_.contact) return;
+  record_.normal_scene = proxy_state_.normal;
+  if (record_.normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
+  normal_device_ = R_device_scene_ * record_.normal_scene;
+  record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
 }
 
 void HapticLoop::render_force(double dt_s) {
@@ -89,7 +95,7 @@ void HapticLoop::render_force(double dt_s) {
   }
   const Vec3 lag = proxy_state_.proxy - world_->to_solver(record_.goal_m);
   record_.full_force_device_N =
-      T_device_scene_.direction(coupling_.force_N(lag, record_.normal_scene, dt_s));
+      R_device_scene_ * coupling_.force_N(lag, record_.normal_scene, dt_s);
   switch (settings_.force) {
     case ForceMode::kNone:
       break;
@@ -106,7 +112,7 @@ void HapticLoop::render_force(double dt_s) {
 AxisAngle HapticLoop::find_theoretical_rotation() {
   if (!record_.contact) theoretical_rotation_.reset();
   if (!record_.contact || !settings_.a4.enabled) return {};
-  return theoretical_rotation_.update(T_device_scene_.direction(record_.normal_scene));
+  return theoretical_rotation_.update(normal_device_);
 }
 
 // Action 6: Figure 3. The pivot is the proxy: it stays feasible, and the spring gains no energy.
@@ -116,6 +122,7 @@ void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double 
       elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
   T_device_scene_ =
       turned_about(T_device_scene_, record_.proxy_m, {theoretical.axis_device, angle_rad});
+  R_device_scene_ = T_device_scene_.rotation.toRotationMatrix();
 }
 
 }  // namespace palpate

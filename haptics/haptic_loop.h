@@ -101,6 +101,8 @@ class HapticLoop {
   TheoreticalRotation theoretical_rotation_;
 
   ScenePose T_device_scene_;
+  Mat3 R_device_scene_;  // its rotation, ready to be applied
+  Vec3 normal_device_ = Vec3::Zero();
   ProxyState proxy_state_;
   TickRecord record_;
   bool has_proxy_ = false;

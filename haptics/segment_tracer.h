@@ -9,16 +9,18 @@
 
 #include "geometry/triangle.h"
 #include "haptics/accuracy.h"
+#include "haptics/candidate_cache.h"
 #include "haptics/contact_world.h"
+#include "haptics/triangle_trace.h"
 
 namespace palpate {
 
 // Names one triangle of the world.
 struct FaceRef {
   std::uint32_t body = 0;
-  std::uint32_t pack = 0;
-  std::uint32_t lane = 0;
+  std::uint32_t slot = 0;  // of the body's index
   friend bool operator==(const FaceRef&, const FaceRef&) = default;
+  friend auto operator<=>(const FaceRef&, const FaceRef&) = default;
 };
 
 // A contact plane of a face at some proxy position. Solver frame, metres.
@@ -39,12 +41,13 @@ struct TraceHit {
 
 // Answers "how far can the proxy go" against every triangle of a world. Points and spheres.
 //
-// A step without a hit is certified: no triangle touches the swept proxy, up to a rounding bound
-// that errs on the side of a hit. A step that is stopped is cut short by the stand-off, so what
-// remains of it is certified as well.
+// A step is the segment between two points given in double, the very ones that will be committed. A
+// step without a hit is certified: no triangle touches the swept proxy, exactly for a point, up to
+// rounding bounds that err on the side of a hit for a sphere.
 //
-// Triangles are taken from a cache of the packs within a ball around the proxy while the step stays
-// inside that ball, and from a segment query otherwise. No allocation, lock or exception. One
+// Triangles are taken from the cached packs around the proxy while the step stays in their safe
+// zone, and from a segment query otherwise. Packs are asked sixteen triangles at a time in single
+// precision; what that cannot rule out is decided in double. No allocation, lock or exception. One
 // instance serves one thread.
 class SegmentTracer {
  public:
@@ -52,8 +55,20 @@ class SegmentTracer {
   // sweeps of at least radius_m + the stand-off.
   SegmentTracer(const ContactWorld& world, double radius_m, const Accuracy& accuracy = {});
 
-  // The first obstacle of the proxy on its way from p to p + d.
-  std::optional<TraceHit> trace(const Vec3& p, const Vec3& d) noexcept;
+  // The first obstacle of the proxy on its way from p to q.
+  std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
+
+  // The same for a shorter step along the last one traced, from the same p.
+  std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
+
+  // Whether there is certainly nothing on the way from p to q.
+  bool is_free(const Vec3& p, const Vec3& q) const noexcept {
+    return accuracy_.reuse_candidates && cache_.is_empty() && cache_.covers(p, q);
+  }
+
+  // Told at the end of a tick that moved the proxy by `step` to p. A tick that was cheap is a good
+  // moment to look for the candidates that the next ones will need.
+  void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
   // The contact of a proxy at p with one face, on the side given by the earlier normal.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
@@ -61,38 +76,41 @@ class SegmentTracer {
   // True iff p lies over the face (its prism), or over the edge or vertex that it touches.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Contacts of a proxy at p with the faces closer than reach_m, seen from their fronts.
-  // Returns how many were written, at most contacts.size().
-  std::size_t contacts_near(const Vec3& p, double reach_m,
-                            std::span<FaceContact> contacts) const noexcept;
+  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts, or from
+  // where p is. Return how many were written, at most contacts.size().
+  std::size_t contacts_in_front(const Vec3& p, double reach_m,
+                                std::span<FaceContact> contacts) const noexcept;
+  std::size_t contacts_around(const Vec3& p, double reach_m,
+                              std::span<FaceContact> contacts) const noexcept;
+
+  // From p to the nearest corner of a face.
+  double distance_to_corner_m(const FaceRef& face, const Vec3& p) const noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
 
  private:
-  // An apex of 1000 triangles is in 125 packs; this is as much again.
-  static constexpr std::size_t kCacheCapacity = 256;
-
-  struct CachedPack {
-    std::uint32_t body;
-    std::uint32_t pack;
-  };
   struct Search;
 
-  bool fill_cache(const Vec3& p, const Vec3& d) noexcept;
-  void search_cache(Search& search) const noexcept;
-  void search_segment(Search& search) const noexcept;
+  void search_candidates(Search& search) noexcept;
+  void search_segment(Search& search) noexcept;
+  void forget_doubtful();
+  void remember(const FaceRef& face);
+  double reach_m() const { return radius_m_ + scale_.stand_off_m; }
 
   const ContactWorld* world_;
   double radius_m_;
-  SolverScale scale_;
   Accuracy accuracy_;
-  double default_ball_m_;
+  SolverScale scale_;
+  CandidateCache cache_;
+  Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
+  bool searched_ = false;       // in this tick
 
-  std::array<CachedPack, kCacheCapacity> cached_packs_{};
-  std::size_t cached_count_ = 0;
-  Vec3 ball_centre_ = Vec3::Zero();
-  double ball_radius_m_ = -1.0;  // < 0: nothing cached
+  // The triangles that the last trace() could not rule out, for trace_part().
+  static constexpr std::size_t kMostDoubtful = 64;
+  std::array<FaceRef, kMostDoubtful> doubtful_;
+  std::size_t doubtful_count_ = 0;
+  bool doubtful_overflowed_ = false;
 };
 
 }  // namespace palpate

@@ -23,20 +23,23 @@ struct TraceMargins {
   double clearance_m;
 };
 
-// Point proxy from p to p + d; it is stopped a stand-off above the triangle, measured along the
+// Point proxy from p to q; it is stopped a stand-off above the triangle, measured along the
 // normal, or where it is if that is nearer. A step that passes the triangle by but ends within the
 // clearance of it is stopped before, as by a sphere of that radius. Returns false if neither is so.
-bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& d,
+// Whether it crosses, and from which side, is exact for the very doubles p and q.
+bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit) noexcept;
 
-// Sphere of radius_m > 0 whose centre goes from p to p + d; stopped when radius_m + stand_off_m
+// Sphere of radius_m > 0 whose centre goes from p to q; stopped when radius_m + stand_off_m
 // from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
 // but not come nearer.
 //
 // The distance to a triangle is convex along the step, so Newton's iteration from the start never
 // passes the first contact: each tangent lies below the distance, and a tangent that stays above
-// the target to the end of the step proves that there is no contact.
-bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& d, double radius_m,
+// the target to the end of the step proves that there is no contact. Tangents are taken as much
+// steeper as the rounding of their direction could have hidden: for spheres next to nothing in
+// size, that is what counts.
+bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
                   double stand_off_m, TriangleHit& hit) noexcept;
 
 }  // namespace palpate

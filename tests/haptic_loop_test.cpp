@@ -102,7 +102,7 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
   Vec3 at_m(0.12, 0.0, 0.0);
   TickRecord last = loop.tick(at_m, kDt);
   int contact_ticks = 0;
-  for (int n = 0; n < 50000; ++n) {
+  for (int n = 0; n < 60000; ++n) {
     at_m = wander(random, at_m);
     const TickRecord now = loop.tick(at_m, kDt);
     const Vec3 dx = now.goal_m - last.goal_m;

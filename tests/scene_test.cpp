@@ -84,8 +84,9 @@ FeltFace felt_face(const Scene& scene, std::size_t body, std::size_t face) {
   for (std::uint32_t p = 0; p < b.index->pack_count(); ++p) {
     const TrianglePack& pack = b.index->pack(p);
     for (int lane = 0; lane < pack.count; ++lane) {
-      if (pack.face[lane] != face) continue;
-      const TriangleGeometry t = pack.triangle(lane);
+      const std::uint32_t slot = SurfaceIndex::slot(p, lane);
+      if (b.index->face(slot) != face) continue;
+      const TriangleGeometry t = b.index->triangle(slot);
       const auto place = [&](const Vec3& v) {
         return scene.world().to_scene(b.T_solver_body.point(v));
       };
@@ -400,8 +401,10 @@ TEST(Scene, KeepsItsShapeToTheBitHoweverFarAwayItIs) {
     ASSERT_EQ(a.index->pack_count(), b.index->pack_count());
     for (std::uint32_t p = 0; p < a.index->pack_count(); ++p) {
       for (int lane = 0; lane < TrianglePack::kLanes; ++lane) {
-        EXPECT_EQ(a.index->pack(p).triangle(lane).a, b.index->pack(p).triangle(lane).a);
-        EXPECT_EQ(a.index->pack(p).triangle(lane).b, b.index->pack(p).triangle(lane).b);
+        EXPECT_EQ(a.index->triangle(SurfaceIndex::slot(p, lane)).a,
+                  b.index->triangle(SurfaceIndex::slot(p, lane)).a);
+        EXPECT_EQ(a.index->triangle(SurfaceIndex::slot(p, lane)).b,
+                  b.index->triangle(SurfaceIndex::slot(p, lane)).b);
       }
     }
   }

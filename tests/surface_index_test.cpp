@@ -45,8 +45,9 @@ double brute_force_distance(const SurfaceIndex& index, const Vec3& p) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < index.pack_count(); ++id) {
     for (int lane = 0; lane < index.pack(id).count; ++lane) {
-      nearest =
-          std::min(nearest, closest_point_on_triangle(index.pack(id).triangle(lane), p).distance);
+      nearest = std::min(
+          nearest,
+          closest_point_on_triangle(index.triangle(SurfaceIndex::slot(id, lane)), p).distance);
     }
   }
   return nearest;
@@ -105,7 +106,8 @@ TEST(SurfaceIndex, ListsEveryPackThatAnyTriangleNearbyBelongsTo) {
       };
       for (std::uint32_t id = 0; id < index.pack_count(); ++id) {
         for (int lane = 0; lane < index.pack(id).count; ++lane) {
-          const auto nearest = closest_point_on_triangle(index.pack(id).triangle(lane), p);
+          const auto nearest =
+              closest_point_on_triangle(index.triangle(SurfaceIndex::slot(id, lane)), p);
           if (nearest.distance <= radius) {
             ASSERT_TRUE(listed(id));
           }
@@ -134,7 +136,8 @@ TEST(SurfaceIndex, FindsTheFirstHitOfASegment) {
       double expected = std::numeric_limits<double>::infinity();
       for (std::uint32_t id = 0; id < index.pack_count(); ++id) {
         for (int lane = 0; lane < index.pack(id).count; ++lane) {
-          const auto crossing = cross_segment(index.pack(id).triangle(lane), p, d);
+          const auto crossing =
+              cross_segment(index.triangle(SurfaceIndex::slot(id, lane)), p, p + d);
           if (crossing.kind == SegmentCrossing::Kind::kMiss) continue;
           expected = std::min(expected, crossing.fraction);
         }
@@ -176,7 +179,7 @@ TEST(SurfaceIndex, AppliesItsMapAndTurnsMirroredFacesOver) {
   const AffineMap map{Vec3(-1.0, 2.0, 0.5).asDiagonal(), {0.1, 0.2, 0.3}};
   const SurfaceIndex index(mesh, map);
   for (std::uint32_t id = 0; id < index.pack_count(); ++id) {
-    const TriangleGeometry t = index.pack(id).triangle(0);
+    const TriangleGeometry t = index.triangle(SurfaceIndex::slot(id, 0));
     const Vec3 centre = (t.a + t.b + t.c) / 3.0 - map.translation_m;
     ASSERT_GT(t.normal.dot(centre), 0.0);
     ASSERT_GT((t.b - t.a).cross(t.c - t.a).dot(t.normal), 0.0);

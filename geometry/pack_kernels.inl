@@ -1,0 +1,323 @@
+// The loops over the lanes of a pack, in vectors of kWidth lanes. Included by pack_kernels.cpp once
+// for every instruction set, inside a namespace that defines Lanes, Mask and greater(), which
+// returns a bit a lane. No operation is fused or reordered, so every instruction set gives the same
+// bits.
+//
+// Bounds. u = 2^-24. A local coordinate has an error of at most u |q| + centre_roundoff for the
+// point q asked about, u for a corner or a component of a normal. All magnitudes are taken as
+// 1-norms, which exceed the Euclidean ones.
+
+namespace {
+
+constexpr int kWidth = sizeof(Lanes) / sizeof(float);
+constexpr int kParts = TrianglePack::kLanes / kWidth;
+constexpr std::uint32_t kAll = (1u << kWidth) - 1u;
+constexpr std::uint32_t kEveryLane = (1u << TrianglePack::kLanes) - 1u;
+constexpr float kUnit = 0x1p-24f;
+
+// A height n . q - h: three products and sums of inputs that are off by u each give 7 u (|q| + 2).
+constexpr float kHeightError = 16 * kUnit;
+// A triple product d . (v x w) with v and w off by 2 u (1 + |q|) each: 12 u for the arithmetic, 4 u
+// for each of them.
+constexpr float kVolumeError = 32 * kUnit;
+// A distance from the point q to a triangle whose corners are off by u: 4 u (1 + |q|) for what is
+// given, 16 u for the arithmetic, and as much for deciding beside an edge that q is over the face.
+constexpr float kDistanceError = 64 * kUnit;
+// Products of coordinates below this have underflowed: part of every bound on a product.
+constexpr float kUnderflow = 0x1p-100f;
+
+inline Lanes fill(float x) {
+  return x - Lanes{};
+}
+inline Lanes load(const float* lanes) {
+  return *reinterpret_cast<const Lanes*>(lanes);
+}
+inline Lanes least(const Lanes& x, const Lanes& y) {
+  return x < y ? x : y;
+}
+inline Lanes most(const Lanes& x, const Lanes& y) {
+  return x > y ? x : y;
+}
+inline Lanes magnitude(const Lanes& x) {
+  return most(x, -x);
+}
+inline float magnitude(float x) {
+  return __builtin_fabsf(x);
+}
+
+struct Local {
+  float x, y, z;
+  float norm1() const { return magnitude(x) + magnitude(y) + magnitude(z); }
+};
+
+struct LaneVector {
+  Lanes x, y, z;
+  Lanes norm1() const { return magnitude(x) + magnitude(y) + magnitude(z); }
+};
+
+using Corners = float[3][TrianglePack::kLanes];
+
+// Three coordinates and whatever follows them in memory.
+using Doubles [[gnu::vector_size(32)]] = double;
+using Floats [[gnu::vector_size(16)]] = float;
+
+inline Doubles load3(const double* p) {
+  return Doubles{p[0], p[1], p[2], 0.0};
+}
+
+inline Local scaled(const TrianglePack& pack, const Doubles& d) {
+  const Floats local = __builtin_convertvector(d * pack.per_metre, Floats);
+  return {local[0], local[1], local[2]};
+}
+
+inline Local to_local(const TrianglePack& pack, const Doubles& p) {
+  return scaled(pack, p - load3(pack.centre_m));
+}
+
+// A length in local units, rounded up.
+inline float local_length(const TrianglePack& pack, double length) {
+  return static_cast<float>(length * pack.per_metre) * (1 + 2 * kUnit);
+}
+
+inline LaneVector from_point(const Corners& corners, int lane, const Local& q) {
+  return {load(corners[0] + lane) - q.x, load(corners[1] + lane) - q.y,
+          load(corners[2] + lane) - q.z};
+}
+
+inline Lanes dot(const LaneVector& v, const LaneVector& w) {
+  return v.x * w.x + v.y * w.y + v.z * w.z;
+}
+inline Lanes dot(const LaneVector& v, const Local& d) {
+  return v.x * d.x + v.y * d.y + v.z * d.z;
+}
+
+inline LaneVector cross(const LaneVector& v, const LaneVector& w) {
+  return {v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
+}
+inline LaneVector cross(const Local& d, const LaneVector& w) {
+  return {d.y * w.z - d.z * w.y, d.z * w.x - d.x * w.z, d.x * w.y - d.y * w.x};
+}
+
+inline LaneVector normals(const TrianglePack& pack, int lane) {
+  return {load(pack.normal[0] + lane), load(pack.normal[1] + lane), load(pack.normal[2] + lane)};
+}
+
+// Lanes from `lane` on whose plane some point of the segment from q along d comes within margin of.
+// Comparisons with NaN, where coordinates overflow, are false: such a lane is kept.
+inline std::uint32_t near_planes(const TrianglePack& pack, int lane, const Local& q, const Local& d,
+                                 float margin) {
+  const LaneVector normal = normals(pack, lane);
+  const Lanes start = dot(normal, q) - load(pack.height + lane);
+  const Lanes end = start + dot(normal, d);
+  const Lanes apart = fill(margin);
+  const std::uint32_t above = greater(least(start, end), apart);
+  const std::uint32_t below = greater(-apart, most(start, end));
+  return ~(above | below) & kAll;
+}
+
+// Lanes whose triangle the line through q along d does not certainly pass by farther than
+// clearance: on no two edges is it certainly on opposite sides.
+inline std::uint32_t near_line(const TrianglePack& pack, int lane, const Local& q, const Local& d,
+                               float clearance) {
+  const LaneVector a = from_point(pack.a, lane, q);
+  const LaneVector b = from_point(pack.b, lane, q);
+  const LaneVector c = from_point(pack.c, lane, q);
+  const float reach = 3 + q.norm1();
+  const float error = d.norm1() * (kVolumeError * reach + 2 * pack.centre_roundoff + clearance);
+  const Lanes size_a = a.norm1();
+  const Lanes size_b = b.norm1();
+  const Lanes size_c = c.norm1();
+  std::uint32_t left = 0;
+  std::uint32_t right = 0;
+  const auto side = [&](const LaneVector& from, const LaneVector& to, const Lanes& size) {
+    const Lanes volume = dot(cross(d, from), to);
+    const Lanes bound = size * error + kUnderflow;
+    left |= greater(volume, bound);
+    right |= greater(-bound, volume);
+  };
+  side(a, b, size_a + size_b);
+  side(b, c, size_b + size_c);
+  side(c, a, size_c + size_a);
+  return ~(left & right) & kAll;
+}
+
+// Lowers `nearest` to the squared distance of the origin to the edge from -> to, and clears
+// `inside` where the origin is beyond that edge of the face.
+inline void fold_edge(const LaneVector& normal, const LaneVector& from, const LaneVector& to,
+                      Lanes& nearest, Mask& inside) {
+  const LaneVector edge{to.x - from.x, to.y - from.y, to.z - from.z};
+  const Lanes along = -dot(from, edge) / dot(edge, edge);
+  const Lanes t = least(most(along, Lanes{}), fill(1.0f));  // an edge of no length: NaN gives 0
+  const LaneVector r{from.x + t * edge.x, from.y + t * edge.y, from.z + t * edge.z};
+  nearest = least(nearest, dot(r, r));
+  inside &= dot(cross(normal, edge), from) <= Lanes{};
+}
+
+// Squared distances of the point q to the triangles from `lane` on.
+inline Lanes squared_distances(const TrianglePack& pack, int lane, const Local& q) {
+  const LaneVector normal = normals(pack, lane);
+  const LaneVector a = from_point(pack.a, lane, q);
+  const LaneVector b = from_point(pack.b, lane, q);
+  const LaneVector c = from_point(pack.c, lane, q);
+  Lanes nearest = fill(__builtin_inff());
+  Mask inside = ~Mask{};
+  fold_edge(normal, a, b, nearest, inside);
+  fold_edge(normal, b, c, nearest, inside);
+  fold_edge(normal, c, a, nearest, inside);
+  const Lanes height = dot(normal, a);
+  return inside ? height * height : nearest;
+}
+
+// Bound on the error of a distance, of which the square may have underflowed.
+inline float distance_error(const TrianglePack& pack, const Local& q) {
+  return kDistanceError * (2 + q.norm1()) + 4 * pack.centre_roundoff;
+}
+
+// What a squared distance is compared with to be no more than `distance`.
+inline float squared_limit(float distance, float error) {
+  const float limit = distance + error;
+  return limit * limit * (1 + 8 * kUnit);
+}
+
+std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
+                       const double* p, const double* d, double clearance, PackLanes* out) {
+  const Doubles start = load3(p);
+  const Doubles move = load3(d);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const TrianglePack& pack = packs[ids[i]];
+    const Local q = to_local(pack, start);
+    const Local step = scaled(pack, move);
+    const float error =
+        kHeightError * (q.norm1() + step.norm1() + 2) + 4 * pack.centre_roundoff + kUnderflow;
+    const float room = local_length(pack, clearance);
+    const float margin = error > room ? error : room;
+    std::uint32_t lanes = 0;
+    for (int part = 0; part < kParts; ++part) {
+      lanes |= near_planes(pack, part * kWidth, q, step, margin) << (part * kWidth);
+    }
+    lanes &= pack.lanes();
+    if (lanes == 0) continue;
+    std::uint32_t crossed = 0;
+    for (int part = 0; part < kParts; ++part) {
+      crossed |= near_line(pack, part * kWidth, q, step, room) << (part * kWidth);
+    }
+    lanes &= crossed;
+    if (lanes != 0) out[found++] = {ids[i], lanes};
+  }
+  return found;
+}
+
+std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
+                     const double* p, const double* d, double reach, PackLanes* out) {
+  const Doubles start = load3(p);
+  const Doubles move = load3(d);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const TrianglePack& pack = packs[ids[i]];
+    const Local q = to_local(pack, start);
+    const Local step = scaled(pack, move);
+    const float error =
+        kHeightError * (q.norm1() + step.norm1() + 2) + 4 * pack.centre_roundoff + kUnderflow;
+    const float radius = local_length(pack, reach);
+    std::uint32_t lanes = 0;
+    for (int part = 0; part < kParts; ++part) {
+      lanes |= near_planes(pack, part * kWidth, q, step, radius + error) << (part * kWidth);
+    }
+    lanes &= pack.lanes();
+    if (lanes == 0) continue;
+    // Every point of the segment is within half its length of its middle.
+    const Local m = to_local(pack, start + 0.5 * move);
+    const Lanes limit = fill(squared_limit(radius + 0.5f * step.norm1(), distance_error(pack, m)));
+    std::uint32_t apart = 0;
+    for (int part = 0; part < kParts; ++part) {
+      apart |= greater(squared_distances(pack, part * kWidth, m), limit) << (part * kWidth);
+    }
+    lanes &= ~apart;
+    if (lanes != 0) out[found++] = {ids[i], lanes};
+  }
+  return found;
+}
+
+std::size_t boxes_overlapping(const BoxPack* packs, std::size_t pack_count, const float* low,
+                              const float* high, std::uint32_t* out) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < pack_count; ++i) {
+    const BoxPack& pack = packs[i];
+    for (int part = 0; part < kParts; ++part) {
+      const int lane = part * kWidth;
+      std::uint32_t apart = 0;
+      for (int k = 0; k < 3; ++k) {
+        apart |= greater(load(pack.low[k] + lane), fill(high[k]));
+        apart |= greater(fill(low[k]), load(pack.high[k] + lane));
+      }
+      const auto first =
+          static_cast<std::uint32_t>(i * TrianglePack::kLanes) + static_cast<std::uint32_t>(lane);
+      for (std::uint32_t boxes = ~apart & kAll; boxes != 0; boxes &= boxes - 1) {
+        out[found++] = first + static_cast<std::uint32_t>(__builtin_ctz(boxes));
+      }
+    }
+  }
+  return found;
+}
+
+std::uint32_t boxes_within(const BoxPack& boxes, const float* p, float radius,
+                           float* squared_distances) {
+  const Lanes limit = fill(radius * radius * (1 + 16 * kUnit));
+  std::uint32_t apart = 0;
+  for (int lane = 0; lane < TrianglePack::kLanes; lane += kWidth) {
+    Lanes squared{};
+    for (int k = 0; k < 3; ++k) {
+      const Lanes outside =
+          most(load(boxes.low[k] + lane) - p[k], p[k] - load(boxes.high[k] + lane));
+      const Lanes beyond = most(outside, Lanes{});
+      squared += beyond * beyond;
+    }
+    *reinterpret_cast<Lanes*>(squared_distances + lane) = squared;
+    apart |= greater(squared, limit) << lane;
+  }
+  return ~apart & kEveryLane;
+}
+
+// A slab's fractions are good to 3 u; 8 u of the larger end keep what only rounding separates.
+std::uint32_t boxes_on_segment(const BoxPack& boxes, const float* p, const float* d, float radius) {
+  std::uint32_t apart = 0;
+  for (int lane = 0; lane < TrianglePack::kLanes; lane += kWidth) {
+    apart |= greater(load(boxes.low[0] + lane), load(boxes.high[0] + lane)) << lane;  // not there
+    Lanes enter{};
+    Lanes leave = fill(1.0f);
+    for (int k = 0; k < 3; ++k) {
+      const Lanes to_low = load(boxes.low[k] + lane) - (p[k] + radius);
+      const Lanes to_high = load(boxes.high[k] + lane) - (p[k] - radius);
+      if (d[k] == 0.0f) {
+        apart |= (greater(to_low, Lanes{}) | greater(Lanes{}, to_high)) << lane;
+        continue;
+      }
+      const Lanes at_low = to_low / d[k];
+      const Lanes at_high = to_high / d[k];
+      enter = most(enter, least(at_low, at_high));
+      leave = least(leave, most(at_low, at_high));
+    }
+    apart |= greater(enter * (1 - 8 * kUnit), leave * (1 + 8 * kUnit)) << lane;
+  }
+  return ~apart & kEveryLane;
+}
+
+std::uint32_t within(const TrianglePack& pack, const double* p, double distance,
+                     LaneDistances& distances) {
+  const Local q = to_local(pack, load3(p));
+  distances.error = distance_error(pack, q);
+  const Lanes limit = fill(squared_limit(local_length(pack, distance), distances.error));
+  std::uint32_t apart = 0;
+  for (int part = 0; part < kParts; ++part) {
+    const Lanes squared = squared_distances(pack, part * kWidth, q);
+    *reinterpret_cast<Lanes*>(distances.squared + part * kWidth) = squared;
+    apart |= greater(squared, limit) << (part * kWidth);
+  }
+  return ~apart & pack.lanes();
+}
+
+}  // namespace
+
+constexpr PackKernels kKernels{in_the_way,   in_reach,         boxes_overlapping,
+                               boxes_within, boxes_on_segment, within};

@@ -1,0 +1,47 @@
+#pragma once
+
+// Sixteen neighbouring triangles, in single precision, to be asked all at once.
+
+#include <cstdint>
+
+namespace palpate {
+
+// A pack only sorts out: whatever may matter is decided afterwards on the triangle's own doubles.
+// Its coordinates are relative to the pack's centre and in units of its size, so float keeps 24
+// bits of what counts, whatever the size of the scene and wherever in it the pack is:
+//
+//     local = (p - centre_m) * per_metre,     every corner within [-1, 1]
+//
+// Lanes past `count` repeat the last triangle.
+struct alignas(64) TrianglePack {
+  static constexpr int kLanes = 16;
+
+  float normal[3][kLanes];  // unit
+  float height[kLanes];     // of the plane: normal . local = height on it
+  float a[3][kLanes];
+  float b[3][kLanes];
+  float c[3][kLanes];
+  double centre_m[3];  // frame of the index
+  double per_metre;    // a power of two
+  // Bound on the rounding in double of p - centre_m that the centre itself is the cause of, local
+  // units. Not zero in effect only for packs a billion times smaller than their distance from the
+  // origin.
+  float centre_roundoff;
+  std::int32_t count;
+
+  std::uint32_t lanes() const { return (1u << count) - 1u; }  // a bit each
+};
+
+// Sixteen axis-aligned boxes, metres. Boxes that are not there are empty: low > high.
+struct alignas(64) BoxPack {
+  float low[3][TrianglePack::kLanes];
+  float high[3][TrianglePack::kLanes];
+};
+
+// Some lanes of one pack.
+struct PackLanes {
+  std::uint32_t pack;
+  std::uint32_t lanes;
+};
+
+}  // namespace palpate

@@ -1,0 +1,133 @@
+#include "haptics/candidate_cache.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/pack_queries.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::uint32_t kLanes = TrianglePack::kLanes;
+
+// Radius of the ball, in mean pack diagonals.
+constexpr double kBallPerPackDiagonal = 0.6;
+
+// How far the centre of the ball is ahead of the proxy, in radii: the proxy then has 1.5 of them
+// before it, and half of one to turn round in.
+constexpr double kLead = 0.5;
+
+// A refill that finds more packs than there is room for tries half the ball, so often.
+constexpr int kMostHalvings = 4;
+
+// Rounding to float, away from the inside of a box. Two ulp, of which the conversion takes one
+// half; what underflows is pushed beyond the smallest number that did not.
+constexpr float kTwoUlp = 0x1p-22f;
+constexpr float kSmallest = std::numeric_limits<float>::min();
+float round_low(double x) {
+  const auto rounded = static_cast<float>(x);
+  return rounded - std::abs(rounded) * kTwoUlp - kSmallest;
+}
+float round_high(double x) {
+  return -round_low(-x);
+}
+
+double finest_pack_diagonal(const ContactWorld& world) {
+  double finest = world.size_m;
+  for (const ContactBody& body : world.bodies) {
+    finest = std::min(finest, body.index->mean_pack_diagonal_m());
+  }
+  return finest;
+}
+
+}  // namespace
+
+CandidateCache::CandidateCache(const ContactWorld& world, double reach_m)
+    : world_(&world),
+      reach_m_(reach_m),
+      usual_ball_m_(kBallPerPackDiagonal * finest_pack_diagonal(world)) {}
+
+double CandidateCache::covered_fraction(const Vec3& p, const Vec3& q) const noexcept {
+  const Vec3 from_centre = p - centre_;
+  const double room = squared_radius_m2_ - from_centre.squaredNorm();
+  if (room < 0.0) return 0.0;
+  if (covers(q)) return 1.0;
+  const Vec3 d = q - p;
+  const double a = d.squaredNorm();
+  const double b = from_centre.dot(d);
+  return std::min(1.0, (std::sqrt(b * b + a * room) - b) / a);
+}
+
+bool CandidateCache::refill(const Vec3& p, const Vec3& ahead) noexcept {
+  const double length = ahead.norm();
+  const Vec3 direction = length > 0.0 ? Vec3(ahead / length) : Vec3(Vec3::Zero());
+  double radius = usual_ball_m_;
+  for (int halving = 0; halving <= kMostHalvings; ++halving, radius *= 0.5) {
+    if (fill_ball(p + kLead * radius * direction, radius)) return true;
+  }
+  squared_radius_m2_ = -1.0;
+  body_count_ = 0;
+  return false;
+}
+
+bool CandidateCache::fill_ball(const Vec3& centre, double radius_m) noexcept {
+  centre_ = centre;
+  radius_m_ = radius_m;
+  squared_radius_m2_ = radius_m * radius_m;
+  body_count_ = 0;
+  std::size_t used = 0;
+  for (std::uint32_t b = 0; b < world_->bodies.size(); ++b) {
+    const ContactBody& body = world_->bodies[b];
+    const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
+    const std::size_t count =
+        body.index->packs_near(body.to_body(centre), radius_m + reach_m_, room);
+    if (count > room.size()) return false;
+    if (count == 0) continue;
+    bodies_[body_count_] = {b, static_cast<std::uint32_t>(used), static_cast<std::uint32_t>(count)};
+    keep_boxes(bodies_[body_count_]);
+    ++body_count_;
+    used = (used + count + kLanes - 1) / kLanes * kLanes;
+  }
+  return true;
+}
+
+void CandidateCache::keep_boxes(const BodyCandidates& candidates) noexcept {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const SurfaceIndex& index = *world_->bodies[candidates.body].index;
+  for (std::uint32_t i = 0; i < candidates.count || i % kLanes != 0; ++i) {
+    BoxPack& to = boxes_[(candidates.first + i) / kLanes];
+    const std::uint32_t lane = i % kLanes;
+    if (i >= candidates.count) {
+      to.low[0][lane] = infinity;
+      continue;
+    }
+    const std::uint32_t id = packs_[candidates.first + i];
+    const BoxPack& from = index.cluster_boxes(id / kLanes);
+    for (int k = 0; k < 3; ++k) {
+      to.low[k][lane] = from.low[k][id % kLanes];
+      to.high[k][lane] = from.high[k][id % kLanes];
+    }
+    index.prefetch_pack(id);
+  }
+}
+
+std::size_t CandidateCache::packs_along(
+    std::size_t n, const Vec3& p_body, const Vec3& d_body,
+    std::array<std::uint32_t, kCapacity>& packs) const noexcept {
+  const BodyCandidates& candidates = bodies_[n];
+  float low[3];
+  float high[3];
+  for (int k = 0; k < 3; ++k) {
+    low[k] = round_low(p_body[k] + std::min(0.0, d_body[k]) - reach_m_);
+    high[k] = round_high(p_body[k] + std::max(0.0, d_body[k]) + reach_m_);
+  }
+  const std::size_t first_box_pack = candidates.first / kLanes;
+  const std::size_t box_packs = (candidates.count + kLanes - 1) / kLanes;
+  const std::size_t found = boxes_overlapping(std::span(boxes_).subspan(first_box_pack, box_packs),
+                                              low, high, packs.data());
+  for (std::size_t i = 0; i < found; ++i) packs[i] = packs_[candidates.first + packs[i]];
+  return found;
+}
+
+}  // namespace palpate

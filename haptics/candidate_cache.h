@@ -1,0 +1,78 @@
+#pragma once
+
+// Triangles near the proxy, kept from tick to tick.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "geometry/triangle_pack.h"
+#include "haptics/contact_world.h"
+
+namespace palpate {
+
+// Packs that come within a reach of a ball around the proxy: the safe zone. Whatever moves inside
+// the ball can only meet triangles of those packs, so a tick need not search for them: exact, as
+// long as both ends of a step are inside.
+//
+// The ball's size goes by the density of the surface, not by the speed of the proxy: a ball that
+// grew with the speed would find half the mesh after a leap.
+class CandidateCache {
+ public:
+  // An apex of 1000 triangles is in some 65 packs; room for four times as many.
+  static constexpr std::size_t kCapacity = 256;
+
+  // reach_m: how far from the proxy a triangle can matter: its radius and the margins.
+  CandidateCache(const ContactWorld& world, double reach_m);
+
+  // The part of the step p to q that lies inside the ball, as a fraction in [0, 1].
+  double covered_fraction(const Vec3& p, const Vec3& q) const noexcept;
+
+  // Whether both points are inside the ball.
+  bool covers(const Vec3& p, const Vec3& q) const noexcept { return covers(p) && covers(q); }
+  bool covers(const Vec3& p) const noexcept {
+    return (p - centre_).squaredNorm() <= squared_radius_m2_;
+  }
+
+  // Whether there is nothing near the ball.
+  bool is_empty() const { return body_count_ == 0; }
+
+  // Searches anew, with a ball that holds p and extends in the direction `ahead`, where the proxy
+  // is going. False, with nothing cached, if there are too many packs.
+  bool refill(const Vec3& p, const Vec3& ahead) noexcept;
+
+  // The cached packs of the n-th body whose boxes come within the reach of the segment p to p + d,
+  // body frame. Returns how many were written.
+  std::size_t packs_along(std::size_t n, const Vec3& p_body, const Vec3& d_body,
+                          std::array<std::uint32_t, kCapacity>& packs) const noexcept;
+
+  std::size_t body_count() const { return body_count_; }
+  std::uint32_t body(std::size_t n) const { return bodies_[n].body; }
+
+ private:
+  // Each body begins a box pack of its own.
+  static constexpr std::size_t kBoxPacks = kCapacity / TrianglePack::kLanes;
+
+  struct BodyCandidates {
+    std::uint32_t body;
+    std::uint32_t first;  // of packs_, at the first lane of a box pack
+    std::uint32_t count;
+  };
+
+  bool fill_ball(const Vec3& centre, double radius_m) noexcept;
+  void keep_boxes(const BodyCandidates& candidates) noexcept;
+
+  const ContactWorld* world_;
+  double reach_m_;
+  double usual_ball_m_;
+
+  Vec3 centre_ = Vec3::Zero();
+  double radius_m_ = 0.0;
+  double squared_radius_m2_ = -1.0;  // < 0: nothing cached, nothing covered
+  std::size_t body_count_ = 0;
+  std::array<BodyCandidates, kBoxPacks> bodies_{};
+  std::array<std::uint32_t, kCapacity> packs_{};
+  std::array<BoxPack, kBoxPacks> boxes_{};  // body frames
+};
+
+}  // namespace palpate
