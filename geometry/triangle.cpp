@@ -13,6 +13,10 @@ namespace {
 // A unit normal is good to 4 roundings, so is a difference of two points turned into a direction.
 constexpr double kDirectionRoundoff = 4 * kUnitRoundoff;
 
+// What rounding makes of a place relative to an edge, of its distance from the nearer end of that
+// edge: 3 for the projection, 1 for the product, 1 for the difference.
+constexpr double kEdgeRoundoff = 8 * kUnitRoundoff;
+
 // One edge as seen from the query point.
 struct Edge {
   Vec3 along;        // to - from
@@ -20,17 +24,21 @@ struct Edge {
   Vec3 p_to;         // p - to
   double past_from;  // of the projection of p, in edge lengths squared: > 0 inside or beyond `to`
   double past_to;    // < 0 inside or before `from`
-  bool is_outside;   // p is on the outer side of the edge
+  double side;       // of p, times the edge's length: < 0 beyond the edge, outside the triangle
 
+  // Everything is measured from the nearer end, so that rounding stays small next to it.
   Edge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
       : along(to - from),
         p_from(p - from),
         p_to(p - to),
         past_from(p_from.dot(along)),
         past_to(p_to.dot(along)),
-        is_outside(triple_product(t.normal, along, p_from) < 0.0) {}
+        side(triple_product(t.normal, along, is_nearer_from() ? p_from : p_to)) {}
 
+  bool is_nearer_from() const { return past_from < -past_to; }
+  bool is_outside() const { return side < 0.0; }
   bool is_beside() const { return past_from > 0.0 && past_to < 0.0; }
+  double roundoff_m() const { return kEdgeRoundoff * norm1(is_nearer_from() ? p_from : p_to); }
 };
 
 TrianglePoint at(const Vec3& apart, const Vec3& p, double error_m, TriangleFeature feature,
@@ -40,14 +48,24 @@ TrianglePoint at(const Vec3& apart, const Vec3& p, double error_m, TriangleFeatu
   return {p - apart, distance, apart / distance, kDirectionRoundoff + error_m / distance, feature};
 }
 
-// From the nearer end, so that the rounding of the way along the edge stays small next to it: 3 for
-// the projection, 1 for the product, 1 for the difference, each of the distance to that end.
 TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
-  const bool near_from = e.past_from < -e.past_to;
-  const Vec3& from_end = near_from ? e.p_from : e.p_to;
+  const bool near_from = e.is_nearer_from();
   const double t = (near_from ? e.past_from : e.past_to) / e.along.squaredNorm();
-  const double error_m = 8 * kUnitRoundoff * norm1(from_end);
-  return at(from_end - t * e.along, p, error_m, TriangleFeature::kEdge, normal);
+  return at((near_from ? e.p_from : e.p_to) - t * e.along, p, e.roundoff_m(),
+            TriangleFeature::kEdge, normal);
+}
+
+// Over the face the direction is the normal's, unless p is so close to being beyond an edge that
+// rounding cannot tell.
+TrianglePoint on_face(const TriangleGeometry& t, const std::array<Edge, 3>& edges, const Vec3& p) {
+  const double height = t.normal.dot(edges[0].p_from);
+  double error_m = 0.0;
+  for (const Edge& e : edges) {
+    if (e.side <= e.roundoff_m() * norm1(e.along)) error_m = std::max(error_m, e.roundoff_m());
+  }
+  const double distance = std::abs(height);
+  return {p - height * t.normal, distance, height < 0.0 ? Vec3(-t.normal) : t.normal,
+          kDirectionRoundoff + (distance > 0.0 ? error_m / distance : 0.0), TriangleFeature::kFace};
 }
 
 TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& normal) {
@@ -59,10 +77,8 @@ TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& norm
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept {
   const std::array<Edge, 3> edges = {Edge(t, t.a, t.b, p), Edge(t, t.b, t.c, p),
                                      Edge(t, t.c, t.a, p)};
-  if (!edges[0].is_outside && !edges[1].is_outside && !edges[2].is_outside) {
-    const double height = t.normal.dot(edges[0].p_from);
-    return {p - height * t.normal, std::abs(height), height < 0.0 ? Vec3(-t.normal) : t.normal,
-            kDirectionRoundoff, TriangleFeature::kFace};
+  if (!edges[0].is_outside() && !edges[1].is_outside() && !edges[2].is_outside()) {
+    return on_face(t, edges, p);
   }
   constexpr double kNone = std::numeric_limits<double>::infinity();
   TrianglePoint nearest{p, kNone, t.normal, 0.0};
@@ -75,7 +91,7 @@ TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p
   for (std::size_t i = 0; i < 3; ++i) {
     const Edge& in = edges[(i + 2) % 3];
     const Edge& out = edges[i];
-    if (out.is_outside && out.is_beside()) consider(on_edge(out, p, t.normal));
+    if (out.is_outside() && out.is_beside()) consider(on_edge(out, p, t.normal));
     if (in.past_to >= 0.0 && out.past_from <= 0.0) consider(on_vertex(out.p_from, p, t.normal));
   }
   if (nearest.distance < kNone) return nearest;

@@ -29,13 +29,9 @@ struct Accuracy {
   // rounding to a second face, and lose its side there.
   bool certify = true;
 
-  static constexpr Accuracy fast() {
-    return {8, 1.0, NarrowPhase::kFloat, true, false};
-  }
+  static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kFloat, true, false}; }
   static constexpr Accuracy balanced() { return {}; }
-  static constexpr Accuracy exact() {
-    return {512, 1e-4, NarrowPhase::kDouble, true, true};
-  }
+  static constexpr Accuracy exact() { return {512, 1e-4, NarrowPhase::kDouble, true, true}; }
 };
 
 // "fast", "balanced" or "exact".

@@ -17,14 +17,36 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
-// One iteration goes into the world's bounds and along a step, or round a feature.
-constexpr std::size_t kMostCornersPerStep = 2;
-
 // A proxy held by planes at a vertex is within a few stand-offs of it, by the angles between them.
 constexpr double kAtVertex = 64.0;
 
 // Faces tried at a vertex. Among more of them a free way is hardly wider than a stand-off.
 constexpr std::size_t kMostAtVertex = 12;
+
+// A sphere goes round a feature along tangents that turn by so much at a time at most: their
+// corners are 0.8 % of the radius off the arc.
+constexpr double kRollTurn_rad = 0.25;
+constexpr std::size_t kMostRollCorners = 7;  // the turn is less than 90 degrees
+
+// One iteration goes into the world's bounds and along a step, or round a feature.
+constexpr std::size_t kMostCornersPerStep = 2 + kMostRollCorners;
+
+// The corners of the tangents from one contact of a sphere round to another with the same face, for
+// a centre that keeps `reach` from the feature. Returns how many there are.
+std::size_t tangents_round(const FaceContact& from, const FaceContact& to, double reach,
+                           std::array<Vec3, kMostRollCorners + 1>& corners) {
+  const Vec3 across = (to.normal - to.normal.dot(from.normal) * from.normal).normalized();
+  const double angle_rad = std::atan2(to.normal.dot(across), to.normal.dot(from.normal));
+  const double count = std::ceil(angle_rad / kRollTurn_rad);
+  const double radius = reach / std::cos(0.5 * angle_rad / count);
+  for (double k = 0.5; k < count; k += 1.0) {
+    const double turn_rad = k / count * angle_rad;
+    const Vec3 feature = from.feature_point + k / count * (to.feature_point - from.feature_point);
+    corners[static_cast<std::size_t>(k)] =
+        feature + radius * (std::cos(turn_rad) * from.normal + std::sin(turn_rad) * across);
+  }
+  return static_cast<std::size_t>(count);
+}
 
 // A contact normal with a larger part than this out of the plane of motion does not belong to it.
 constexpr double kOutOfPlane = 64 * kEpsilon;
@@ -298,34 +320,33 @@ void GodObject::advance_to(const Vec3& target) {
 
 // A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
 // tangent plane that drops back converges step by step, the slower the nearer the goal is to the
-// feature. Instead, the sphere follows two tangents of the curve: the one it is on, to where it
-// meets the one at the answer, which is straight out from the feature through the goal, and that
-// one. Their corner may be a little farther from the goal than the way round, so the two are taken
-// together or not at all. False if there is nothing to roll over, or something in the way.
+// feature. Instead, the sphere goes round to the answer, which is straight out from the feature
+// through the goal. The distance to the goal falls all the way round; the tangents that the sphere
+// follows for it have corners a little farther out, so they are taken together or not at all. False
+// if there is nothing to roll over, or something in the way.
 bool GodObject::roll_to_answer() {
   if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return false;
-  const int held_by = projection_.active[0];
-  const FaceContact now = contacts_[held_by];
+  const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
-  const bool other_side = answer.normal.dot(now.normal) <= 0.0;
-  const bool out_of_plane =
-      motion_plane_normal_ && std::abs(answer.normal.dot(*motion_plane_normal_)) > kOutOfPlane;
-  if (other_side || out_of_plane || is_same_place(now, answer)) return false;
-
+  const auto leaves_plane = [&](const Vec3& normal) {
+    return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
+  };
+  if (answer.normal.dot(now.normal) <= 0.0 || leaves_plane(now.normal) ||
+      leaves_plane(answer.normal) || is_same_place(now, answer)) {
+    return false;
+  }
   const double reach = tracer_.radius_m() + scale().stand_off_m;
-  const ContactPlane tangents[2] = {
-      planes_of_contact_[held_by],
-      {answer.normal, reach - answer.normal.dot(proxy_ - answer.feature_point)}};
-  const PlaneProjection corner =
-      project_onto_planes(tangents, goal_ - proxy_, Feasibility::kMustMove);
-  if (!corner.solved) return false;
-  const Vec3 by_way_of = proxy_ + corner.displacement_m;
   const Vec3 target = answer.feature_point + reach * answer.normal;
   if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
-  if (tracer_.trace(proxy_, by_way_of) || tracer_.trace(by_way_of, target)) return false;
-  commit(by_way_of);
-  commit(target);
+
+  std::array<Vec3, kMostRollCorners + 1> corners;
+  const std::size_t count = tangents_round(now, answer, reach, corners);
+  corners[count] = target;
+  for (std::size_t i = 0; i <= count; ++i) {
+    if (tracer_.trace(i == 0 ? proxy_ : corners[i - 1], corners[i])) return false;
+  }
+  for (std::size_t i = 0; i <= count; ++i) commit(corners[i]);
   plane_count_ = 0;
   answer.clearance_m = scale().stand_off_m;
   add_plane(answer);
