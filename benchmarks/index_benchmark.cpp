@@ -21,8 +21,8 @@ constexpr double kAcquisitionRadius_m = 0.02;
 // From up to 5 mm above the sphere straight to below it.
 constexpr double kSegmentLength_m = 6e-3;
 
-// What the proxy gathers around itself (haptics/segment_tracer.cpp), in mean pack diagonals.
-constexpr double kGatherPerPackDiagonal = 0.3;
+// What the proxy gathers around itself (haptics/candidate_cache.cpp), in mean pack diagonals.
+constexpr double kGatherPerPackDiagonal = 0.6;
 
 // Float answers on coordinates of the sphere's size; a wrong triangle is off by much more.
 constexpr double kFloatAgreement_m = 1e-6 * kSphereRadius_m;

@@ -12,6 +12,7 @@
 #include "benchmarks/registration.h"
 #include "benchmarks/sphere.h"
 #include "benchmarks/trajectories.h"
+#include "geometry/simd.h"
 #include "haptics/haptic_loop.h"
 
 namespace palpate::bench {
@@ -25,7 +26,8 @@ constexpr int kEntryTicks = 11;
 constexpr double kSphereProxyRadius_m = 1e-3;
 constexpr std::size_t kFirstTicks = 50;       // of a loop that starts at the centre
 constexpr double kWander_m = 10.0 * kStep_m;  // about the centre, pressed: several triangles' width
-constexpr double kTeleportRadiusPerRadius = 1.5;  // so that most jumps cross the surface
+constexpr double kTeleportRadiusPerRadius = 1.5;   // so that most jumps cross the surface
+constexpr double kLongestTeleportPerRadius = 1.9;  // the scene is 2 across: farther is a fault
 
 struct DevicePath {
   std::vector<Vec3> lead_in_m;  // not timed
@@ -51,6 +53,8 @@ struct TickCase {
   int actuators = 3;                 // of 3 sensors; with fewer, A4 turns the scene
   bool may_be_capped = false;        // the worst inputs ask for more than a tick will do
   const char* stock_peer = nullptr;  // the row of the index to compare with
+  Accuracy accuracy = Accuracy::balanced();
+  SimdLevel simd = SimdLevel::kAvx512;  // at most
 };
 
 // Along the sphere, at heights above where the proxy's centre is when it touches.
@@ -75,7 +79,9 @@ DevicePath pressed_to_centre(const TickCase&, const SampleCounts& counts) {
 }
 
 DevicePath teleports(const TickCase&, const SampleCounts& counts) {
-  return {{}, random_teleports(kTeleportRadiusPerRadius * kSphereRadius_m, counts.fewer())};
+  return {{},
+          random_teleports(kTeleportRadiusPerRadius * kSphereRadius_m,
+                           kLongestTeleportPerRadius * kSphereRadius_m, counts.fewer())};
 }
 
 // The sphere proxy last: its index is another one.
@@ -85,6 +91,23 @@ constexpr TickCase kCases[] = {
      .path = along_sphere<kSliding>,
      .contact = kAlways,
      .stock_peer = "stock_closest_point"},
+    {.name = "tick_sliding_avx2",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .simd = SimdLevel::kAvx2},
+    {.name = "tick_sliding_sse2",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .simd = SimdLevel::kBaseline},
+    {.name = "tick_sliding_fast",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .may_be_capped = true,
+     .accuracy = Accuracy::fast()},
+    {.name = "tick_sliding_exact",
+     .path = along_sphere<kSliding>,
+     .contact = kAlways,
+     .accuracy = Accuracy::exact()},
     {.name = "tick_tapping", .path = along_sphere<kTapping>, .contact = kNowAndThen},
     {.name = "tick_sliding_a4", .path = along_sphere<kSliding>, .contact = kAlways, .actuators = 1},
     {.name = "tick_free_evicted",
@@ -134,6 +157,7 @@ Tally time_ticks(benchmark::State& state, const ContactWorld& world, const TickC
                  const ActuationModel& actuation, const DevicePath& path) {
   HapticSettings settings;
   settings.god_object.radius_m = tick_case.proxy_radius_m;
+  settings.god_object.accuracy = tick_case.accuracy;
   settings.a4.enabled = tick_case.actuators < 3;
   std::optional<HapticLoop> loop;
   const TickRecord* record = nullptr;
@@ -184,8 +208,10 @@ void run(benchmark::State& state, const TickCase& tick_case, int subdivisions,
   if (!scene) return state.SkipWithError("the sphere could not be compiled");
   const Result<ActuationModel> actuation = ActuationModel::from_counts(3, tick_case.actuators);
   if (!actuation) return state.SkipWithError("the actuation was refused");
+  limit_simd_level(tick_case.simd);
   const Tally tally =
       time_ticks(state, scene->world(), tick_case, *actuation, tick_case.path(tick_case, counts));
+  limit_simd_level(SimdLevel::kAvx512);
   if (const SampleError error = what_went_wrong(tick_case, tally)) {
     return state.SkipWithError(error);
   }

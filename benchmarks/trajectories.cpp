@@ -89,12 +89,14 @@ std::vector<Vec3> path_about_centre(double farthest_m, std::size_t sample_count)
   return path_m;
 }
 
-std::vector<Vec3> random_teleports(double ball_radius_m, std::size_t sample_count) {
+std::vector<Vec3> random_teleports(double ball_radius_m, double longest_m,
+                                   std::size_t sample_count) {
   std::mt19937_64 engine(kTeleportSeed);
   std::vector<Vec3> path_m;
   path_m.reserve(sample_count);
-  for (std::size_t n = 0; n < sample_count; ++n) {
-    path_m.push_back(ball_radius_m * in_unit_ball(engine));
+  while (path_m.size() < sample_count) {
+    const Vec3 next_m = ball_radius_m * in_unit_ball(engine);
+    if (path_m.empty() || (next_m - path_m.back()).norm() <= longest_m) path_m.push_back(next_m);
   }
   return path_m;
 }

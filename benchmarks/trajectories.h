@@ -42,7 +42,8 @@ std::vector<Vec3> path_to_centre(double radius_m);
 // in all directions and at all distances from a nanometre to the farthest.
 std::vector<Vec3> path_about_centre(double farthest_m, std::size_t sample_count);
 
-// Jumps each tick, evenly distributed over the ball of that radius.
-std::vector<Vec3> random_teleports(double ball_radius_m, std::size_t sample_count);
+// Jumps each tick, none longer than longest_m, between points evenly distributed over the ball.
+std::vector<Vec3> random_teleports(double ball_radius_m, double longest_m,
+                                   std::size_t sample_count);
 
 }  // namespace palpate::bench

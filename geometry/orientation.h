@@ -13,8 +13,8 @@ namespace palpate {
 // to), and on which side the line p q passes the edge r s.
 //
 // Double arithmetic settles nearly every call, pairs of doubles nearly all of the rest, exact
-// expansions what remains. On points in one plane to the last bit that takes 0.3 us, half of what
-// 113-bit arithmetic in software takes, which cannot settle all of them: predicate_benchmark.cpp.
+// expansions what remains. 113-bit arithmetic in software takes longer and cannot settle all,
+// CGAL's filtered kernel takes as long: the README has the table, predicate_benchmark.cpp makes it.
 //
 // Any frame, any unit, as long as no product of three coordinate differences overflows and none of
 // their last bits underflows: coordinates from 1e-80 to 1e100. noexcept, no allocation.

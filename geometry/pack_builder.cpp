@@ -71,8 +71,8 @@ Box box_around(std::span<const TriangleGeometry> triangles) {
   return box;
 }
 
-// The power of two that brings lengths up to `reach` to at most 1. Reach is never so small that it
-// overflows: the exponent is limited, and coordinates then are smaller than they could be.
+// The power of two that brings lengths up to `reach` to at most 1. For a reach so small that it
+// would overflow the exponent is limited; coordinates are then smaller than they could be.
 double scale_for(double reach) {
   constexpr int kMostExponent = 1000;
   int exponent = 0;

@@ -57,7 +57,7 @@ struct LaneVector {
 
 using Corners = float[3][TrianglePack::kLanes];
 
-// Three coordinates and whatever follows them in memory.
+// Three coordinates and a zero.
 using Doubles [[gnu::vector_size(32)]] = double;
 using Floats [[gnu::vector_size(16)]] = float;
 
@@ -141,31 +141,46 @@ inline std::uint32_t near_line(const TrianglePack& pack, int lane, const Local& 
   return ~(left & right) & kAll;
 }
 
-// Lowers `nearest` to the squared distance of the origin to the edge from -> to, and clears
-// `inside` where the origin is beyond that edge of the face.
+// The way from the nearest point of each triangle to the origin, and its squared length.
+struct Nearest {
+  LaneVector apart;
+  Lanes squared;
+};
+
+inline LaneVector select(const Mask& mask, const LaneVector& x, const LaneVector& y) {
+  return {mask ? x.x : y.x, mask ? x.y : y.y, mask ? x.z : y.z};
+}
+
+// Takes the edge from -> to into account, and clears `inside` where the origin is beyond it.
 inline void fold_edge(const LaneVector& normal, const LaneVector& from, const LaneVector& to,
-                      Lanes& nearest, Mask& inside) {
+                      Nearest& nearest, Mask& inside) {
   const LaneVector edge{to.x - from.x, to.y - from.y, to.z - from.z};
   const Lanes along = -dot(from, edge) / dot(edge, edge);
   const Lanes t = least(most(along, Lanes{}), fill(1.0f));  // an edge of no length: NaN gives 0
-  const LaneVector r{from.x + t * edge.x, from.y + t * edge.y, from.z + t * edge.z};
-  nearest = least(nearest, dot(r, r));
+  const LaneVector apart{-(from.x + t * edge.x), -(from.y + t * edge.y), -(from.z + t * edge.z)};
+  const Lanes squared = dot(apart, apart);
+  const Mask nearer = squared < nearest.squared;
+  nearest.apart = select(nearer, apart, nearest.apart);
+  nearest.squared = nearer ? squared : nearest.squared;
   inside &= dot(cross(normal, edge), from) <= Lanes{};
 }
 
-// Squared distances of the point q to the triangles from `lane` on.
-inline Lanes squared_distances(const TrianglePack& pack, int lane, const Local& q) {
+// From the triangles from `lane` on to the point q.
+inline Nearest nearest_points(const TrianglePack& pack, int lane, const Local& q) {
   const LaneVector normal = normals(pack, lane);
   const LaneVector a = from_point(pack.a, lane, q);
   const LaneVector b = from_point(pack.b, lane, q);
   const LaneVector c = from_point(pack.c, lane, q);
-  Lanes nearest = fill(__builtin_inff());
+  Nearest nearest{{}, fill(__builtin_inff())};
   Mask inside = ~Mask{};
   fold_edge(normal, a, b, nearest, inside);
   fold_edge(normal, b, c, nearest, inside);
   fold_edge(normal, c, a, nearest, inside);
-  const Lanes height = dot(normal, a);
-  return inside ? height * height : nearest;
+  const Lanes height = -dot(normal, a);
+  nearest.apart = select(inside, {height * normal.x, height * normal.y, height * normal.z},
+                         nearest.apart);
+  nearest.squared = inside ? height * height : nearest.squared;
+  return nearest;
 }
 
 // Bound on the error of a distance, of which the square may have underflowed.
@@ -179,11 +194,11 @@ inline float squared_limit(float distance, float error) {
   return limit * limit * (1 + 8 * kUnit);
 }
 
+// In two passes without a branch in the first: which packs a step comes near to is hard to predict.
 std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
                        const double* p, const double* d, double clearance, PackLanes* out) {
   const Doubles start = load3(p);
   const Doubles move = load3(d);
-  std::size_t found = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const TrianglePack& pack = packs[ids[i]];
     const Local q = to_local(pack, start);
@@ -196,16 +211,32 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
     for (int part = 0; part < kParts; ++part) {
       lanes |= near_planes(pack, part * kWidth, q, step, margin) << (part * kWidth);
     }
-    lanes &= pack.lanes();
-    if (lanes == 0) continue;
+    out[i] = {ids[i], lanes & pack.lanes()};
+  }
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (out[i].lanes == 0) continue;
+    const TrianglePack& pack = packs[out[i].pack];
+    const Local q = to_local(pack, start);
+    const Local step = scaled(pack, move);
+    const float room = local_length(pack, clearance);
     std::uint32_t crossed = 0;
     for (int part = 0; part < kParts; ++part) {
       crossed |= near_line(pack, part * kWidth, q, step, room) << (part * kWidth);
     }
-    lanes &= crossed;
-    if (lanes != 0) out[found++] = {ids[i], lanes};
+    const PackLanes doubtful{out[i].pack, out[i].lanes & crossed};
+    out[found] = doubtful;
+    found += doubtful.lanes != 0;
   }
   return found;
+}
+
+// Beyond which distance the tangent of the distance at the start of a step says that a triangle
+// stays out of reach to its end. The nearest point found is at most `error` too far off, so the
+// direction to it is off by sqrt(2 error / reach), which over a pack, less than 3.5 across, hides
+// this much.
+inline float tangent_limit(float reach, float error) {
+  return reach + error + 3.5f * __builtin_sqrtf(2 * error / reach);
 }
 
 std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
@@ -226,12 +257,16 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
     }
     lanes &= pack.lanes();
     if (lanes == 0) continue;
-    // Every point of the segment is within half its length of its middle.
-    const Local m = to_local(pack, start + 0.5 * move);
-    const Lanes limit = fill(squared_limit(radius + 0.5f * step.norm1(), distance_error(pack, m)));
+    const float limit = tangent_limit(radius, distance_error(pack, q));
+    const Lanes squared_limit = fill(limit * limit * (1 + 16 * kUnit));
     std::uint32_t apart = 0;
     for (int part = 0; part < kParts; ++part) {
-      apart |= greater(squared_distances(pack, part * kWidth, m), limit) << (part * kWidth);
+      const Nearest nearest = nearest_points(pack, part * kWidth, q);
+      // Out of reach at the start, and d + n . step still is, times d.
+      const Lanes end = nearest.squared + least(dot(nearest.apart, step), Lanes{});
+      apart |= (greater(nearest.squared, squared_limit) & greater(end, Lanes{}) &
+                greater(end * end, squared_limit * nearest.squared))
+               << (part * kWidth);
     }
     lanes &= ~apart;
     if (lanes != 0) out[found++] = {ids[i], lanes};
@@ -310,7 +345,7 @@ std::uint32_t within(const TrianglePack& pack, const double* p, double distance,
   const Lanes limit = fill(squared_limit(local_length(pack, distance), distances.error));
   std::uint32_t apart = 0;
   for (int part = 0; part < kParts; ++part) {
-    const Lanes squared = squared_distances(pack, part * kWidth, q);
+    const Lanes squared = nearest_points(pack, part * kWidth, q).squared;
     *reinterpret_cast<Lanes*>(distances.squared + part * kWidth) = squared;
     apart |= greater(squared, limit) << (part * kWidth);
   }

@@ -23,8 +23,8 @@ inline std::size_t lanes_in_the_way(const TrianglePack* packs, std::span<const s
                                    out);
 }
 
-// Triangles that the segment may come as near to as reach_m, for a reach that is large next to the
-// segment.
+// Triangles that the segment may come as near to as reach_m > 0. Sorts out the better the shorter
+// the segment is next to the reach.
 inline std::size_t lanes_in_reach(const TrianglePack* packs, std::span<const std::uint32_t> ids,
                                   const Vec3& p, const Vec3& d, double reach_m,
                                   PackLanes* out) noexcept {

@@ -115,6 +115,9 @@ SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double
     mean_pack_diagonal_m_ += (box.high - box.low).norm();
   }
   if (pack_count() > 0) mean_pack_diagonal_m_ /= static_cast<double>(pack_count());
+  for (const TrianglePack& pack : surface_.packs) {
+    largest_pack_reach_m_ = std::max(largest_pack_reach_m_, 1.0 / pack.per_metre);
+  }
   const double reach = std::max(box_.low.cwiseAbs().maxCoeff(), box_.high.cwiseAbs().maxCoeff());
   float_margin_m_ =
       kFloatMarginUlps * std::numeric_limits<float>::epsilon() * (reach + sweep_radius_m_);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Spatial queries on a surface: Embree finds packs of triangles, double precision decides.
+// Spatial queries on a surface: Embree finds clusters of triangles, double precision decides.
 
 #include <cstddef>
 #include <cstdint>
@@ -51,7 +51,7 @@ struct SegmentHit {
 // (n + 1) kLanes - 1 lie close together, too: cluster n.
 struct PackedSurface {
   std::vector<TrianglePack> packs;
-  std::vector<Box> boxes;                   // of the packs
+  std::vector<Box> boxes;                   // of the packs; not kept in an index
   std::vector<TriangleGeometry> triangles;  // a slot each, in double: what decides
   std::vector<std::uint32_t> faces;         // a slot each: of the mesh
 };
@@ -128,6 +128,8 @@ class SurfaceIndex {
   std::size_t pack_count() const { return surface_.packs.size(); }
   const Box& box() const { return box_; }
   double mean_pack_diagonal_m() const { return mean_pack_diagonal_m_; }
+  // How far a triangle may reach from the centre of its pack, at most, along one axis.
+  double largest_pack_reach_m() const { return largest_pack_reach_m_; }
   double sweep_radius_m() const { return sweep_radius_m_; }
   std::size_t memory_bytes() const;
 
@@ -144,6 +146,7 @@ class SurfaceIndex {
   double sweep_radius_m_ = 0.0;
   double float_margin_m_ = 0.0;
   double mean_pack_diagonal_m_ = 0.0;
+  double largest_pack_reach_m_ = 0.0;
   std::unique_ptr<EmbreeScene> scene_;
 };
 

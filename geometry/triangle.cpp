@@ -1,7 +1,6 @@
 #include "geometry/triangle.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -57,7 +56,7 @@ TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
 
 // Over the face the direction is the normal's, unless p is so close to being beyond an edge that
 // rounding cannot tell.
-TrianglePoint on_face(const TriangleGeometry& t, const std::array<Edge, 3>& edges, const Vec3& p) {
+TrianglePoint on_face(const TriangleGeometry& t, const Edge (&edges)[3], const Vec3& p) {
   const double height = t.normal.dot(edges[0].p_from);
   double error_m = 0.0;
   for (const Edge& e : edges) {
@@ -75,8 +74,7 @@ TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& norm
 }  // namespace
 
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept {
-  const std::array<Edge, 3> edges = {Edge(t, t.a, t.b, p), Edge(t, t.b, t.c, p),
-                                     Edge(t, t.c, t.a, p)};
+  const Edge edges[3] = {{t, t.a, t.b, p}, {t, t.b, t.c, p}, {t, t.c, t.a, p}};
   if (!edges[0].is_outside() && !edges[1].is_outside() && !edges[2].is_outside()) {
     return on_face(t, edges, p);
   }

@@ -10,7 +10,7 @@ namespace palpate {
 // Its coordinates are relative to the pack's centre and in units of its size, so float keeps 24
 // bits of what counts, whatever the size of the scene and wherever in it the pack is:
 //
-//     local = (p - centre_m) * per_metre,     every corner within [-1, 1]
+//     local = (p - centre_m) * per_metre,     every corner within [-1/2, 1/2]
 //
 // Lanes past `count` repeat the last triangle.
 struct alignas(64) TrianglePack {
@@ -24,7 +24,7 @@ struct alignas(64) TrianglePack {
   double centre_m[3];  // frame of the index
   double per_metre;    // a power of two
   // Bound on the rounding in double of p - centre_m that the centre itself is the cause of, local
-  // units. Not zero in effect only for packs a billion times smaller than their distance from the
+  // units. It counts only for packs a hundred million times smaller than their distance from the
   // origin.
   float centre_roundoff;
   std::int32_t count;

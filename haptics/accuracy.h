@@ -8,15 +8,15 @@
 
 namespace palpate {
 
-// The arithmetic that decides where the proxy meets a triangle.
+// The arithmetic that decides where a point proxy meets a triangle; a sphere's is always double.
 enum class NarrowPhase : std::uint8_t {
-  kFloat,  // coordinates relative to the pack of triangles, rounded to float
-  kDouble  // with a 113-bit fallback where double cannot tell
+  kFloat,  // coordinates relative to the pack of triangles, rounded to float: a larger stand-off
+  kDouble  // and exact signs where double cannot tell
 };
 
 struct Accuracy {
-  // Projections a tick. A capped proxy is feasible and no farther from the goal than before, but
-  // may be nearer still; the tick has kFaultSolverCapped. >= 1.
+  // Steps of the solver a tick. A capped proxy is feasible and no farther from the goal than
+  // before, but could have come nearer; the tick has kFaultSolverCapped. >= 1.
   int iterations = 64;
   // A step shorter than this has converged. In stand-offs (SolverScale), > 0.
   double tolerance = 0.01;

@@ -48,17 +48,6 @@ CandidateCache::CandidateCache(const ContactWorld& world, double reach_m)
       reach_m_(reach_m),
       usual_ball_m_(kBallPerPackDiagonal * finest_pack_diagonal(world)) {}
 
-double CandidateCache::covered_fraction(const Vec3& p, const Vec3& q) const noexcept {
-  const Vec3 from_centre = p - centre_;
-  const double room = squared_radius_m2_ - from_centre.squaredNorm();
-  if (room < 0.0) return 0.0;
-  if (covers(q)) return 1.0;
-  const Vec3 d = q - p;
-  const double a = d.squaredNorm();
-  const double b = from_centre.dot(d);
-  return std::min(1.0, (std::sqrt(b * b + a * room) - b) / a);
-}
-
 bool CandidateCache::refill(const Vec3& p, const Vec3& ahead) noexcept {
   const double length = ahead.norm();
   const Vec3 direction = length > 0.0 ? Vec3(ahead / length) : Vec3(Vec3::Zero());
@@ -73,19 +62,26 @@ bool CandidateCache::refill(const Vec3& p, const Vec3& ahead) noexcept {
 
 bool CandidateCache::fill_ball(const Vec3& centre, double radius_m) noexcept {
   centre_ = centre;
-  radius_m_ = radius_m;
   squared_radius_m2_ = radius_m * radius_m;
   body_count_ = 0;
   std::size_t used = 0;
   for (std::uint32_t b = 0; b < world_->bodies.size(); ++b) {
     const ContactBody& body = world_->bodies[b];
+    const Vec3 centre_body = body.to_body(centre);
+    const double reach_m = radius_m + reach_m_;
     const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
-    const std::size_t count =
-        body.index->packs_near(body.to_body(centre), radius_m + reach_m_, room);
+    const std::size_t count = body.index->packs_near(centre_body, reach_m, room);
     if (count > room.size()) return false;
     if (count == 0) continue;
-    bodies_[body_count_] = {b, static_cast<std::uint32_t>(used), static_cast<std::uint32_t>(count)};
-    keep_boxes(bodies_[body_count_]);
+    BodyCandidates& candidates = bodies_[body_count_];
+    candidates.body = b;
+    candidates.first = static_cast<std::uint32_t>(used);
+    candidates.count = static_cast<std::uint32_t>(count);
+    for (int k = 0; k < 3; ++k) {
+      candidates.low[k] = round_low(centre_body[k] - reach_m);
+      candidates.high[k] = round_high(centre_body[k] + reach_m);
+    }
+    keep_boxes(candidates);
     ++body_count_;
     used = (used + count + kLanes - 1) / kLanes * kLanes;
   }
@@ -119,8 +115,10 @@ std::size_t CandidateCache::packs_along(
   float low[3];
   float high[3];
   for (int k = 0; k < 3; ++k) {
-    low[k] = round_low(p_body[k] + std::min(0.0, d_body[k]) - reach_m_);
-    high[k] = round_high(p_body[k] + std::max(0.0, d_body[k]) + reach_m_);
+    low[k] =
+        std::max(candidates.low[k], round_low(p_body[k] + std::min(0.0, d_body[k]) - reach_m_));
+    high[k] =
+        std::min(candidates.high[k], round_high(p_body[k] + std::max(0.0, d_body[k]) + reach_m_));
   }
   const std::size_t first_box_pack = candidates.first / kLanes;
   const std::size_t box_packs = (candidates.count + kLanes - 1) / kLanes;

@@ -25,24 +25,21 @@ class CandidateCache {
   // reach_m: how far from the proxy a triangle can matter: its radius and the margins.
   CandidateCache(const ContactWorld& world, double reach_m);
 
-  // The part of the step p to q that lies inside the ball, as a fraction in [0, 1].
-  double covered_fraction(const Vec3& p, const Vec3& q) const noexcept;
-
   // Whether both points are inside the ball.
   bool covers(const Vec3& p, const Vec3& q) const noexcept { return covers(p) && covers(q); }
   bool covers(const Vec3& p) const noexcept {
     return (p - centre_).squaredNorm() <= squared_radius_m2_;
   }
 
-  // Whether there is nothing near the ball.
+  // Whether nothing is near the ball, if there is one.
   bool is_empty() const { return body_count_ == 0; }
 
   // Searches anew, with a ball that holds p and extends in the direction `ahead`, where the proxy
   // is going. False, with nothing cached, if there are too many packs.
   bool refill(const Vec3& p, const Vec3& ahead) noexcept;
 
-  // The cached packs of the n-th body whose boxes come within the reach of the segment p to p + d,
-  // body frame. Returns how many were written.
+  // The cached packs of the n-th body whose boxes come within the reach of the part of the segment
+  // p to p + d that is inside the ball, body frame. Returns how many were written.
   std::size_t packs_along(std::size_t n, const Vec3& p_body, const Vec3& d_body,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 
@@ -57,6 +54,7 @@ class CandidateCache {
     std::uint32_t body;
     std::uint32_t first;  // of packs_, at the first lane of a box pack
     std::uint32_t count;
+    float low[3], high[3];  // box around the ball and the reach, body frame
   };
 
   bool fill_ball(const Vec3& centre, double radius_m) noexcept;
@@ -67,7 +65,6 @@ class CandidateCache {
   double usual_ball_m_;
 
   Vec3 centre_ = Vec3::Zero();
-  double radius_m_ = 0.0;
   double squared_radius_m2_ = -1.0;  // < 0: nothing cached, nothing covered
   std::size_t body_count_ = 0;
   std::array<BodyCandidates, kBoxPacks> bodies_{};

@@ -109,7 +109,7 @@ ProxyState GodObject::move_to(const Vec3& goal,
     // leaving out some of its planes does not help.
     settled_ = progress == Progress::kMoved && settled();
     if (settled_) capped = false;
-    const bool is_at_rest = began_empty && (proxy_ - round_start).norm() <= step_tolerance_m_;
+    const bool is_at_rest = began_empty && is_none(proxy_ - round_start);
     if (is_at_rest) capped = find_way_out();
     if (!capped) break;
     if (!is_at_rest) plane_count_ = 0;
@@ -157,7 +157,7 @@ GodObject::Progress GodObject::take_step() {
   // converged when it hardly moves.
   const bool is_free = projection_.active_count == 0;
   const Vec3& step = projection_.displacement_m;
-  if (!is_free && step.norm() <= step_tolerance_m_) return Progress::kMoved;
+  if (!is_free && is_none(step)) return Progress::kMoved;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !world_bounds_.contains(target);
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
@@ -182,7 +182,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   const Vec3 step = target - proxy_;
   double fraction = hit->fraction;
   Vec3 stop = proxy_ + fraction * step;
-  const auto moves = [&] { return (stop - proxy_).norm() > step_tolerance_m_; };
+  const auto moves = [&] { return !is_none(stop - proxy_); };
   // The face it is stopped by may not be the only one that is close there. What is committed has
   // been traced to its very end.
   for (int shortened = 0; settings_.accuracy.certify && moves(); ++shortened) {
@@ -237,7 +237,7 @@ bool GodObject::slides_along(std::initializer_list<FaceContact> contacts) {
   }
   const Vec3 before = proxy_;
   take_step();
-  return (proxy_ - before).norm() > step_tolerance_m_;
+  return !is_none(proxy_ - before);
 }
 
 // Whether a point rests at a corner of one of the faces that hold it.

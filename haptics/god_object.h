@@ -33,8 +33,9 @@ struct ProxyState {
 
 // The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
 // within the tick: it moves to the local minimum of the distance to the goal that is reached from
-// where it was along a feasible path of decreasing distance. On the way it collides continuously
-// with every triangle (SegmentTracer), and each piece of the path it commits is certified free.
+// where it was along a feasible path of decreasing distance (a sphere that goes round a feature
+// follows tangents of that path). On the way it collides continuously with every triangle
+// (SegmentTracer), and each piece of the path it commits is certified free.
 //
 // Monotone: no step increases the distance to the goal by more than rounding, whatever the cap;
 // with a fixed mesh this gives the energy certificate of a passive spring.
@@ -72,6 +73,9 @@ class GodObject {
   Progress take_step();
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool roll_to_answer();
+  bool is_none(const Vec3& step) const {
+    return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
+  }
   bool find_way_out();
   bool slides_along(std::initializer_list<FaceContact> contacts);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;

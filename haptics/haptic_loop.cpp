@@ -4,6 +4,13 @@
 #include <optional>
 
 namespace palpate {
+namespace {
+
+// A sample so many times farther away than anything in the scene has lost the scene's digits: half
+// of those that double has.
+constexpr double kFarthestPerSize = 0x1p26;
+
+}  // namespace
 
 HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
                        const HapticSettings& settings)
@@ -43,8 +50,21 @@ std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
   if (!std::isfinite(dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
-  if (!std::isfinite(record_.device_m.squaredNorm())) return kFaultNonFiniteSample;
-  return kFaultNone;
+  const double farthest_m = kFarthestPerSize * (world_->size_m + world_->anchor_scene_m.norm() +
+                                                T_device_scene_.translation_m.norm());
+  if (!(record_.device_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultNonFiniteSample;
+  return jumps(record_.device_m) ? kFaultJump : kFaultNone;
+}
+
+// Whether a sample is far from the last one and from the last good one. Takes note of both.
+bool HapticLoop::jumps(const Vec3& p_device_m) {
+  const double squared_size_m2 = world_->size_m * world_->size_m;
+  const bool is_near = (p_device_m - last_sample_m_).squaredNorm() <= squared_size_m2 ||
+                       (p_device_m - last_good_sample_m_).squaredNorm() <= squared_size_m2;
+  last_sample_m_ = p_device_m;
+  if (!is_near && has_proxy_) return true;
+  last_good_sample_m_ = p_device_m;
+  return false;
 }
 
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the

@@ -42,13 +42,14 @@ struct HapticSettings {
 // Fault bits of a tick. A fault never stops the loop; the next good sample carries on.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
-  kFaultNonFiniteSample = 1u << 0,  // NaN, infinite, or so large that its square is: zero force
+  kFaultNonFiniteSample = 1u << 0,  // NaN, infinite, or out of all proportion: zero force
   kFaultBadTimeStep = 1u << 1,      // dt zero, negative or not finite: zero force
   kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
+  kFaultJump = 1u << 3,             // farther than the scene is large in one tick: zero force
 };
-inline constexpr int kFaultCount = 3;
+inline constexpr int kFaultCount = 4;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
-    "non_finite_sample", "bad_time_step", "solver_capped"};
+    "non_finite_sample", "bad_time_step", "solver_capped", "jump"};
 
 // One instant: everything before the elementary rotation of that tick.
 struct TickRecord {
@@ -78,7 +79,10 @@ class HapticLoop {
              const HapticSettings& settings);
 
   // p_device_m: the sensed position. dt_s: time since the last tick. The first sample sets the
-  // proxy. A bad sample holds the last state, commands zero force and sets a fault bit.
+  // proxy. A bad sample holds the last state, commands zero force and sets a fault bit. A sample
+  // that is farther from the last one than the scene is large is bad, too: no hand gets there, and
+  // whatever it crossed would push. If the device stays there, the next sample is good, and the
+  // proxy follows with its contacts kept; so it does if that was one wild sample.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
   // The pose after the last tick's elementary rotation: what a display should show.
@@ -86,6 +90,7 @@ class HapticLoop {
 
  private:
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
+  bool jumps(const Vec3& p_device_m);
   void apply_user_motion();
   void detect_collision();
   void find_contact_normal();
@@ -103,6 +108,8 @@ class HapticLoop {
   ScenePose T_device_scene_;
   Mat3 R_device_scene_;  // its rotation, ready to be applied
   Vec3 normal_device_ = Vec3::Zero();
+  Vec3 last_sample_m_ = Vec3::Zero();       // device frame; finite
+  Vec3 last_good_sample_m_ = Vec3::Zero();  // device frame
   ProxyState proxy_state_;
   TickRecord record_;
   bool has_proxy_ = false;

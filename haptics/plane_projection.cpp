@@ -64,7 +64,7 @@ bool satisfies_others(std::span<const ContactPlane> planes, const PlaneProjectio
     if (std::find(used.begin(), used.end(), j) != used.end()) continue;
     const ContactPlane& plane = planes[static_cast<std::size_t>(j)];
     const double tolerance =
-        kViolationRoundoff * (p.displacement_m.norm() + std::abs(plane.offset_m));
+        kViolationRoundoff * (p.displacement_m.lpNorm<1>() + std::abs(plane.offset_m));
     if (plane.normal.dot(p.displacement_m) < plane.offset_m - tolerance) return false;
   }
   return true;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/pack_queries.h"
+#include "haptics/float_trace.h"
 
 namespace palpate {
 namespace {
@@ -11,21 +12,43 @@ namespace {
 // A cheap tick searches for new candidates if the present ones will not last this many ticks more.
 constexpr double kTicksAhead = 3.0;
 
+// How far a sphere looks for a hit first, in radii, if the step is not short, and how much farther
+// each time after.
+constexpr double kShortStep = 0.125;
+constexpr double kFirstLook = 0.01;
+constexpr double kFartherLook = 16.0;
+
+// A sphere's narrow phase is always in double: its stand-off is what its index was built for.
+bool is_in_float(double radius_m, const Accuracy& accuracy) {
+  return radius_m == 0.0 && accuracy.narrow_phase == NarrowPhase::kFloat;
+}
+
+SolverScale scale_for(const ContactWorld& world, double radius_m, const Accuracy& accuracy) {
+  SolverScale scale = SolverScale::of(world.size_m, radius_m);
+  if (!is_in_float(radius_m, accuracy)) return scale;
+  for (const ContactBody& body : world.bodies) {
+    scale.stand_off_m =
+        std::max(scale.stand_off_m, float_stand_off_m(body.index->largest_pack_reach_m()));
+  }
+  scale.clearance_m = SolverScale::kClearancePerStandOff * scale.stand_off_m;
+  return scale;
+}
+
 }  // namespace
 
 // One query in flight.
 struct SegmentTracer::Search {
   SegmentTracer& tracer;
-  Vec3 p, q;     // solver frame
-  double limit;  // hits beyond this fraction of the step do not count
-  TraceHit best{};
+  Vec3 p, q;        // solver frame
+  double limit;     // hits beyond this fraction of the step do not count
+  TraceHit best{};  // if found
   bool found = false;
 
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
   Vec3 p_body = Vec3::Zero();
   Vec3 q_body = Vec3::Zero();
-  Vec3 d_body = Vec3::Zero();  // rounded: for what only sorts out
+  Vec3 d_body = Vec3::Zero();  // up to the limit, rounded: for what only sorts out
 
   void enter_body(std::uint32_t id) {
     if (placed && body == id) return;
@@ -33,7 +56,7 @@ struct SegmentTracer::Search {
     placed = &tracer.world_->bodies[id];
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
-    d_body = q_body - p_body;
+    d_body = limit * (q_body - p_body);
   }
 
   // Packs of the body entered.
@@ -61,14 +84,24 @@ struct SegmentTracer::Search {
 
   // A triangle of the body entered.
   void consider(const FaceRef& face) {
-    const TriangleGeometry& triangle = placed->index->triangle(face.slot);
-    const SolverScale& scale = tracer.scale_;
     TriangleHit hit;
-    const bool met =
-        tracer.radius_m_ == 0.0
-            ? trace_point(triangle, p_body, q_body, {scale.stand_off_m, scale.clearance_m}, hit)
-            : trace_sphere(triangle, p_body, q_body, tracer.radius_m_, scale.stand_off_m, hit);
-    if (met) keep_earlier(hit, face);
+    if (meets(face.slot, hit)) keep_earlier(hit, face);
+  }
+
+  bool meets(std::uint32_t slot, TriangleHit& hit) const {
+    const SurfaceIndex& index = *placed->index;
+    const SolverScale& scale = tracer.scale_;
+    if (tracer.is_in_float_) {
+      const auto lane = static_cast<int>(slot % TrianglePack::kLanes);
+      const TrianglePack& pack = index.pack(slot / TrianglePack::kLanes);
+      return trace_point_in_float(pack, lane, p_body, q_body, scale.stand_off_m, hit);
+    }
+    if (tracer.radius_m_ == 0.0) {
+      return trace_point(index.triangle(slot), p_body, q_body,
+                         {scale.stand_off_m, scale.clearance_m}, hit);
+    }
+    return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stand_off_m,
+                        found ? best.meet_fraction : limit, hit);
   }
 
   // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
@@ -93,7 +126,8 @@ SegmentTracer::SegmentTracer(const ContactWorld& world, double radius_m, const A
     : world_(&world),
       radius_m_(radius_m),
       accuracy_(accuracy),
-      scale_(SolverScale::of(world.size_m, radius_m)),
+      is_in_float_(is_in_float(radius_m, accuracy)),
+      scale_(scale_for(world, radius_m, accuracy)),
       // Half a stand-off is what hits need beyond the radius; two cover rounding as well.
       cache_(world, radius_m + 2 * scale_.stand_off_m) {}
 
@@ -114,8 +148,7 @@ void SegmentTracer::search_candidates(Search& search) noexcept {
   std::array<std::uint32_t, CandidateCache::kCapacity> packs;
   for (std::size_t n = 0; n < cache_.body_count(); ++n) {
     search.enter_body(cache_.body(n));
-    const std::size_t count =
-        cache_.packs_along(n, search.p_body, search.limit * search.d_body, packs);
+    const std::size_t count = cache_.packs_along(n, search.p_body, search.d_body, packs);
     search.consider_packs(std::span(packs).first(count));
   }
 }
@@ -134,14 +167,25 @@ void SegmentTracer::search_segment(Search& search) noexcept {
   }
 }
 
+// The less far a sphere looks, the fewer of the triangles about it are in doubt, and one that falls
+// back on the surface is stopped at once as a rule. A fraction of the step.
+double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
+  if (radius_m_ == 0.0) return 1.0;
+  const double length_m = (q - p).lpNorm<Eigen::Infinity>();
+  return length_m <= kShortStep * radius_m_ ? 1.0 : kFirstLook * radius_m_ / length_m;
+}
+
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
   for (int attempt = 0; accuracy_.reuse_candidates && attempt < 2; ++attempt) {
-    const double covered = cache_.covered_fraction(p, q);
-    if (covered > 0.0) {
+    bool is_inside = cache_.covers(p);
+    for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
+      look = std::min(look, 1.0);
       forget_doubtful();
-      Search search{*this, p, q, covered};
+      Search search{*this, p, q, look};
       search_candidates(search);
-      if (search.found || covered >= 1.0) return search.result();
+      // Whatever happens inside the ball is known; the first of it counts.
+      is_inside = cache_.covers(p + (search.found ? search.best.meet_fraction : look) * (q - p));
+      if (is_inside && (search.found || look == 1.0)) return search.result();
     }
     searched_ = true;
     if (attempt > 0 || !cache_.refill(p, motion_)) break;

@@ -73,7 +73,7 @@ class SegmentTracer {
   // The contact of a proxy at p with one face, on the side given by the earlier normal.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
-  // True iff p lies over the face (its prism), or over the edge or vertex that it touches.
+  // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
   // Contacts of a point at p with the faces closer than reach_m, seen from their fronts, or from
@@ -92,6 +92,7 @@ class SegmentTracer {
  private:
   struct Search;
 
+  double first_look(const Vec3& p, const Vec3& q) const;
   void search_candidates(Search& search) noexcept;
   void search_segment(Search& search) noexcept;
   void forget_doubtful();
@@ -101,6 +102,7 @@ class SegmentTracer {
   const ContactWorld* world_;
   double radius_m_;
   Accuracy accuracy_;
+  bool is_in_float_;
   SolverScale scale_;
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick

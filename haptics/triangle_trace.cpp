@@ -29,7 +29,7 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
   if (std::abs(height_end) >= margins.clearance_m) return false;
   const TrianglePoint nearest = closest_point_on_triangle(t, q);
   if (nearest.distance >= margins.clearance_m) return false;
-  if (trace_sphere(t, p, q, margins.clearance_m, margins.stand_off_m, hit)) return true;
+  if (trace_sphere(t, p, q, margins.clearance_m, margins.stand_off_m, 1.0, hit)) return true;
   // So close to an edge, directions have few digits, and Newton may have been led past the contact.
   // The end is too close all the same: a stand-off less is tried.
   hit.normal = nearest.direction;
@@ -74,7 +74,7 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 }
 
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, TriangleHit& hit) noexcept {
+                  double stand_off_m, double limit, TriangleHit& hit) noexcept {
   const Vec3 d = q - p;
   // A hit is coming within half the stand-off: a sphere that was stopped at the full one can slide
   // along without being stopped again by rounding.
@@ -98,7 +98,7 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     // Where it overlaps already, keeping the distance to within rounding is allowed.
     if (approach <= (room <= 0.0 ? doubt : -doubt)) return false;
     const double ahead = room / (approach + doubt);
-    if (fraction + ahead > 1.0) return false;
+    if (fraction + ahead > limit) return false;
     const bool met = room <= 0.125 * stand_off_m;
     if (!met && step < kMaxNewtonSteps) {
       fraction += ahead;

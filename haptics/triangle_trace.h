@@ -39,7 +39,9 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 // the target to the end of the step proves that there is no contact. Tangents are taken as much
 // steeper as the rounding of their direction could have hidden: for spheres next to nothing in
 // size, that is what counts.
+//
+// Contacts beyond the fraction `limit` of the step are of no interest and need not be found.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, TriangleHit& hit) noexcept;
+                  double stand_off_m, double limit, TriangleHit& hit) noexcept;
 
 }  // namespace palpate

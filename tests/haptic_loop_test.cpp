@@ -90,7 +90,7 @@ struct CertificateCase {
 
 class EnergyCertificate : public testing::TestWithParam<CertificateCase> {};
 
-// Numerics, section 1, tick by tick: K/2 |p - g|^2 never grows by more than the hand puts in, in
+// Tick by tick: K/2 |p - g|^2 never grows by more than the hand puts in, in
 // scene coordinates, where a rotation of the scene moves the goal and never the mesh.
 TEST_P(EnergyCertificate, HoldsEveryTick) {
   const CertificateCase c = GetParam();
@@ -102,7 +102,7 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
   Vec3 at_m(0.12, 0.0, 0.0);
   TickRecord last = loop.tick(at_m, kDt);
   int contact_ticks = 0;
-  for (int n = 0; n < 60000; ++n) {
+  for (int n = 0; n < 70000; ++n) {
     at_m = wander(random, at_m);
     const TickRecord now = loop.tick(at_m, kDt);
     const Vec3 dx = now.goal_m - last.goal_m;
@@ -143,7 +143,7 @@ TEST(A4, TurningTheSceneAboutTheProxyLeavesTheSpringAlone) {
   }
 }
 
-// Numerics, section 3: a force projected on one axis has curl.
+// A force projected on one axis has curl.
 double loop_work_J(double angle_rad, bool a4, double side_m) {
   const OwnedWorld world(square_plane(), tilted(angle_rad));
   HapticLoop loop(world.world(), device(3, 1), settings(a4));
@@ -285,6 +285,36 @@ INSTANTIATE_TEST_SUITE_P(
                     std::pair(Vec3(0, -kInfinity, 0), kDt), std::pair(Vec3(1e300, 0, 0), kDt),
                     std::pair(Vec3(-0.002, 0, 0), 0.0), std::pair(Vec3(-0.002, 0, 0), -kDt),
                     std::pair(Vec3(-0.002, 0, 0), kNan), std::pair(Vec3(-0.002, 0, 0), kInfinity)));
+
+// Pressed on the plane, then one sample beyond everything: no force, and contact as before with the
+// next.
+TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
+  Random random(27);
+  for (int trial = 0; trial < 50; ++trial) {
+    const RigidTransform pose = random.pose(10.0);
+    const OwnedWorld world(square_plane(), pose);
+    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    const Vec3 pressed(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), -2e-3);
+    loop.tick(pose.point({0.0, 0.0, 0.1}), kDt);
+    const TickRecord before = loop.tick(pose.point(pressed), kDt);
+    ASSERT_TRUE(before.contact);
+    const Vec3 beyond = pose.point(Vec3(0.0, 0.0, -3.0) + random.in_box(0.5));
+    const TickRecord wild = loop.tick(beyond, kDt);
+    EXPECT_EQ(wild.faults, kFaultJump);
+    EXPECT_EQ(wild.force_device_N, Vec3::Zero());
+    EXPECT_EQ(wild.proxy_m, before.proxy_m);
+    const TickRecord after = loop.tick(pose.point(pressed), kDt);
+    EXPECT_EQ(after.faults, kFaultNone);
+    EXPECT_TRUE(after.contact);
+    EXPECT_EQ(after.proxy_m, before.proxy_m);
+    // A device that stays there is believed, and pulls at the same side of the plane.
+    EXPECT_EQ(loop.tick(beyond, kDt).faults, kFaultJump);
+    const TickRecord there = loop.tick(beyond, kDt);
+    EXPECT_EQ(there.faults, kFaultNone);
+    EXPECT_TRUE(there.contact);
+    EXPECT_GT(pose.inverse_point(there.proxy_m).z(), 0.0);
+  }
+}
 
 TEST(HapticLoop, SurvivesBadSamplesBeforeTheFirstGoodOne) {
   const OwnedWorld world(square_plane(), tilted(0.0));

@@ -1,6 +1,5 @@
-// The hard cases of god-object rendering that lie in the surface: thin, sharp, many-sided, broken
-// or far away. Each tick is judged by JudgedProxy: finite, passive, and a path that touches nothing
-// in exact arithmetic.
+// The hard cases of god-object rendering that lie in the surface: thin and sharp. Each tick is
+// judged by JudgedProxy: finite, passive, and a path that touches nothing in exact arithmetic.
 
 #include <cmath>
 #include <numbers>

@@ -120,14 +120,17 @@ TEST(RunSummary, CountsFaultsByName) {
       with_fault(good, kFaultBadTimeStep),
       with_fault(good, kFaultSolverCapped),
       with_fault(good, kFaultSolverCapped | kFaultNonFiniteSample),
+      with_fault(good, kFaultJump),
   });
-  EXPECT_EQ(s.ticks, 6u);
+  EXPECT_EQ(s.ticks, 7u);
   EXPECT_EQ(kFaultNames[0], "non_finite_sample");
   EXPECT_EQ(s.faults[0], 3u);
   EXPECT_EQ(kFaultNames[1], "bad_time_step");
   EXPECT_EQ(s.faults[1], 1u);
   EXPECT_EQ(kFaultNames[2], "solver_capped");
   EXPECT_EQ(s.faults[2], 2u);
+  EXPECT_EQ(kFaultNames[3], "jump");
+  EXPECT_EQ(s.faults[3], 1u);
 }
 
 // Its position is no number, its force zero, the rest of it what was before: the trace says
