@@ -25,6 +25,7 @@ ROWS = [
     ("tick_sliding_sse2", "tick, sliding, SSE2 only"),
     ("tick_sliding_fast", "tick, sliding, `--accuracy fast`"),
     ("tick_sliding_exact", "tick, sliding, `--accuracy exact`"),
+    ("tick_sliding_float", "tick, sliding, narrow phase in float"),
     ("tick_free_evicted", "tick, free motion, L1 and L2 evicted"),
     ("tick_tapping_evicted", "tick, tapping, L1 and L2 evicted"),
     ("tick_sliding_evicted", "tick, sliding, L1 and L2 evicted"),

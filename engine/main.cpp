@@ -38,7 +38,7 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
       ->check(CLI::IsMember({"exact", "paper"}))
       ->capture_default_str();
   app.add_option("--accuracy", options.accuracy,
-                 "of the proxy: fast (float, uncertified), balanced, or exact")
+                 "of the proxy: fast (few steps, uncertified), balanced, or exact")
       ->check(CLI::IsMember({"fast", "balanced", "exact"}))
       ->capture_default_str();
   app.add_option("--rate", options.rate_Hz, "ticks a second, Hz")->capture_default_str();

@@ -80,6 +80,17 @@ double scale_for(double reach) {
   return std::ldexp(1.0, std::min(-exponent, kMostExponent));
 }
 
+float per_squared_length(const float (&from)[3][kLanes], const float (&to)[3][kLanes],
+                         std::size_t lane) {
+  float squared = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const float edge = to[k][lane] - from[k][lane];
+    squared += edge * edge;
+  }
+  const float inverse = 1.0f / squared;
+  return std::isfinite(inverse) ? inverse : 0.0f;
+}
+
 // Single precision, relative to the middle of the box.
 TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& box, int count) {
   TrianglePack pack{};
@@ -97,6 +108,11 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
       pack.b[k][lane] = static_cast<float>((t.b[k] - centre[k]) * per_metre);
       pack.c[k][lane] = static_cast<float>((t.c[k] - centre[k]) * per_metre);
       pack.normal[k][lane] = static_cast<float>(t.normal[k]);
+    }
+    for (int e = 0; e < 3; ++e) {
+      const auto& from = e == 0 ? pack.a : e == 1 ? pack.b : pack.c;
+      const auto& to = e == 0 ? pack.b : e == 1 ? pack.c : pack.a;
+      pack.per_squared_edge[e][lane] = per_squared_length(from, to, lane);
     }
     pack.height[lane] = static_cast<float>(t.normal.dot(t.a - centre) * per_metre);
   }

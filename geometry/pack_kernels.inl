@@ -153,15 +153,25 @@ inline LaneVector select(const Mask& mask, const LaneVector& x, const LaneVector
 
 // Takes the edge from -> to into account, and clears `inside` where the origin is beyond it.
 inline void fold_edge(const LaneVector& normal, const LaneVector& from, const LaneVector& to,
-                      Nearest& nearest, Mask& inside) {
+                      const Lanes& per_squared_edge, Nearest& nearest, Mask& inside) {
   const LaneVector edge{to.x - from.x, to.y - from.y, to.z - from.z};
-  const Lanes along = -dot(from, edge) / dot(edge, edge);
-  const Lanes t = least(most(along, Lanes{}), fill(1.0f));  // an edge of no length: NaN gives 0
+  const Lanes along = -dot(from, edge) * per_squared_edge;
+  const Lanes t = least(most(along, Lanes{}), fill(1.0f));
   const LaneVector apart{-(from.x + t * edge.x), -(from.y + t * edge.y), -(from.z + t * edge.z)};
   const Lanes squared = dot(apart, apart);
   const Mask nearer = squared < nearest.squared;
   nearest.apart = select(nearer, apart, nearest.apart);
   nearest.squared = nearer ? squared : nearest.squared;
+  inside &= dot(cross(normal, edge), from) <= Lanes{};
+}
+
+inline void fold_edge(const LaneVector& normal, const LaneVector& from, const LaneVector& to,
+                      const Lanes& per_squared_edge, Lanes& squared, Mask& inside) {
+  const LaneVector edge{to.x - from.x, to.y - from.y, to.z - from.z};
+  const Lanes along = -dot(from, edge) * per_squared_edge;
+  const Lanes t = least(most(along, Lanes{}), fill(1.0f));
+  const LaneVector apart{from.x + t * edge.x, from.y + t * edge.y, from.z + t * edge.z};
+  squared = least(squared, dot(apart, apart));
   inside &= dot(cross(normal, edge), from) <= Lanes{};
 }
 
@@ -173,14 +183,30 @@ inline Nearest nearest_points(const TrianglePack& pack, int lane, const Local& q
   const LaneVector c = from_point(pack.c, lane, q);
   Nearest nearest{{}, fill(__builtin_inff())};
   Mask inside = ~Mask{};
-  fold_edge(normal, a, b, nearest, inside);
-  fold_edge(normal, b, c, nearest, inside);
-  fold_edge(normal, c, a, nearest, inside);
+  fold_edge(normal, a, b, load(pack.per_squared_edge[0] + lane), nearest, inside);
+  fold_edge(normal, b, c, load(pack.per_squared_edge[1] + lane), nearest, inside);
+  fold_edge(normal, c, a, load(pack.per_squared_edge[2] + lane), nearest, inside);
   const Lanes height = -dot(normal, a);
   nearest.apart = select(inside, {height * normal.x, height * normal.y, height * normal.z},
                          nearest.apart);
   nearest.squared = inside ? height * height : nearest.squared;
   return nearest;
+}
+
+// Squared distances of the point q to the triangles from `lane` on: as nearest_points(), for those
+// who do not ask where the nearest points are.
+inline Lanes squared_distances(const TrianglePack& pack, int lane, const Local& q) {
+  const LaneVector normal = normals(pack, lane);
+  const LaneVector a = from_point(pack.a, lane, q);
+  const LaneVector b = from_point(pack.b, lane, q);
+  const LaneVector c = from_point(pack.c, lane, q);
+  Lanes squared = fill(__builtin_inff());
+  Mask inside = ~Mask{};
+  fold_edge(normal, a, b, load(pack.per_squared_edge[0] + lane), squared, inside);
+  fold_edge(normal, b, c, load(pack.per_squared_edge[1] + lane), squared, inside);
+  fold_edge(normal, c, a, load(pack.per_squared_edge[2] + lane), squared, inside);
+  const Lanes height = dot(normal, a);
+  return inside ? height * height : squared;
 }
 
 // Bound on the error of a distance, of which the square may have underflowed.
@@ -345,7 +371,7 @@ std::uint32_t within(const TrianglePack& pack, const double* p, double distance,
   const Lanes limit = fill(squared_limit(local_length(pack, distance), distances.error));
   std::uint32_t apart = 0;
   for (int part = 0; part < kParts; ++part) {
-    const Lanes squared = nearest_points(pack, part * kWidth, q).squared;
+    const Lanes squared = squared_distances(pack, part * kWidth, q);
     *reinterpret_cast<Lanes*>(distances.squared + part * kWidth) = squared;
     apart |= greater(squared, limit) << (part * kWidth);
   }

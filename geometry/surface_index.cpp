@@ -14,11 +14,14 @@
 namespace palpate {
 namespace {
 
-float round_down(double x) {
-  return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
-}
+// At least to the next float; without a call, since queries do it.
 float round_up(double x) {
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+  constexpr float kUlp = std::numeric_limits<float>::epsilon();
+  const auto rounded = static_cast<float>(x);
+  return rounded + (std::abs(rounded) * kUlp + std::numeric_limits<float>::min());
+}
+float round_down(double x) {
+  return -round_up(-x);
 }
 
 // One Embree device for the process: creating one costs milliseconds and starts threads.

@@ -21,6 +21,8 @@ struct alignas(64) TrianglePack {
   float a[3][kLanes];
   float b[3][kLanes];
   float c[3][kLanes];
+  // 1 / length squared of the edges ab, bc, ca; 0 for one that has none in float.
+  float per_squared_edge[3][kLanes];
   double centre_m[3];  // frame of the index
   double per_metre;    // a power of two
   // Bound on the rounding in double of p - centre_m that the centre itself is the cause of, local

@@ -29,7 +29,8 @@ struct Accuracy {
   // rounding to a second face, and lose its side there.
   bool certify = true;
 
-  static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kFloat, true, false}; }
+  // Not in float: measured, its larger stand-off costs more steps than its arithmetic saves.
+  static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false}; }
   static constexpr Accuracy balanced() { return {}; }
   static constexpr Accuracy exact() { return {512, 1e-4, NarrowPhase::kDouble, true, true}; }
 };

@@ -31,6 +31,11 @@ class CandidateCache {
     return (p - centre_).squaredNorm() <= squared_radius_m2_;
   }
 
+  // Whether a refill may cover such a step.
+  bool may_cover_step(const Vec3& d) const noexcept {
+    return d.squaredNorm() <= 4.0 * usual_ball_m_ * usual_ball_m_;
+  }
+
   // Whether nothing is near the ball, if there is one.
   bool is_empty() const { return body_count_ == 0; }
 

@@ -176,6 +176,7 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
 }
 
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
+  const bool is_long = !cache_.may_cover_step(q - p);
   for (int attempt = 0; accuracy_.reuse_candidates && attempt < 2; ++attempt) {
     bool is_inside = cache_.covers(p);
     for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
@@ -188,6 +189,8 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
       if (is_inside && (search.found || look == 1.0)) return search.result();
     }
     searched_ = true;
+    // A step that is too long for any ball is searched along.
+    if (attempt == 0 && is_long && cache_.covers(p)) break;
     if (attempt > 0 || !cache_.refill(p, motion_)) break;
   }
   forget_doubtful();
