@@ -113,11 +113,11 @@ class SurfaceIndex {
   }
   const TriangleGeometry& triangle(std::uint32_t slot) const { return surface_.triangles[slot]; }
   std::uint32_t face(std::uint32_t slot) const { return surface_.faces[slot]; }
-  // Starts to bring a pack into the cache, to be asked a little later.
+  // Starts to bring what a trace asks of a pack into the cache, to be used a little later.
   void prefetch_pack(std::uint32_t id) const {
     constexpr std::size_t kCacheLine = 64;
     const char* lines = reinterpret_cast<const char*>(&surface_.packs[id]);
-    for (std::size_t i = 0; i < sizeof(TrianglePack); i += kCacheLine) {
+    for (std::size_t i = 0; i < offsetof(TrianglePack, per_squared_edge); i += kCacheLine) {
       __builtin_prefetch(lines + i);
     }
   }

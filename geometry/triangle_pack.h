@@ -16,13 +16,6 @@ namespace palpate {
 struct alignas(64) TrianglePack {
   static constexpr int kLanes = 16;
 
-  float normal[3][kLanes];  // unit
-  float height[kLanes];     // of the plane: normal . local = height on it
-  float a[3][kLanes];
-  float b[3][kLanes];
-  float c[3][kLanes];
-  // 1 / length squared of the edges ab, bc, ca; 0 for one that has none in float.
-  float per_squared_edge[3][kLanes];
   double centre_m[3];  // frame of the index
   double per_metre;    // a power of two
   // Bound on the rounding in double of p - centre_m that the centre itself is the cause of, local
@@ -30,6 +23,15 @@ struct alignas(64) TrianglePack {
   // origin.
   float centre_roundoff;
   std::int32_t count;
+
+  alignas(64) float normal[3][kLanes];  // unit
+  float height[kLanes];                 // of the plane: normal . local = height on it
+  float a[3][kLanes];
+  float b[3][kLanes];
+  float c[3][kLanes];
+  // Only for distances: 1 / length squared of the edges ab, bc, ca; 0 for one that has none in
+  // float.
+  float per_squared_edge[3][kLanes];
 
   std::uint32_t lanes() const { return (1u << count) - 1u; }  // a bit each
 };
