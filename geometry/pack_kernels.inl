@@ -232,7 +232,7 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
     const float error =
         kHeightError * (q.norm1() + step.norm1() + 2) + 4 * pack.centre_roundoff + kUnderflow;
     const float room = local_length(pack, clearance);
-    const float margin = error > room ? error : room;
+    const float margin = error + room;
     std::uint32_t lanes = 0;
     for (int part = 0; part < kParts; ++part) {
       lanes |= near_planes(pack, part * kWidth, q, step, margin) << (part * kWidth);
@@ -260,7 +260,7 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
 // Beyond which distance the tangent of the distance at the start of a step says that a triangle
 // stays out of reach to its end. The nearest point found is at most `error` too far off, so the
 // direction to it is off by sqrt(2 error / reach), which over a pack, less than 3.5 across, hides
-// this much.
+// this much. To be added: the rounding of what the step adds.
 inline float tangent_limit(float reach, float error) {
   return reach + error + 3.5f * __builtin_sqrtf(2 * error / reach);
 }
@@ -283,7 +283,8 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
     }
     lanes &= pack.lanes();
     if (lanes == 0) continue;
-    const float limit = tangent_limit(radius, distance_error(pack, q));
+    const float limit =
+        tangent_limit(radius, distance_error(pack, q)) + kHeightError * step.norm1();
     const Lanes squared_limit = fill(limit * limit * (1 + 16 * kUnit));
     std::uint32_t apart = 0;
     for (int part = 0; part < kParts; ++part) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
-#include <new>
 
 #include "geometry/embree.h"
 #include "geometry/pack_builder.h"
@@ -128,6 +128,7 @@ SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double
   build_clusters(cluster_bounds);
   build_embree_scene(cluster_bounds);
   surface_.boxes = {};
+  pack_kernels();  // chosen here, not by the first query
 }
 
 void SurfaceIndex::build_clusters(std::vector<Box>& cluster_bounds) {
@@ -175,7 +176,7 @@ void SurfaceIndex::build_embree_scene(const std::vector<Box>& cluster_bounds) {
 // What rounding a query point to float can cost, when it lies outside the box that the margins of
 // the boxes are for.
 double SurfaceIndex::point_margin_m(const Vec3& p) const {
-  return std::numeric_limits<float>::epsilon() * p.cwiseAbs().maxCoeff();
+  return 4 * std::numeric_limits<float>::epsilon() * p.cwiseAbs().maxCoeff();
 }
 
 SurfaceIndex::~SurfaceIndex() = default;
@@ -248,7 +249,7 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
     while (lanes != 0) {
       const int lane = least_lane(lanes, distances.squared);
       lanes &= ~(1u << lane);
-      if (distances.squared[lane] > needed * needed) break;
+      if (distances.squared[lane] > needed * needed * (1 + 0x1p-20f)) break;
       visit_pack(slot(cluster, lane));
     }
     return needed;

@@ -15,8 +15,9 @@ enum class NarrowPhase : std::uint8_t {
 };
 
 struct Accuracy {
-  // Steps of the solver a tick. A capped proxy is feasible and no farther from the goal than
-  // before, but could have come nearer; the tick has kFaultSolverCapped. >= 1.
+  // Steps of the solver a tick, not counting those that look for a way out at a vertex. A capped
+  // proxy is feasible and no farther from the goal than before, but could have come nearer; the
+  // tick has kFaultSolverCapped. >= 1.
   int iterations = 64;
   // A step shorter than this has converged. In stand-offs (SolverScale), > 0.
   double tolerance = 0.01;

@@ -36,7 +36,9 @@ float round_high(double x) {
 double finest_pack_diagonal(const ContactWorld& world) {
   double finest = world.size_m;
   for (const ContactBody& body : world.bodies) {
-    finest = std::min(finest, body.index->mean_pack_diagonal_m());
+    if (body.index->pack_count() > 0) {
+      finest = std::min(finest, body.index->mean_pack_diagonal_m());
+    }
   }
   return finest;
 }

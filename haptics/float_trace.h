@@ -7,10 +7,10 @@
 
 namespace palpate {
 
-// As trace_point() for one lane of a pack, with its local coordinates in single precision. What
-// rounding cannot tell from a crossing is one, so nothing is let through that double precision
-// would have stopped; but without exact signs a step may be stopped by a triangle it only passes
-// close by. The stand-off must exceed float_stand_off_m() of the pack.
+// As trace_point() for one lane of a pack, with its local coordinates in single precision and
+// without exact signs or a look at the end of the step: a proxy that comes to rest beside an edge,
+// within rounding of a plane, may lose its side of it there. Not for those who need the
+// certificate. The stand-off must be at least float_stand_off_m() of the pack.
 bool trace_point_in_float(const TrianglePack& pack, int lane, const Vec3& p, const Vec3& q,
                           double stand_off_m, TriangleHit& hit) noexcept;
 

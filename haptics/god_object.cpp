@@ -28,8 +28,9 @@ constexpr std::size_t kMostAtVertex = 12;
 constexpr double kRollTurn_rad = 0.25;
 constexpr std::size_t kMostRollCorners = 7;  // the turn is less than 90 degrees
 
-// One iteration goes into the world's bounds and along a step, or round a feature.
-constexpr std::size_t kMostCornersPerStep = 2 + kMostRollCorners;
+// A step goes into the world's bounds and then straight on or round a feature; an iteration takes
+// one, and one more if it is a way out.
+constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
 
 // The corners of the tangents from one contact of a sphere round to another with the same face, for
 // a centre that keeps `reach` from the feature. Returns how many there are.
@@ -67,7 +68,8 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
   // One size of margin: what lies outside cannot touch anything, and what lies inside has
   // coordinates of the order of the scene, as the stand-off assumes.
   world_bounds_ = world_bounds_.grown(world.size_m + 2 * settings.radius_m);
-  path_.reserve(1 + kMostCornersPerStep * static_cast<std::size_t>(settings.accuracy.iterations));
+  path_.reserve(1 +
+                kMostCornersPerIteration * static_cast<std::size_t>(settings.accuracy.iterations));
 }
 
 void GodObject::place(const Vec3& p) noexcept {
@@ -162,7 +164,8 @@ GodObject::Progress GodObject::take_step() {
   const bool leaves = !world_bounds_.contains(target);
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
-  return leaves ? Progress::kStuck : Progress::kMoved;
+  if (leaves && is_free) commit(goal_);
+  return leaves && !is_free ? Progress::kStuck : Progress::kMoved;
 }
 
 // The part of a step that lies inside the world's bounds; all of it if it starts outside.
@@ -236,8 +239,12 @@ bool GodObject::slides_along(std::initializer_list<FaceContact> contacts) {
     if (!add_plane(contact)) return false;
   }
   const Vec3 before = proxy_;
+  const std::size_t corners = path_.size();
   take_step();
-  return !is_none(proxy_ - before);
+  if (!is_none(proxy_ - before)) return true;
+  proxy_ = before;
+  path_.resize(corners);
+  return false;
 }
 
 // Whether a point rests at a corner of one of the faces that hold it.
@@ -295,10 +302,11 @@ bool GodObject::add_plane(const FaceContact& contact) {
 }
 
 void GodObject::drop_inactive_planes() {
-  const auto& active = projection_.active;  // in ascending order, so moving down is safe
+  const auto active = projection_.active;  // in ascending order, so moving down is safe
   for (int i = 0; i < projection_.active_count; ++i) {
     planes_of_contact_[i] = planes_of_contact_[active[i]];
     contacts_[i] = contacts_[active[i]];
+    projection_.active[i] = i;
   }
   plane_count_ = projection_.active_count;
 }
@@ -350,6 +358,7 @@ bool GodObject::roll_to_answer() {
   plane_count_ = 0;
   answer.clearance_m = scale().stand_off_m;
   add_plane(answer);
+  projection_.active[0] = 0;
   return true;
 }
 

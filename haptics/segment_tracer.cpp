@@ -12,6 +12,10 @@ namespace {
 // A cheap tick searches for new candidates if the present ones will not last this many ticks more.
 constexpr double kTicksAhead = 3.0;
 
+// Searches for new candidates in one tick. A proxy that needs more is on a long way, and searches
+// along its steps for the rest of it.
+constexpr int kMostRefills = 4;
+
 // How far a sphere looks for a hit first, in radii, if the step is not short, and how much farther
 // each time after.
 constexpr double kShortStep = 0.125;
@@ -188,10 +192,10 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
       is_inside = cache_.covers(p + (search.found ? search.best.meet_fraction : look) * (q - p));
       if (is_inside && (search.found || look == 1.0)) return search.result();
     }
-    searched_ = true;
     // A step that is too long for any ball is searched along.
     if (attempt == 0 && is_long && cache_.covers(p)) break;
-    if (attempt > 0 || !cache_.refill(p, motion_)) break;
+    if (attempt > 0 || refills_ >= kMostRefills) break;
+    refills_ = cache_.refill(p, motion_) ? refills_ + 1 : kMostRefills;
   }
   forget_doubtful();
   Search search{*this, p, q, 1.0};
@@ -211,9 +215,9 @@ std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) 
 
 void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept {
   motion_ = step;
-  const bool searched = searched_;
-  searched_ = false;
-  if (!accuracy_.reuse_candidates || !was_cheap || searched) return;
+  const bool has_refilled = refills_ > 0;
+  refills_ = 0;
+  if (!accuracy_.reuse_candidates || !was_cheap || has_refilled) return;
   if (cache_.covers(p + kTicksAhead * step)) return;
   cache_.refill(p, step);
 }

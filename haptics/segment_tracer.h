@@ -106,7 +106,7 @@ class SegmentTracer {
   SolverScale scale_;
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
-  bool searched_ = false;       // in this tick
+  int refills_ = 0;             // of the cache, in this tick
 
   // The triangles that the last trace() could not rule out, for trace_part().
   static constexpr std::size_t kMostDoubtful = 64;

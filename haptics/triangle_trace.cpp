@@ -98,10 +98,12 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     // Where it overlaps already, keeping the distance to within rounding is allowed.
     if (approach <= (room <= 0.0 ? doubt : -doubt)) return false;
     const double ahead = room / (approach + doubt);
-    if (fraction + ahead > limit) return false;
+    if (fraction + ahead > 1.0) return false;
     const bool met = room <= 0.125 * stand_off_m;
     if (!met && step < kMaxNewtonSteps) {
       fraction += ahead;
+      // Only where it has not met yet: of two that meet at once neither may hide the other.
+      if (fraction > limit) return false;
       continue;
     }
     hit.normal = nearest.direction;

@@ -3,7 +3,7 @@
 #include "haptics/accuracy.h"
 
 #include <algorithm>
-#include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -37,8 +37,8 @@ std::vector<Vec3> wander(Random& random, int count) {
 }
 
 std::vector<ProxyState> follow(const ContactWorld& world, const Accuracy& accuracy,
-                               const std::vector<Vec3>& goals_m) {
-  GodObject god_object(world, {.radius_m = 0.0, .accuracy = accuracy});
+                               const std::vector<Vec3>& goals_m, double radius_m = 0.0) {
+  GodObject god_object(world, {.radius_m = radius_m, .accuracy = accuracy});
   god_object.place(goals_m.front());
   std::vector<ProxyState> states;
   for (const Vec3& goal : goals_m) states.push_back(god_object.move_to(goal));
@@ -147,14 +147,16 @@ TEST(Iterations, CutShortAreFeasibleMonotoneAndSaidToBe) {
 TEST(Candidates, KeptOrNotGiveTheSameBits) {
   Random random(84);
   const TriangleMesh sphere = icosphere(4, 0.1);
-  const OwnedWorld world({sphere.positions_m, sphere.triangles});
-  const std::vector<Vec3> goals_m = wander(random, 5000);
-  Accuracy searching;
-  searching.reuse_candidates = false;
-  const auto kept = follow(world.world(), {}, goals_m);
-  const auto searched = follow(world.world(), searching, goals_m);
-  for (std::size_t n = 0; n < goals_m.size(); ++n) {
-    ASSERT_EQ(kept[n].proxy, searched[n].proxy) << "tick " << n;
+  for (const double radius_m : {0.0, 3e-3}) {
+    const OwnedWorld world({sphere.positions_m, sphere.triangles}, {}, radius_m);
+    const std::vector<Vec3> goals_m = wander(random, 3000);
+    Accuracy searching;
+    searching.reuse_candidates = false;
+    const auto kept = follow(world.world(), {}, goals_m, radius_m);
+    const auto searched = follow(world.world(), searching, goals_m, radius_m);
+    for (std::size_t n = 0; n < goals_m.size(); ++n) {
+      ASSERT_EQ(kept[n].proxy, searched[n].proxy) << "tick " << n << " radius " << radius_m;
+    }
   }
 }
 

@@ -228,6 +228,20 @@ TEST(GodObject, LiftsAStartExactlyOnTheSurfaceToTheFront) {
   }
 }
 
+// Far out there is nothing to touch, however fast the proxy gets there.
+TEST(GodObject, IsFreeBeyondTheBoundsOfTheWorld) {
+  for (const double radius : {0.0, 0.05}) {
+    const OwnedWorld world(box_soup(Vec3::Constant(0.5)), {}, radius);
+    SceneProxy proxy(world, radius);
+    proxy.place({1.0, 0.013, 0.021});
+    for (const double x : {1.4, 1.9, 2.7, 3.6, 4.5, 3.0, 1.2}) {
+      const ProxyState state = proxy.move_to({x, 0.013, 0.021});
+      EXPECT_FALSE(state.in_contact) << x;
+      EXPECT_EQ(state.proxy, Vec3(x, 0.013, 0.021));
+    }
+  }
+}
+
 // A device with two sensors: the solver works in a plane.
 TEST(GodObject, KeepsToThePlaneOfMotion) {
   Random random(17);
