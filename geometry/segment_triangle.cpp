@@ -39,22 +39,44 @@ std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Ve
   return sides;
 }
 
+// Whether a segment and a triangle in one plane meet: exact. They are apart if a line along one of
+// their edges separates them, and a plane through that line and a point off theirs tells the sides.
+bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q) {
+  int axis = 0;
+  t.normal.cwiseAbs().maxCoeff(&axis);
+  const auto off_plane = [axis](const Vec3& from, const Vec3& to) {
+    Vec3 point = from;
+    point[axis] += (to - from).cwiseAbs().maxCoeff();
+    return point;
+  };
+  const std::array<const Vec3*, 5> corners = {&t.a, &t.b, &t.c, &t.a, &t.b};
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vec3& from = *corners[e];
+    const Vec3& to = *corners[e + 1];
+    const Vec3 off = off_plane(from, to);
+    const int inside = orientation(from, to, off, *corners[e + 2]);
+    if (orientation(from, to, off, p) * inside < 0 && orientation(from, to, off, q) * inside < 0) {
+      return false;
+    }
+  }
+  const Vec3 off = off_plane(p, q);
+  const int a = orientation(p, q, off, t.a);
+  return a == 0 || orientation(p, q, off, t.b) != a || orientation(p, q, off, t.c) != a;
+}
+
 // The segment lies in the plane of the triangle to the last bit: clips it against the three edges
-// and reports where it comes in. Errs on the side of meeting.
+// and reports where it comes in, up to rounding.
 void cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                     SegmentCrossing& crossing) {
+  if (!meets_in_plane(t, p, q)) return;
   double enter = 0.0;
-  double leave = 1.0;
   bool from_outside = false;
-  const Vec3 d = q - p;
   const std::array<const Vec3*, 4> corners = {&t.a, &t.b, &t.c, &t.a};
   for (std::size_t e = 0; e < 3; ++e) {
     const Vec3 outward = (*corners[e + 1] - *corners[e]).cross(t.normal).normalized();
     const double start = outward.dot(p - *corners[e]);
     const double end = outward.dot(q - *corners[e]);
     const double slope = end - start;
-    const double bound = kHeightRoundoff * (norm1(p - *corners[e]) + norm1(d));
-    if (start > bound && end > bound) return;
     if (start > 0.0 && slope < 0.0) {
       const double at = std::min(1.0, start / -slope);
       if (!from_outside || at > enter) {
@@ -63,11 +85,8 @@ void cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
         crossing.edge_normal = outward;
         crossing.edge_point = *corners[e];
       }
-    } else if (slope > 0.0) {
-      leave = std::min(leave, std::max(0.0, -start / slope));
     }
   }
-  if (enter > leave) return;
   crossing.kind = from_outside ? SegmentCrossing::Kind::kEdgeOn : SegmentCrossing::Kind::kWithin;
   crossing.fraction = enter;
 }

@@ -30,7 +30,7 @@ struct SegmentCrossing {
   Vec3 edge_point = Vec3::Zero();   // kEdgeOn: a corner on that edge
 };
 
-// Any frame, metres. Whether they meet, and from which side, is decided exactly; fraction and
+// Any frame, metres. Whether they meet, and from which side, is decided exactly; fraction, edge and
 // heights are rounded. The plane is that of the three corners. noexcept, no allocation.
 SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& q) noexcept;
 
