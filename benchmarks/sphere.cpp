@@ -14,7 +14,7 @@ std::optional<Scene> compile_sphere(int subdivisions, double proxy_radius_m) {
   description.meshes.push_back({"sphere", std::move(mesh.positions_m), std::move(mesh.triangles)});
   description.nodes.emplace_back();
   description.nodes.back().name = "sphere";
-  description.node_count = 1;
+  description.tree.resize(1);
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   Result<Scene> scene = Scene::compile(std::move(description), settings);

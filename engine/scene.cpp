@@ -64,7 +64,7 @@ Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings
 
 Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& settings) {
   Scene scene;
-  scene.statistics_.nodes = description.node_count;
+  scene.statistics_.nodes = description.tree.size();
   scene.statistics_.meshes = description.meshes.size();
   scene.statistics_.parse_ms = description.parse_ms;
   scene.statistics_.warnings = std::move(description.warnings);

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "geometry/result.h"
 #include "geometry/types.h"
 #include "io/gltf_buffers.h"
@@ -20,6 +22,7 @@ namespace palpate {
 // offsets are not to be trusted.
 struct GltfAsset {
   const tinygltf::Model& model;
+  const nlohmann::json& json;  // the whole of it: checked as far as the model goes, no farther
   GltfBuffers& buffers;
   bool mesh_quantization = false;  // integer positions are allowed
 };

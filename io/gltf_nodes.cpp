@@ -81,14 +81,16 @@ std::vector<int> scene_roots(const tinygltf::Model& model, const std::vector<int
 struct PendingNode {
   std::size_t node = 0;
   std::size_t depth = 1;
+  std::optional<std::uint32_t> tree_parent;
   AffineTransform T_scene_parent;
 };
 
 // Last in, first out, so the first of the list must be pushed last.
-void push_all(const std::vector<int>& nodes, std::size_t depth,
-              const AffineTransform& T_scene_parent, std::vector<PendingNode>& pending) {
+void push_all(const std::vector<int>& nodes, const PendingNode& common,
+              std::vector<PendingNode>& pending) {
   for (auto id = nodes.rbegin(); id != nodes.rend(); ++id) {
-    pending.push_back({static_cast<std::size_t>(*id), depth, T_scene_parent});
+    pending.push_back(common);
+    pending.back().node = static_cast<std::size_t>(*id);
   }
 }
 
@@ -99,7 +101,7 @@ Result<PlacedNode> place(const tinygltf::Model& model, const PendingNode& pendin
   }
   const auto T_parent_node = local_transform(model.nodes[pending.node], pending.node);
   if (!T_parent_node) return T_parent_node.error();
-  const PlacedNode placed{pending.node, pending.T_scene_parent * *T_parent_node};
+  const PlacedNode placed{pending.node, 0, pending.T_scene_parent * *T_parent_node};
   if (!placed.T_scene_node.all_finite()) {
     return gltf_invalid(gltf_element("nodes", pending.node),
                         "its transform, with those of its ancestors, overflows");
@@ -117,7 +119,7 @@ Result<GltfNodeWalk> walk_nodes(const tinygltf::Model& model, std::vector<std::s
   GltfNodeWalk walk;
   std::vector<bool> visited(model.nodes.size(), false);
   std::vector<PendingNode> pending;
-  push_all(scene_roots(model, *parents, warnings), 1, {}, pending);
+  push_all(scene_roots(model, *parents, warnings), {}, pending);
   while (!pending.empty()) {
     const PendingNode next = std::move(pending.back());
     pending.pop_back();
@@ -125,12 +127,15 @@ Result<GltfNodeWalk> walk_nodes(const tinygltf::Model& model, std::vector<std::s
       return gltf_invalid(gltf_element("nodes", next.node), "is reached twice in the same scene");
     }
     visited[next.node] = true;
-    const auto placed = place(model, next);
+    auto placed = place(model, next);
     if (!placed) return placed.error();
     const tinygltf::Node& node = model.nodes[next.node];
-    ++walk.node_count;
+    placed->tree_node = static_cast<std::uint32_t>(walk.tree.size());
+    walk.tree.push_back({node.name.empty() ? "node " + std::to_string(next.node) : node.name,
+                         static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
+                         placed->T_scene_node.translation_m});
     if (node.mesh >= 0) walk.mesh_nodes.push_back(*placed);
-    push_all(node.children, next.depth + 1, placed->T_scene_node, pending);
+    push_all(node.children, {0, next.depth + 1, placed->tree_node, placed->T_scene_node}, pending);
   }
   return walk;
 }

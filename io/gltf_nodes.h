@@ -8,6 +8,7 @@
 
 #include "geometry/result.h"
 #include "io/gltf_transform.h"
+#include "io/scene_description.h"
 
 namespace tinygltf {
 class Model;
@@ -16,13 +17,14 @@ class Model;
 namespace palpate {
 
 struct PlacedNode {
-  std::size_t node = 0;
+  std::size_t node = 0;          // in the file
+  std::uint32_t tree_node = 0;   // index into GltfNodeWalk::tree
   AffineTransform T_scene_node;  // the product of the ancestors; finite
 };
 
 struct GltfNodeWalk {
   std::vector<PlacedNode> mesh_nodes;  // those that carry a mesh, depth first in file order
-  std::size_t node_count = 0;          // all nodes of the scene
+  std::vector<TreeNode> tree;          // all nodes of the scene, depth first in file order
 };
 
 // The ids in the model must be within range (see gltf_schema.h). Refused: a node with two parents,

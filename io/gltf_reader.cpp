@@ -122,9 +122,9 @@ class SceneReader {
   }
 
   Result<SceneDescription> run() {
-    const auto walk = walk_nodes(asset_.model, scene_.warnings);
+    auto walk = walk_nodes(asset_.model, scene_.warnings);
     if (!walk) return walk.error();
-    scene_.node_count = walk->node_count;
+    scene_.tree = std::move(walk->tree);
     for (const PlacedNode& placed : walk->mesh_nodes) {
       if (auto error = add_node(placed)) return *error;
     }
@@ -141,7 +141,8 @@ class SceneReader {
     const tinygltf::Node& node = asset_.model.nodes[placed.node];
     const std::string element = gltf_element("nodes", placed.node);
     NodeDescription description;
-    description.name = node.name.empty() ? "node " + std::to_string(placed.node) : node.name;
+    description.name = scene_.tree[placed.tree_node].name;
+    description.tree_node = placed.tree_node;
     description.linear_scene_mesh = placed.T_scene_node.linear;
     description.translation_m = placed.T_scene_node.translation_m;
     if (description.linear_scene_mesh.isZero(0.0)) {
@@ -149,9 +150,9 @@ class SceneReader {
       return std::nullopt;
     }
     if (is_singular(description.linear_scene_mesh)) {
-      return gltf_error(ErrorCode::kUnsupported, element,
-                        "its transform, with those of its ancestors, flattens the mesh",
-                        "apply the scale to the mesh, or use a scale that is not zero");
+      warn(element, description.name,
+           "is left out: its transform, with those of its ancestors, flattens the mesh");
+      return std::nullopt;
     }
     const auto mesh = mesh_index(static_cast<std::size_t>(node.mesh));
     if (!mesh) return mesh.error();
@@ -196,11 +197,10 @@ class SceneReader {
   std::map<std::size_t, std::optional<std::uint32_t>> meshes_;  // by id in the file
 };
 
-// As read_gltf, but with Error::path empty where a part deeper down has not filled it.
-Result<SceneDescription> read_asset(const std::string& path) {
-  const auto file = read_regular_file(path, kMaxGltfFileBytes);
-  if (!file) return file.error();
-  const auto container = split_container(*file);
+// As read_gltf_bytes, but it may throw, and Error::path is empty.
+Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
+                                    const std::string& folder) {
+  const auto container = split_container(bytes);
   if (!container) return container.error();
   const auto root = parse_json(container->json);
   if (!root) return root.error();
@@ -209,15 +209,14 @@ Result<SceneDescription> read_asset(const std::string& path) {
   if (!extensions) return extensions.error();
   auto sections = checked_sections(*root);
   if (!sections) return sections.error();
-  GltfBuffers buffers(take_buffers(*sections), container->bin_chunk,
-                      std::filesystem::path(path).parent_path().string());
+  GltfBuffers buffers(take_buffers(*sections), container->bin_chunk, folder);
   const auto model = load_model(*sections);
   if (!model) return model.error();
   std::vector<std::string> warnings = std::move(extensions->warnings);
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
-  const GltfAsset asset{*model, buffers, extensions->mesh_quantization};
+  const GltfAsset asset{*model, *root, buffers, extensions->mesh_quantization};
   return SceneReader(asset, std::move(warnings)).run();
 }
 
@@ -228,22 +227,31 @@ Error with_path(Error error, const std::string& path) {
 
 }  // namespace
 
-Result<SceneDescription> read_gltf(const std::string& path) {
-  const auto start = std::chrono::steady_clock::now();
+Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
+                                         const std::string& folder, const std::string& name) {
   try {
-    auto scene = read_asset(path);
-    if (!scene) return with_path(scene.error(), path);
-    scene->path = path;
-    const std::chrono::duration<double, std::milli> elapsed =
-        std::chrono::steady_clock::now() - start;
-    scene->parse_ms = elapsed.count();
+    auto scene = read_asset(bytes, folder);
+    if (!scene) return with_path(scene.error(), name);
+    scene->path = name;
     return scene;
   } catch (const std::bad_alloc&) {
     return with_path(gltf_error(ErrorCode::kLimitExceeded, {}, "there is not enough memory for it"),
-                     path);
+                     name);
   } catch (const std::exception& exception) {
-    return with_path(gltf_invalid({}, std::string("cannot be read: ") + exception.what()), path);
+    return with_path(gltf_invalid({}, std::string("cannot be read: ") + exception.what()), name);
   }
+}
+
+Result<SceneDescription> read_gltf(const std::string& path) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto file = read_regular_file(path, kMaxGltfFileBytes);
+  if (!file) return with_path(file.error(), path);
+  auto scene = read_gltf_bytes(*file, std::filesystem::path(path).parent_path().string(), path);
+  if (!scene) return scene;
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  scene->parse_ms = elapsed.count();
+  return scene;
 }
 
 }  // namespace palpate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "geometry/result.h"
@@ -18,5 +20,10 @@ namespace palpate {
 // warning. Skins and morph targets are left out with a warning; what is beyond gltf_limits.h is
 // refused. Not for the haptic thread. Thread-safe.
 Result<SceneDescription> read_gltf(const std::string& path);
+
+// The same for an asset in memory. folder: where external buffers may lie. name: what errors call
+// the asset. SceneDescription::parse_ms is not set.
+Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
+                                         const std::string& folder, const std::string& name);
 
 }  // namespace palpate

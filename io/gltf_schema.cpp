@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_error.h"
+#include "io/gltf_json.h"
 #include "io/gltf_limits.h"
 
 namespace palpate {
@@ -30,8 +31,6 @@ enum class Kind {
   kStride,         // 4 to 252 in steps of 4
 };
 
-// Sizes in 64 bits stay exact as doubles up to here; buffers are far smaller.
-constexpr std::uint64_t kMaxWhole = std::uint64_t{1} << 53;
 constexpr std::uint64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
 
 struct Property {
@@ -39,7 +38,7 @@ struct Property {
   Kind kind;
   bool required = false;
   const char* target = "";
-  std::uint64_t maximum = kMaxWhole;
+  std::uint64_t maximum = kMaxGltfWhole;
 };
 
 constexpr Property kSceneProperties[] = {
@@ -95,24 +94,6 @@ constexpr Property kBufferProperties[] = {
     {"uri", Kind::kText},
 };
 
-std::optional<std::uint64_t> whole_number(const Json& value) {
-  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
-  if (!value.is_number_float()) return std::nullopt;
-  const double number = value.get<double>();
-  if (!(number >= 0.0) || number > static_cast<double>(kMaxWhole) || std::trunc(number) != number) {
-    return std::nullopt;
-  }
-  return static_cast<std::uint64_t>(number);
-}
-
-Error expected(const std::string& element, const Json& found, const std::string& what) {
-  const std::string text =
-      found.is_structured()
-          ? (found.is_array() ? "an array" : "an object")
-          : found.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60);
-  return gltf_invalid(element, "is " + text + "; expected " + what);
-}
-
 class Checker {
  public:
   explicit Checker(const Json& root) : root_(root) {}
@@ -124,7 +105,7 @@ class Checker {
     for (const char* name : kSections) {
       const auto section = root_.find(name);
       if (section != root_.end() && !section->is_array()) {
-        return expected(std::string("/") + name, *section, "an array");
+        return gltf_expected(std::string("/") + name, *section, "an array");
       }
     }
     Json sections = Json::object();
@@ -158,7 +139,7 @@ class Checker {
     for (std::size_t i = 0; i < section->size(); ++i) {
       const std::string element = gltf_element(name, i);
       const Json& object = (*section)[i];
-      if (!object.is_object()) return expected(element, object, "an object");
+      if (!object.is_object()) return gltf_expected(element, object, "an object");
       Json copy = Json::object();
       if (auto error = check_object(name, object, element, copy)) return error;
       copies.push_back(std::move(copy));
@@ -193,7 +174,7 @@ class Checker {
       return gltf_invalid(element + "/primitives", "is missing; expected an array");
     }
     if (!primitives->is_array()) {
-      return expected(element + "/primitives", *primitives, "an array");
+      return gltf_expected(element + "/primitives", *primitives, "an array");
     }
     Json& copies = copy["primitives"] = Json::array();
     for (std::size_t i = 0; i < primitives->size(); ++i) {
@@ -206,7 +187,7 @@ class Checker {
   }
 
   MaybeError check_primitive(const Json& primitive, const std::string& element, Json& copy) {
-    if (!primitive.is_object()) return expected(element, primitive, "an object");
+    if (!primitive.is_object()) return gltf_expected(element, primitive, "an object");
     if (auto error = copy_properties(primitive, element, kPrimitiveProperties, copy)) return error;
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end()) {
@@ -217,7 +198,7 @@ class Checker {
     }
     const auto targets = primitive.find("targets");
     if (targets == primitive.end()) return std::nullopt;
-    if (!targets->is_array()) return expected(element + "/targets", *targets, "an array");
+    if (!targets->is_array()) return gltf_expected(element + "/targets", *targets, "an array");
     Json& copies = copy["targets"] = Json::array();
     for (std::size_t i = 0; i < targets->size(); ++i) {
       const std::string path = element + "/targets/" + std::to_string(i);
@@ -227,7 +208,7 @@ class Checker {
   }
 
   MaybeError copy_attributes(const Json& attributes, const std::string& element, Json& copy) {
-    if (!attributes.is_object()) return expected(element, attributes, "an object");
+    if (!attributes.is_object()) return gltf_expected(element, attributes, "an object");
     copy = Json::object();
     for (const auto& [name, value] : attributes.items()) {
       const Property property{name.c_str(), Kind::kId, true, "accessors"};
@@ -241,7 +222,7 @@ class Checker {
     const auto sparse = accessor.find("sparse");
     if (sparse == accessor.end()) return std::nullopt;
     const std::string path = element + "/sparse";
-    if (!sparse->is_object()) return expected(path, *sparse, "an object");
+    if (!sparse->is_object()) return gltf_expected(path, *sparse, "an object");
     Json& sparse_copy = copy["sparse"] = Json::object();
     if (auto error = copy_properties(*sparse, path, kSparseProperties, sparse_copy)) return error;
     if (auto error = copy_part(*sparse, path, "indices", kSparseIndicesProperties, sparse_copy)) {
@@ -256,7 +237,7 @@ class Checker {
     const std::string element = parent_element + "/" + name;
     const auto part = parent.find(name);
     if (part == parent.end()) return gltf_invalid(element, "is missing; expected an object");
-    if (!part->is_object()) return expected(element, *part, "an object");
+    if (!part->is_object()) return gltf_expected(element, *part, "an object");
     Json& copy = parent_copy[name] = Json::object();
     return copy_properties(*part, element, properties, copy);
   }
@@ -287,11 +268,11 @@ class Checker {
       case Kind::kNumbers:
         return copy_numbers(value, element, property.maximum, copy);
       case Kind::kFlag:
-        if (!value.is_boolean()) return expected(element, value, "true or false");
+        if (!value.is_boolean()) return gltf_expected(element, value, "true or false");
         copy = value;
         return std::nullopt;
       case Kind::kText:
-        if (!value.is_string()) return expected(element, value, "a string");
+        if (!value.is_string()) return gltf_expected(element, value, "a string");
         copy = value;
         return std::nullopt;
       case Kind::kAccessorType:
@@ -309,9 +290,9 @@ class Checker {
     const auto id = whole_number(value);
     const std::size_t count = section_size(property.target);
     if (!id || *id >= count) {
-      return expected(element, value,
-                      std::string("an index into /") + property.target + ", which has " +
-                          std::to_string(count) + " elements");
+      return gltf_expected(element, value,
+                           std::string("an index into /") + property.target + ", which has " +
+                               std::to_string(count) + " elements");
     }
     copy = *id;
     return std::nullopt;
@@ -319,7 +300,7 @@ class Checker {
 
   MaybeError copy_ids(const Json& value, const std::string& element, const Property& property,
                       Json& copy) {
-    if (!value.is_array()) return expected(element, value, "an array");
+    if (!value.is_array()) return gltf_expected(element, value, "an array");
     copy = Json::array();
     for (std::size_t i = 0; i < value.size(); ++i) {
       Json id;
@@ -335,7 +316,7 @@ class Checker {
                                Json& copy) {
     const auto number = whole_number(value);
     if (!number || *number > maximum) {
-      return expected(element, value, "a whole number from 0 to " + std::to_string(maximum));
+      return gltf_expected(element, value, "a whole number from 0 to " + std::to_string(maximum));
     }
     copy = *number;
     return std::nullopt;
@@ -351,7 +332,7 @@ class Checker {
     }
     for (std::size_t i = 0; i < value.size(); ++i) {
       if (!value[i].is_number() || !std::isfinite(value[i].get<double>())) {
-        return expected(element + "/" + std::to_string(i), value[i], "a finite number");
+        return gltf_expected(element + "/" + std::to_string(i), value[i], "a finite number");
       }
     }
     copy = value;
@@ -365,13 +346,13 @@ class Checker {
         return std::nullopt;
       }
     }
-    return expected(element, value, "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
+    return gltf_expected(element, value, "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
   }
 
   static MaybeError copy_component_type(const Json& value, const std::string& element, Json& copy) {
     const auto type = whole_number(value);
     if (!type || *type < 5120 || *type > 5126 || *type == 5124) {
-      return expected(element, value, "5120, 5121, 5122, 5123, 5125 or 5126");
+      return gltf_expected(element, value, "5120, 5121, 5122, 5123, 5125 or 5126");
     }
     copy = *type;
     return std::nullopt;
@@ -380,7 +361,7 @@ class Checker {
   static MaybeError copy_stride(const Json& value, const std::string& element, Json& copy) {
     const auto stride = whole_number(value);
     if (!stride || *stride < 4 || *stride > 252 || *stride % 4 != 0) {
-      return expected(element, value, "a multiple of 4 from 4 to 252");
+      return gltf_expected(element, value, "a multiple of 4 from 4 to 252");
     }
     copy = *stride;
     return std::nullopt;

@@ -4,38 +4,67 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "geometry/types.h"
+#include "io/material_description.h"
 
 namespace palpate {
 
-// The triangles of one glTF mesh, its primitives appended in file order.
-struct MeshDescription {
-  std::string name;
-  std::vector<Vec3> positions;      // mesh frame, metres, as in the file (float values)
-  std::vector<Triangle> triangles;  // indices into positions
+// Where triangles of one primitive begin in a mesh, and what they are made of.
+struct MaterialRun {
+  std::uint32_t first_triangle = 0;
+  std::optional<std::uint32_t> material;  // index into SceneDescription::materials
 };
 
-// One node of the default scene that carries a mesh.
+// The triangles of one glTF mesh, its primitives appended in file order. A mesh that is posed in
+// two ways, by skins or morph weights, is two of these.
+struct MeshDescription {
+  std::string name;
+  std::vector<Vec3> positions;                  // mesh frame, metres, as in the file or as posed
+  std::vector<Triangle> triangles;              // indices into positions
+  std::vector<MaterialRun> material_runs = {};  // in rising order; each lasts until the next begins
+  std::optional<std::uint32_t> haptic_material =
+      {};  // index into SceneDescription::haptic_materials
+};
+
+// A node of the scene that is read, with or without a mesh.
+struct TreeNode {
+  std::string name;                     // "node 7" when the file gives none
+  std::uint32_t file_index = 0;         // in /nodes
+  std::optional<std::uint32_t> parent;  // index into SceneDescription::tree, a lower one
+  bool has_mesh = false;
+  Vec3 origin_m = Vec3::Zero();  // of the node's frame, in the scene frame
+};
+
+// A mesh in its place: one for each node that carries a mesh with triangles, or for each instance
+// that such a node asks for.
 struct NodeDescription {
-  std::string name;        // "node 7" when the file gives none
+  std::string name;        // that of the node; instances have their number behind it
   std::uint32_t mesh = 0;  // index into SceneDescription::meshes
   // p_scene = linear * p_mesh + translation_m, the product of the node's ancestors in double.
   // Any non-singular linear part: scale, mirror and shear included.
   Mat3 linear_scene_mesh = Mat3::Identity();
   Vec3 translation_m = Vec3::Zero();
+  std::uint32_t tree_node = 0;  // index into SceneDescription::tree
+  std::optional<std::uint32_t> physics_material =
+      {};  // index into SceneDescription::physics_materials
 };
 
 struct SceneDescription {
-  std::string path;                     // the file, as the caller named it
-  std::vector<MeshDescription> meshes;  // those of the nodes below, each once, none empty
-  std::vector<NodeDescription> nodes;   // those with triangles, in depth-first file order
-  std::size_t node_count = 0;           // nodes of the scene, with or without a mesh
-  std::vector<std::string> warnings;    // one line each
+  std::string path;                            // the file, as the caller named it
+  std::vector<MeshDescription> meshes;         // those of the nodes below, each once, none empty
+  std::vector<NodeDescription> nodes;          // in depth-first file order
+  std::vector<TreeNode> tree;                  // all nodes of the scene, depth first in file order
+  std::vector<MaterialDescription> materials;  // those that triangles refer to
+  std::vector<PhysicsMaterialDescription> physics_materials;
+  std::vector<HapticMaterialDescription> haptic_materials;
+  std::vector<std::string> notes;     // what the reader decided, one line each: the pose it took
+  std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;
 };
 

@@ -68,7 +68,7 @@ SceneDescription description_of(std::vector<MeshDescription> meshes,
                                 std::vector<NodeDescription> nodes) {
   SceneDescription description;
   description.path = "made.glb";
-  description.node_count = nodes.size();
+  description.tree.resize(nodes.size());
   description.meshes = std::move(meshes);
   description.nodes = std::move(nodes);
   return description;
@@ -521,7 +521,7 @@ TEST(Scene, TakesTheCountsAndWarningsOfTheFileOver) {
   Random random(19);
   SceneDescription description =
       description_of({bent_octahedron(random)}, {{"n", 0, Mat3::Identity(), Vec3::Zero()}});
-  description.node_count = 7;
+  description.tree.resize(7);
   description.warnings = {"something of the file"};
   description.parse_ms = 12.5;
   const auto scene = Scene::compile(std::move(description));
