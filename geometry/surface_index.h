@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/box.h"
 #include "geometry/surface_mesh.h"
 #include "geometry/triangle.h"
 #include "geometry/triangle_pack.h"
@@ -16,21 +17,7 @@
 
 namespace palpate {
 
-// An axis-aligned box in the frame of the index, metres.
-struct Box {
-  Vec3 low, high;
-  double squared_distance(const Vec3& p) const {
-    return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
-  }
-  bool contains(const Vec3& p) const {
-    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
-  }
-  Box grown(double margin) const {
-    return {(low.array() - margin).matrix(), (high.array() + margin).matrix()};
-  }
-  // Narrows [enter, leave] to the part of p + [enter, leave] d inside; false if there is none.
-  bool clip(const Vec3& p, const Vec3& d, double& enter, double& leave) const;
-};
+class EmbreeBoxes;
 
 // A point of the surface.
 struct SurfacePoint {
@@ -72,17 +59,13 @@ using PackVisitor = double (*)(void* state, std::span<const std::uint32_t> packs
 // its origin near the middle of the surface: then nothing is lost to large coordinates. Embree's
 // BVH finds clusters of sixteen packs of sixteen triangles; within those, boxes and then triangles
 // are sorted out sixteen at a time. All that is single precision and only narrows the search: boxes
-// are grown by kFloatMarginUlps ulp of the largest float coordinate, and every answer is decided on
+// are grown by the roundings (kFloatMarginUlps), and every answer is decided on
 // double vertices.
 //
 // Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. Query points
 // must be finite.
 class SurfaceIndex {
  public:
-  // How far a float box may be off: rounding of the box (1 ulp), of a query point inside it (1), of
-  // a ray's origin, direction and end (4), with as much again in hand.
-  static constexpr int kFloatMarginUlps = 12;
-
   // sweep_radius_m: largest radius that visit_segment() will be asked for.
   explicit SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map = {},
                         double sweep_radius_m = 0.0);
@@ -134,11 +117,7 @@ class SurfaceIndex {
   std::size_t memory_bytes() const;
 
  private:
-  struct EmbreeScene;
-
-  void build_clusters(std::vector<Box>& cluster_bounds);
-  void build_embree_scene(const std::vector<Box>& cluster_bounds);
-  double point_margin_m(const Vec3& p) const;
+  std::vector<Box> build_clusters();
 
   PackedSurface surface_;
   std::vector<BoxPack> cluster_boxes_;
@@ -147,7 +126,7 @@ class SurfaceIndex {
   double float_margin_m_ = 0.0;
   double mean_pack_diagonal_m_ = 0.0;
   double largest_pack_reach_m_ = 0.0;
-  std::unique_ptr<EmbreeScene> scene_;
+  std::unique_ptr<EmbreeBoxes> clusters_;
 };
 
 }  // namespace palpate

@@ -1,0 +1,48 @@
+#pragma once
+
+// Which of many boxes are near a point or on the way of a segment.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/box.h"
+
+namespace palpate {
+
+class EmbreeBoxes;
+
+// An immutable BVH over axis-aligned boxes in one frame, metres, which should have its origin near
+// their middle. Answers in single precision, on the safe side: a box may be reported that is a
+// rounding too far away, none is missed.
+//
+// Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread; they may be
+// made from inside a visitor of another tree or index. Query points must be finite.
+class BoxTree {
+ public:
+  // sweep_radius_m: the largest radius that visit_along() will be asked for.
+  BoxTree(const std::vector<Box>& boxes, double sweep_radius_m);
+  ~BoxTree();
+  BoxTree(const BoxTree&) = delete;
+  BoxTree& operator=(const BoxTree&) = delete;
+
+  // Told of a box by its index; returns whether more are wanted. Must not throw.
+  using NearVisitor = bool (*)(void* state, std::uint32_t box);
+  // Visits the boxes that come within radius_m of p.
+  void visit_near(const Vec3& p, double radius_m, NearVisitor visitor, void* state) const noexcept;
+
+  // Told of a box by its index; returns the fraction of the segment beyond which boxes are of no
+  // interest any more (1 to see them all). Must not throw.
+  using AlongVisitor = double (*)(void* state, std::uint32_t box);
+  // Visits the boxes that come within radius_m <= sweep_radius_m of the segment p to p + d, roughly
+  // in order along it. A segment of no length visits nothing.
+  void visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,
+                   void* state) const noexcept;
+
+ private:
+  Box bounds_;  // around all boxes, with all margins
+  double sweep_radius_m_;
+  std::unique_ptr<EmbreeBoxes> boxes_;
+};
+
+}  // namespace palpate
