@@ -33,9 +33,9 @@ float round_high(double x) {
   return -round_low(-x);
 }
 
-double finest_pack_diagonal(const ContactWorld& world) {
-  double finest = world.size_m;
-  for (const ContactBody& body : world.bodies) {
+double finest_pack_diagonal(const LiveWorld& world) {
+  double finest = world.size_m();
+  for (const ContactBody& body : world.bodies()) {
     if (body.index->pack_count() > 0) {
       finest = std::min(finest, body.index->mean_pack_diagonal_m());
     }
@@ -45,7 +45,7 @@ double finest_pack_diagonal(const ContactWorld& world) {
 
 }  // namespace
 
-CandidateCache::CandidateCache(const ContactWorld& world, double reach_m)
+CandidateCache::CandidateCache(const LiveWorld& world, double reach_m)
     : world_(&world),
       reach_m_(reach_m),
       usual_ball_m_(kBallPerPackDiagonal * finest_pack_diagonal(world)) {}
@@ -57,42 +57,50 @@ bool CandidateCache::refill(const Vec3& p, const Vec3& ahead) noexcept {
   for (int halving = 0; halving <= kMostHalvings; ++halving, radius *= 0.5) {
     if (fill_ball(p + kLead * radius * direction, radius)) return true;
   }
-  squared_radius_m2_ = -1.0;
-  body_count_ = 0;
+  forget();
   return false;
 }
 
 bool CandidateCache::fill_ball(const Vec3& centre, double radius_m) noexcept {
   centre_ = centre;
+  radius_m_ = radius_m;
   squared_radius_m2_ = radius_m * radius_m;
   body_count_ = 0;
   std::size_t used = 0;
-  for (std::uint32_t b = 0; b < world_->bodies.size(); ++b) {
-    const ContactBody& body = world_->bodies[b];
-    const Vec3 centre_body = body.to_body(centre);
-    const double reach_m = radius_m + reach_m_;
-    const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
-    const std::size_t count = body.index->packs_near(centre_body, reach_m, room);
-    if (count > room.size()) return false;
-    if (count == 0) continue;
-    BodyCandidates& candidates = bodies_[body_count_];
-    candidates.body = b;
-    candidates.first = static_cast<std::uint32_t>(used);
-    candidates.count = static_cast<std::uint32_t>(count);
-    for (int k = 0; k < 3; ++k) {
-      candidates.low[k] = round_low(centre_body[k] - reach_m);
-      candidates.high[k] = round_high(centre_body[k] + reach_m);
-    }
-    keep_boxes(candidates);
-    ++body_count_;
-    used = (used + count + kLanes - 1) / kLanes * kLanes;
+  bool fits = true;
+  world_->visit_resting_near(centre, radius_m + reach_m_, [&](std::uint32_t b) {
+    fits = add_body(b, used);
+    return fits;
+  });
+  return fits;
+}
+
+// Adds the packs of one body that are near the ball; false if there is no room for them.
+bool CandidateCache::add_body(std::uint32_t b, std::size_t& used) noexcept {
+  const ContactBody& body = world_->body(b);
+  const Vec3 centre_body = body.to_body(centre_);
+  const double reach_m = radius_m_ + reach_m_;
+  const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
+  const std::size_t count = body.index->packs_near(centre_body, reach_m, room);
+  if (count > room.size()) return false;
+  if (count == 0) return true;
+  BodyCandidates& candidates = bodies_[body_count_];
+  candidates.body = b;
+  candidates.first = static_cast<std::uint32_t>(used);
+  candidates.count = static_cast<std::uint32_t>(count);
+  for (int k = 0; k < 3; ++k) {
+    candidates.low[k] = round_low(centre_body[k] - reach_m);
+    candidates.high[k] = round_high(centre_body[k] + reach_m);
   }
+  keep_boxes(candidates);
+  ++body_count_;
+  used = (used + count + kLanes - 1) / kLanes * kLanes;
   return true;
 }
 
 void CandidateCache::keep_boxes(const BodyCandidates& candidates) noexcept {
   const float infinity = std::numeric_limits<float>::infinity();
-  const SurfaceIndex& index = *world_->bodies[candidates.body].index;
+  const SurfaceIndex& index = *world_->body(candidates.body).index;
   for (std::uint32_t i = 0; i < candidates.count || i % kLanes != 0; ++i) {
     BoxPack& to = boxes_[(candidates.first + i) / kLanes];
     const std::uint32_t lane = i % kLanes;

@@ -7,13 +7,13 @@
 #include <span>
 
 #include "geometry/triangle_pack.h"
-#include "haptics/contact_world.h"
+#include "haptics/live_world.h"
 
 namespace palpate {
 
-// Packs that come within a reach of a ball around the proxy: the safe zone. Whatever moves inside
-// the ball can only meet triangles of those packs, so a tick need not search for them: exact, as
-// long as both ends of a step are inside.
+// Packs, of bodies at rest, that come within a reach of a ball around the proxy: the safe zone.
+// Whatever moves inside the ball can only meet triangles of those packs, so a tick need not search
+// for them: exact, as long as both ends of a step are inside.
 //
 // The ball's size goes by the density of the surface, not by the speed of the proxy: a ball that
 // grew with the speed would find half the mesh after a leap.
@@ -23,7 +23,7 @@ class CandidateCache {
   static constexpr std::size_t kCapacity = 256;
 
   // reach_m: how far from the proxy a triangle can matter: its radius and the margins.
-  CandidateCache(const ContactWorld& world, double reach_m);
+  CandidateCache(const LiveWorld& world, double reach_m);
 
   // Whether both points are inside the ball.
   bool covers(const Vec3& p, const Vec3& q) const noexcept { return covers(p) && covers(q); }
@@ -42,6 +42,12 @@ class CandidateCache {
   // Searches anew, with a ball that holds p and extends in the direction `ahead`, where the proxy
   // is going. False, with nothing cached, if there are too many packs.
   bool refill(const Vec3& p, const Vec3& ahead) noexcept;
+
+  // Nothing is covered any more: one of the bodies has begun to move.
+  void forget() noexcept {
+    squared_radius_m2_ = -1.0;
+    body_count_ = 0;
+  }
 
   // The cached packs of the n-th body whose boxes come within the reach of the part of the segment
   // p to p + d that is inside the ball, body frame. Returns how many were written.
@@ -63,13 +69,15 @@ class CandidateCache {
   };
 
   bool fill_ball(const Vec3& centre, double radius_m) noexcept;
+  bool add_body(std::uint32_t b, std::size_t& used) noexcept;
   void keep_boxes(const BodyCandidates& candidates) noexcept;
 
-  const ContactWorld* world_;
+  const LiveWorld* world_;
   double reach_m_;
   double usual_ball_m_;
 
   Vec3 centre_ = Vec3::Zero();
+  double radius_m_ = 0.0;
   double squared_radius_m2_ = -1.0;  // < 0: nothing cached, nothing covered
   std::size_t body_count_ = 0;
   std::array<BodyCandidates, kBoxPacks> bodies_{};

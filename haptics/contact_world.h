@@ -5,18 +5,34 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
+#include "geometry/box_tree.h"
 #include "geometry/surface_index.h"
 #include "geometry/types.h"
 
 namespace palpate {
 
-// A surface placed in the solver frame.
+// A rigid surface placed in the solver frame.
 struct ContactBody {
   const SurfaceIndex* index;  // in the body frame; outlives the world
   RigidTransform T_solver_body;
   bool is_identity;  // the transform changes nothing, not even a bit
+
+  void place(const RigidTransform& T) {
+    T_solver_body = T;
+    is_identity = T.rotation.coeffs() == Quat::Identity().coeffs() && T.translation_m.isZero(0.0);
+  }
+
+  // Around the surface, where the body is: what its own box needs when it is turned. Solver frame.
+  Box box_solver() const {
+    const Box& box = index->box();
+    const Vec3 centre = to_solver(0.5 * (box.low + box.high));
+    const Vec3 half_m = 0.5 * (box.high - box.low);
+    const Vec3 reach_m = T_solver_body.rotation.toRotationMatrix().cwiseAbs() * half_m;
+    return {centre - reach_m, centre + reach_m};
+  }
 
   Vec3 to_body(const Vec3& p_solver) const {
     return is_identity ? p_solver : T_solver_body.inverse_point(p_solver);
@@ -41,6 +57,9 @@ struct ContactWorld {
   Box bounds_solver;  // around all surfaces
   Vec3 anchor_scene_m = Vec3::Zero();
   double size_m = 0.0;  // largest extent of the scene
+  // Over the boxes of the bodies, in their order, solver frame, for sweeps of the largest proxy.
+  // Null in small worlds: all bodies are asked.
+  std::shared_ptr<const BoxTree> tree;
 
   Vec3 to_solver(const Vec3& p_scene) const { return p_scene - anchor_scene_m; }
   Vec3 to_scene(const Vec3& p_solver) const { return p_solver + anchor_scene_m; }

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "haptics/body_push.h"
+
 namespace palpate {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
-// its in-plane normal would have lost half its digits.
-constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
 
 // A step that is stopped is shortened at most so often; then the proxy stays where it is. Each time
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
@@ -52,6 +50,14 @@ std::size_t tangents_round(const FaceContact& from, const FaceContact& to, doubl
 // A contact normal with a larger part than this out of the plane of motion does not belong to it.
 constexpr double kOutOfPlane = 64 * kEpsilon;
 
+// How often bodies that are held back try again in one tick: a chain of so many, each in the way of
+// the next, moves as one.
+constexpr int kMostPushPasses = 4;
+
+bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
+}
+
 // Unit normals that sum to less than their rounding cancel.
 constexpr double kCancelledNormal = 16 * kEpsilon;
 
@@ -62,14 +68,56 @@ constexpr double kSameNormalCosine = 1.0 - 8 * kEpsilon;
 
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
     : settings_(settings),
-      world_bounds_(world.bounds_solver),
-      tracer_(world, settings.radius_m, settings.accuracy) {
+      world_(std::make_unique<LiveWorld>(world)),
+      tracer_(*world_, settings.radius_m, settings.accuracy) {
   step_tolerance_m_ = settings.accuracy.tolerance * scale().stand_off_m;
-  // One size of margin: what lies outside cannot touch anything, and what lies inside has
-  // coordinates of the order of the scene, as the stand-off assumes.
-  world_bounds_ = world_bounds_.grown(world.size_m + 2 * settings.radius_m);
+  take_bounds();
   path_.reserve(1 +
                 kMostCornersPerIteration * static_cast<std::size_t>(settings.accuracy.iterations));
+}
+
+// One size of margin: what lies outside cannot touch anything, and what lies inside has coordinates
+// of the order of the scene, as the stand-off assumes.
+void GodObject::take_bounds() {
+  bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
+}
+
+bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
+  if (!world_->place(body, T_solver_body)) return false;
+  tracer_.forget_candidates();
+  take_bounds();
+  return true;
+}
+
+std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
+                                   const std::optional<Vec3>& motion_plane_normal) noexcept {
+  std::size_t held = motions.size();
+  // One that another was in the way of may get on once that one has moved.
+  for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
+    const std::size_t held_before = held;
+    held = 0;
+    for (const BodyMotion& motion : motions) {
+      if (!move_body(motion, motion_plane_normal)) ++held;
+    }
+    if (held == held_before) break;
+  }
+  take_bounds();
+  return held;
+}
+
+bool GodObject::move_body(const BodyMotion& motion,
+                          const std::optional<Vec3>& motion_plane_normal) noexcept {
+  const RigidTransform before = world_->body(motion.body).T_solver_body;
+  const RigidTransform& after = motion.T_solver_body;
+  if (is_same_pose(before, after)) return true;
+  if (!push_proxy(*world_, tracer_, motion.body, after, motion_plane_normal, proxy_)) return false;
+  settled_ = false;
+  for (int i = 0; i < last_active_count_; ++i) {
+    FaceContact& contact = last_active_[i];
+    if (contact.face.body != motion.body) continue;
+    contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
+  }
+  return true;
 }
 
 void GodObject::place(const Vec3& p) noexcept {
@@ -161,7 +209,7 @@ GodObject::Progress GodObject::take_step() {
   const Vec3& step = projection_.displacement_m;
   if (!is_free && is_none(step)) return Progress::kMoved;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
-  const bool leaves = !world_bounds_.contains(target);
+  const bool leaves = !bounds_.contains(target);
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   if (leaves && is_free) commit(goal_);
@@ -172,7 +220,7 @@ GodObject::Progress GodObject::take_step() {
 double GodObject::leave_bounds(const Vec3& step) const {
   double enter = 0.0;
   double leave = 1.0;
-  return world_bounds_.clip(proxy_, step, enter, leave) ? leave : 1.0;
+  return bounds_.clip(proxy_, step, enter, leave) ? leave : 1.0;
 }
 
 // Goes to the target as far as the way is free. Nothing if all of it is.
@@ -258,13 +306,13 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
 // Takes a proxy that is outside everything straight to where things begin. False if it has reached
 // the goal without meeting anything.
 bool GodObject::enter_bounds() {
-  if (world_bounds_.contains(proxy_)) return true;
+  if (bounds_.contains(proxy_)) return true;
   const Vec3 step = goal_ - proxy_;
   double enter = 0.0;
   double leave = 1.0;
   projection_ = {};
   projection_.solved = true;
-  if (!world_bounds_.clip(proxy_, step, enter, leave)) {
+  if (!bounds_.clip(proxy_, step, enter, leave)) {
     commit(goal_);
     return false;
   }

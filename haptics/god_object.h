@@ -5,12 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "haptics/accuracy.h"
-#include "haptics/contact_world.h"
+#include "haptics/live_world.h"
 #include "haptics/plane_projection.h"
 #include "haptics/segment_tracer.h"
 
@@ -31,6 +32,12 @@ struct ProxyState {
   bool capped = false;  // stopped by Accuracy::iterations before it converged
 };
 
+// Where a body is to be. Solver frame.
+struct BodyMotion {
+  std::uint32_t body = 0;
+  RigidTransform T_solver_body;
+};
+
 // The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
 // within the tick: it moves to the local minimum of the distance to the goal that is reached from
 // where it was along a feasible path of decreasing distance (a sphere that goes round a feature
@@ -43,12 +50,22 @@ struct ProxyState {
 // No allocation, lock or exception after construction. Not thread-safe: one thread owns it.
 class GodObject {
  public:
-  // The world must outlive the god-object.
+  // The surfaces of the world must outlive the god-object, which has poses of its own for them.
   GodObject(const ContactWorld& world, const GodObjectSettings& settings);
 
   // Puts the proxy at p. If that is within a stand-off of the surface, where sides cannot be told,
   // it is lifted to the front of the faces there by as much.
   void place(const Vec3& p) noexcept;
+
+  // Moves a body wherever the proxy is: for a proxy that has not been placed yet. False if too many
+  // bodies move already.
+  bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
+
+  // Moves bodies, at most LiveWorld::kMostMoving, each straight to its new pose as far as the proxy
+  // is concerned, which they push out of their way (push_proxy). Returns how many were held back
+  // because there was no room for it. The next move_to() goes on from there.
+  std::size_t move_bodies(std::span<const BodyMotion> motions,
+                          const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
   // Moves the proxy towards goal. Given motion_plane_normal (unit), proxy and goal both keep to the
   // plane through the goal with that normal, and contact normals are the in-plane ones.
@@ -60,6 +77,7 @@ class GodObject {
   // where it is. Solver frame, metres. Valid until the next call.
   std::span<const Vec3> path() const { return path_; }
   const SolverScale& scale() const { return tracer_.scale(); }
+  const LiveWorld& world() const { return *world_; }
 
  private:
   enum class Progress : std::uint8_t {
@@ -68,6 +86,8 @@ class GodObject {
     kStuck     // no use going on with these planes
   };
 
+  void take_bounds();
+  bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
   ProxyState move_freely();
   void seed_from_last_tick();
   Progress take_step();
@@ -91,7 +111,8 @@ class GodObject {
   ProxyState report(int iterations, bool capped) const;
 
   GodObjectSettings settings_;
-  Box world_bounds_;
+  std::unique_ptr<LiveWorld> world_;  // its address is what the tracer keeps
+  Box bounds_;                        // nothing is to be touched outside
   SegmentTracer tracer_;
   double step_tolerance_m_;  // a step shorter than this is none: the iteration has converged
   Vec3 proxy_ = Vec3::Zero();

@@ -1,7 +1,9 @@
 #include "haptics/haptic_loop.h"
 
+#include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -9,6 +11,14 @@ namespace {
 // A sample so many times farther away than anything in the scene has lost the scene's digits: half
 // of those that double has.
 constexpr double kFarthestPerSize = 0x1p26;
+
+// How far the squared length of a rotation may be from 1: that of a quaternion in single precision,
+// several times over. It is divided out.
+constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
+
+bool is_pose(const RigidTransform& T) {
+  return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
+}
 
 }  // namespace
 
@@ -23,18 +33,21 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       T_device_scene_(settings.initial_pose),
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
+  body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
 }
 
 const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
   ++record_.tick;
   record_.T_device_scene = T_device_scene_;
   record_.faults = get_user_motion(p_device_m, dt_s);  // action 1
-  if (record_.faults != kFaultNone) {
+  record_.faults |= std::exchange(body_faults_, kFaultNone);
+  if ((record_.faults & kFaultsWithoutForce) != 0) {
     record_.force_device_N.setZero();
     record_.full_force_device_N.setZero();
     coupling_.reset();
     return record_;
   }
+  move_bodies();
   apply_user_motion();    // action 2
   detect_collision();     // action 3
   find_contact_normal();  // action 4
@@ -67,6 +80,44 @@ bool HapticLoop::jumps(const Vec3& p_device_m) {
   return false;
 }
 
+void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept {
+  const RigidTransform T_solver_body{T_scene_body.rotation.normalized(),
+                                     world_->to_solver(T_scene_body.translation_m)};
+  const double farthest_m = kFarthestBodyPerSize * world_->size_m;
+  auto motion = std::find_if(body_motions_.begin(), body_motions_.end(),
+                             [&](const BodyMotion& m) { return m.body == body; });
+  const bool is_new = motion == body_motions_.end();
+  if (body >= world_->bodies.size() || !is_pose(T_scene_body) ||
+      !(T_solver_body.translation_m.squaredNorm() <= farthest_m * farthest_m) ||
+      (is_new && body_motions_.size() == body_motions_.capacity())) {
+    body_faults_ |= kFaultBadBodyPose;
+    return;
+  }
+  if (is_new) motion = body_motions_.insert(motion, BodyMotion{body, {}});
+  motion->T_solver_body = T_solver_body;
+  bodies_are_there_ = false;
+}
+
+// Before the hand's own motion: moving bodies push the proxy. They do so within the plane of a
+// planar device.
+void HapticLoop::move_bodies() {
+  if (bodies_are_there_) return;
+  std::size_t held = 0;
+  if (has_proxy_) {
+    held = god_object_.move_bodies(body_motions_, motion_plane_normal());
+  } else {
+    for (const BodyMotion& m : body_motions_) god_object_.place_body(m.body, m.T_solver_body);
+  }
+  bodies_are_there_ = held == 0;
+  if (held > 0) record_.faults |= kFaultBodyHeld;
+}
+
+// The plane that a planar device keeps to. Scene frame.
+std::optional<Vec3> HapticLoop::motion_plane_normal() const {
+  if (!actuation_.is_planar()) return std::nullopt;
+  return R_device_scene_.transpose().col(2);
+}
+
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
 // proxy stays at the display's centre; that is display_transform(), the contact is the same.
 void HapticLoop::apply_user_motion() {
@@ -79,11 +130,7 @@ void HapticLoop::apply_user_motion() {
 void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(record_.goal_m);
   if (has_proxy_) {
-    std::optional<Vec3> motion_plane_normal;
-    if (actuation_.is_planar()) {
-      motion_plane_normal = R_device_scene_.transpose().col(2);
-    }
-    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal);
+    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
   } else {
     god_object_.place(goal_solver);
     has_proxy_ = true;

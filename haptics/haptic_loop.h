@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "haptics/actuation.h"
 #include "haptics/contact_world.h"
@@ -46,10 +48,16 @@ enum Fault : std::uint32_t {
   kFaultBadTimeStep = 1u << 1,      // dt zero, negative or not finite: zero force
   kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
   kFaultJump = 1u << 3,             // farther than the scene is large in one tick: zero force
+  kFaultBodyHeld = 1u << 4,         // a body waits: the proxy is in its way and cannot give way
+  kFaultBadBodyPose = 1u << 5,      // a pose was no pose, or far off, or one too many: not taken
 };
-inline constexpr int kFaultCount = 4;
+inline constexpr int kFaultCount = 6;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
-    "non_finite_sample", "bad_time_step", "solver_capped", "jump"};
+    "non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held", "bad_body_pose"};
+
+// Faults for which a tick holds the last state and commands no force.
+inline constexpr std::uint32_t kFaultsWithoutForce =
+    kFaultNonFiniteSample | kFaultBadTimeStep | kFaultJump;
 
 // One instant: everything before the elementary rotation of that tick.
 struct TickRecord {
@@ -70,8 +78,8 @@ struct TickRecord {
 
 // The six actions of A4 (Lecuyer et al. 2005, section 3), each tick, on one thread.
 //
-// No allocation, lock, I/O or exception after construction. Deterministic: the same world, settings
-// and samples give the same bits.
+// No allocation, lock, I/O or exception after construction. Deterministic: the same world,
+// settings, samples and poses of bodies give the same bits.
 class HapticLoop {
  public:
   // The world must outlive the loop.
@@ -85,6 +93,18 @@ class HapticLoop {
   // proxy follows with its contacts kept; so it does if that was one wild sample.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
+  // Where a body of the world is to be from the next good tick on: it moves there in that tick, and
+  // pushes the proxy before it (GodObject::move_bodies). A body that cannot get there, because the
+  // proxy would be crushed, tries again every tick. A pose that is not finite, or turned by no unit
+  // quaternion, or farther from the middle of the scene than kFarthestBodyPerSize sizes, or of one
+  // body more than LiveWorld::kMostMoving, sets kFaultBadBodyPose in the next tick and changes
+  // nothing. T_scene_body: that of the world's bodies, moved. Safe on the haptic thread, and from
+  // no other while it runs.
+  void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
+
+  // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
+  static constexpr double kFarthestBodyPerSize = 64.0;
+
   // The pose after the last tick's elementary rotation: what a display should show.
   const ScenePose& T_device_scene() const { return T_device_scene_; }
 
@@ -92,7 +112,9 @@ class HapticLoop {
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   bool jumps(const Vec3& p_device_m);
   void apply_user_motion();
+  void move_bodies();
   void detect_collision();
+  std::optional<Vec3> motion_plane_normal() const;
   void find_contact_normal();
   void render_force(double dt_s);
   AxisAngle find_theoretical_rotation();
@@ -113,6 +135,10 @@ class HapticLoop {
   ProxyState proxy_state_;
   TickRecord record_;
   bool has_proxy_ = false;
+
+  std::vector<BodyMotion> body_motions_;    // the last that was asked for, of each; never grows
+  bool bodies_are_there_ = true;            // all of them
+  std::uint32_t body_faults_ = kFaultNone;  // for the next tick
 };
 
 }  // namespace palpate

@@ -35,4 +35,8 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
 
 inline constexpr int kMaxContactPlanes = 8;
 
+// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
+// its in-plane normal would have lost half its digits.
+inline constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
+
 }  // namespace palpate

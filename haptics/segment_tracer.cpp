@@ -22,15 +22,18 @@ constexpr double kShortStep = 0.125;
 constexpr double kFirstLook = 0.01;
 constexpr double kFartherLook = 16.0;
 
+// Bodies that a point may be in contact with at once, of those at rest.
+constexpr std::size_t kMostBodiesAround = 64;
+
 // A sphere's narrow phase is always in double: its stand-off is what its index was built for.
 bool is_in_float(double radius_m, const Accuracy& accuracy) {
   return radius_m == 0.0 && accuracy.narrow_phase == NarrowPhase::kFloat;
 }
 
-SolverScale scale_for(const ContactWorld& world, double radius_m, const Accuracy& accuracy) {
-  SolverScale scale = SolverScale::of(world.size_m, radius_m);
+SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& accuracy) {
+  SolverScale scale = SolverScale::of(world.size_m(), radius_m);
   if (!is_in_float(radius_m, accuracy)) return scale;
-  for (const ContactBody& body : world.bodies) {
+  for (const ContactBody& body : world.bodies()) {
     scale.stand_off_m =
         std::max(scale.stand_off_m, float_stand_off_m(body.index->largest_pack_reach_m()));
   }
@@ -57,9 +60,18 @@ struct SegmentTracer::Search {
   void enter_body(std::uint32_t id) {
     if (placed && body == id) return;
     body = id;
-    placed = &tracer.world_->bodies[id];
+    placed = &tracer.world_->body(id);
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
+    d_body = limit * (q_body - p_body);
+  }
+
+  // Enters a body with a step given in its own frame.
+  void enter_body_at(std::uint32_t id, const Vec3& from_body, const Vec3& to_body) {
+    body = id;
+    placed = &tracer.world_->body(id);
+    p_body = from_body;
+    q_body = to_body;
     d_body = limit * (q_body - p_body);
   }
 
@@ -126,7 +138,7 @@ struct SegmentTracer::Search {
   std::optional<TraceHit> result() const { return found ? std::optional(best) : std::nullopt; }
 };
 
-SegmentTracer::SegmentTracer(const ContactWorld& world, double radius_m, const Accuracy& accuracy)
+SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy)
     : world_(&world),
       radius_m_(radius_m),
       accuracy_(accuracy),
@@ -158,17 +170,32 @@ void SegmentTracer::search_candidates(Search& search) noexcept {
 }
 
 void SegmentTracer::search_segment(Search& search) noexcept {
-  for (std::uint32_t b = 0; b < world_->bodies.size(); ++b) {
+  const Vec3 d = search.limit * (search.q - search.p);
+  world_->visit_resting_along(search.p, d, reach_m(), [&](std::uint32_t b) {
     search.enter_body(b);
-    search.placed->index->visit_segment(
-        search.p_body, search.d_body, radius_m_ == 0.0 ? 0.0 : reach_m(),
-        [](void* state, std::span<const std::uint32_t> packs) {
-          auto& s = *static_cast<Search*>(state);
-          s.consider_packs(packs);
-          return s.found ? s.best.meet_fraction : 1.0;
-        },
-        &search);
+    search_body(search, b);
+    return search.found ? search.best.meet_fraction : 1.0;
+  });
+}
+
+void SegmentTracer::search_moving(Search& search) noexcept {
+  for (const std::uint32_t b : world_->moving()) {
+    if (b == left_out_) continue;
+    search.enter_body(b);
+    search_body(search, b);
   }
+}
+
+// The body that has been entered.
+void SegmentTracer::search_body(Search& search, std::uint32_t body) noexcept {
+  world_->body(body).index->visit_segment(
+      search.p_body, search.d_body, radius_m_ == 0.0 ? 0.0 : reach_m(),
+      [](void* state, std::span<const std::uint32_t> packs) {
+        auto& s = *static_cast<Search*>(state);
+        s.consider_packs(packs);
+        return s.found ? s.best.meet_fraction : 1.0;
+      },
+      &search);
 }
 
 // The less far a sphere looks, the fewer of the triangles about it are in doubt, and one that falls
@@ -188,6 +215,7 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
       forget_doubtful();
       Search search{*this, p, q, look};
       search_candidates(search);
+      search_moving(search);
       // Whatever happens inside the ball is known; the first of it counts.
       is_inside = cache_.covers(p + (search.found ? search.best.meet_fraction : look) * (q - p));
       if (is_inside && (search.found || look == 1.0)) return search.result();
@@ -200,7 +228,26 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
   forget_doubtful();
   Search search{*this, p, q, 1.0};
   search_segment(search);
+  search_moving(search);
   return search.result();
+}
+
+std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
+                                                     const Vec3& q_body) noexcept {
+  forget_doubtful();
+  const ContactBody& placed = world_->body(body);
+  Search search{*this, placed.to_solver(p_body), placed.to_solver(q_body), 1.0};
+  search.enter_body_at(body, p_body, q_body);
+  search_body(search, body);
+  return search.result();
+}
+
+std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
+                                                    const Vec3& q) noexcept {
+  left_out_ = body;
+  const auto hit = trace(p, q);
+  left_out_ = kNoBody;
+  return hit;
 }
 
 std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
@@ -224,7 +271,7 @@ void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) 
 
 FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
                                       const Vec3& side) const noexcept {
-  const ContactBody& body = world_->bodies[face.body];
+  const ContactBody& body = world_->body(face.body);
   const TriangleGeometry& t = body.index->triangle(face.slot);
   const Vec3 p_body = body.to_body(p);
   if (radius_m_ == 0.0) {
@@ -245,33 +292,51 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
     return contact_at(contact.face, p, contact.normal).clearance_m <= 2 * scale_.stand_off_m;
   }
   if (contact.feature != TriangleFeature::kFace) return false;
-  const ContactBody& body = world_->bodies[contact.face.body];
+  const ContactBody& body = world_->body(contact.face.body);
   return prism_contains(body.index->triangle(contact.face.slot), body.to_body(p));
 }
 
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
                                              std::span<FaceContact> contacts) const noexcept {
+  std::array<std::uint32_t, kMostBodiesAround> bodies;
+  std::size_t body_count = 0;
+  world_->visit_resting_near(p, reach_m, [&](std::uint32_t b) {
+    const ContactBody& body = world_->body(b);
+    if (body.index->box().squared_distance(body.to_body(p)) > reach_m * reach_m) return true;
+    bodies[body_count++] = b;
+    return body_count < bodies.size();
+  });
+  std::sort(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(body_count));
   std::size_t count = 0;
+  for (std::size_t n = 0; n < body_count; ++n) {
+    count += contacts_of_body(bodies[n], p, reach_m, contacts.subspan(count));
+  }
+  for (const std::uint32_t b : world_->moving()) {
+    count += contacts_of_body(b, p, reach_m, contacts.subspan(count));
+  }
+  return count;
+}
+
+std::size_t SegmentTracer::contacts_of_body(std::uint32_t b, const Vec3& p, double reach_m,
+                                            std::span<FaceContact> contacts) const noexcept {
+  const ContactBody& body = world_->body(b);
+  const Vec3 p_body = body.to_body(p);
   std::array<std::uint32_t, CandidateCache::kCapacity> packs;
-  for (std::uint32_t b = 0; b < world_->bodies.size(); ++b) {
-    const ContactBody& body = world_->bodies[b];
-    const Vec3 p_body = body.to_body(p);
-    const std::size_t found =
-        std::min(packs.size(), body.index->packs_near(p_body, reach_m, packs));
-    std::sort(packs.begin(), packs.begin() + static_cast<std::ptrdiff_t>(found));
-    for (std::size_t i = 0; i < found; ++i) {
-      for (int lane = 0; lane < body.index->pack(packs[i]).count; ++lane) {
-        if (count == contacts.size()) return count;
-        const std::uint32_t slot = SurfaceIndex::slot(packs[i], lane);
-        const TriangleGeometry& t = body.index->triangle(slot);
-        const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-        if (nearest.distance > reach_m) continue;
-        contacts[count++] = {{b, slot},
-                             body.direction_to_solver(t.normal),
-                             t.normal.dot(p_body - t.a),
-                             TriangleFeature::kFace,
-                             body.to_solver(nearest.point)};
-      }
+  const std::size_t found = std::min(packs.size(), body.index->packs_near(p_body, reach_m, packs));
+  std::sort(packs.begin(), packs.begin() + static_cast<std::ptrdiff_t>(found));
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < found; ++i) {
+    for (int lane = 0; lane < body.index->pack(packs[i]).count; ++lane) {
+      if (count == contacts.size()) return count;
+      const std::uint32_t slot = SurfaceIndex::slot(packs[i], lane);
+      const TriangleGeometry& t = body.index->triangle(slot);
+      const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
+      if (nearest.distance > reach_m) continue;
+      contacts[count++] = {{b, slot},
+                           body.direction_to_solver(t.normal),
+                           t.normal.dot(p_body - t.a),
+                           TriangleFeature::kFace,
+                           body.to_solver(nearest.point)};
     }
   }
   return count;
@@ -289,7 +354,7 @@ std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
 }
 
 double SegmentTracer::distance_to_corner_m(const FaceRef& face, const Vec3& p) const noexcept {
-  const ContactBody& body = world_->bodies[face.body];
+  const ContactBody& body = world_->body(face.body);
   const TriangleGeometry& t = body.index->triangle(face.slot);
   const Vec3 p_body = body.to_body(p);
   return std::sqrt(std::min(

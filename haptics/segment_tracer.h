@@ -10,7 +10,7 @@
 #include "geometry/triangle.h"
 #include "haptics/accuracy.h"
 #include "haptics/candidate_cache.h"
-#include "haptics/contact_world.h"
+#include "haptics/live_world.h"
 #include "haptics/triangle_trace.h"
 
 namespace palpate {
@@ -46,14 +46,14 @@ struct TraceHit {
 // rounding bounds that err on the side of a hit for a sphere.
 //
 // Triangles are taken from the cached packs around the proxy while the step stays in their safe
-// zone, and from a segment query otherwise. Packs are asked sixteen triangles at a time in single
-// precision; what that cannot rule out is decided in double. No allocation, lock or exception. One
-// instance serves one thread.
+// zone, and from a segment query otherwise; of bodies that move, always from one. Packs are asked
+// sixteen triangles at a time in single precision; what that cannot rule out is decided in double.
+// No allocation, lock or exception. One instance serves one thread.
 class SegmentTracer {
  public:
   // The world must outlive the tracer. radius_m >= 0; the world's indices must have been built for
   // sweeps of at least radius_m + the stand-off.
-  SegmentTracer(const ContactWorld& world, double radius_m, const Accuracy& accuracy = {});
+  SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy = {});
 
   // The first obstacle of the proxy on its way from p to q.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
@@ -61,9 +61,21 @@ class SegmentTracer {
   // The same for a shorter step along the last one traced, from the same p.
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
+  // The first obstacle in one body alone, of a proxy that goes from p to q in the frame of the
+  // body, whatever moves.
+  std::optional<TraceHit> trace_in_body(std::uint32_t body, const Vec3& p_body,
+                                        const Vec3& q_body) noexcept;
+
+  // The first obstacle on the way from p to q in all bodies but one, which moves.
+  std::optional<TraceHit> trace_others(std::uint32_t body, const Vec3& p, const Vec3& q) noexcept;
+
+  // To be told when a body moves for the first time.
+  void forget_candidates() noexcept { cache_.forget(); }
+
   // Whether there is certainly nothing on the way from p to q.
   bool is_free(const Vec3& p, const Vec3& q) const noexcept {
-    return accuracy_.reuse_candidates && cache_.is_empty() && cache_.covers(p, q);
+    return accuracy_.reuse_candidates && cache_.is_empty() && cache_.covers(p, q) &&
+           world_->moving().empty();
   }
 
   // Told at the end of a tick that moved the proxy by `step` to p. A tick that was cheap is a good
@@ -95,18 +107,24 @@ class SegmentTracer {
   double first_look(const Vec3& p, const Vec3& q) const;
   void search_candidates(Search& search) noexcept;
   void search_segment(Search& search) noexcept;
+  void search_moving(Search& search) noexcept;
+  void search_body(Search& search, std::uint32_t body) noexcept;
+  std::size_t contacts_of_body(std::uint32_t body, const Vec3& p, double reach_m,
+                               std::span<FaceContact> contacts) const noexcept;
   void forget_doubtful();
   void remember(const FaceRef& face);
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
 
-  const ContactWorld* world_;
+  const LiveWorld* world_;
   double radius_m_;
   Accuracy accuracy_;
   bool is_in_float_;
   SolverScale scale_;
   CandidateCache cache_;
-  Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
-  int refills_ = 0;             // of the cache, in this tick
+  static constexpr std::uint32_t kNoBody = ~std::uint32_t{0};
+  std::uint32_t left_out_ = kNoBody;  // of those that move
+  Vec3 motion_ = Vec3::Zero();        // of the proxy in the last tick
+  int refills_ = 0;                   // of the cache, in this tick
 
   // The triangles that the last trace() could not rule out, for trace_part().
   static constexpr std::size_t kMostDoubtful = 64;

@@ -1,0 +1,93 @@
+#pragma once
+
+// The world as one haptic loop has it now: bodies may move from tick to tick.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptics/contact_world.h"
+
+namespace palpate {
+
+// A copy of the poses of a ContactWorld, whose surfaces it shares. Bodies that have once been moved
+// are kept apart: what is remembered or sorted in advance is about those at rest.
+//
+// No allocation, lock or exception after construction. One thread owns it.
+class LiveWorld {
+ public:
+  // Bodies that may move: each of them is asked at every step of the proxy.
+  static constexpr std::size_t kMostMoving = 256;
+
+  explicit LiveWorld(const ContactWorld& world);
+
+  const ContactBody& body(std::uint32_t b) const { return bodies_[b]; }
+  std::span<const ContactBody> bodies() const { return bodies_; }
+  // Those that have been moved, in the order in which they first were.
+  std::span<const std::uint32_t> moving() const { return moving_; }
+  bool is_moving(std::uint32_t b) const { return is_moving_[b]; }
+
+  double size_m() const { return size_m_; }
+  // Around all surfaces, wherever they have been so far. Solver frame.
+  const Box& bounds_solver() const { return bounds_solver_; }
+
+  // Moves a body. False, and nothing done, if too many move already.
+  bool place(std::uint32_t b, const RigidTransform& T_solver_body) noexcept;
+
+  // Calls visit(b) for every body at rest that comes within radius_m of p, until it returns false.
+  template <typename Visit>
+  void visit_resting_near(const Vec3& p, double radius_m, Visit visit) const noexcept {
+    if (!tree_) {
+      for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
+        if (!is_moving_[b] && !visit(b)) return;
+      }
+      return;
+    }
+    Visitor<Visit> visitor{this, &visit};
+    tree_->visit_near(
+        p, radius_m,
+        [](void* state, std::uint32_t b) {
+          const auto& v = *static_cast<Visitor<Visit>*>(state);
+          return v.world->is_moving_[b] || (*v.visit)(b);
+        },
+        &visitor);
+  }
+
+  // Calls visit(b) for every body at rest that comes within radius_m of the segment p to p + d,
+  // until the fraction of it that it returns. radius_m: of the proxy, and what the world's tree was
+  // built for.
+  template <typename Visit>
+  void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m,
+                           Visit visit) const noexcept {
+    if (!tree_) {
+      for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
+        if (!is_moving_[b]) visit(b);
+      }
+      return;
+    }
+    Visitor<Visit> visitor{this, &visit};
+    tree_->visit_along(
+        p, d, radius_m,
+        [](void* state, std::uint32_t b) {
+          const auto& v = *static_cast<Visitor<Visit>*>(state);
+          return v.world->is_moving_[b] ? 1.0 : (*v.visit)(b);
+        },
+        &visitor);
+  }
+
+ private:
+  template <typename Visit>
+  struct Visitor {
+    const LiveWorld* world;
+    Visit* visit;
+  };
+
+  std::vector<ContactBody> bodies_;
+  const BoxTree* tree_;  // of the bodies where they were at first; may be null
+  std::vector<std::uint32_t> moving_;
+  std::vector<bool> is_moving_;
+  Box bounds_solver_;
+  double size_m_;
+};
+
+}  // namespace palpate
