@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/node_tree.h"
 #include "engine/path_picture.h"
 #include "engine/replay.h"
 #include "engine/report.h"
@@ -24,10 +25,6 @@ constexpr int kBadInput = 2;
 int refuse(const Error& error) {
   std::cerr << "palpate: " << error.to_string() << "\n";
   return kBadInput;
-}
-
-Result<Scene> load_scene(const std::string& path, double proxy_radius_m) {
-  return Scene::load(path, {.proxy_radius_m = proxy_radius_m});
 }
 
 // JSON for programs; a name in a file need not be UTF-8, and is then told with replacements.
@@ -85,9 +82,10 @@ int info(const InfoCommand& command) {
   const Result<Scene> scene = load_scene(command.scene, 0.0);
   if (!scene) return refuse(scene.error());
   if (command.json) {
-    print(scene_json(*scene));
+    print(command.list ? tree_json(*scene) : scene_json(*scene));
   } else {
-    std::cout << scene_text(command.scene, *scene);
+    std::cout << (command.list ? command.scene.path + "\n" + tree_text(scene->tree())
+                               : scene_text(command.scene.path, *scene));
   }
   return finish_output();
 }
@@ -99,17 +97,18 @@ int replay(const ReplayCommand& command) {
   if (!path) return refuse(path.error());
   const Result<Scene> scene = load_scene(command.scene, command.options.radius_m);
   if (!scene) return refuse(scene.error());
-  const ReplayResult result = replay(*scene, *setup, *path, command.repeat);
+  const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
+  if (!result) return refuse(result.error());
   if (!command.trace.empty()) {
-    if (const auto error = write_trace(command.trace, result.records, result.steps_ns)) {
+    if (const auto error = write_trace(command.trace, result->records, result->steps_ns)) {
       return refuse(*error);
     }
   }
   if (command.json) {
-    print(summary_json(result.summary, *scene));
+    print(summary_json(result->summary, *scene));
   } else {
-    std::cout << command.scene << ", " << command.trajectory << "\n"
-              << summary_text(result.summary);
+    std::cout << command.scene.path << ", " << command.trajectory << "\n"
+              << summary_text(result->summary);
   }
   return finish_output();
 }
@@ -138,7 +137,7 @@ int run(const RunCommand& command) {
     if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
     runs.push_back(std::move(*run));
   }
-  const std::string name = std::filesystem::path(command.scene).filename().string();
+  const std::string name = std::filesystem::path(command.scene.path).filename().string();
   const auto picture = write_path_picture(runs, name, command.out_dir + "/paths.svg");
   if (!picture) std::cerr << "palpate: " << picture.error().to_string() << "\n";
   if (!runs.front().realtime_note.empty()) {
@@ -149,9 +148,9 @@ int run(const RunCommand& command) {
     for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, *scene));
     print(json);
   } else {
-    std::cout << command.scene << ": " << scene->statistics().cleaning.triangles << " triangles, "
-              << base->actuation.sensors() << " sensors, " << base->actuation.actuators()
-              << " actuators\n"
+    std::cout << command.scene.path << ": " << scene->statistics().cleaning.triangles
+              << " triangles, " << base->actuation.sensors() << " sensors, "
+              << base->actuation.actuators() << " actuators\n"
               << runs_text(runs) << "traces" << (picture ? " and paths.svg" : "") << " in "
               << command.out_dir << "/\n";
   }

@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct RunCommand {
-  std::string scene;
+  SceneOptions scene;
   RunOptions options;
   ExplorationSettings exploration;
   std::string out_dir = "out";
@@ -19,7 +19,7 @@ struct RunCommand {
 };
 
 struct ReplayCommand {
-  std::string scene;
+  SceneOptions scene;
   std::string trajectory;
   RunOptions options;
   std::string trace;
@@ -28,7 +28,8 @@ struct ReplayCommand {
 };
 
 struct InfoCommand {
-  std::string scene;
+  SceneOptions scene;
+  bool list = false;  // the node tree instead
   bool json = false;
 };
 

@@ -148,12 +148,15 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                          setup.actuation.is_planar());
   HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
 
+  auto mover = SteadyMotions::create(scene, setup.moves);
+  if (!mover) return mover.error();
+
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
   run.contour_scene = std::move(hand->contour_scene);
   const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
   Recorder recorder(run, ticks, device);
-  HapticSession session(loop, device, &recorder);
+  HapticSession session(loop, device, &recorder, &*mover);
   if (settings.virtual_time) {
     run_virtual(session, setup.dt_s, ticks, progress);
   } else {

@@ -31,6 +31,14 @@ class TickObserver {
                        std::int64_t step_ns) noexcept = 0;
 };
 
+// Moves bodies of the world: asked on the haptic thread before each tick, under the same rules.
+class WorldMover {
+ public:
+  virtual ~WorldMover() = default;
+  // time_s: sum of the dt of the ticks before this one. Calls loop.move_body() for what has moved.
+  virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
+};
+
 // What other threads see of a running session: plain numbers, so that it can be copied as bits.
 struct HapticSnapshot {
   std::uint64_t sequence = 0;  // tick number + 1; rises by one
@@ -49,12 +57,14 @@ struct HapticSnapshot {
   }
 };
 
-// Runs ticks: read the device, run the loop, command the force, publish, tell the observer.
-// No allocation, lock, I/O or exception in tick(). All references must outlive the session.
+// Runs ticks: read the device, move the bodies that move, run the loop, command the force, publish,
+// tell the observer. No allocation, lock, I/O or exception in tick(). All references must outlive
+// the session.
 class HapticSession {
  public:
-  HapticSession(HapticLoop& loop, Device& device, TickObserver* observer = nullptr)
-      : loop_(loop), device_(device), observer_(observer) {}
+  HapticSession(HapticLoop& loop, Device& device, TickObserver* observer = nullptr,
+                WorldMover* mover = nullptr)
+      : loop_(loop), device_(device), observer_(observer), mover_(mover) {}
 
   void tick(double dt_s) noexcept;
 
@@ -65,6 +75,8 @@ class HapticSession {
   HapticLoop& loop_;
   Device& device_;
   TickObserver* observer_;
+  WorldMover* mover_;
+  double time_s_ = 0.0;
   SnapshotRing<HapticSnapshot> published_;
 };
 

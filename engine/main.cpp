@@ -14,8 +14,12 @@ namespace {
 constexpr int kOurFault = 1;
 constexpr int kBadArguments = 2;
 
-void add_scene(CLI::App& app, std::string& scene) {
-  app.add_option("SCENE", scene, "glTF 2.0 file, .gltf or .glb")->required();
+void add_scene(CLI::App& app, palpate::SceneOptions& scene) {
+  app.add_option("SCENE", scene.path, "glTF 2.0 file, .gltf or .glb")->required();
+  app.add_option("--node", scene.node,
+                 "only this node and what is below it, by name or \"#number\" (info --list)");
+  app.add_option("--scale", scene.scale, "times the size that the file has");
+  app.add_option("--fit", scene.fit_size_m, "scale so that the largest extent becomes this, m");
 }
 
 // Options that `run` and `replay` share. Defaults shown are those of `options`.
@@ -53,6 +57,12 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
       ->capture_default_str();
   app.add_option("--place", options.place,
                  "pose of the scene in the device frame, \"x y z qw qx qy qz\"");
+  app.add_option(
+         "--move", options.moves,
+         "NODE=\"vx vy vz wx wy wz\": the node moves steadily, m/s and rad/s along and about "
+         "the axes of the scene; may be repeated")
+      ->expected(1)
+      ->take_all();
 }
 
 void add_run(CLI::App& program, palpate::RunCommand& command) {
@@ -125,6 +135,7 @@ int run_program(int argc, char** argv) {
   add_replay(program, replay);
   CLI::App& info_app = *program.add_subcommand("info", "tell what a scene is made of");
   add_scene(info_app, info.scene);
+  info_app.add_flag("--list", info.list, "the tree of nodes instead");
   info_app.add_flag("--json", info.json, "print as JSON");
   try {
     program.parse(argc, argv);

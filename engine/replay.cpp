@@ -5,15 +5,18 @@
 
 namespace palpate {
 
-ReplayResult replay(const Scene& scene, const RunSetup& setup, const std::vector<Vec3>& path_m,
-                    int passes) {
+Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
+                            const std::vector<Vec3>& path_m, int passes) {
   ReplayResult result;
   result.records.resize(path_m.size());
   result.steps_ns.resize(path_m.size());
   SummaryAccumulator summary;
   for (int pass = 0; pass < passes; ++pass) {
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+    auto mover = SteadyMotions::create(scene, setup.moves);
+    if (!mover) return mover.error();
     for (std::size_t n = 0; n < path_m.size(); ++n) {
+      mover->move_bodies(static_cast<double>(n) * setup.dt_s, loop);
       const auto start = std::chrono::steady_clock::now();
       const TickRecord& record = loop.tick(path_m[n], setup.dt_s);
       const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;

@@ -8,6 +8,7 @@
 #include "engine/run_options.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
+#include "geometry/result.h"
 
 namespace palpate {
 
@@ -19,7 +20,8 @@ struct ReplayResult {
 
 // One tick per device position (device frame, metres). passes >= 1: repeats the whole path from a
 // fresh start and keeps each tick's shortest time, the one least disturbed by the machine.
-ReplayResult replay(const Scene& scene, const RunSetup& setup, const std::vector<Vec3>& path_m,
-                    int passes);
+// An error if a node that is to move is not there.
+Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
+                            const std::vector<Vec3>& path_m, int passes);
 
 }  // namespace palpate

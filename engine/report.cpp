@@ -83,6 +83,8 @@ ordered_json scene_json(const Scene& scene) {
   return {{"nodes", s.nodes},
           {"meshes", s.meshes},
           {"instances", s.instances},
+          {"indices", s.indices},
+          {"scale", s.scale},
           {"triangles_in", s.cleaning.triangles_in},
           {"triangles", s.cleaning.triangles},
           {"instanced_triangles", s.instanced_triangles},
@@ -97,7 +99,19 @@ ordered_json scene_json(const Scene& scene) {
           {"effects", ordered_json::array()},
           {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
           {"memory_bytes", s.memory_bytes},
+          {"notes", s.notes},
           {"warnings", s.warnings}};
+}
+
+ordered_json tree_json(const Scene& scene) {
+  ordered_json nodes = ordered_json::array();
+  for (const TreeNode& node : scene.tree()) {
+    ordered_json json = {{"name", node.name}, {"number", node.file_index}};
+    json["parent"] = node.parent ? ordered_json(*node.parent) : ordered_json();
+    json["mesh"] = node.has_mesh;
+    nodes.push_back(std::move(json));
+  }
+  return nodes;
 }
 
 ordered_json summary_json(const RunSummary& s, const Scene& scene) {
@@ -139,7 +153,8 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   const CleaningReport& c = s.cleaning;
   std::string text = path + "\n";
-  text += format("  nodes %zu, meshes %zu, instances %zu\n", s.nodes, s.meshes, s.instances);
+  text += format("  nodes %zu, meshes %zu, instances %zu, indices %zu\n", s.nodes, s.meshes,
+                 s.instances, s.indices);
   text +=
       format("  triangles %zu of %zu (%zu without area and %zu duplicates dropped), %zu placed\n",
              c.triangles, c.triangles_in, c.dropped_degenerate, c.dropped_duplicate,
@@ -151,6 +166,8 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += "  effects: none\n";
   text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f; %.1f MB\n", load_ms(s),
                  s.parse_ms, s.mesh_ms, s.index_ms, 1e-6 * static_cast<double>(s.memory_bytes));
+  if (s.scale != 1.0) text += format("  scale %.6g\n", s.scale);
+  for (const std::string& note : s.notes) text += "  " + note + "\n";
   for (const std::string& warning : s.warnings) text += "  warning: " + warning + "\n";
   return text;
 }

@@ -14,6 +14,7 @@
 namespace palpate {
 
 nlohmann::ordered_json scene_json(const Scene& scene);
+nlohmann::ordered_json tree_json(const Scene& scene);  // an array of nodes, depth first
 nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
 

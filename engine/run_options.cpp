@@ -63,6 +63,33 @@ Result<ScenePose> parse_place(const std::string& text) {
   return pose;
 }
 
+// The name may hold equals signs, the numbers do not.
+Result<SteadyMotion> parse_move(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  const auto n =
+      equals == std::string::npos ? std::nullopt : parse_numbers(text.substr(equals + 1));
+  if (!n || n->size() != 6 || equals == 0) {
+    return invalid("--move", "\"" + text + "\" is not NODE=\"vx vy vz wx wy wz\"",
+                   "metres and radians a second along the axes of the scene");
+  }
+  const SteadyMotion motion{
+      text.substr(0, equals), {(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
+  if (!motion.velocity_m_per_s.allFinite() || !motion.turn_rad_per_s.allFinite()) {
+    return invalid("--move", "\"" + text + "\" has a number that is not finite");
+  }
+  return motion;
+}
+
+Result<std::vector<SteadyMotion>> parse_moves(const std::vector<std::string>& texts) {
+  std::vector<SteadyMotion> motions;
+  for (const std::string& text : texts) {
+    const auto motion = parse_move(text);
+    if (!motion) return motion.error();
+    motions.push_back(*motion);
+  }
+  return motions;
+}
+
 Result<ActuationModel> make_actuation(const RunOptions& options) {
   if (options.actuated_axes.empty()) {
     return ActuationModel::from_counts(
@@ -80,19 +107,19 @@ Result<ActuationModel> make_actuation(const RunOptions& options) {
   return ActuationModel::from_axes(options.sensors, *axes);
 }
 
+std::optional<Error> check_number(const char* name, double value, bool zero_allowed) {
+  if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
+  std::ostringstream text;
+  text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
+  return invalid(name, text.str());
+}
+
 std::optional<Error> check_numbers(const RunOptions& o) {
-  const auto check = [](const char* name, double value, bool zero_allowed) -> std::optional<Error> {
-    if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0)))
-      return std::nullopt;
-    std::ostringstream text;
-    text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
-    return invalid(name, text.str());
-  };
-  if (auto e = check("--rate", o.rate_Hz, false)) return e;
+  if (auto e = check_number("--rate", o.rate_Hz, false)) return e;
   if (!std::isfinite(1.0 / o.rate_Hz)) return invalid("--rate", "so low that a tick never ends");
-  if (auto e = check("--stiffness", o.stiffness_N_per_m, true)) return e;
-  if (auto e = check("--damping", o.damping_Ns_per_m, true)) return e;
-  if (auto e = check("--radius", o.radius_m, true)) return e;
+  if (auto e = check_number("--stiffness", o.stiffness_N_per_m, true)) return e;
+  if (auto e = check_number("--damping", o.damping_Ns_per_m, true)) return e;
+  if (auto e = check_number("--radius", o.radius_m, true)) return e;
   if (!std::isfinite(o.plane_height_m)) return invalid("--plane-height", "not a finite number");
   return std::nullopt;
 }
@@ -109,7 +136,9 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!accuracy) {
     return invalid("--accuracy", "\"" + options.accuracy + "\" is none of fast, balanced, exact");
   }
-  RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz};
+  auto moves = parse_moves(options.moves);
+  if (!moves) return moves.error();
+  RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz, std::move(*moves)};
   setup.haptics.god_object.radius_m = options.radius_m;
   setup.haptics.god_object.accuracy = *accuracy;
   setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m};
@@ -123,6 +152,24 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   setup.haptics.plane_height_m = options.plane_height_m;
   setup.haptics.initial_pose = *pose;
   return setup;
+}
+
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
+  SceneSettings settings;
+  settings.proxy_radius_m = proxy_radius_m;
+  settings.node = options.node;
+  if (options.scale && options.fit_size_m) {
+    return invalid("--fit", "given together with --scale; expected one of them");
+  }
+  if (options.scale) {
+    if (auto error = check_number("--scale", *options.scale, false)) return *error;
+    settings.scale = *options.scale;
+  }
+  if (options.fit_size_m) {
+    if (auto error = check_number("--fit", *options.fit_size_m, false)) return *error;
+    settings.fit_size_m = *options.fit_size_m;
+  }
+  return Scene::load(options.path, settings);
 }
 
 }  // namespace palpate

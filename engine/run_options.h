@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "engine/node_motions.h"
+#include "engine/scene.h"
 #include "geometry/result.h"
 #include "haptics/actuation.h"
 #include "haptics/haptic_loop.h"
@@ -29,16 +32,29 @@ struct RunOptions {
   double damping_Ns_per_m = 0.0;
   double radius_m = 0.0;
   double plane_height_m = 0.0;
-  std::string place;  // "x y z qw qx qy qz": T_device_scene at the start
+  std::string place;               // "x y z qw qx qy qz": T_device_scene at the start
+  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each
+};
+
+// Which part of a file is loaded, and how large. As given on the command line.
+struct SceneOptions {
+  std::string path;
+  std::string node;
+  std::optional<double> scale;
+  std::optional<double> fit_size_m;
 };
 
 struct RunSetup {
   ActuationModel actuation;
   HapticSettings haptics;
   double dt_s;
+  std::vector<SteadyMotion> moves;
 };
 
 // Checks ranges and finiteness; an error names the option.
 Result<RunSetup> make_setup(const RunOptions& options);
+
+// Checks likewise, and loads the scene.
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 
 }  // namespace palpate

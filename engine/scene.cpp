@@ -3,27 +3,107 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "engine/node_placement.h"
+#include "engine/node_tree.h"
 #include "io/gltf_reader.h"
 
 namespace palpate {
 namespace {
+
+Error with_path(Error error, const std::string& path) {
+  error.path = path;
+  return error;
+}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
 
+// Squares of lengths, and volumes, must not overflow.
+constexpr double kLargestExtent_m = 1e100;
+
+// So many bodies are asked one by one; more are found by a tree.
+constexpr std::size_t kFewBodies = 8;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+Box empty_box() {
+  return {Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
+}
+
 Box bounding_box(const std::vector<Vec3>& positions, const Mat3& linear) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  Box box{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+  Box box = empty_box();
   for (const Vec3& p : positions) {
     const Vec3 q = linear * p;
-    box.low = box.low.cwiseMin(q);
-    box.high = box.high.cwiseMax(q);
+    box = box.united({q, q});
   }
   return box;
+}
+
+// Around p_scene = linear * p + translation_m of all p of a box.
+Box placed_box(const Box& box, const NodeDescription& node) {
+  const Vec3 centre = node.linear_scene_mesh * (0.5 * (box.low + box.high)) + node.translation_m;
+  const Vec3 reach = node.linear_scene_mesh.cwiseAbs() * (0.5 * (box.high - box.low));
+  return {centre - reach, centre + reach};
+}
+
+// Around all vertices in their places. A node whose box lies inside what has been found already is
+// not looked at any closer: of ten thousand instances only the outermost are.
+Box bounds_in_scene(const std::vector<SurfaceMesh>& meshes,
+                    const std::vector<NodeDescription>& nodes) {
+  std::vector<Box> boxes;
+  boxes.reserve(meshes.size());
+  for (const SurfaceMesh& mesh : meshes) {
+    boxes.push_back(bounding_box(mesh.welded_positions(), Mat3::Identity()));
+  }
+  Box bounds = empty_box();
+  for (const NodeDescription& node : nodes) {
+    const SurfaceMesh& mesh = meshes[node.mesh];
+    if (mesh.face_count() == 0) continue;
+    const Box placed = placed_box(boxes[node.mesh], node);
+    if (bounds.contains(placed.low) && bounds.contains(placed.high)) continue;
+    for (const Vec3& p : mesh.welded_positions()) {
+      const Vec3 q = node.linear_scene_mesh * p + node.translation_m;
+      bounds = bounds.united({q, q});
+    }
+  }
+  return bounds;
+}
+
+void scale_by(double scale, SceneDescription& description, std::vector<NodePlacement>& placements) {
+  for (NodeDescription& node : description.nodes) {
+    node.linear_scene_mesh *= scale;
+    node.translation_m *= scale;
+  }
+  for (NodePlacement& placement : placements) placement.deformation *= scale;
+  for (TreeNode& node : description.tree) node.origin_m *= scale;
+}
+
+// A tree of those that carry meshes, where the description has none.
+void complete_tree(SceneDescription& description) {
+  if (!description.tree.empty()) return;
+  for (NodeDescription& node : description.nodes) {
+    node.tree_node = static_cast<std::uint32_t>(description.tree.size());
+    description.tree.push_back({node.name, node.tree_node, {}, true, node.translation_m});
+  }
+}
+
+// Only the meshes that nodes still refer to.
+void drop_unused_meshes(SceneDescription& description) {
+  constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+  std::vector<std::uint32_t> new_index(description.meshes.size(), kUnused);
+  std::vector<MeshDescription> used;
+  for (NodeDescription& node : description.nodes) {
+    std::uint32_t& index = new_index[node.mesh];
+    if (index == kUnused) {
+      index = static_cast<std::uint32_t>(used.size());
+      used.push_back(std::move(description.meshes[node.mesh]));
+    }
+    node.mesh = index;
+  }
+  description.meshes = std::move(used);
 }
 
 void add(CleaningReport& sum, const CleaningReport& report) {
@@ -37,23 +117,6 @@ void add(CleaningReport& sum, const CleaningReport& report) {
   sum.non_manifold_edges += report.non_manifold_edges;
 }
 
-// An earlier node of the same mesh and scale, whose index this one can share. Nodes that are turned
-// have their scale from a decomposition, so it is the same only up to rounding; one that is not
-// turned keeps its vertices to the bit.
-const SceneObject* find_twin(const std::vector<SceneObject>& objects, std::size_t mesh,
-                             const NodePlacement& placement) {
-  constexpr double kSameScale = 64 * std::numeric_limits<double>::epsilon();
-  const Mat3& scale = placement.deformation;
-  const bool is_turned = placement.rotation.coeffs() != Quat::Identity().coeffs();
-  const double tolerance = is_turned ? kSameScale * scale.norm() : 0.0;
-  for (const SceneObject& object : objects) {
-    if (object.mesh == mesh && (object.map_body_mesh.linear - scale).norm() <= tolerance) {
-      return &object;
-    }
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings) {
@@ -62,102 +125,185 @@ Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings
   return compile(std::move(*description), settings);
 }
 
+// Finds the shape of an earlier node of the same mesh and scale, which a node can share. Nodes that
+// are turned have their scale from a decomposition, so it is the same only up to rounding; one that
+// is not turned keeps its vertices to the bit.
+class Scene::ShapeFinder {
+ public:
+  explicit ShapeFinder(const std::vector<Shape>& shapes, std::size_t mesh_count)
+      : shapes_(shapes), by_size_(mesh_count) {}
+
+  std::optional<std::size_t> find(std::size_t mesh, const NodePlacement& placement) const {
+    const Mat3& scale = placement.deformation;
+    const double norm = scale.norm();
+    const bool is_turned = placement.rotation.coeffs() != Quat::Identity().coeffs();
+    const double tolerance = kSameScale * norm;
+    const auto& shapes = by_size_[mesh];
+    for (auto it = shapes.lower_bound(norm - tolerance);
+         it != shapes.end() && it->first <= norm + tolerance; ++it) {
+      const Mat3 difference = shapes_[it->second].map_body_mesh.linear - scale;
+      if (difference.norm() <= (is_turned ? tolerance : 0.0)) return it->second;
+    }
+    return std::nullopt;
+  }
+  void add(std::size_t shape) {
+    const Shape& s = shapes_[shape];
+    by_size_[s.mesh].emplace(s.map_body_mesh.linear.norm(), shape);
+  }
+
+ private:
+  static constexpr double kSameScale = 64 * std::numeric_limits<double>::epsilon();
+
+  const std::vector<Shape>& shapes_;
+  std::vector<std::multimap<double, std::size_t>> by_size_;  // per mesh, by the norm of the scale
+};
+
 Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& settings) {
   Scene scene;
-  scene.statistics_.nodes = description.tree.size();
-  scene.statistics_.meshes = description.meshes.size();
-  scene.statistics_.parse_ms = description.parse_ms;
-  scene.statistics_.warnings = std::move(description.warnings);
-
-  const auto mesh_start = std::chrono::steady_clock::now();
-  scene.meshes_.reserve(description.meshes.size());
-  for (MeshDescription& mesh : description.meshes) {
-    scene.meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
-    add(scene.statistics_.cleaning, scene.meshes_.back().report());
-    scene.statistics_.memory_bytes += scene.meshes_.back().memory_bytes();
-    mesh = {};  // what is compiled need not be kept twice
+  complete_tree(description);
+  if (!settings.node.empty()) {
+    const auto node = find_node(description.tree, settings.node);
+    if (!node) return with_path(node.error(), description.path);
+    keep_subtree(description, *node);
   }
-  scene.statistics_.mesh_ms = milliseconds_since(mesh_start);
+  drop_unused_meshes(description);
+  SceneStatistics& statistics = scene.statistics_;
+  statistics.nodes = description.tree.size();
+  statistics.meshes = description.meshes.size();
+  statistics.parse_ms = description.parse_ms;
+  statistics.notes = std::move(description.notes);
+  statistics.warnings = std::move(description.warnings);
+  scene.build_meshes(description.meshes);
 
-  for (const NodeDescription& node : description.nodes) scene.add_object(node);
-  if (scene.objects_.empty()) {
+  std::vector<NodePlacement> placements = scene.touchable(description.nodes);
+  if (description.nodes.empty()) {
     return Error{ErrorCode::kEmptyScene, description.path, "scene",
                  "no node has a triangle with area, expected at least one",
                  "palpate info lists what was dropped and why"};
   }
+  Box bounds = bounds_in_scene(scene.meshes_, description.nodes);
+  statistics.scale = settings.fit_size_m > 0.0
+                         ? settings.fit_size_m / (bounds.high - bounds.low).maxCoeff()
+                         : settings.scale;
+  if (statistics.scale != 1.0) {
+    scale_by(statistics.scale, description, placements);
+    bounds = bounds_in_scene(scene.meshes_, description.nodes);
+  }
+  statistics.extent_m = bounds.high - bounds.low;
+  if (!(statistics.extent_m.maxCoeff() <= kLargestExtent_m)) {
+    return Error{ErrorCode::kLimitExceeded, description.path, "scene",
+                 "its extent is more than 1e100 m", "choose a smaller scale"};
+  }
+  scene.tree_ = std::move(description.tree);
+  scene.add_objects(description.nodes, placements);
   const auto index_start = std::chrono::steady_clock::now();
-  scene.build_indices(settings);
-  scene.statistics_.index_ms = milliseconds_since(index_start);
+  if (auto error = scene.build_world(bounds, settings.proxy_radius_m)) {
+    return with_path(*error, description.path);
+  }
+  statistics.index_ms = milliseconds_since(index_start);
   return scene;
 }
 
-void Scene::add_object(const NodeDescription& node) {
-  const SurfaceMesh& mesh = meshes_[node.mesh];
-  if (mesh.face_count() == 0) return;
-  const auto placement = split_linear(node.linear_scene_mesh);
-  if (!placement || !node.translation_m.allFinite()) {
-    statistics_.warnings.push_back(node.name +
-                                   ": left out, its transform is singular and leaves no surface");
-    return;
+void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
+  const auto start = std::chrono::steady_clock::now();
+  meshes_.reserve(descriptions.size());
+  for (MeshDescription& mesh : descriptions) {
+    meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
+    add(statistics_.cleaning, meshes_.back().report());
+    statistics_.memory_bytes += meshes_.back().memory_bytes();
+    mesh = {};  // what is compiled need not be kept twice
   }
-  SceneObject object;
-  object.name = node.name;
-  object.mesh = node.mesh;
-  if (const SceneObject* twin = find_twin(objects_, node.mesh, *placement)) {
-    object.map_body_mesh = twin->map_body_mesh;
-  } else {
-    // The body frame has its origin in the middle of the surface.
-    const Box box = bounding_box(mesh.welded_positions(), placement->deformation);
-    object.map_body_mesh = {placement->deformation, -0.5 * (box.low + box.high)};
-  }
-  const Vec3 middle = -object.map_body_mesh.translation_m;
-  object.T_scene_body = {placement->rotation, node.translation_m + placement->rotation * middle};
-  objects_.push_back(std::move(object));
-  statistics_.instanced_triangles += mesh.face_count();
-  ++statistics_.instances;
+  statistics_.mesh_ms = milliseconds_since(start);
 }
 
-void Scene::build_indices(const SceneSettings& settings) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  Box bounds{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
-  for (const SceneObject& object : objects_) {
-    for (const Vec3& p : meshes_[object.mesh].welded_positions()) {
-      const Vec3 p_scene = object.T_scene_body.point(object.map_body_mesh(p));
-      bounds.low = bounds.low.cwiseMin(p_scene);
-      bounds.high = bounds.high.cwiseMax(p_scene);
+// Leaves the nodes that have a surface to touch, and returns how each is placed.
+std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
+  std::vector<NodePlacement> placements;
+  std::erase_if(nodes, [&](const NodeDescription& node) {
+    if (meshes_[node.mesh].face_count() == 0) return true;
+    const auto placement = split_linear(node.linear_scene_mesh);
+    if (!placement || !node.translation_m.allFinite()) {
+      statistics_.warnings.push_back(node.name +
+                                     ": left out, its transform is singular and leaves no surface");
+      return true;
     }
+    placements.push_back(*placement);
+    return false;
+  });
+  return placements;
+}
+
+void Scene::add_objects(const std::vector<NodeDescription>& nodes,
+                        const std::vector<NodePlacement>& placements) {
+  ShapeFinder finder(shapes_, meshes_.size());
+  objects_.reserve(nodes.size());
+  shape_of_object_.reserve(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const NodeDescription& node = nodes[i];
+    const NodePlacement& placement = placements[i];
+    const SurfaceMesh& mesh = meshes_[node.mesh];
+    auto shape = finder.find(node.mesh, placement);
+    if (!shape) {
+      // The body frame has its origin in the middle of the surface.
+      const Box box = bounding_box(mesh.welded_positions(), placement.deformation);
+      shape = shapes_.size();
+      shapes_.push_back({node.mesh, {placement.deformation, -0.5 * (box.low + box.high)}, nullptr});
+      finder.add(*shape);
+    }
+    const AffineMap& map = shapes_[*shape].map_body_mesh;
+    const Vec3 middle = -map.translation_m;
+    objects_.push_back({node.name,
+                        node.mesh,
+                        node.tree_node,
+                        map,
+                        {placement.rotation, node.translation_m + placement.rotation * middle}});
+    shape_of_object_.push_back(*shape);
+    statistics_.instanced_triangles += mesh.face_count();
   }
-  statistics_.extent_m = bounds.high - bounds.low;
+  statistics_.instances = objects_.size();
+  statistics_.indices = shapes_.size();
+}
+
+std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_radius_m) {
   world_.size_m = statistics_.extent_m.maxCoeff();
   // A single body is solved in its own frame: no transform, no rounding.
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
-                                               : Vec3(0.5 * (bounds.low + bounds.high));
-  world_.bounds_solver = {world_.to_solver(bounds.low), world_.to_solver(bounds.high)};
-
-  const double stand_off = SolverScale::of(world_.size_m, settings.proxy_radius_m).stand_off_m;
-  const double sweep_radius =
-      settings.proxy_radius_m > 0.0 ? settings.proxy_radius_m + 2 * stand_off : 0.0;
+                                               : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
+  world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
+  const double stand_off = SolverScale::of(world_.size_m, proxy_radius_m).stand_off_m;
+  const double sweep_radius_m = proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off : 0.0;
+  if (auto error = build_indices(sweep_radius_m)) return error;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const SceneObject& object = objects_[i];
-    const SurfaceIndex* shared = nullptr;  // with an earlier node of the same mesh and scale
-    for (std::size_t j = 0; j < i && !shared; ++j) {
-      if (objects_[j].mesh == object.mesh &&
-          objects_[j].map_body_mesh.linear == object.map_body_mesh.linear) {
-        shared = world_.bodies[j].index;
-      }
-    }
-    if (!shared) {
-      indices_.push_back(
-          std::make_unique<SurfaceIndex>(meshes_[object.mesh], object.map_body_mesh, sweep_radius));
-      shared = indices_.back().get();
-      statistics_.memory_bytes += shared->memory_bytes();
-    }
-    const RigidTransform T_solver_body{object.T_scene_body.rotation,
-                                       world_.to_solver(object.T_scene_body.translation_m)};
-    const bool is_identity = T_solver_body.rotation.coeffs() == Quat::Identity().coeffs() &&
-                             T_solver_body.translation_m.isZero(0.0);
-    world_.bodies.push_back({shared, T_solver_body, is_identity});
+    const RigidTransform& T_scene_body = objects_[i].T_scene_body;
+    world_.bodies.push_back({shapes_[shape_of_object_[i]].index.get(), {}, true});
+    world_.bodies.back().place(
+        {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
   }
+  if (world_.bodies.size() <= kFewBodies) return std::nullopt;
+  std::vector<Box> boxes;
+  boxes.reserve(world_.bodies.size());
+  for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
+  world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m);
+  return std::nullopt;
+}
+
+std::optional<Error> Scene::build_indices(double sweep_radius_m) {
+  std::uint64_t triangles = 0;
+  for (const Shape& shape : shapes_) triangles += meshes_[shape.mesh].face_count();
+  if (triangles > kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) {
+    return Error{ErrorCode::kLimitExceeded, "", "scene",
+                 "its nodes show meshes at " + std::to_string(shapes_.size()) +
+                     " different scales, which needs indices for " + std::to_string(triangles) +
+                     " triangles; expected at most " +
+                     std::to_string(kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle),
+                 "load a part of it with --node"};
+  }
+  for (Shape& shape : shapes_) {
+    shape.index =
+        std::make_unique<SurfaceIndex>(meshes_[shape.mesh], shape.map_body_mesh, sweep_radius_m);
+    statistics_.memory_bytes += shape.index->memory_bytes();
+  }
+  return std::nullopt;
 }
 
 void Scene::append_triangles_scene(std::vector<Vec3>& positions_m,

@@ -2,10 +2,13 @@
 
 // A scene compiled once from what io read, and immutable afterwards.
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/node_placement.h"
 #include "geometry/result.h"
 #include "geometry/surface_index.h"
 #include "geometry/surface_mesh.h"
@@ -14,9 +17,16 @@
 
 namespace palpate {
 
+// What to make of a description. Of scale and fit_size_m one at most; neither is checked here.
 struct SceneSettings {
   double proxy_radius_m = 0.0;  // the largest proxy that will touch the scene
+  std::string node = {};        // only this node and what is below it (find_node); empty: all
+  double scale = 1.0;           // of everything, about the origin of the scene; > 0
+  double fit_size_m = 0.0;      // > 0: the scale is such that the largest extent becomes this
 };
+
+// Memory that the indices of a scene may take: a mesh has one for every scale that nodes give it.
+inline constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{8} << 30;
 
 // What `palpate info` tells. Triangles are counted per mesh, except instanced_triangles.
 struct SceneStatistics {
@@ -25,11 +35,14 @@ struct SceneStatistics {
   std::size_t instances = 0;
   CleaningReport cleaning;              // summed over meshes
   std::size_t instanced_triangles = 0;  // summed over nodes
+  std::size_t indices = 0;              // distinct meshes and scales
+  double scale = 1.0;                   // that the scene was given
   Vec3 extent_m = Vec3::Zero();
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;
   std::size_t memory_bytes = 0;
+  std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };
 
@@ -37,6 +50,7 @@ struct SceneStatistics {
 struct SceneObject {
   std::string name;
   std::size_t mesh;             // index for Scene::mesh()
+  std::uint32_t tree_node;      // index into Scene::tree()
   AffineMap map_body_mesh;      // mesh frame to body frame: the node's scale, mirror and shear
   RigidTransform T_scene_body;  // what is left of the node's transform
 };
@@ -49,12 +63,14 @@ class Scene {
   static Result<Scene> load(const std::string& path, const SceneSettings& settings = {});
 
   // Compiles a description. Nodes with a singular transform have no surface to touch; they are
-  // left out with a warning. An error if nothing is left.
+  // left out with a warning. An error if nothing is left, if the node is not to be found, or if the
+  // indices would take more than kMaxIndexBytes.
   static Result<Scene> compile(SceneDescription description, const SceneSettings& settings = {});
 
   const ContactWorld& world() const { return world_; }
   const SceneStatistics& statistics() const { return statistics_; }
-  const std::vector<SceneObject>& objects() const { return objects_; }
+  const std::vector<SceneObject>& objects() const { return objects_; }  // as the world's bodies
+  const std::vector<TreeNode>& tree() const { return tree_; }
   const SurfaceMesh& mesh(std::size_t i) const { return meshes_[i]; }
 
   // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
@@ -62,13 +78,27 @@ class Scene {
                               std::vector<Triangle>& triangles) const;
 
  private:
+  // A mesh at one scale: what an index is made of.
+  struct Shape {
+    std::size_t mesh;
+    AffineMap map_body_mesh;
+    std::unique_ptr<SurfaceIndex> index;
+  };
+  class ShapeFinder;
+
   Scene() = default;
-  void add_object(const NodeDescription& node);
-  void build_indices(const SceneSettings& settings);
+  void build_meshes(std::vector<MeshDescription>& descriptions);
+  std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
+  void add_objects(const std::vector<NodeDescription>& nodes,
+                   const std::vector<NodePlacement>& placements);
+  std::optional<Error> build_world(const Box& bounds_scene, double proxy_radius_m);
+  std::optional<Error> build_indices(double sweep_radius_m);
 
   std::vector<SurfaceMesh> meshes_;
-  std::vector<std::unique_ptr<SurfaceIndex>> indices_;
+  std::vector<Shape> shapes_;
   std::vector<SceneObject> objects_;
+  std::vector<std::size_t> shape_of_object_;
+  std::vector<TreeNode> tree_;
   ContactWorld world_;
   SceneStatistics statistics_;
 };

@@ -103,8 +103,7 @@ std::size_t SurfaceIndex::memory_bytes() const {
   // Embree does not tell what one scene takes; 200 bytes a primitive is what its BVH4 builder
   // allocates for user geometry.
   constexpr std::size_t kEmbreeBytesPerCluster = 200;
-  constexpr std::size_t kBytesPerSlot = sizeof(TriangleGeometry) + sizeof(std::uint32_t);
-  return pack_count() * (sizeof(TrianglePack) + TrianglePack::kLanes * kBytesPerSlot) +
+  return pack_count() * TrianglePack::kLanes * kBytesPerTriangle +
          cluster_boxes_.size() * (sizeof(BoxPack) + kEmbreeBytesPerCluster);
 }
 

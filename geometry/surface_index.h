@@ -114,6 +114,9 @@ class SurfaceIndex {
   // How far a triangle may reach from the centre of its pack, at most, along one axis.
   double largest_pack_reach_m() const { return largest_pack_reach_m_; }
   double sweep_radius_m() const { return sweep_radius_m_; }
+  // What a triangle takes, not counting the clusters: a lane of its pack and its double geometry.
+  static constexpr std::size_t kBytesPerTriangle = sizeof(TrianglePack) / TrianglePack::kLanes +
+                                                   sizeof(TriangleGeometry) + sizeof(std::uint32_t);
   std::size_t memory_bytes() const;
 
  private:

@@ -12,6 +12,8 @@ namespace {
 // of those that double has.
 constexpr double kFarthestPerSize = 0x1p26;
 
+constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
+
 // How far the squared length of a rotation may be from 1: that of a quaternion in single precision,
 // several times over. It is divided out.
 constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
@@ -34,6 +36,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
+  motion_of_body_.assign(world.bodies.size(), kNoMotion);
 }
 
 const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
@@ -84,17 +87,21 @@ void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_bod
   const RigidTransform T_solver_body{T_scene_body.rotation.normalized(),
                                      world_->to_solver(T_scene_body.translation_m)};
   const double farthest_m = kFarthestBodyPerSize * world_->size_m;
-  auto motion = std::find_if(body_motions_.begin(), body_motions_.end(),
-                             [&](const BodyMotion& m) { return m.body == body; });
-  const bool is_new = motion == body_motions_.end();
   if (body >= world_->bodies.size() || !is_pose(T_scene_body) ||
-      !(T_solver_body.translation_m.squaredNorm() <= farthest_m * farthest_m) ||
-      (is_new && body_motions_.size() == body_motions_.capacity())) {
+      !(T_solver_body.translation_m.squaredNorm() <= farthest_m * farthest_m)) {
     body_faults_ |= kFaultBadBodyPose;
     return;
   }
-  if (is_new) motion = body_motions_.insert(motion, BodyMotion{body, {}});
-  motion->T_solver_body = T_solver_body;
+  std::uint32_t& motion = motion_of_body_[body];
+  if (motion == kNoMotion) {
+    if (body_motions_.size() == body_motions_.capacity()) {
+      body_faults_ |= kFaultBadBodyPose;
+      return;
+    }
+    motion = static_cast<std::uint32_t>(body_motions_.size());
+    body_motions_.push_back({body, {}});
+  }
+  body_motions_[motion].T_solver_body = T_solver_body;
   bodies_are_there_ = false;
 }
 

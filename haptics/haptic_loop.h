@@ -136,9 +136,10 @@ class HapticLoop {
   TickRecord record_;
   bool has_proxy_ = false;
 
-  std::vector<BodyMotion> body_motions_;    // the last that was asked for, of each; never grows
-  bool bodies_are_there_ = true;            // all of them
-  std::uint32_t body_faults_ = kFaultNone;  // for the next tick
+  std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
+  std::vector<std::uint32_t> motion_of_body_;  // index into them, or none
+  bool bodies_are_there_ = true;               // all of them
+  std::uint32_t body_faults_ = kFaultNone;     // for the next tick
 };
 
 }  // namespace palpate

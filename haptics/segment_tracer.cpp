@@ -171,7 +171,7 @@ void SegmentTracer::search_candidates(Search& search) noexcept {
 
 void SegmentTracer::search_segment(Search& search) noexcept {
   const Vec3 d = search.limit * (search.q - search.p);
-  world_->visit_resting_along(search.p, d, reach_m(), [&](std::uint32_t b) {
+  world_->visit_resting_along(search.p, d, sweep_radius_m(), [&](std::uint32_t b) {
     search.enter_body(b);
     search_body(search, b);
     return search.found ? search.best.meet_fraction : 1.0;
@@ -189,7 +189,7 @@ void SegmentTracer::search_moving(Search& search) noexcept {
 // The body that has been entered.
 void SegmentTracer::search_body(Search& search, std::uint32_t body) noexcept {
   world_->body(body).index->visit_segment(
-      search.p_body, search.d_body, radius_m_ == 0.0 ? 0.0 : reach_m(),
+      search.p_body, search.d_body, sweep_radius_m(),
       [](void* state, std::span<const std::uint32_t> packs) {
         auto& s = *static_cast<Search*>(state);
         s.consider_packs(packs);

@@ -114,6 +114,8 @@ class SegmentTracer {
   void forget_doubtful();
   void remember(const FaceRef& face);
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
+  // For queries of whole segments, whose float margins cover a point's clearance.
+  double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
   const LiveWorld* world_;
   double radius_m_;

@@ -23,12 +23,14 @@
 #include "engine/contour_plan.h"
 #include "engine/haptic_session.h"
 #include "engine/haptic_thread.h"
+#include "engine/node_motions.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_walk.h"
 #include "geometry/section.h"
 #include "tests/random.h"
+#include "tests/worlds.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PALPATE_TEST_IS_SANITIZED 1
@@ -429,6 +431,39 @@ TEST(SilentHand, WalksOverASurfaceWithoutAllocating) {
   ASSERT_TRUE(scene);
   SurfaceWalk plan(*scene, {});
   expect_silent_hand(*scene, plan, plan.start_scene_m(), 3);
+}
+
+// ---- many bodies, some of which move -----------------------------------------------------------
+
+TEST(SilentBodies, AreFoundAndMovedWithoutAllocating) {
+  SceneDescription description;
+  test::Soup box = test::box_soup(Vec3::Constant(0.01));
+  description.meshes = {{"box", std::move(box.positions), std::move(box.triangles)}};
+  test::Random random(4);
+  for (int b = 0; b < 400; ++b) {
+    const Mat3 turn = random.rotation().toRotationMatrix();
+    description.nodes.push_back({"box " + std::to_string(b), 0, turn, random.in_box(0.1)});
+  }
+  const auto scene = Scene::compile(std::move(description));
+  ASSERT_TRUE(scene);
+  NodeMotions motions(*scene);
+  std::vector<std::size_t> handles;
+  for (int b = 0; b < 400; b += 40) handles.push_back(*motions.add("box " + std::to_string(b)));
+  const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 3);
+  HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
+  PlayedDevice device(path);
+  SummingObserver observer;
+  HapticSession session(loop, device, &observer, &motions);
+  Census census;
+  for (int n = 0; n < 4000; ++n) {
+    for (const std::size_t handle : handles) {
+      motions.set(handle, {Quat::Identity(), Vec3(0, 0, 0.05 * std::sin(2e-3 * n))});
+    }
+    session.tick(1e-3);
+  }
+  census.stop();
+  census.expect_nothing();
+  EXPECT_GT(observer.sums.finish({}).contact_ticks, 300u);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

@@ -431,10 +431,11 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
   const Outcome o = expect_done({"info", kCube, "--json"});
   EXPECT_EQ(o.err, "");
   const json info = json::parse(o.out);
-  EXPECT_EQ(keys_of(info), sorted({"nodes", "meshes", "instances", "triangles_in", "triangles",
-                                   "instanced_triangles", "vertices", "dropped", "split_vertices",
-                                   "boundary_edges", "non_manifold_edges", "extent_m", "effects",
-                                   "load_ms", "memory_bytes", "warnings"}));
+  EXPECT_EQ(keys_of(info),
+            sorted({"nodes", "meshes", "instances", "triangles_in", "triangles",
+                    "instanced_triangles", "vertices", "dropped", "split_vertices",
+                    "boundary_edges", "non_manifold_edges", "extent_m", "effects", "load_ms",
+                    "memory_bytes", "indices", "scale", "notes", "warnings"}));
   EXPECT_EQ(keys_of(info["dropped"]), sorted({"degenerate", "duplicate"}));
   EXPECT_EQ(keys_of(info["load_ms"]), sorted({"parse", "mesh", "index"}));
   EXPECT_EQ(info["triangles_in"], 12);
@@ -561,7 +562,8 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_EQ(keys_of(summary), sorted(kSummaryKeys));
   EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
   EXPECT_EQ(keys_of(summary["faults"]),
-            sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump"}));
+            sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
+                    "bad_body_pose"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -120,6 +121,10 @@ struct PlateCase {
   bool is_closed;
   double radius_m;
 };
+
+void PrintTo(const PlateCase& c, std::ostream* out) {
+  *out << c.speed_m_per_s << " m/s, " << c.turn_rad_per_s << " rad/s, radius " << c.radius_m;
+}
 
 class MovingPlate : public testing::TestWithParam<PlateCase> {
  protected:

@@ -42,7 +42,7 @@ class OwnedBodies {
       world_.bodies.back().place(placed.T_solver_body);
       boxes.push_back(world_.bodies.back().box_solver());
     }
-    if (with_tree) world_.tree = std::make_shared<BoxTree>(boxes, proxy_radius_m + 2 * stand_off);
+    if (with_tree) world_.tree = std::make_shared<BoxTree>(boxes, sweep);
   }
 
   const ContactWorld& world() const { return world_; }
