@@ -95,6 +95,15 @@ Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
   return ElementRange{view->subspan(byte_offset), stride, count};
 }
 
+// Section 3.7.2.1 and 3.6.2.3: indices lie without gaps. Readers differ in what they make of a
+// stride, so the file does not say which triangles are meant.
+std::optional<Error> check_no_stride(const GltfAsset& asset, int view_id) {
+  const auto view = static_cast<std::size_t>(view_id);
+  if (asset.model.bufferViews[view].byteStride == 0) return std::nullopt;
+  return gltf_invalid(gltf_element("bufferViews", view, "byteStride"),
+                      "is there; expected none for indices");
+}
+
 template <typename Component, typename Out>
 Out decoded(Component stored, bool normalized) {
   if constexpr (std::is_integral_v<Component> && std::is_floating_point_v<Out>) {
@@ -157,6 +166,7 @@ Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
         element + "/sparse/indices/componentType",
         "stands for " + name_of(layout.component_type) + "; expected unsigned integers");
   }
+  if (auto error = check_no_stride(asset, sparse.indices.bufferView)) return *error;
   const auto count = static_cast<std::size_t>(sparse.count);
   const auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
                                    static_cast<std::size_t>(sparse.indices.byteOffset), count,
@@ -303,6 +313,9 @@ Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::siz
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (auto error = check_index_type(accessor, accessor_id)) return *error;
   if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  if (accessor.bufferView >= 0) {
+    if (auto error = check_no_stride(asset, accessor.bufferView)) return *error;
+  }
   std::vector<std::uint32_t> indices(accessor.count);
   if (auto error = decode_accessor(asset, accessor_id, indices.data())) return *error;
   const auto restart =

@@ -1,5 +1,6 @@
 #include "io/gltf_buffers.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -67,7 +68,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
                         "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
   }
   if (!buffer.loaded) {
-    auto loaded = uri_bytes(*uri);
+    auto loaded = uri_bytes(buffer.declaration);
     if (!loaded) {
       Error error = loaded.error();
       error.element = gltf_element("buffers", index, "uri");
@@ -85,11 +86,16 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
   return std::span<const std::uint8_t>(buffer.storage);
 }
 
-Result<std::vector<std::uint8_t>> GltfBuffers::uri_bytes(const std::string& uri) const {
+Result<std::vector<std::uint8_t>> GltfBuffers::uri_bytes(
+    const GltfBufferDeclaration& declaration) const {
+  const std::string& uri = *declaration.uri;
   if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
   const auto file = resolve_inside(folder_, uri);
   if (!file) return file.error();
-  auto bytes = read_regular_file(*file, kMaxGltfFileBytes);
+  // A pointer is told by its first line, also where the buffer is shorter.
+  const std::uint64_t wanted =
+      std::max<std::uint64_t>(declaration.byte_length, kLfsPointerStart.size());
+  auto bytes = read_regular_file(*file, kMaxGltfFileBytes, wanted);
   if (bytes && is_lfs_pointer(*bytes)) {
     return gltf_error(ErrorCode::kFileUnreadable, {},
                       "the file " + gltf_quoted(uri) + " is a Git LFS pointer, not the data",

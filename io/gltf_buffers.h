@@ -26,8 +26,8 @@ class GltfBuffers {
   GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
               std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder);
 
-  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file.
-  // Valid while this lives.
+  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file, of
+  // which no more is read. Valid while this lives.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
  private:
@@ -38,7 +38,7 @@ class GltfBuffers {
   };
 
   Result<std::span<const std::uint8_t>> source_bytes(std::size_t index);
-  Result<std::vector<std::uint8_t>> uri_bytes(const std::string& uri) const;
+  Result<std::vector<std::uint8_t>> uri_bytes(const GltfBufferDeclaration& declaration) const;
 
   std::vector<Buffer> buffers_;
   std::optional<std::span<const std::uint8_t>> bin_chunk_;

@@ -27,10 +27,15 @@ inline std::string gltf_element(const std::string& section, std::size_t index,
   return element;
 }
 
-// Text from the file, in quotes and short enough for a message.
-inline std::string gltf_quoted(const std::string& text) {
+// Text from the file, short enough for a message.
+inline std::string gltf_shortened(const std::string& text) {
   constexpr std::size_t kMaxLength = 120;
-  return "\"" + (text.size() > kMaxLength ? text.substr(0, kMaxLength) + "..." : text) + "\"";
+  return text.size() > kMaxLength ? text.substr(0, kMaxLength) + "..." : text;
+}
+
+// The same in quotes.
+inline std::string gltf_quoted(const std::string& text) {
+  return "\"" + gltf_shortened(text) + "\"";
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "io/gltf_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -103,7 +104,8 @@ bool lies_inside(const std::filesystem::path& folder, const std::filesystem::pat
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
-                                                    std::uint64_t max_bytes) {
+                                                    std::uint64_t max_bytes,
+                                                    std::uint64_t wanted_bytes) {
   if (path.find('\0') != std::string::npos) {
     return file_error(ErrorCode::kFileNotFound, path.substr(0, path.find('\0')),
                       "the name contains a zero byte");
@@ -123,7 +125,7 @@ Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
                       "has " + std::to_string(size) + " bytes; at most " +
                           std::to_string(max_bytes) + " are read");
   }
-  std::vector<std::uint8_t> bytes(size);
+  std::vector<std::uint8_t> bytes(std::min(size, wanted_bytes));
   if (auto error = read_fully(file.get(), path, bytes)) return *error;
   return bytes;
 }

@@ -3,6 +3,7 @@
 // Reading files that an untrusted asset may have named.
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,12 @@
 
 namespace palpate {
 
-// The content of a regular file of at most max_bytes. A folder, pipe, socket or device is refused
-// without being waited for. Error::path is the path given. Thread-safe.
-Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
-                                                    std::uint64_t max_bytes);
+// The content of a regular file of at most max_bytes, or its beginning if no more than
+// wanted_bytes are called for. A folder, pipe, socket or device is refused without being waited
+// for. Error::path is the path given. Thread-safe.
+Result<std::vector<std::uint8_t>> read_regular_file(
+    const std::string& path, std::uint64_t max_bytes,
+    std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max());
 
 // The file that a relative URI reference of an asset names, percent-decoded. folder: that of the
 // asset. Refused: a scheme, an absolute path, a broken escape, and whatever lies outside the folder

@@ -14,6 +14,8 @@ inline constexpr std::uint64_t kMaxGltfBufferBytes = std::uint64_t{1} << 31;  //
 inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;    // data URIs included
 inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
+// Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
+inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                  // 1: a root
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;   // all meshes of the scene

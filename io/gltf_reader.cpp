@@ -1,5 +1,6 @@
 #include "io/gltf_reader.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <new>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -29,6 +31,14 @@ using Json = nlohmann::json;
 
 Result<Json> parse_json(std::string_view text) {
   if (auto error = check_json_size(text)) return *error;
+  if (text.starts_with("\xEF\xBB\xBF")) {  // which the parser would pass over
+    return gltf_invalid("JSON", "begins with a byte order mark; expected none");
+  }
+  // The parser takes a zero byte for the end.
+  const std::size_t end = text.find('\0');
+  if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
+    return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
+  }
   try {
     return Json::parse(text);
   } catch (const Json::exception& exception) {
@@ -79,35 +89,40 @@ void remove_stand_in_view(tinygltf::Model& model) {
   model.bufferViews.pop_back();
 }
 
-// tinygltf drops without a word what it cannot parse; after the checks nothing should be.
-bool kept_everything(const Json& sections, const tinygltf::Model& model) {
-  const auto size = [&](const char* name) {
-    return sections.contains(name) ? sections[name].size() : 0;
-  };
-  if (size("nodes") != model.nodes.size() || size("scenes") != model.scenes.size() ||
-      size("accessors") != model.accessors.size() ||
-      size("bufferViews") != model.bufferViews.size() || size("meshes") != model.meshes.size()) {
-    return false;
+// How many elements each section has, and each mesh primitives.
+std::vector<std::size_t> element_counts(const Json& sections) {
+  std::vector<std::size_t> counts;
+  for (const char* name : {"nodes", "scenes", "accessors", "bufferViews", "meshes"}) {
+    counts.push_back(sections.contains(name) ? sections[name].size() : 0);
   }
-  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
-    if (sections["meshes"][i]["primitives"].size() != model.meshes[i].primitives.size()) {
-      return false;
-    }
-  }
-  return true;
+  if (!sections.contains("meshes")) return counts;
+  for (const Json& mesh : sections["meshes"]) counts.push_back(mesh["primitives"].size());
+  return counts;
 }
 
-Result<tinygltf::Model> load_model(Json& sections) {
+std::vector<std::size_t> element_counts(const tinygltf::Model& model) {
+  std::vector<std::size_t> counts = {model.nodes.size(), model.scenes.size(),
+                                     model.accessors.size(), model.bufferViews.size(),
+                                     model.meshes.size()};
+  for (const tinygltf::Mesh& mesh : model.meshes) counts.push_back(mesh.primitives.size());
+  return counts;
+}
+
+// Takes the sections, which are not needed beside tinygltf's own copy.
+Result<tinygltf::Model> load_model(Json sections) {
   sections["asset"]["version"] = "2.0";
   add_stand_in_view(sections);
+  const std::vector<std::size_t> expected_counts = element_counts(sections);
   const std::string text = sections.dump(-1, ' ', false, Json::error_handler_t::replace);
+  sections = nullptr;
   tinygltf::Model model;
   std::string error;
   std::string warning;
   tinygltf::TinyGLTF loader;
   const bool loaded = loader.LoadASCIIFromString(&model, &error, &warning, text.data(),
                                                  static_cast<unsigned int>(text.size()), "");
-  if (!loaded || !kept_everything(sections, model)) {
+  // tinygltf drops without a word what it cannot parse; after the checks nothing should be.
+  if (!loaded || element_counts(model) != expected_counts) {
     return gltf_invalid("JSON", "tinygltf cannot read it: " + error.substr(0, 200));
   }
   remove_stand_in_view(model);
@@ -210,7 +225,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
   auto sections = checked_sections(*root);
   if (!sections) return sections.error();
   GltfBuffers buffers(take_buffers(*sections), container->bin_chunk, folder);
-  const auto model = load_model(*sections);
+  const auto model = load_model(std::move(*sections));
   if (!model) return model.error();
   std::vector<std::string> warnings = std::move(extensions->warnings);
   if (container->misaligned) {

@@ -135,6 +135,7 @@ class Checker {
                         "has " + std::to_string(section->size()) + " nodes; at most " +
                             std::to_string(kMaxGltfNodes) + " are read");
     }
+    if (auto error = count_elements(section->size(), "/" + name)) return error;
     Json& copies = sections[name] = Json::array();
     for (std::size_t i = 0; i < section->size(); ++i) {
       const std::string element = gltf_element(name, i);
@@ -144,6 +145,17 @@ class Checker {
       if (auto error = check_object(name, object, element, copy)) return error;
       copies.push_back(std::move(copy));
     }
+    return std::nullopt;
+  }
+
+  // Each element costs much more memory than its text, which may be no longer than "{},".
+  MaybeError count_elements(std::size_t count, const std::string& element) {
+    if (count > elements_left_) {
+      return gltf_error(ErrorCode::kLimitExceeded, element,
+                        "brings the elements of the asset to more than " +
+                            std::to_string(kMaxGltfElements) + ", the most that are read");
+    }
+    elements_left_ -= count;
     return std::nullopt;
   }
 
@@ -176,6 +188,7 @@ class Checker {
     if (!primitives->is_array()) {
       return gltf_expected(element + "/primitives", *primitives, "an array");
     }
+    if (auto error = count_elements(primitives->size(), element + "/primitives")) return error;
     Json& copies = copy["primitives"] = Json::array();
     for (std::size_t i = 0; i < primitives->size(); ++i) {
       const std::string path = element + "/primitives/" + std::to_string(i);
@@ -199,6 +212,7 @@ class Checker {
     const auto targets = primitive.find("targets");
     if (targets == primitive.end()) return std::nullopt;
     if (!targets->is_array()) return gltf_expected(element + "/targets", *targets, "an array");
+    if (auto error = count_elements(targets->size(), element + "/targets")) return error;
     Json& copies = copy["targets"] = Json::array();
     for (std::size_t i = 0; i < targets->size(); ++i) {
       const std::string path = element + "/targets/" + std::to_string(i);
@@ -212,7 +226,9 @@ class Checker {
     copy = Json::object();
     for (const auto& [name, value] : attributes.items()) {
       const Property property{name.c_str(), Kind::kId, true, "accessors"};
-      if (auto error = copy_value(value, element + "/" + name, property, copy[name])) return error;
+      if (auto error =
+              copy_value(value, element + "/" + gltf_shortened(name), property, copy[name]))
+        return error;
     }
     return std::nullopt;
   }
@@ -302,7 +318,13 @@ class Checker {
                       Json& copy) {
     if (!value.is_array()) return gltf_expected(element, value, "an array");
     copy = Json::array();
+    const std::size_t count = section_size(property.target);
     for (std::size_t i = 0; i < value.size(); ++i) {
+      if (i == count && count > 0) {
+        return gltf_invalid(
+            element, "has " + std::to_string(value.size()) + " elements; expected each of the " +
+                         std::to_string(count) + " in /" + property.target + " once at most");
+      }
       Json id;
       if (auto error = copy_id(value[i], element + "/" + std::to_string(i), property, id)) {
         return error;
@@ -368,6 +390,7 @@ class Checker {
   }
 
   const Json& root_;
+  std::size_t elements_left_ = kMaxGltfElements;
 };
 
 }  // namespace

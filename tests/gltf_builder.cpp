@@ -120,6 +120,19 @@ GltfBuilder GltfBuilder::one_triangle() {
   return builder;
 }
 
+std::string GltfBuilder::glb_bytes() const {
+  nlohmann::json root = json;
+  if (!root.contains("buffers")) root["buffers"] = {{{"byteLength", bin.size()}}};
+  return glb_of({{"JSON", padded(root.dump(), ' ')}, {std::string("BIN\0", 4), padded(bin, '\0')}});
+}
+
+std::string GltfBuilder::data_uri_text(const std::string& media_type) const {
+  nlohmann::json root = json;
+  root["buffers"] = {{{"byteLength", bin.size()},
+                      {"uri", "data:" + media_type + ";base64," + base64_encoded(bin)}}};
+  return root.dump();
+}
+
 std::string GltfBuilder::write_gltf(const TemporaryFolder& folder) const {
   nlohmann::json root = json;
   if (!root.contains("buffers")) {
@@ -130,18 +143,12 @@ std::string GltfBuilder::write_gltf(const TemporaryFolder& folder) const {
 }
 
 std::string GltfBuilder::write_glb(const TemporaryFolder& folder) const {
-  nlohmann::json root = json;
-  if (!root.contains("buffers")) root["buffers"] = {{{"byteLength", bin.size()}}};
-  return folder.write("asset.glb", glb_of({{"JSON", padded(root.dump(), ' ')},
-                                           {std::string("BIN\0", 4), padded(bin, '\0')}}));
+  return folder.write("asset.glb", glb_bytes());
 }
 
 std::string GltfBuilder::write_data_uri(const TemporaryFolder& folder,
                                         const std::string& media_type) const {
-  nlohmann::json root = json;
-  root["buffers"] = {{{"byteLength", bin.size()},
-                      {"uri", "data:" + media_type + ";base64," + base64_encoded(bin)}}};
-  return write_text(folder, root.dump());
+  return write_text(folder, data_uri_text(media_type));
 }
 
 std::string GltfBuilder::write_text(const TemporaryFolder& folder, const std::string& text) {

@@ -75,6 +75,10 @@ class GltfBuilder {
   // 1, mesh 0, node 0 in scene 0.
   static GltfBuilder one_triangle();
 
+  // The content of a file: the buffer becomes the BIN chunk, or a data URI.
+  std::string glb_bytes() const;
+  std::string data_uri_text(const std::string& media_type = "application/octet-stream") const;
+
   // The file written. The buffer becomes a .bin beside it, the BIN chunk or a data URI.
   std::string write_gltf(const TemporaryFolder& folder) const;
   std::string write_glb(const TemporaryFolder& folder) const;

@@ -1,0 +1,325 @@
+#!/usr/bin/env python3
+"""Runs `palpate info --json` on every .gltf and .glb below a folder and judges the answers.
+
+usage: corpus_test.py PROGRAM DEFAULT_FOLDER [--sanitized]
+
+The folder is that of PALPATE_CORPUS, or the default; without it the test is skipped (exit code 77).
+Each file must be read, or refused with exit code 2, one line, and a reason that is known here and,
+where it can be looked up in the file, true. A crash, a report of a sanitizer, a run beyond 5 s of
+processor time or beyond the memory below fails the test. A file INDEX.tsv in the folder may name
+the kind of each file, after a tab; a file that is "real" there must be read, or its reason must be
+looked up and true, or such that no reader could do better.
+"""
+
+import base64
+import collections
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import urllib.parse
+
+SKIPPED = 77
+WORKERS = 2
+SECONDS = 5  # of processor time, whatever else the machine does
+SANITIZED_SECONDS = 60  # the same work costs several times as much
+WAITING = 12  # a child that waits instead of working is ended after so many times as long
+BASE_BYTES = 64 << 20
+BYTES_PER_BYTE = 40
+
+# Reasons in the order in which they are tried: the first whose expression is found in the message.
+REASONS = [
+    ("no regular file, or it cannot be opened", r"cannot be opened|is not a regular file|is a folder"),
+    ("buffer is a Git LFS pointer", r"Git LFS pointer"),
+    ("buffer outside the folder, or not a path", r"leads out of the folder|not a relative path|is not relative|broken escape"),
+    ("buffer without data", r"/buffers/\d+: has no uri"),
+    ("buffer too short", r"/buffers/\d+/byteLength: is"),
+    ("data URI", r"/buffers/\d+/uri: the data URI"),
+    ("not glTF", r"begins neither like|^is empty"),
+    ("glTF 1.0 or no version", r"/asset/(version|minVersion)|GLB header: its version"),
+    ("required extension", r"/extensionsRequired/\d+: requires the extension"),
+    ("GLB container", r"GLB (header|chunk \d+): "),
+    ("JSON text", r"^JSON"),
+    ("limit", r"at most \d+|deeper than|can still be read|not enough memory"),
+    ("no data", r"has neither bufferView nor sparse"),
+    ("no triangle", r"the scene has no triangle|no node has a triangle with area"),
+    ("nodes", r"/nodes/\d+\S*: |is reached twice"),
+    ("indices", r"/indices: index|largest of its type"),
+    ("position not finite", r"is not finite"),
+    ("sparse", r"/sparse"),
+    ("views and accessors", r"/(bufferViews|accessors)(/\d+\S*)?: "),
+    ("meshes", r"/meshes(/\d+\S*)?: "),
+    ("scenes", r"/scenes?(/\d+\S*)?: "),
+    ("extensions", r"/extensions\w*(/\S*)?: "),
+    ("skins", r"/skins(/\d+\S*)?: "),
+    ("animations", r"/animations(/\d+\S*)?: "),
+    ("buffers", r"/buffers(/\d+\S*)?: "),
+    ("materials", r"/materials(/\d+\S*)?: "),
+]
+# For these a real file may be refused without its being looked up that it is so.
+EXCUSES = {"buffer is a Git LFS pointer", "buffer without data", "no triangle"}
+
+Answer = collections.namedtuple("Answer", "code signal timed_out peak_bytes out err")
+
+
+def run(program, path, seconds):
+    """One file in a child of its own, with its peak memory."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        limit = f"ulimit -St {seconds}; exec \"$@\""  # beyond it SIGXCPU
+        child = subprocess.Popen(["sh", "-c", limit, "sh", program, "info", "--json", path],
+                                 stdin=subprocess.DEVNULL, stdout=out, stderr=err)
+        timed_out = threading.Event()
+
+        def end():
+            timed_out.set()
+            child.kill()
+
+        timer = threading.Timer(WAITING * seconds, end)
+        timer.start()
+        _, status, usage = os.wait4(child.pid, 0)
+        timer.cancel()
+        child.returncode = status  # reaped here: subprocess must not wait for it again
+        out.seek(0)
+        err.seek(0)
+        return Answer(os.waitstatus_to_exitcode(status), os.WIFSIGNALED(status) and status & 0x7F,
+                      timed_out.is_set(), usage.ru_maxrss * 1024, out.read(),
+                      err.read().decode("utf-8", "replace"))
+
+
+def json_text(path):
+    """The bytes of the JSON of a .gltf or .glb; None where there is none."""
+    data = path.read_bytes()
+    if data[:4] != b"glTF":
+        return data
+    if len(data) < 20:
+        return None
+    version, _, length, kind = struct.unpack("<4I", data[4:20])
+    if version == 1 or kind != 0x4E4F534A:
+        return data[20:20 + length]  # glTF 1.0 has its JSON at the same place
+    return data[20:20 + length]
+
+
+def parsed(path):
+    try:
+        root = json.loads(json_text(path))
+        return root if isinstance(root, dict) else {}
+    except (TypeError, ValueError, RecursionError):
+        return {}
+
+
+def at(container, index):
+    try:
+        return container[index]
+    except (IndexError, KeyError, TypeError):
+        return {}
+
+
+COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+
+
+def referenced_bytes(root):
+    """What the geometry of an asset refers to, each reference counted, decoded sizes."""
+    accessors = root.get("accessors", [])
+    total = 0
+
+    def count(accessor):
+        nonlocal total
+        accessor = at(accessors, accessor)
+        total += (accessor.get("count", 0) * COMPONENT_BYTES.get(accessor.get("componentType"), 4) *
+                  COMPONENTS.get(accessor.get("type"), 1))
+
+    uses = collections.Counter(node.get("mesh") for node in root.get("nodes", []))
+    for number, mesh in enumerate(root.get("meshes", [])):
+        for primitive in mesh.get("primitives", []) if uses[number] else []:
+            for attributes in [primitive.get("attributes", {})] + primitive.get("targets", []):
+                for name, accessor in attributes.items():
+                    if re.match(r"POSITION|JOINTS|WEIGHTS", name):
+                        count(accessor)
+            if "indices" in primitive:
+                count(primitive["indices"])
+    for skin in root.get("skins", []):
+        count(skin.get("inverseBindMatrices"))
+    for animation in root.get("animations", []):
+        for sampler in animation.get("samplers", []):
+            count(sampler.get("input"))
+            count(sampler.get("output"))
+    for node in root.get("nodes", []):
+        extension = node.get("extensions", {}).get("EXT_mesh_gpu_instancing", {})
+        for accessor in extension.get("attributes", {}).values():
+            count(accessor)
+    return total
+
+
+def source_bytes(path, root):
+    """What is read as it stands: the file and the files it names."""
+    total = path.stat().st_size
+    for buffer in root.get("buffers", []):
+        uri = buffer.get("uri", "data:")
+        if not uri.startswith("data:"):
+            total += buffer.get("byteLength", 0)
+    return total
+
+
+def buffer_bytes(path, root, number):
+    """The bytes of a buffer, from where it has them."""
+    uri = at(root["buffers"], number).get("uri")
+    if uri is None:
+        data = path.read_bytes()
+        return data[20 + struct.unpack("<I", data[12:16])[0] + 8:]
+    if uri.startswith("data:"):
+        text = uri.split(",", 1)[1]
+        return base64.b64decode(text + "=" * (-len(text) % 4))
+    return (path.parent / urllib.parse.unquote(uri)).read_bytes()
+
+
+def has_wrong_index(path, root):
+    """Whether any primitive has an index beyond its vertices, or the one that means a restart."""
+    for mesh in root["meshes"]:
+        for primitive in mesh["primitives"]:
+            indices = at(root["accessors"], primitive.get("indices"))
+            vertices = at(root["accessors"], primitive["attributes"].get("POSITION"))
+            if "bufferView" not in indices or "count" not in vertices:
+                continue
+            view = root["bufferViews"][indices["bufferView"]]
+            size = COMPONENT_BYTES[indices["componentType"]]
+            start = view.get("byteOffset", 0) + indices.get("byteOffset", 0)
+            data = buffer_bytes(path, root, view["buffer"])[start:start + size * indices["count"]]
+            values = memoryview(data).cast({1: "B", 2: "H", 4: "I"}[size])
+            if max(values) >= min(vertices["count"], 256 ** size - 1):
+                return True
+    return False
+
+
+def has_wrong_node_ids(root):
+    """Whether an id of a scene or node is out of range, or a node has two parents."""
+    nodes = range(len(root.get("nodes", [])))
+    children = [child for node in root.get("nodes", []) for child in node.get("children", [])]
+    roots = [node for scene in root.get("scenes", []) for node in scene.get("nodes", [])]
+    return (len(set(children)) < len(children) or any(id not in nodes for id in children + roots) or
+            root.get("scene", 0) not in range(max(1, len(root.get("scenes", [])))))
+
+
+def is_true(reason, message, path, root):
+    """Whether the file bears out the reason; None where that is not looked up."""
+    if reason == "required extension":
+        index = re.search(r"/extensionsRequired/(\d+): requires the extension \"(.*?)\"", message)
+        return at(root.get("extensionsRequired"), int(index[1])) == index[2]
+    if reason == "glTF 1.0 or no version":
+        return not str(at(root.get("asset", {}), "version")).startswith("2.")
+    if reason == "no regular file, or it cannot be opened":
+        uri = at(root.get("buffers"), int(re.match(r"/buffers/(\d+)/uri", message)[1])).get("uri")
+        return not (path.parent / urllib.parse.unquote(uri)).is_file()
+    if reason == "no data":
+        accessor = at(root.get("accessors"), int(re.match(r"/accessors/(\d+)", message)[1]))
+        return "bufferView" not in accessor and "sparse" not in accessor
+    if reason == "indices":
+        return has_wrong_index(path, root)
+    if reason in ("nodes", "scenes"):
+        return has_wrong_node_ids(root) or None
+    return None
+
+
+def reason_of(message):
+    return next((name for name, expression in REASONS if re.search(expression, message)), None)
+
+
+def kinds_in(folder):
+    try:
+        lines = (folder / "INDEX.tsv").read_text().splitlines()
+    except OSError:
+        return {}
+    return {line.split("\t")[0]: line.split("\t")[1] for line in lines if "\t" in line}
+
+
+class Judge:
+    def __init__(self, sanitized):
+        self.sanitized = sanitized
+        self.failures = []
+        self.table = collections.Counter()
+        self.largest = (0.0, "no file")  # share of the allowed memory
+
+    def fail(self, name, text):
+        self.failures.append(f"{name}: {text}")
+
+    def judge(self, name, path, answer, kind):
+        if answer.timed_out or answer.signal == signal.SIGXCPU:
+            return self.fail(name, "does not come to an end")
+        if answer.signal or answer.code not in (0, 2) or "Sanitizer" in answer.err or \
+                "runtime error" in answer.err:
+            return self.fail(name, f"exit code {answer.code}\n{answer.err[-2000:]}")
+        try:
+            root = parsed(path)
+            self.judge_memory(name, path, root, answer)
+        except (AttributeError, TypeError, OverflowError):
+            root = {}  # not of the shape of a glTF file: then it has no size to be measured by
+        if answer.code == 0:
+            json.loads(answer.out)
+            return self.count("read", kind)
+        message = answer.err.removeprefix(f"palpate: {path}: ")
+        if message.count("\n") != 1:
+            self.fail(name, f"its error is not one line: {message}")
+        reason = reason_of(message)
+        if reason is None:
+            return self.fail(name, f"refused for a reason that is not known here: {message}")
+        truth = is_true(reason, message, path, root)
+        if truth is False:
+            self.fail(name, f"refused for a reason that is not so: {message}")
+        if kind == "real" and not truth and reason not in EXCUSES:
+            self.fail(name, f"a real file is refused: {message}")
+        self.count(reason, kind)
+
+    def judge_memory(self, name, path, root, answer):
+        if self.sanitized:
+            return
+        allowed = BASE_BYTES + BYTES_PER_BYTE * referenced_bytes(root) + source_bytes(path, root)
+        share = answer.peak_bytes / allowed
+        self.largest = max(self.largest, (share, name))
+        if share > 1:
+            self.fail(name, f"takes {answer.peak_bytes >> 20} MiB; expected {allowed >> 20} or less")
+
+    def count(self, reason, kind):
+        self.table[reason, kind] += 1
+
+    def print_table(self):
+        kinds = sorted({kind for _, kind in self.table})
+        print(f"{'':42}" + "".join(f"{kind:>14}" for kind in kinds))
+        for reason in ["read"] + [name for name, _ in REASONS]:
+            counts = [self.table[reason, kind] for kind in kinds]
+            if any(counts):
+                print(f"{reason:42}" + "".join(f"{count:>14}" for count in counts))
+        if not self.sanitized:
+            print(f"largest share of the memory allowed: {self.largest[0]:.0%}, {self.largest[1]}")
+
+
+def main(program, default_folder, sanitized):
+    folder = pathlib.Path(os.environ.get("PALPATE_CORPUS") or default_folder)
+    if not folder.is_dir():
+        print(f"skipped: there is no folder {folder}; name one by PALPATE_CORPUS")
+        return SKIPPED
+    paths = sorted(path for path in folder.rglob("*") if path.suffix in (".gltf", ".glb"))
+    kinds = kinds_in(folder)
+    seconds = SANITIZED_SECONDS if sanitized else SECONDS
+    # All runs come first: a child's peak begins with what its parent holds, and judging holds JSON.
+    with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
+        answers = list(pool.map(lambda path: run(program, str(path), seconds), paths))
+    judge = Judge(sanitized)
+    for path, answer in zip(paths, answers):
+        name = str(path.relative_to(folder))
+        judge.judge(name, path, answer, kinds.get(name, "other"))
+    judge.print_table()
+    for failure in judge.failures:
+        print("FAILED", failure)
+    print(f"{len(paths)} files, {len(judge.failures)} failures")
+    return 1 if judge.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2], "--sanitized" in sys.argv[3:]))

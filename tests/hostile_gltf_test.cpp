@@ -1,0 +1,432 @@
+// Files made to hurt: each must be refused, or read with what hurts left out, by the right error
+// and without more memory than its bytes deserve. What is merely wrong is in gltf_reader_test.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <sys/stat.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/gltf_limits.h"
+#include "io/gltf_reader.h"
+#include "tests/gltf_builder.h"
+#include "tests/gltf_seeds.h"
+#include "tests/peak_memory.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+using test::GltfBuilder;
+using test::TemporaryFolder;
+
+// What reading may hold. The promise is 64 MiB for all of a process, which holds more than a scene.
+constexpr std::size_t kBaseBytes = std::size_t{32} << 20;
+constexpr std::size_t kBytesPerByte = 40;
+// An element, such as a node, may have a text of two bytes, so it has an allowance of its own.
+constexpr std::size_t kBytesPerElement = 2048;
+
+struct Outcome {
+  Result<SceneDescription> scene;
+  std::size_t peak_bytes = 0;
+};
+
+// Reads an asset in memory, whose external files lie in the folder.
+Outcome read_measured(const std::string& file, const std::string& folder) {
+  const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(file.data()),
+                                            file.size());
+  const test::PeakMemory memory;
+  auto scene = read_gltf_bytes(bytes, folder, "hostile");
+  return {std::move(scene), memory.bytes()};
+}
+
+void expect_modest(const Outcome& outcome, const std::string& file, std::size_t elements = 0) {
+  EXPECT_LE(outcome.peak_bytes,
+            kBaseBytes + kBytesPerByte * file.size() + kBytesPerElement * elements);
+}
+
+void expect_refused(const std::string& file, ErrorCode code, const std::string& element,
+                    std::size_t elements = 0) {
+  const Outcome outcome = read_measured(file, "/nowhere");
+  expect_modest(outcome, file, elements);
+  ASSERT_FALSE(outcome.scene.ok()) << "accepted; expected an error at " << element;
+  const Error& error = outcome.scene.error();
+  EXPECT_EQ(static_cast<int>(error.code), static_cast<int>(code)) << error.to_string();
+  EXPECT_EQ(error.element, element) << error.to_string();
+  EXPECT_EQ(error.path, "hostile");
+  EXPECT_FALSE(error.problem.empty());
+}
+
+void expect_invalid(const std::string& file, const std::string& element, std::size_t elements = 0) {
+  expect_refused(file, ErrorCode::kInvalidContent, element, elements);
+}
+
+SceneDescription read_or_fail(const std::string& file) {
+  Outcome outcome = read_measured(file, "/nowhere");
+  expect_modest(outcome, file);
+  EXPECT_TRUE(outcome.scene.ok()) << (outcome.scene.ok() ? "" : outcome.scene.error().to_string());
+  return outcome.scene.ok() ? std::move(*outcome.scene) : SceneDescription{};
+}
+
+// One triangle whose JSON has this text before its last brace.
+std::string triangle_with(const std::string& json_text) {
+  std::string text = GltfBuilder::one_triangle().data_uri_text();
+  return text.replace(text.size() - 1, 1, "," + json_text + "}");
+}
+
+std::string repeated(const std::string& text, std::size_t times) {
+  std::string result;
+  result.reserve(text.size() * times);
+  for (std::size_t i = 0; i < times; ++i) result += text;
+  return result;
+}
+
+// A list of so many elements, none first.
+std::string list_of(const std::string& element, std::size_t count) {
+  return "[" + element + repeated("," + element, count - 1) + "]";
+}
+
+const std::string kAsset = R"("asset":{"version":"2.0"})";
+
+TEST(HostileGltf, SeedsOfTheFuzzTargetAreValid) {
+  for (const test::GltfSeed& seed : test::gltf_seeds()) {
+    SCOPED_TRACE(seed.name);
+    EXPECT_FALSE(read_or_fail(seed.bytes).meshes.empty());
+  }
+}
+
+// --- JSON ----------------------------------------------------------------------------------------
+
+TEST(HostileGltf, NestingThatIsClosedIsAsDeepAsOneThatIsNot) {
+  for (const std::size_t depth : {std::size_t{14500}, std::size_t{1000000}}) {
+    for (const auto& [open, close] :
+         {std::pair<std::string, std::string>{"[", "]"}, {"{\"a\":", "}"}}) {
+      for (const char* where : {"extras", "extensions"}) {
+        const std::string nested = "\"" + std::string(where) +
+                                   "\":{\"x\":" + repeated(open, depth) + "0" +
+                                   repeated(close, depth) + "}";
+        const std::string file = triangle_with(nested);
+        const Outcome outcome = read_measured(file, "/nowhere");
+        expect_modest(outcome, file);
+        ASSERT_FALSE(outcome.scene.ok());
+        EXPECT_EQ(outcome.scene.error().code, ErrorCode::kLimitExceeded);
+        EXPECT_EQ(outcome.scene.error().element.rfind("JSON byte ", 0), 0u);
+      }
+    }
+  }
+}
+
+TEST(HostileGltf, NestingUpToTheLimitIsRead) {
+  const std::size_t depth = kMaxGltfJsonDepth - 1;  // within the root
+  const std::string nested = "\"extras\":" + repeated("[", depth) + repeated("]", depth);
+  EXPECT_EQ(read_or_fail(triangle_with(nested)).meshes.size(), 1u);
+}
+
+TEST(HostileGltf, TextThatIsNotUtf8IsRefused) {
+  for (const char* name : {"\"\xff\"", "\"\xc0\xaf\"", "\"\xed\xa0\x80\"", "\"\xe2\x82\"",
+                           "\"\\ud800\"", "\"\\u12\"", "\"\x01\""}) {
+    expect_invalid("{" + kAsset + ",\"nodes\":[{\"name\":" + name + "}]}", "JSON");
+  }
+}
+
+TEST(HostileGltf, AByteOrderMarkIsRefusedInBothContainers) {
+  const std::string mark = "\xEF\xBB\xBF";
+  expect_refused(mark + GltfBuilder::one_triangle().data_uri_text(), ErrorCode::kNotGltf, "");
+  expect_invalid(test::glb_of({{"JSON", mark + "{" + kAsset + "}  "}}), "JSON");
+}
+
+TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCounts) {
+  EXPECT_EQ(read_or_fail(triangle_with(R"("nodes":[{},{"mesh":0}],"scenes":[{"nodes":[1]}])"))
+                .nodes.at(0)
+                .name,
+            "node 1");
+  expect_invalid(triangle_with(R"("nodes":7)"), "/nodes");
+  expect_invalid(triangle_with(R"("accessors":[])"), "/meshes/0/primitives/0/indices");
+}
+
+TEST(HostileGltf, TextBehindTheJsonIsRefused) {
+  const std::string text = GltfBuilder::one_triangle().data_uri_text();
+  for (const std::string& tail : {std::string("x"), std::string("{}"), std::string("]"),
+                                  std::string("\0{}", 3), std::string("\0\0 ", 3)}) {
+    expect_invalid(text + tail, "JSON");
+  }
+  // What some exporters fill their GLB with.
+  EXPECT_EQ(read_or_fail(text + std::string(3, '\0')).meshes.size(), 1u);
+}
+
+TEST(HostileGltf, WhatIsEmptyIsRefused) {
+  expect_refused("", ErrorCode::kNotGltf, "");
+  expect_refused("{}", ErrorCode::kNotGltf, "/asset/version");
+  expect_invalid(test::glb_of({{"JSON", ""}}), "JSON");
+  for (const char* section : {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"}) {
+    expect_refused("{" + kAsset + ",\"" + section + "\":[]}", ErrorCode::kEmptyScene, "");
+  }
+}
+
+TEST(HostileGltf, LongArraysTakeMemoryLikeTheirText) {
+  constexpr std::size_t kMany = 200000;
+  EXPECT_EQ(read_or_fail(triangle_with("\"extras\":" + list_of("0", kMany))).meshes.size(), 1u);
+  EXPECT_EQ(read_or_fail(triangle_with("\"materials\":" + list_of("{}", kMany))).meshes.size(), 1u);
+  EXPECT_EQ(read_or_fail(triangle_with("\"extras\":" + list_of("{\"a\":{}}", kMany))).nodes.size(),
+            1u);
+  expect_invalid(triangle_with("\"scenes\":[{\"nodes\":" + list_of("0", kMany) + "}]"),
+                 "/scenes/0/nodes");
+  expect_invalid(triangle_with("\"nodes\":[{\"children\":" + list_of("0", kMany) + "}]"),
+                 "/nodes/0/children");
+  expect_invalid(triangle_with("\"accessors\":" + list_of("{}", kMany)),
+                 "/accessors/0/componentType");
+  expect_invalid(triangle_with("\"nodes\":[{\"matrix\":" + list_of("1", kMany) + "}]"),
+                 "/nodes/0/matrix");
+}
+
+// --- The hierarchy -------------------------------------------------------------------------------
+
+TEST(HostileGltf, AGraphOfSixtyLevelsHasNoTreeInIt) {
+  // Two nodes on each level, and both are parents of both of the next: 2^60 ways down.
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"] = Json::array();
+  for (std::size_t level = 0; level < 60; ++level) {
+    const Json next = {2 * level + 2, 2 * level + 3};
+    asset.add_child({{"children", next}});
+    asset.add_child({{"children", next}});
+  }
+  asset.add_child({{"mesh", 0}});
+  asset.add_child({{"mesh", 0}});
+  expect_invalid(asset.glb_bytes(), "/nodes/1/children/0");
+}
+
+TEST(HostileGltf, ALongCycleIsFound) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  constexpr std::size_t kLength = 10000;
+  asset.json["nodes"] = Json::array();
+  for (std::size_t i = 0; i < kLength; ++i) asset.add_child({{"children", {(i + 1) % kLength}}});
+  expect_invalid(asset.glb_bytes(), "/nodes/0", kLength);
+}
+
+TEST(HostileGltf, AChainOfNodesDeeperThanTheStackIsRefused) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"] = Json::array();
+  constexpr std::size_t kDepth = 100000;
+  for (std::size_t i = 0; i + 1 < kDepth; ++i) asset.add_child({{"children", {i + 1}}});
+  asset.add_child({{"mesh", 0}});
+  expect_refused(asset.glb_bytes(), ErrorCode::kLimitExceeded,
+                 "/nodes/" + std::to_string(kMaxGltfNodeDepth), kDepth);
+}
+
+TEST(HostileGltf, ListsOfNodesAreNoLongerThanTheNodes) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["scenes"][0]["nodes"] = {0, 0};
+  expect_invalid(asset.glb_bytes(), "/scenes/0/nodes");
+  asset.add_child(Json::object());
+  expect_invalid(asset.glb_bytes(), "/nodes/0");
+  asset.json["scenes"][0]["nodes"] = {0};
+  asset.json["nodes"][0]["children"] = {1, 1};
+  expect_invalid(asset.glb_bytes(), "/nodes/0/children/1");
+  asset.json["nodes"][0]["children"] = {1, 1, 1};
+  expect_invalid(asset.glb_bytes(), "/nodes/0/children");
+}
+
+// How many elements a reader takes is bounded for all kinds together: scenes and morph targets cost
+// a file three bytes each.
+TEST(HostileGltf, ElementsOfEveryKindAreBounded) {
+  const std::string most = list_of("{}", kMaxGltfElements + 1);
+  expect_refused("{" + kAsset + ",\"scenes\":" + most + "}", ErrorCode::kLimitExceeded, "/scenes");
+  const std::string primitive = R"({"primitives":[{"attributes":{},"targets":)";
+  expect_refused("{" + kAsset + ",\"meshes\":[" + primitive + most + "}]}]}",
+                 ErrorCode::kLimitExceeded, "/meshes/0/primitives/0/targets");
+  expect_refused("{" + kAsset + ",\"meshes\":[{\"primitives\":" + most + "}]}",
+                 ErrorCode::kLimitExceeded, "/meshes/0/primitives");
+  expect_refused("{" + kAsset + ",\"nodes\":" + most + "}", ErrorCode::kLimitExceeded, "/nodes");
+  constexpr std::size_t kMany = 20000;
+  expect_refused("{" + kAsset + ",\"scenes\":" + list_of("{}", kMany) + "}", ErrorCode::kEmptyScene,
+                 "", kMany);
+}
+
+// --- Sizes that wrap, vanish or explode ----------------------------------------------------------
+
+TEST(HostileGltf, HugeNumbersAreRefusedWhereverTheyStand) {
+  const std::uint64_t huge = std::uint64_t{1} << 53;
+  const std::uint64_t wraps = std::numeric_limits<std::uint64_t>::max() - 11;  // + 12 is 0
+  for (const char* pointer :
+       {"/accessors/0/count", "/accessors/1/count", "/accessors/0/byteOffset",
+        "/accessors/1/byteOffset", "/bufferViews/0/byteOffset", "/bufferViews/0/byteLength",
+        "/bufferViews/0/byteStride", "/buffers/0/byteLength"}) {
+    for (const std::uint64_t value : {std::uint64_t{1} << 31, std::uint64_t{1} << 32,
+                                      std::uint64_t{1} << 40, huge, huge + 1, wraps}) {
+      GltfBuilder asset = GltfBuilder::one_triangle();
+      asset.json["buffers"] = {{{"byteLength", asset.bin.size()}}};
+      asset.json[Json::json_pointer(pointer)] = value;
+      const std::string file = asset.glb_bytes();
+      const Outcome outcome = read_measured(file, "/nowhere");
+      expect_modest(outcome, file);
+      ASSERT_FALSE(outcome.scene.ok()) << pointer << " " << value;
+      // The element itself, or what it is too large for.
+      const std::string element = outcome.scene.error().element;
+      EXPECT_TRUE(element == pointer || std::string(pointer).rfind(element + "/", 0) == 0)
+          << pointer << " " << value << ": " << outcome.scene.error().to_string();
+    }
+  }
+}
+
+TEST(HostileGltf, SparseCountsBelowZeroAreRefused) {
+  for (const Json& count : {Json(-1), Json(-2147483648LL), Json(-9223372036854775807LL)}) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.json["accessors"][0]["sparse"] = {
+        {"count", count},
+        {"indices", {{"bufferView", 1}, {"componentType", GltfBuilder::kUnsignedShort}}},
+        {"values", {{"bufferView", 0}}}};
+    expect_invalid(asset.glb_bytes(), "/accessors/0/sparse/count");
+  }
+}
+
+TEST(HostileGltf, PositionsThatAreNotFiniteAreNamed) {
+  for (const std::uint32_t bits : {0x7f800000u, 0xff800000u, 0x7fc00000u, 0x7f800001u}) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.bin.replace(12 * 2 + 8, 4, test::bytes_of(std::vector<std::uint32_t>{bits}));
+    const Outcome outcome = read_measured(asset.glb_bytes(), "/nowhere");
+    ASSERT_FALSE(outcome.scene.ok());
+    EXPECT_EQ(outcome.scene.error().element, "/accessors/0");
+    EXPECT_NE(outcome.scene.error().problem.find("position 2 is not finite"), std::string::npos);
+  }
+}
+
+// --- Containers and buffers ----------------------------------------------------------------------
+
+TEST(HostileGltf, NoLengthOfAGlbLeadsBeyondIt) {
+  const std::string good = GltfBuilder::one_triangle().glb_bytes();
+  const std::size_t json_size = good.size() - 28 - 44;  // two headers and a BIN chunk of 44 bytes
+  for (const std::size_t at : {std::size_t{8}, std::size_t{12}, 20 + json_size}) {
+    for (const std::uint32_t value : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xfffffff0u, 0xffffffffu}) {
+      std::string file = good;
+      file.replace(at, 4, test::bytes_of(std::vector<std::uint32_t>{value}));
+      const Outcome outcome = read_measured(file, "/nowhere");
+      expect_modest(outcome, file);
+      EXPECT_FALSE(outcome.scene.ok()) << at << " " << value;
+    }
+  }
+}
+
+TEST(HostileGltf, TwentyThousandBuffersAreNotTwentyThousandCopies) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.bin.resize(std::size_t{1} << 20);
+  asset.json["buffers"] = Json::array();
+  for (std::size_t i = 0; i < 20000; ++i) {
+    asset.json["buffers"].push_back({{"byteLength", asset.bin.size()}});
+  }
+  EXPECT_EQ(read_or_fail(asset.glb_bytes()).meshes.size(), 1u);
+  for (Json& view : asset.json["bufferViews"]) view["buffer"] = 19999;
+  expect_invalid(asset.glb_bytes(), "/buffers/19999");
+}
+
+TEST(HostileGltf, OfABufferNoMoreIsReadThanItDeclares) {
+  // Many buffers of few bytes each, all in one large file.
+  const TemporaryFolder folder;
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  constexpr std::size_t kBuffers = 64;
+  folder.write("large.bin", asset.bin);
+  std::filesystem::resize_file(folder.path("large.bin"), std::size_t{1} << 28);
+  asset.json["buffers"] = Json::array();
+  Json primitives = Json::array();
+  for (std::size_t i = 0; i < kBuffers; ++i) {
+    asset.json["buffers"].push_back({{"byteLength", asset.bin.size()}, {"uri", "large.bin"}});
+    asset.json["bufferViews"][2 * i] = {{"buffer", i}, {"byteLength", 36}};
+    asset.json["bufferViews"][2 * i + 1] = {{"buffer", i}, {"byteOffset", 36}, {"byteLength", 6}};
+    const auto positions = asset.add_accessor(2 * i, GltfBuilder::kFloat, 3, "VEC3");
+    const auto indices = asset.add_accessor(2 * i + 1, GltfBuilder::kUnsignedShort, 3, "SCALAR");
+    primitives.push_back({{"attributes", {{"POSITION", positions}}}, {"indices", indices}});
+  }
+  asset.json["meshes"][0]["primitives"] = primitives;
+  const std::string file = asset.json.dump();
+  const Outcome outcome = read_measured(file, folder.path());
+  expect_modest(outcome, file);
+  ASSERT_TRUE(outcome.scene.ok()) << outcome.scene.error().to_string();
+  EXPECT_EQ(outcome.scene->meshes.at(0).triangles.size(), kBuffers);
+}
+
+TEST(HostileGltf, NoUriLeadsOutOfTheFolder) {
+  const TemporaryFolder folder;
+  folder.write("asset/x.txt", "");
+  std::filesystem::create_symlink("loop_b", folder.path("asset/loop_a"));
+  std::filesystem::create_symlink("loop_a", folder.path("asset/loop_b"));
+  std::filesystem::create_symlink("/dev/zero", folder.path("asset/zeros"));
+  std::filesystem::create_symlink("/etc", folder.path("asset/etc"));
+  ASSERT_EQ(::mkfifo(folder.path("asset/pipe").c_str(), 0600), 0);
+  for (const std::string& uri : {std::string("../../etc/passwd"),
+                                 std::string("../../../../../../etc/passwd"),
+                                 std::string("..%2f..%2f..%2f..%2f..%2fetc%2fpasswd"),
+                                 std::string("%2e%2e/%2E%2E/%2e%2e/%2e%2e/etc/passwd"),
+                                 std::string("%252e%252e/etc/passwd"),
+                                 std::string("x.txt/../../../../etc/passwd"),
+                                 std::string("/etc/passwd"),
+                                 std::string("%2fetc%2fpasswd"),
+                                 std::string("//etc/passwd"),
+                                 std::string("etc/passwd"),
+                                 std::string("zeros"),
+                                 std::string("loop_a"),
+                                 std::string("pipe"),
+                                 std::string("."),
+                                 std::string(".."),
+                                 std::string("./"),
+                                 std::string("x.txt/"),
+                                 std::string("x.txt%00.bin"),
+                                 std::string("file:///etc/passwd"),
+                                 std::string("http://localhost/a.bin"),
+                                 std::string("~/x"),
+                                 std::string("C:\\x"),
+                                 repeated("../", 5000) + "etc/passwd",
+                                 repeated("a/", 5000),
+                                 repeated("a", 5000)}) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.json["buffers"] = {{{"byteLength", asset.bin.size()}, {"uri", uri}}};
+    const std::string file = asset.json.dump();
+    const Outcome outcome = read_measured(file, folder.path("asset"));
+    expect_modest(outcome, file);
+    ASSERT_FALSE(outcome.scene.ok()) << uri;
+    EXPECT_EQ(outcome.scene.error().element, "/buffers/0/uri") << uri;
+    EXPECT_EQ(outcome.scene.error().problem.find("root:"), std::string::npos);
+  }
+}
+
+// --- What must not fail the file -----------------------------------------------------------------
+
+TEST(HostileGltf, WhatIsNotTouchedMayBeBroken) {
+  for (const char* text :
+       {R"("images":[{"bufferView":4000000000},{"uri":"pipe"},{"uri":"data:image/png;base64,!"}])",
+        R"("cameras":[{"type":"telescope"},7,{}])", R"("textures":[{"source":-3}])",
+        R"("samplers":{"a":[1e308]})", R"("extras":[null,[[]],{"":""}])",
+        R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":5},[]]}})"}) {
+    EXPECT_EQ(read_or_fail(triangle_with(text)).meshes.size(), 1u) << text;
+  }
+}
+
+TEST(HostileGltf, TenThousandWarningsAreCountedNotListed) {
+  const std::string file = triangle_with("\"extensionsUsed\":" + list_of("\"VENDOR_x\"", 10000));
+  const SceneDescription scene = read_or_fail(file);
+  EXPECT_EQ(scene.warnings.size(), kMaxGltfWarnings + 1);
+  expect_refused(triangle_with("\"extensionsRequired\":" + list_of("\"VENDOR_x\"", 10000)),
+                 ErrorCode::kUnsupported, "/extensionsRequired/0");
+}
+
+TEST(HostileGltf, MessagesAreShortWhateverTheyQuote) {
+  const std::string lengthy = repeated("n", 1000000);
+  for (const std::string& file :
+       {triangle_with("\"extensionsRequired\":[\"" + lengthy + "\"]"),
+        triangle_with("\"scene\":\"" + lengthy + "\""),
+        triangle_with("\"asset\":{\"version\":\"" + lengthy + "\"}"),
+        triangle_with("\"buffers\":[{\"byteLength\":42,\"uri\":\"" + lengthy + "\"}]"),
+        triangle_with("\"meshes\":[{\"primitives\":[{\"attributes\":{\"" + lengthy + "\":9}}]}]"),
+        "{" + kAsset + ",\"" + lengthy + "\":tru}"}) {
+    const Outcome outcome = read_measured(file, "/nowhere");
+    expect_modest(outcome, file);
+    ASSERT_FALSE(outcome.scene.ok());
+    EXPECT_LT(outcome.scene.error().to_string().size(), 1000u);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
