@@ -11,12 +11,15 @@ palpate_packages=(
   gnuplot-nox python3
 )
 
+palpate_fuzz_packages=(clang libclang-rt-14-dev)  # for the preset fuzz alone
+
 say() { printf 'palpate: %s\n' "$*" >&2; }
 
-# Installs the packages that are not there yet; silent and instant when nothing is missing.
+# install_missing_packages [PACKAGE...]: those of Palpate and the ones named, unless they are there;
+# silent and instant when nothing is missing.
 install_missing_packages() {
   local missing=() package
-  for package in "${palpate_packages[@]}"; do
+  for package in "${palpate_packages[@]}" "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
       missing+=("$package")
   done

@@ -246,6 +246,16 @@ std::optional<Error> check_data_and_count(const tinygltf::Accessor& accessor,
   return std::nullopt;
 }
 
+// An accessor that is all zeros but for its sparse values may be of any size in a tiny file.
+std::optional<Error> check_unstored(const GltfAsset& asset, const tinygltf::Accessor& accessor,
+                                    std::size_t accessor_id) {
+  if (accessor.bufferView >= 0 || asset.buffers.take_unstored(accessor.count)) return std::nullopt;
+  return gltf_error(ErrorCode::kLimitExceeded, gltf_element("accessors", accessor_id, "count"),
+                    "brings the elements without a bufferView to more than " +
+                        std::to_string(kMaxGltfUnstored) + ", the most that are read",
+                    "store the zeros as well");
+}
+
 std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor_id) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (accessor.type != TINYGLTF_TYPE_VEC3) {
@@ -296,6 +306,7 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (auto error = check_position_type(asset, accessor_id)) return *error;
   if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   std::vector<Vec3> positions(accessor.count, Vec3::Zero());
   if (auto error = decode_accessor(asset, accessor_id, positions.front().data())) return *error;
@@ -313,6 +324,7 @@ Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::siz
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (auto error = check_index_type(accessor, accessor_id)) return *error;
   if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   if (accessor.bufferView >= 0) {
     if (auto error = check_no_stride(asset, accessor.bufferView)) return *error;
   }

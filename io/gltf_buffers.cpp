@@ -59,6 +59,12 @@ Result<std::span<const std::uint8_t>> GltfBuffers::bytes(std::size_t index) {
   return source->first(static_cast<std::size_t>(expected));
 }
 
+bool GltfBuffers::take_unstored(std::size_t elements) {
+  if (elements > unstored_left_) return false;
+  unstored_left_ -= elements;
+  return true;
+}
+
 Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t index) {
   Buffer& buffer = buffers_[index];
   const auto& uri = buffer.declaration.uri;

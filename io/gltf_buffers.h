@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/result.h"
+#include "io/gltf_limits.h"
 
 namespace palpate {
 
@@ -30,6 +31,9 @@ class GltfBuffers {
   // which no more is read. Valid while this lives.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
+  // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
+  bool take_unstored(std::size_t elements);
+
  private:
   struct Buffer {
     GltfBufferDeclaration declaration;
@@ -44,6 +48,7 @@ class GltfBuffers {
   std::optional<std::span<const std::uint8_t>> bin_chunk_;
   std::string folder_;
   std::uint64_t loaded_bytes_ = 0;
+  std::size_t unstored_left_ = kMaxGltfUnstored;
 };
 
 }  // namespace palpate

@@ -19,6 +19,8 @@ inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                  // 1: a root
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;   // all meshes of the scene
+// Elements of sparse accessors without a buffer view, which cost the file nothing.
+inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 

@@ -284,6 +284,43 @@ TEST(HostileGltf, SparseCountsBelowZeroAreRefused) {
   }
 }
 
+// A triangle whose accessor has so many elements, all but one of them zeros that are not stored.
+GltfBuilder triangle_of_zeros(std::size_t accessor, std::size_t count) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["accessors"][accessor].erase("bufferView");
+  asset.json["accessors"][accessor]["count"] = count;
+  asset.json["accessors"][accessor]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", 1}, {"componentType", GltfBuilder::kUnsignedShort}}},
+      {"values", {{"bufferView", accessor}}}};
+  return asset;
+}
+
+TEST(HostileGltf, ZerosThatAreNotStoredAreBounded) {
+  constexpr std::size_t kMost = kMaxGltfUnstored / 3 * 3;
+  for (const std::size_t accessor : {0u, 1u}) {
+    expect_refused(triangle_of_zeros(accessor, kMaxGltfUnstored + 1).glb_bytes(),
+                   ErrorCode::kLimitExceeded, "/accessors/" + std::to_string(accessor) + "/count");
+    const Outcome outcome = read_measured(triangle_of_zeros(accessor, kMost).glb_bytes(), "");
+    EXPECT_TRUE(outcome.scene.ok());
+    EXPECT_LE(outcome.peak_bytes, std::size_t{64} << 20);
+  }
+  GltfBuilder two = triangle_of_zeros(0, kMaxGltfUnstored / 2 + 1);
+  two.add_node({{"mesh", two.add_mesh(two.json["meshes"][0]["primitives"])}});
+  expect_refused(two.glb_bytes(), ErrorCode::kLimitExceeded, "/accessors/0/count");
+}
+
+TEST(HostileGltf, StridesOfIndicesAreRefused) {
+  for (const char* where : {"/bufferViews/1", "/bufferViews/2"}) {
+    GltfBuilder asset = triangle_of_zeros(0, 3);
+    asset.json["bufferViews"].push_back(asset.json["bufferViews"][1]);
+    asset.json["accessors"][0]["sparse"]["indices"]["bufferView"] = 2;
+    EXPECT_EQ(read_or_fail(asset.glb_bytes()).meshes.size(), 1u);
+    asset.json[Json::json_pointer(where)]["byteStride"] = 4;
+    expect_invalid(asset.glb_bytes(), std::string(where) + "/byteStride");
+  }
+}
+
 TEST(HostileGltf, PositionsThatAreNotFiniteAreNamed) {
   for (const std::uint32_t bits : {0x7f800000u, 0xff800000u, 0x7fc00000u, 0x7f800001u}) {
     GltfBuilder asset = GltfBuilder::one_triangle();
