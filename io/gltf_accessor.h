@@ -1,7 +1,9 @@
 #pragma once
 
 // Decoding of accessors (glTF 2.0, section 3.6.2): base view and stride, sparse values with or
-// without a base view, all component types, normalised integers.
+// without a base view, all component types, normalised integers. The data are what counts: min and
+// max are not looked at, and offsets need not be multiples of the component size, because real
+// files have both wrong.
 
 #include <cstdint>
 #include <vector>

@@ -74,6 +74,13 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
                         "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
   }
   if (!buffer.loaded) {
+    // Data URIs may hold more than they declare, but are part of the JSON.
+    const std::uint64_t left = kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes);
+    if (buffer.declaration.byte_length > left) {
+      return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
+                        "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
+                            " bytes, the most that are read");
+    }
     auto loaded = uri_bytes(buffer.declaration);
     if (!loaded) {
       Error error = loaded.error();
@@ -81,11 +88,6 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
       return error;
     }
     loaded_bytes_ += loaded->size();
-    if (loaded_bytes_ > kMaxGltfBufferBytes) {
-      return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
-                        "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
-                            " bytes, the most that are read");
-    }
     buffer.storage = std::move(*loaded);
     buffer.loaded = true;
   }

@@ -385,6 +385,24 @@ TEST(HostileGltf, OfABufferNoMoreIsReadThanItDeclares) {
   EXPECT_EQ(outcome.scene->meshes.at(0).triangles.size(), kBuffers);
 }
 
+TEST(HostileGltf, BuffersAreBoundedTogether) {
+  const TemporaryFolder folder;
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  folder.write("asset.bin", asset.bin);
+  const auto with_lengths = [&](std::uint64_t first, std::uint64_t second) {
+    asset.json["buffers"] = {{{"byteLength", first}, {"uri", "asset.bin"}},
+                             {{"byteLength", second}, {"uri", "asset.bin"}}};
+    asset.json["bufferViews"][1]["buffer"] = 1;
+    return read_measured(asset.json.dump(), folder.path());
+  };
+  const std::size_t size = asset.bin.size();
+  EXPECT_TRUE(with_lengths(size, size).scene.ok());
+  const Outcome outcome = with_lengths(size, kMaxGltfBufferBytes - size + 1);
+  ASSERT_FALSE(outcome.scene.ok());
+  EXPECT_EQ(outcome.scene.error().code, ErrorCode::kLimitExceeded);
+  EXPECT_EQ(outcome.scene.error().element, "/buffers/1");
+}
+
 TEST(HostileGltf, NoUriLeadsOutOfTheFolder) {
   const TemporaryFolder folder;
   folder.write("asset/x.txt", "");
