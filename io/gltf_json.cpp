@@ -64,4 +64,22 @@ Result<std::size_t> required_id(const Json& object, const std::string& element,
   return **id;
 }
 
+std::optional<Error> read_number(const Json& object, const std::string& element,
+                                 const char* property, double& value) {
+  const auto found = object.find(property);
+  if (found == object.end()) return std::nullopt;
+  if (!found->is_number()) return gltf_expected(element + "/" + property, *found, "a number");
+  value = found->get<double>();
+  return std::nullopt;
+}
+
+std::optional<Error> read_text(const Json& object, const std::string& element, const char* property,
+                               std::string& value) {
+  const auto found = object.find(property);
+  if (found == object.end()) return std::nullopt;
+  if (!found->is_string()) return gltf_expected(element + "/" + property, *found, "a string");
+  value = found->get<std::string>();
+  return std::nullopt;
+}
+
 }  // namespace palpate

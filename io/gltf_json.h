@@ -38,4 +38,13 @@ Result<std::optional<std::size_t>> optional_id(const nlohmann::json& object,
 Result<std::size_t> required_id(const nlohmann::json& object, const std::string& element,
                                 const char* property, const char* target, std::size_t count);
 
+// Overwrites value with the number that a property has; leaves it if the property is not there.
+// JSON has no number that is not finite, and what overflows a double does not parse.
+std::optional<Error> read_number(const nlohmann::json& object, const std::string& element,
+                                 const char* property, double& value);
+
+// The same for a text.
+std::optional<Error> read_text(const nlohmann::json& object, const std::string& element,
+                               const char* property, std::string& value);
+
 }  // namespace palpate

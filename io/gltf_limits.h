@@ -35,6 +35,7 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;   // all m
 // Elements of sparse accessors without a buffer view, which cost the file nothing.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
+inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 
 }  // namespace palpate

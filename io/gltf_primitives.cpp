@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io/gltf_error.h"
+#include "io/gltf_materials.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -50,6 +51,9 @@ class MeshReader {
   Result<MeshDescription> run() {
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_id_];
     description_.name = mesh.name.empty() ? "mesh " + std::to_string(mesh_id_) : mesh.name;
+    const auto haptic_material = haptic_material_of_mesh(asset_.json, mesh_id_);
+    if (!haptic_material) return haptic_material.error();
+    description_.haptic_material = *haptic_material;
     bool has_targets = false;
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string element =
@@ -82,6 +86,7 @@ class MeshReader {
     const auto indices = indices_of(primitive, *mode, vertices->count, element);
     if (!indices) return indices.error();
     if (auto error = check_index_count(*mode, indices->size(), element)) return error;
+    begin_run(primitive.material);
     append(assemble_triangles(*mode, *indices), vertices->first);
     return std::nullopt;
   }
@@ -130,6 +135,15 @@ class MeshReader {
                               std::to_string(vertex_count) + " vertices");
     }
     return indices;
+  }
+
+  // The triangles that follow have this material, by its id in the file; -1: none.
+  void begin_run(int file_material) {
+    std::optional<std::uint32_t> material;
+    if (file_material >= 0) material = static_cast<std::uint32_t>(file_material);
+    auto& runs = description_.material_runs;
+    if (!runs.empty() && runs.back().material == material) return;
+    runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
   }
 
   void append(const std::vector<Triangle>& triangles, std::uint32_t first_vertex) {

@@ -30,7 +30,8 @@ struct GltfBudget {
 
 // All triangles of one mesh, which may be none. Primitives that share a POSITION accessor share its
 // vertices. Points, lines and primitives without POSITION are passed over with a warning, morph
-// targets are left out with one. Takes from the budget what it uses.
+// targets are left out with one. The materials of the runs are ids of the file. Takes from the
+// budget what it uses.
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
                                   std::vector<std::string>& warnings);
 

@@ -18,6 +18,7 @@
 #include "io/gltf_extensions.h"
 #include "io/gltf_file.h"
 #include "io/gltf_limits.h"
+#include "io/gltf_materials.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_prescan.h"
 #include "io/gltf_primitives.h"
@@ -147,6 +148,7 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.empty() ? "" : scene_.warnings.front());
     }
+    if (auto error = read_materials(asset_.json, scene_)) return *error;
     shorten_warnings();
     return std::move(scene_);
   }

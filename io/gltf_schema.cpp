@@ -60,6 +60,7 @@ constexpr Property kMeshProperties[] = {
 };
 constexpr Property kPrimitiveProperties[] = {
     {"indices", Kind::kId, false, "accessors"},
+    {"material", Kind::kId, false, "materials"},
     {"mode", Kind::kWhole, false, "", 6},
 };
 constexpr Property kAccessorProperties[] = {

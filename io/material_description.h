@@ -2,24 +2,78 @@
 
 // What a file says its surfaces feel like, as it says it. What becomes of it is the engine's part.
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
+#include <variant>
 #include <vector>
 
 namespace palpate {
 
-// A glTF material and its extras.palpate.
-struct MaterialDescription {
-  std::string name;  // "material 3" when the file gives none
+// A texture as a material refers to it. Its image is not decoded.
+struct TextureReference {
+  std::uint32_t texture = 0;           // in /textures of the file
+  std::optional<std::uint32_t> image;  // in /images; none if only an extension knows the image
+  std::uint32_t tex_coord = 0;         // n of TEXCOORD_n; KHR_texture_transform may override it
+  double scale = 1.0;                  // of a normal texture: of x and y of its normals; no unit
+  // KHR_texture_transform: texture coordinates are scaled, then turned, then moved.
+  std::array<double, 2> uv_offset = {0.0, 0.0};
+  double uv_rotation_rad = 0.0;
+  std::array<double, 2> uv_scale = {1.0, 1.0};
 };
 
-// An entry of physicsMaterials of KHR_physics_rigid_bodies.
-struct PhysicsMaterialDescription {};
+// Numbers are in the units that the file means; nothing is known about the key here.
+using MaterialValue = std::variant<double, bool, std::string, std::vector<double>>;
+
+struct MaterialParameter {
+  std::string key;  // "stiffness"; "texture.amplitude" for an entry of the object texture
+  MaterialValue value;
+};
+
+// A glTF material and its extras.palpate.
+struct MaterialDescription {
+  std::string name;                           // "material 3" when the file gives none
+  std::string element;                        // its JSON path, "/materials/3"
+  std::vector<MaterialParameter> parameters;  // in the order of their keys
+  std::optional<TextureReference> normal_texture;
+};
+
+// The JSON path of a parameter, for messages.
+inline std::string parameter_element(const MaterialDescription& material, const std::string& key) {
+  std::string path = material.element + "/extras/palpate/" + key;
+  // No key of the file has a dot of its own, the reader refuses them.
+  const std::size_t dot = path.rfind('.');
+  if (dot != std::string::npos) path[dot] = '/';
+  return path;
+}
+
+// How a value is made of those of two bodies in contact. A device has no material, so this matters
+// only to whoever gives it one.
+enum class CombineMode { kAverage, kMinimum, kMaximum, kMultiply };
+
+// An entry of physicsMaterials of KHR_physics_rigid_bodies, with the defaults of its draft. The
+// values have no unit; they are finite and not negative.
+struct PhysicsMaterialDescription {
+  double static_friction = 0.6;
+  double dynamic_friction = 0.6;
+  double restitution = 0.0;
+  CombineMode friction_combine = CombineMode::kAverage;
+  CombineMode restitution_combine = CombineMode::kAverage;
+};
+
+// A texture that holds haptic values.
+struct HapticMap {
+  std::string property;  // "stiffness", "friction", "vibrotactileTexture", ...
+  std::string type;      // "High_Resolution", "Low_Resolution", "Reference" or "Other"
+  TextureReference texture;
+  std::string element;  // its JSON path
+};
 
 // An entry of materials of MPEG_haptic_material.
 struct HapticMaterialDescription {
-  std::string name;
+  std::string name;             // "haptic material 3" when the file gives none
+  std::vector<HapticMap> maps;  // those of one property together, in file order
 };
 
 }  // namespace palpate

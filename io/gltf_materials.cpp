@@ -1,0 +1,401 @@
+#include "io/gltf_materials.h"
+
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf_error.h"
+#include "io/gltf_json.h"
+#include "io/gltf_limits.h"
+#include "io/gltf_textures.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+using MaybeError = std::optional<Error>;
+
+constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+constexpr const char* kPhysicsMaterials = "/extensions/KHR_physics_rigid_bodies/physicsMaterials";
+constexpr const char* kHapticNames[] = {"MPEG_haptic_material", "MPEG_material_haptic"};
+
+// --- extras.palpate ------------------------------------------------------------------------------
+
+// Far more than any parameter has; they bound what a hostile file can make of a few bytes.
+constexpr std::size_t kMaxKeyLength = 32;
+constexpr std::size_t kMaxListLength = 16;
+
+MaybeError read_list(const Json& list, const std::string& element, MaterialValue& value) {
+  if (list.size() > kMaxListLength) {
+    return gltf_invalid(element, "has " + std::to_string(list.size()) +
+                                     " elements; expected a list of at most " +
+                                     std::to_string(kMaxListLength) + " numbers");
+  }
+  std::vector<double> numbers;
+  for (const Json& number : list) {
+    if (!number.is_number()) {
+      return gltf_expected(element + "/" + std::to_string(numbers.size()), number, "a number");
+    }
+    numbers.push_back(number.get<double>());
+  }
+  value = std::move(numbers);
+  return std::nullopt;
+}
+
+MaybeError read_value(const Json& json, const std::string& element, MaterialValue& value) {
+  if (json.is_number()) {
+    value = json.get<double>();
+  } else if (json.is_boolean()) {
+    value = json.get<bool>();
+  } else if (json.is_string()) {
+    value = json.get<std::string>();
+  } else if (json.is_array()) {
+    return read_list(json, element, value);
+  } else {
+    return gltf_expected(element, json, "a number, true or false, a text or a list of numbers");
+  }
+  return std::nullopt;
+}
+
+MaybeError check_key(const std::string& key, const std::string& parent_element) {
+  if (key.size() > kMaxKeyLength) {
+    return gltf_invalid(parent_element, "has a key of " + std::to_string(key.size()) + " bytes, " +
+                                            gltf_quoted(key) + "; expected at most " +
+                                            std::to_string(kMaxKeyLength));
+  }
+  if (key.find('.') != std::string::npos) {
+    return gltf_invalid(parent_element,
+                        "has the key " + gltf_quoted(key) + "; expected one without a dot",
+                        "write \"a\": {\"b\": 1} instead of \"a.b\": 1");
+  }
+  return std::nullopt;
+}
+
+// The entries of an object; an entry of an object inside it is "outer.inner", deeper it does not
+// go.
+MaybeError read_parameters(const Json& object, const std::string& element,
+                           const std::string& prefix, std::vector<MaterialParameter>& parameters) {
+  for (const auto& [key, json] : object.items()) {
+    if (auto error = check_key(key, element)) return error;
+    const std::string path = element + "/" + key;
+    if (json.is_object() && prefix.empty()) {
+      if (auto error = read_parameters(json, path, key + ".", parameters)) return error;
+      continue;
+    }
+    MaterialParameter parameter{prefix + key, {}};
+    if (auto error = read_value(json, path, parameter.value)) return error;
+    parameters.push_back(std::move(parameter));
+  }
+  return std::nullopt;
+}
+
+// Extras may be of any type; only those of an object can be meant for us.
+MaybeError read_extras(const Json& object, MaterialDescription& material) {
+  const auto extras = object.find("extras");
+  if (extras == object.end() || !extras->is_object()) return std::nullopt;
+  const auto palpate = extras->find("palpate");
+  if (palpate == extras->end()) return std::nullopt;
+  const std::string element = material.element + "/extras/palpate";
+  if (!palpate->is_object()) return gltf_expected(element, *palpate, "an object");
+  return read_parameters(*palpate, element, "", material.parameters);
+}
+
+// --- Materials -----------------------------------------------------------------------------------
+
+Result<MaterialDescription> read_material(const Json& root, std::size_t id) {
+  MaterialDescription material;
+  material.element = gltf_element("materials", id);
+  const Json& object = root["materials"][id];
+  if (!object.is_object()) return gltf_expected(material.element, object, "an object");
+  if (auto error = read_text(object, material.element, "name", material.name)) return *error;
+  if (material.name.empty()) material.name = "material " + std::to_string(id);
+  const auto normal = object.find("normalTexture");
+  if (normal != object.end()) {
+    const std::string element = material.element + "/normalTexture";
+    auto reference = read_texture_reference(root, *normal, element);
+    if (!reference) return reference.error();
+    if (auto error = read_number(*normal, element, "scale", reference->scale)) return *error;
+    material.normal_texture = *reference;
+  }
+  if (auto error = read_extras(object, material)) return *error;
+  return material;
+}
+
+// Turns the ids of the runs into indices of the scene.
+MaybeError read_used_materials(const Json& root, SceneDescription& scene) {
+  std::map<std::uint32_t, std::uint32_t> indices;  // by id
+  for (MeshDescription& mesh : scene.meshes) {
+    for (MaterialRun& run : mesh.material_runs) {
+      if (!run.material) continue;
+      const std::uint32_t id = *run.material;
+      const auto [known, is_new] =
+          indices.emplace(id, static_cast<std::uint32_t>(scene.materials.size()));
+      run.material = known->second;
+      if (!is_new) continue;
+      auto material = read_material(root, id);
+      if (!material) return material.error();
+      scene.materials.push_back(std::move(*material));
+    }
+  }
+  return std::nullopt;
+}
+
+// --- Lists of extensions -------------------------------------------------------------------------
+
+// The array that an extension of the root has; null if the asset has none.
+Result<const Json*> extension_list(const Json& root, const char* extension, const char* name) {
+  const Json* none = nullptr;
+  const auto object = find_extension(root, "", extension);
+  if (!object) return object.error();
+  if (!*object) return none;
+  const auto list = (*object)->find(name);
+  if (list == (*object)->end()) return none;
+  const std::string element = std::string("/extensions/") + extension + "/" + name;
+  if (!list->is_array()) return gltf_expected(element, *list, "an array");
+  if (list->size() > kMaxGltfHapticMaterials) {
+    return gltf_error(ErrorCode::kLimitExceeded, element,
+                      "has " + std::to_string(list->size()) + " elements; at most " +
+                          std::to_string(kMaxGltfHapticMaterials) + " are read");
+  }
+  return &*list;
+}
+
+// --- Physics materials ---------------------------------------------------------------------------
+
+MaybeError read_coefficient(const Json& object, const std::string& element, const char* name,
+                            double& value) {
+  if (auto error = read_number(object, element, name, value)) return error;
+  if (value >= 0.0) return std::nullopt;
+  return gltf_expected(element + "/" + name, object[name], "a number that is not negative");
+}
+
+MaybeError read_combine_mode(const Json& object, const std::string& element, const char* name,
+                             CombineMode& mode) {
+  constexpr std::pair<const char*, CombineMode> kModes[] = {{"average", CombineMode::kAverage},
+                                                            {"minimum", CombineMode::kMinimum},
+                                                            {"maximum", CombineMode::kMaximum},
+                                                            {"multiply", CombineMode::kMultiply}};
+  const auto found = object.find(name);
+  if (found == object.end()) return std::nullopt;
+  for (const auto& [text, value] : kModes) {
+    if (*found != text) continue;
+    mode = value;
+    return std::nullopt;
+  }
+  return gltf_expected(element + "/" + name, *found,
+                       "\"average\", \"minimum\", \"maximum\" or \"multiply\"");
+}
+
+MaybeError read_physics_materials(const Json& root, SceneDescription& scene) {
+  const auto list = extension_list(root, kPhysics, "physicsMaterials");
+  if (!list) return list.error();
+  if (!*list) return std::nullopt;
+  for (const Json& object : **list) {
+    const std::string element =
+        kPhysicsMaterials + ("/" + std::to_string(scene.physics_materials.size()));
+    if (!object.is_object()) return gltf_expected(element, object, "an object");
+    PhysicsMaterialDescription m;
+    for (const auto& [name, value] : {std::pair("staticFriction", &m.static_friction),
+                                      std::pair("dynamicFriction", &m.dynamic_friction),
+                                      std::pair("restitution", &m.restitution)}) {
+      if (auto error = read_coefficient(object, element, name, *value)) return error;
+    }
+    for (const auto& [name, mode] : {std::pair("frictionCombine", &m.friction_combine),
+                                     std::pair("restitutionCombine", &m.restitution_combine)}) {
+      if (auto error = read_combine_mode(object, element, name, *mode)) return error;
+    }
+    scene.physics_materials.push_back(m);
+  }
+  return std::nullopt;
+}
+
+struct Collider {
+  std::optional<std::uint32_t> material;     // in physicsMaterials
+  std::optional<std::size_t> geometry_node;  // in /nodes
+};
+
+// What a node's collider says; nothing said is an empty one.
+Result<Collider> read_collider(const Json& root, std::size_t node, std::size_t material_count) {
+  const std::string node_element = gltf_element("nodes", node);
+  const auto extension = find_extension(root["nodes"][node], node_element, kPhysics);
+  if (!extension) return extension.error();
+  Collider collider;
+  if (!*extension) return collider;
+  const auto object = (*extension)->find("collider");
+  if (object == (*extension)->end()) return collider;
+  const std::string element = node_element + "/extensions/" + kPhysics + "/collider";
+  if (!object->is_object()) return gltf_expected(element, *object, "an object");
+  const auto material =
+      optional_id(*object, element, "physicsMaterial", kPhysicsMaterials, material_count);
+  if (!material) return material.error();
+  if (*material) collider.material = static_cast<std::uint32_t>(**material);
+  const auto geometry = object->find("geometry");
+  if (geometry == object->end()) return collider;
+  const std::string geometry_element = element + "/geometry";
+  if (!geometry->is_object()) return gltf_expected(geometry_element, *geometry, "an object");
+  const auto geometry_node =
+      optional_id(*geometry, geometry_element, "node", "/nodes", root["nodes"].size());
+  if (!geometry_node) return geometry_node.error();
+  collider.geometry_node = *geometry_node;
+  return collider;
+}
+
+MaybeError bind_physics_materials(const Json& root, SceneDescription& scene) {
+  using Materials = std::vector<std::optional<std::uint32_t>>;
+  Materials own(scene.tree.size());
+  std::map<std::size_t, std::uint32_t> named;  // by node of the file
+  for (std::size_t i = 0; i < scene.tree.size(); ++i) {
+    const std::size_t node = scene.tree[i].file_index;
+    const auto collider = read_collider(root, node, scene.physics_materials.size());
+    if (!collider) return collider.error();
+    own[i] = collider->material;
+    if (!collider->material || !collider->geometry_node) continue;
+    const auto [known, is_new] = named.emplace(*collider->geometry_node, *collider->material);
+    if (is_new || known->second == *collider->material) continue;
+    scene.notes.push_back(gltf_element("nodes", node) + ": its collider gives " +
+                          gltf_element("nodes", known->first) + " the physics material " +
+                          std::to_string(*collider->material) +
+                          "; it keeps that of an earlier one, " + std::to_string(known->second));
+  }
+  // Parents come before their children in the tree.
+  Materials from_geometry(scene.tree.size());
+  for (std::size_t i = 0; i < scene.tree.size(); ++i) {
+    const TreeNode& node = scene.tree[i];
+    const auto found = named.find(node.file_index);
+    if (found != named.end()) {
+      from_geometry[i] = found->second;
+    } else if (node.parent) {
+      from_geometry[i] = from_geometry[*node.parent];
+    }
+  }
+  for (NodeDescription& node : scene.nodes) {
+    const std::size_t i = node.tree_node;
+    node.physics_material = own[i] ? own[i] : from_geometry[i];
+  }
+  return std::nullopt;
+}
+
+// --- Haptic materials ----------------------------------------------------------------------------
+
+struct HapticList {
+  std::string element;
+  const Json* list = nullptr;  // null if the asset has none
+};
+
+// That of the present name goes before that of the older one.
+Result<HapticList> find_haptic_list(const Json& root) {
+  for (const char* name : kHapticNames) {
+    const auto list = extension_list(root, name, "materials");
+    if (!list) return list.error();
+    if (*list) return HapticList{std::string("/extensions/") + name + "/materials", *list};
+  }
+  return HapticList{std::string("/extensions/") + kHapticNames[0] + "/materials", nullptr};
+}
+
+Result<HapticMap> read_map(const Json& root, const Json& object, const std::string& element,
+                           const char* property) {
+  if (!object.is_object()) return gltf_expected(element, object, "an object");
+  HapticMap map{property, {}, {}, element};
+  for (const char* name : {"texture", "type"}) {
+    if (!object.contains(name)) return gltf_invalid(element + "/" + name, "is missing");
+  }
+  if (auto error = read_text(object, element, "type", map.type)) return *error;
+  const auto texture = read_texture_reference(root, object["texture"], element + "/texture");
+  if (!texture) return texture.error();
+  map.texture = *texture;
+  return map;
+}
+
+Result<HapticMaterialDescription> read_haptic_material(const Json& root, const Json& object,
+                                                       const std::string& element) {
+  constexpr const char* kProperties[] = {"stiffness",   "friction",  "vibrotactileTexture",
+                                         "temperature", "vibration", "custom"};
+  if (!object.is_object()) return gltf_expected(element, object, "an object");
+  HapticMaterialDescription material;
+  if (auto error = read_text(object, element, "name", material.name)) return *error;
+  for (const char* property : kProperties) {
+    const auto maps = object.find(property);
+    if (maps == object.end()) continue;
+    const std::string list_element = element + "/" + property;
+    if (!maps->is_array()) return gltf_expected(list_element, *maps, "an array");
+    for (std::size_t i = 0; i < maps->size(); ++i) {
+      auto map = read_map(root, (*maps)[i], list_element + "/" + std::to_string(i), property);
+      if (!map) return map.error();
+      material.maps.push_back(std::move(*map));
+    }
+  }
+  return material;
+}
+
+MaybeError read_haptic_materials(const Json& root, SceneDescription& scene) {
+  const auto found = find_haptic_list(root);
+  if (!found) return found.error();
+  if (!found->list) return std::nullopt;
+  for (const Json& object : *found->list) {
+    const std::string index = std::to_string(scene.haptic_materials.size());
+    auto material = read_haptic_material(root, object, found->element + "/" + index);
+    if (!material) return material.error();
+    if (material->name.empty()) material->name = "haptic material " + index;
+    scene.haptic_materials.push_back(std::move(*material));
+  }
+  return std::nullopt;
+}
+
+// --- Variants ------------------------------------------------------------------------------------
+
+// They change looks, so what is wrong with them is no reason to refuse the file.
+void note_variants(const Json& root, std::vector<std::string>& notes) {
+  constexpr std::size_t kMaxNames = 8;
+  constexpr const char* kName = "KHR_materials_variants";
+  const auto extension = find_extension(root, "", kName);
+  if (!extension || !*extension) return;
+  const auto variants = (*extension)->find("variants");
+  if (variants == (*extension)->end() || !variants->is_array() || variants->empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < variants->size() && i < kMaxNames; ++i) {
+    const Json& variant = (*variants)[i];
+    const auto name = variant.is_object() ? variant.find("name") : variant.end();
+    const bool has_name = name != variant.end() && name->is_string();
+    names += (i == 0 ? "" : ", ") +
+             (has_name ? gltf_quoted(name->get<std::string>()) : "variant " + std::to_string(i));
+  }
+  if (variants->size() > kMaxNames) {
+    names += " and " + std::to_string(variants->size() - kMaxNames) + " more";
+  }
+  notes.push_back(std::string("/extensions/") + kName +
+                  ": triangles have their default materials, not those of the variants " + names);
+}
+
+}  // namespace
+
+std::optional<Error> read_materials(const Json& root, SceneDescription& scene) {
+  if (auto error = read_used_materials(root, scene)) return error;
+  if (auto error = read_physics_materials(root, scene)) return error;
+  if (auto error = bind_physics_materials(root, scene)) return error;
+  if (auto error = read_haptic_materials(root, scene)) return error;
+  note_variants(root, scene.notes);
+  return std::nullopt;
+}
+
+Result<std::optional<std::uint32_t>> haptic_material_of_mesh(const Json& root, std::size_t mesh) {
+  const std::string mesh_element = gltf_element("meshes", mesh);
+  for (const char* name : kHapticNames) {
+    const auto extension = find_extension(root["meshes"][mesh], mesh_element, name);
+    if (!extension) return extension.error();
+    if (!*extension) continue;
+    const auto found = find_haptic_list(root);
+    if (!found) return found.error();
+    const auto index =
+        required_id(**extension, mesh_element + "/extensions/" + name, "hapticMaterialIndex",
+                    found->element.c_str(), found->list ? found->list->size() : 0);
+    if (!index) return index.error();
+    return std::optional<std::uint32_t>(static_cast<std::uint32_t>(*index));
+  }
+  return std::optional<std::uint32_t>();
+}
+
+}  // namespace palpate
