@@ -472,6 +472,48 @@ TEST(GltfReader, WarnsAboutUnknownExtensionsAndTakesHarmlessOnes) {
   EXPECT_NE(scene.warnings[1].find("EXT_mesh_gpu_instancing"), std::string::npos);
 }
 
+TEST(GltfReader, TakesWhatChangesNoTriangleAlsoWhenRequired) {
+  for (const char* name : {"KHR_materials_variants",
+                           "KHR_materials_pbrSpecularGlossiness",
+                           "KHR_texture_basisu",
+                           "EXT_texture_webp",
+                           "EXT_texture_avif",
+                           "MSFT_texture_dds",
+                           "MSFT_lod",
+                           "MSFT_packing_occlusionRoughnessMetallic",
+                           "KHR_lights_punctual",
+                           "KHR_implicit_shapes",
+                           "KHR_physics_rigid_bodies",
+                           "KHR_collision_shapes",
+                           "OMI_physics_body",
+                           "AGI_articulations",
+                           "CESIUM_primitive_outline",
+                           "MPEG_haptic_material",
+                           "MPEG_material_haptic",
+                           "EXT_mesh_primitive_restart",
+                           "KHR_techniques_webgl",
+                           "VRM"}) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.json["extensionsUsed"] = {name};
+    asset.json["extensionsRequired"] = {name};
+    EXPECT_TRUE(read_glb(asset).warnings.empty()) << name;
+  }
+}
+
+TEST(GltfReader, WarnsOfWhatChangesTrianglesAndRefusesItWhenRequired) {
+  for (const char* name : {"KHR_gaussian_splatting", "KHR_displacement_mapping_shared",
+                           "MAXAR_mesh_variants", "CESIUM_RTC", "EXT_primitive_voxels",
+                           "MPEG_accessor_timed", "KHR_materials_of_tomorrow", "KHR_materials_"}) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.json["extensionsUsed"] = {name};
+    const auto scene = read_glb(asset);
+    ASSERT_EQ(scene.warnings.size(), 1u) << name;
+    EXPECT_NE(scene.warnings[0].find(name), std::string::npos) << scene.warnings[0];
+    asset.json["extensionsRequired"] = {name};
+    expect_refused(asset, ErrorCode::kUnsupported, "/extensionsRequired/0", name);
+  }
+}
+
 TEST(GltfReader, IgnoresBrokenCamerasLightsAnimationsImagesAndMaterials) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["cameras"] = {{{"type", "telescope"}}, 7};
