@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <functional>
+#include <utility>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 
@@ -29,6 +31,40 @@ std::string faults_text(const RunSummary& s) {
     text += std::to_string(s.faults[i]) + " " + std::string(kFaultNames[i]);
   }
   return text.empty() ? "none" : text;
+}
+
+ordered_json materials_json(const std::vector<MaterialDescription>& materials) {
+  ordered_json list = ordered_json::array();
+  for (const MaterialDescription& material : materials) {
+    ordered_json parameters = ordered_json::object();
+    for (const MaterialParameter& parameter : material.parameters) {
+      parameters[parameter.key] =
+          std::visit([](const auto& value) { return ordered_json(value); }, parameter.value);
+    }
+    list.push_back({{"name", material.name}, {"parameters", std::move(parameters)}});
+  }
+  return list;
+}
+
+// On one line, whatever the bytes of a name are.
+std::string json_text(const ordered_json& json) {
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+// A line for each material that declares anything: its name, keys and values, as JSON writes them.
+std::string materials_text(const std::vector<MaterialDescription>& materials) {
+  std::string text;
+  for (const ordered_json& material : materials_json(materials)) {
+    if (material["parameters"].empty()) continue;
+    text += "  material " + json_text(material["name"]);
+    const char* separator = ": ";
+    for (const auto& [key, value] : material["parameters"].items()) {
+      text += separator + key + " " + json_text(value);
+      separator = ", ";
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 // A line of a table: what it is called, and how a run's value is written.
@@ -96,6 +132,7 @@ ordered_json scene_json(const Scene& scene) {
           {"boundary_edges", s.cleaning.boundary_edges},
           {"non_manifold_edges", s.cleaning.non_manifold_edges},
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
+          {"materials", materials_json(scene.materials())},
           {"effects", ordered_json::array()},
           {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
           {"memory_bytes", s.memory_bytes},
@@ -163,6 +200,7 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
                  c.non_manifold_edges);
   text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
+  text += materials_text(scene.materials());
   text += "  effects: none\n";
   text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f; %.1f MB\n", load_ms(s),
                  s.parse_ms, s.mesh_ms, s.index_ms, 1e-6 * static_cast<double>(s.memory_bytes));

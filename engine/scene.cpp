@@ -1,7 +1,9 @@
 #include "engine/scene.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -173,6 +175,9 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   statistics.parse_ms = description.parse_ms;
   statistics.notes = std::move(description.notes);
   statistics.warnings = std::move(description.warnings);
+  scene.materials_ = std::move(description.materials);
+  scene.physics_materials_ = std::move(description.physics_materials);
+  scene.haptic_materials_ = std::move(description.haptic_materials);
   scene.build_meshes(description.meshes);
 
   std::vector<NodePlacement> placements = scene.touchable(description.nodes);
@@ -211,6 +216,7 @@ void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
     meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
     add(statistics_.cleaning, meshes_.back().report());
     statistics_.memory_bytes += meshes_.back().memory_bytes();
+    mesh_materials_.push_back({std::move(mesh.material_runs), mesh.haptic_material});
     mesh = {};  // what is compiled need not be kept twice
   }
   statistics_.mesh_ms = milliseconds_since(start);
@@ -256,7 +262,8 @@ void Scene::add_objects(const std::vector<NodeDescription>& nodes,
                         node.mesh,
                         node.tree_node,
                         map,
-                        {placement.rotation, node.translation_m + placement.rotation * middle}});
+                        {placement.rotation, node.translation_m + placement.rotation * middle},
+                        node.physics_material});
     shape_of_object_.push_back(*shape);
     statistics_.instanced_triangles += mesh.face_count();
   }
@@ -304,6 +311,16 @@ std::optional<Error> Scene::build_indices(double sweep_radius_m) {
     statistics_.memory_bytes += shape.index->memory_bytes();
   }
   return std::nullopt;
+}
+
+std::optional<std::uint32_t> Scene::material(std::size_t object, std::size_t face) const {
+  const std::size_t mesh = objects_[object].mesh;
+  const std::vector<MaterialRun>& runs = mesh_materials_[mesh].runs;
+  const auto next = std::upper_bound(
+      runs.begin(), runs.end(), meshes_[mesh].source_triangle(face),
+      [](std::uint32_t triangle, const MaterialRun& run) { return triangle < run.first_triangle; });
+  if (next == runs.begin()) return std::nullopt;  // a description without runs
+  return std::prev(next)->material;
 }
 
 void Scene::append_triangles_scene(std::vector<Vec3>& positions_m,

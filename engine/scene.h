@@ -53,6 +53,7 @@ struct SceneObject {
   std::uint32_t tree_node;      // index into Scene::tree()
   AffineMap map_body_mesh;      // mesh frame to body frame: the node's scale, mirror and shear
   RigidTransform T_scene_body;  // what is left of the node's transform
+  std::optional<std::uint32_t> physics_material = {};  // index into Scene::physics_materials()
 };
 
 // Surfaces, their indices and their places. The scene frame is that of the file: glTF world
@@ -72,6 +73,22 @@ class Scene {
   const std::vector<SceneObject>& objects() const { return objects_; }  // as the world's bodies
   const std::vector<TreeNode>& tree() const { return tree_; }
   const SurfaceMesh& mesh(std::size_t i) const { return meshes_[i]; }
+
+  // What the file declares about how its surfaces feel, as io describes it.
+  const std::vector<MaterialDescription>& materials() const { return materials_; }
+  const std::vector<PhysicsMaterialDescription>& physics_materials() const {
+    return physics_materials_;
+  }
+  const std::vector<HapticMaterialDescription>& haptic_materials() const {
+    return haptic_materials_;
+  }
+  // The material of a face of an object's mesh, index into materials(). Of triangles that were
+  // merged, the first one's. Logarithmic in the primitives of the mesh.
+  std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
+  // Index into haptic_materials().
+  std::optional<std::uint32_t> haptic_material(std::size_t object) const {
+    return mesh_materials_[objects_[object].mesh].haptic;
+  }
 
   // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
   void append_triangles_scene(std::vector<Vec3>& positions_m,
@@ -94,11 +111,20 @@ class Scene {
   std::optional<Error> build_world(const Box& bounds_scene, double proxy_radius_m);
   std::optional<Error> build_indices(double sweep_radius_m);
 
+  struct MeshMaterials {
+    std::vector<MaterialRun> runs;  // of the triangles that the mesh was built from
+    std::optional<std::uint32_t> haptic;
+  };
+
   std::vector<SurfaceMesh> meshes_;
+  std::vector<MeshMaterials> mesh_materials_;  // by mesh
   std::vector<Shape> shapes_;
   std::vector<SceneObject> objects_;
   std::vector<std::size_t> shape_of_object_;
   std::vector<TreeNode> tree_;
+  std::vector<MaterialDescription> materials_;
+  std::vector<PhysicsMaterialDescription> physics_materials_;
+  std::vector<HapticMaterialDescription> haptic_materials_;
   ContactWorld world_;
   SceneStatistics statistics_;
 };

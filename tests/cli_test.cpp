@@ -431,22 +431,61 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
   const Outcome o = expect_done({"info", kCube, "--json"});
   EXPECT_EQ(o.err, "");
   const json info = json::parse(o.out);
-  EXPECT_EQ(keys_of(info),
-            sorted({"nodes", "meshes", "instances", "triangles_in", "triangles",
-                    "instanced_triangles", "vertices", "dropped", "split_vertices",
-                    "boundary_edges", "non_manifold_edges", "extent_m", "effects", "load_ms",
-                    "memory_bytes", "indices", "scale", "notes", "warnings"}));
+  EXPECT_EQ(keys_of(info), sorted({"nodes",
+                                   "meshes",
+                                   "instances",
+                                   "triangles_in",
+                                   "triangles",
+                                   "instanced_triangles",
+                                   "vertices",
+                                   "dropped",
+                                   "split_vertices",
+                                   "boundary_edges",
+                                   "non_manifold_edges",
+                                   "extent_m",
+                                   "effects",
+                                   "load_ms",
+                                   "memory_bytes",
+                                   "indices",
+                                   "scale",
+                                   "notes",
+                                   "materials",
+                                   "warnings"}));
   EXPECT_EQ(keys_of(info["dropped"]), sorted({"degenerate", "duplicate"}));
   EXPECT_EQ(keys_of(info["load_ms"]), sorted({"parse", "mesh", "index"}));
   EXPECT_EQ(info["triangles_in"], 12);
   EXPECT_EQ(info["triangles"], 12);
   EXPECT_EQ(info["vertices"], 8);
   EXPECT_EQ(info["boundary_edges"], 0);
+  EXPECT_EQ(info["materials"], json::array({{{"name", "solid"}, {"parameters", json::object()}}}));
   EXPECT_EQ(info["effects"], json::array());
   EXPECT_EQ(info["warnings"], json::array());
   EXPECT_EQ(info["extent_m"].size(), 3u);
   for (const json& extent : info["extent_m"]) EXPECT_EQ(extent, info["extent_m"][0]);
   EXPECT_GT(info["memory_bytes"], 1000);
+}
+
+TEST_F(CommandLine, TellsWhatMaterialsDeclare) {
+  GltfBuilder gltf = GltfBuilder::one_triangle();
+  gltf.json["materials"] = {
+      {{"name", "a \"b\"\n"},
+       {"extras",
+        {{"palpate", {{"stiffness", 800}, {"texture", {{"amplitude", 0.5}}}, {"on", true}}}}}},
+      {{"name", "paint"}}};
+  json& primitives = gltf.json["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  for (std::size_t i = 0; i < 2; ++i) primitives[i]["material"] = i;
+  const std::string path = gltf.write_glb(folder);
+  const json info = json::parse(expect_done({"info", path, "--json"}).out);
+  const json declared = {{"stiffness", 800}, {"texture.amplitude", 0.5}, {"on", true}};
+  EXPECT_EQ(info["materials"], json({{{"name", "a \"b\"\n"}, {"parameters", declared}},
+                                     {{"name", "paint"}, {"parameters", json::object()}}}));
+  const std::string text = expect_done({"info", path}).out;
+  EXPECT_NE(text.find("\n  material \"a \\\"b\\\"\\n\": on true, stiffness 800.0, "
+                      "texture.amplitude 0.5\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("paint"), std::string::npos) << text;
 }
 
 TEST_F(CommandLine, CountsTheTrianglesOfEveryNode) {

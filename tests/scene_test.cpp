@@ -532,5 +532,37 @@ TEST(Scene, TakesTheCountsAndWarningsOfTheFileOver) {
   EXPECT_EQ(scene->objects()[0].name, "n");
 }
 
+// Cleaning drops triangles, so that faces have other numbers than the triangles they came from.
+TEST(Scene, FacesKeepTheMaterialsOfTheirTriangles) {
+  MeshDescription mesh{"patches", {}, {}};
+  for (int i = 0; i < 10; ++i) mesh.positions.push_back(Vec3(i / 2, i % 2, 0.1 * i * i));
+  const std::vector<Triangle> good = {{0, 1, 2}, {1, 2, 3}, {2, 3, 4}, {3, 4, 5},
+                                      {4, 5, 6}, {5, 6, 7}, {6, 7, 8}, {7, 8, 9}};
+  // Triangles:        0        1          2        3          4        5          6        7
+  mesh.triangles = {good[0], {3, 3, 3}, good[1], {2, 1, 0}, good[2], {0, 0, 1}, good[3], good[4]};
+  mesh.material_runs = {{0, std::nullopt}, {1, 2}, {3, 0}, {6, 1}, {7, std::nullopt}};
+  mesh.haptic_material = 4;
+  MeshDescription plain{"plain", mesh.positions, good};
+  NodeDescription placed{"placed", 0};
+  placed.physics_material = 7;
+  const auto scene =
+      Scene::compile(description_of({mesh, plain}, {{"plain", 1}, placed, {"again", 0}}));
+  ASSERT_TRUE(scene.ok());
+  ASSERT_EQ(scene->objects().size(), 3u);
+  using Material = std::optional<std::uint32_t>;
+  const std::vector<Material> expected = {std::nullopt, 2, 0, 1, std::nullopt};
+  for (const std::size_t object : {1u, 2u}) {
+    ASSERT_EQ(scene->mesh(scene->objects()[object].mesh).face_count(), expected.size());
+    for (std::size_t face = 0; face < expected.size(); ++face) {
+      EXPECT_EQ(scene->material(object, face), expected[face]) << face;
+    }
+    EXPECT_EQ(scene->haptic_material(object), Material(4));
+  }
+  EXPECT_EQ(scene->objects()[1].physics_material, Material(7));
+  EXPECT_FALSE(scene->objects()[2].physics_material);
+  for (std::size_t face = 0; face < good.size(); ++face) EXPECT_FALSE(scene->material(0, face));
+  EXPECT_FALSE(scene->haptic_material(0));
+}
+
 }  // namespace
 }  // namespace palpate
