@@ -25,9 +25,10 @@ constexpr const char* kHapticNames[] = {"MPEG_haptic_material", "MPEG_material_h
 
 // --- extras.palpate ------------------------------------------------------------------------------
 
-// Far more than any parameter has; they bound what a hostile file can make of a few bytes.
+// Far more than any material needs; they bound what a hostile file can make of a few bytes.
 constexpr std::size_t kMaxKeyLength = 32;
 constexpr std::size_t kMaxListLength = 16;
+constexpr std::size_t kMaxParameters = 256;
 
 MaybeError read_list(const Json& list, const std::string& element, MaterialValue& value) {
   if (list.size() > kMaxListLength) {
@@ -85,6 +86,10 @@ MaybeError read_parameters(const Json& object, const std::string& element,
     if (json.is_object() && prefix.empty()) {
       if (auto error = read_parameters(json, path, key + ".", parameters)) return error;
       continue;
+    }
+    if (parameters.size() == kMaxParameters) {
+      return gltf_invalid(path, "is one entry too many; expected at most " +
+                                    std::to_string(kMaxParameters) + " for a material");
     }
     MaterialParameter parameter{prefix + key, {}};
     if (auto error = read_value(json, path, parameter.value)) return error;
@@ -248,6 +253,8 @@ MaybeError bind_physics_materials(const Json& root, SceneDescription& scene) {
   using Materials = std::vector<std::optional<std::uint32_t>>;
   Materials own(scene.tree.size());
   std::map<std::size_t, std::uint32_t> named;  // by node of the file
+  std::size_t disagreements = 0;
+  std::string first_disagreement;
   for (std::size_t i = 0; i < scene.tree.size(); ++i) {
     const std::size_t node = scene.tree[i].file_index;
     const auto collider = read_collider(root, node, scene.physics_materials.size());
@@ -256,11 +263,17 @@ MaybeError bind_physics_materials(const Json& root, SceneDescription& scene) {
     if (!collider->material || !collider->geometry_node) continue;
     const auto [known, is_new] = named.emplace(*collider->geometry_node, *collider->material);
     if (is_new || known->second == *collider->material) continue;
-    scene.notes.push_back(gltf_element("nodes", node) + ": its collider gives " +
-                          gltf_element("nodes", known->first) + " the physics material " +
-                          std::to_string(*collider->material) +
-                          "; it keeps that of an earlier one, " + std::to_string(known->second));
+    if (++disagreements > 1) continue;
+    first_disagreement = gltf_element("nodes", node) + ": its collider gives " +
+                         gltf_element("nodes", known->first) + " the physics material " +
+                         std::to_string(*collider->material) +
+                         "; it keeps that of an earlier one, " + std::to_string(known->second);
   }
+  if (disagreements > 1) {
+    first_disagreement +=
+        "; " + std::to_string(disagreements - 1) + " further colliders disagree like it";
+  }
+  if (disagreements > 0) scene.notes.push_back(first_disagreement);
   // Parents come before their children in the tree.
   Materials from_geometry(scene.tree.size());
   for (std::size_t i = 0; i < scene.tree.size(); ++i) {

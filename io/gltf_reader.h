@@ -12,8 +12,8 @@ namespace palpate {
 // Reads the triangle geometry of a glTF 2.0 asset (.gltf with embedded or external buffers, or
 // .glb; told apart by content): the default scene, else the first, else all root nodes; the full
 // node hierarchy; TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN; every index type; sparse and
-// normalised accessors. Images are not decoded. External buffers are read only from inside the
-// folder of the asset.
+// normalised accessors; and what materials declare (gltf_materials.h). Images are not decoded.
+// External buffers are read only from inside the folder of the asset.
 //
 // Bad input is refused by an Error that names the file, the JSON path and what was expected; it is
 // never repaired. What is skipped without harm to the geometry (a camera, points and lines) is a

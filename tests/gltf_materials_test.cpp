@@ -157,6 +157,17 @@ TEST(GltfMaterials, HaveBoundedKeysAndLists) {
                  "/materials/0/extras/palpate/list", "17 elements");
 }
 
+TEST(GltfMaterials, HaveABoundedNumberOfParameters) {
+  Json palpate = {{"inner", Json::object()}};
+  for (int i = 0; i < 128; ++i) {
+    palpate["a" + std::to_string(i)] = i;
+    palpate["inner"]["b" + std::to_string(i)] = i;
+  }
+  EXPECT_EQ(read_glb(asset_declaring(palpate)).materials.at(0).parameters.size(), 256u);
+  palpate["inner"]["z"] = 1;
+  expect_invalid(asset_declaring(palpate), "/materials/0/extras/palpate/inner/z", "at most 256");
+}
+
 TEST(GltfMaterials, ANumberThatOverflowsIsRefused) {
   GltfBuilder asset = asset_declaring({{"stiffness", 12345}});
   asset.json["buffers"] = {
@@ -417,6 +428,10 @@ TEST(GltfMaterials, OfCollidersThatDisagreeComeFromTheNearestThenTheFirst) {
   ASSERT_EQ(scene.notes.size(), 1u);
   EXPECT_NE(scene.notes[0].find("/nodes/5: "), std::string::npos) << scene.notes[0];
   EXPECT_NE(scene.notes[0].find("/nodes/1 "), std::string::npos) << scene.notes[0];
+  for (int i = 0; i < 3; ++i) asset.add_node(naming(0, 0));
+  const auto notes = read_glb(asset).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("3 further"), std::string::npos) << notes[0];
 }
 
 TEST(GltfMaterials, OfCollidersAreRefusedByPath) {
