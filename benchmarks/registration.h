@@ -28,6 +28,9 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 
+// Of no size: load_instances/<count>, instances_sliding/<count> and the same _searched.
+void register_instance_benchmarks(const SampleCounts& counts);
+
 // Of no size: side_test_<how>/<class of inputs>. Nothing without CGAL, which it compares with.
 void register_side_test_benchmarks();
 
