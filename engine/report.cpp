@@ -23,6 +23,19 @@ double load_ms(const SceneStatistics& s) {
   return s.parse_ms + s.mesh_ms + s.index_ms;
 }
 
+// Of the whole and of its parts, and what that makes for each triangle that is kept.
+std::string memory_text(const SceneStatistics& s) {
+  const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
+  const MemoryBreakdown& m = s.memory;
+  return format(
+             "  memory %.1f MB, %.0f bytes a triangle: adjacency %.1f, positions %.1f, maps %.1f, ",
+             megabytes(m.total()),
+             static_cast<double>(m.total()) / static_cast<double>(s.cleaning.triangles),
+             megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
+         format("index: triangles %.1f, packs %.1f, boxes %.1f\n", megabytes(m.index_triangles),
+                megabytes(m.index_packs), megabytes(m.index_boxes));
+}
+
 std::string faults_text(const RunSummary& s) {
   std::string text;
   for (std::size_t i = 0; i < s.faults.size(); ++i) {
@@ -135,7 +148,14 @@ ordered_json scene_json(const Scene& scene) {
           {"materials", materials_json(scene.materials())},
           {"effects", ordered_json::array()},
           {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
-          {"memory_bytes", s.memory_bytes},
+          {"memory_bytes", s.memory.total()},
+          {"memory",
+           {{"adjacency", s.memory.adjacency},
+            {"positions", s.memory.positions},
+            {"maps", s.memory.maps},
+            {"index_triangles", s.memory.index_triangles},
+            {"index_packs", s.memory.index_packs},
+            {"index_boxes", s.memory.index_boxes}}},
           {"notes", s.notes},
           {"warnings", s.warnings}};
 }
@@ -202,8 +222,9 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
   text += materials_text(scene.materials());
   text += "  effects: none\n";
-  text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f; %.1f MB\n", load_ms(s),
-                 s.parse_ms, s.mesh_ms, s.index_ms, 1e-6 * static_cast<double>(s.memory_bytes));
+  text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s), s.parse_ms,
+                 s.mesh_ms, s.index_ms);
+  text += memory_text(s);
   if (s.scale != 1.0) text += format("  scale %.6g\n", s.scale);
   for (const std::string& note : s.notes) text += "  " + note + "\n";
   for (const std::string& warning : s.warnings) text += "  warning: " + warning + "\n";

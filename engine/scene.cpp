@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <span>
 
 #include "engine/node_placement.h"
 #include "engine/node_tree.h"
@@ -35,7 +36,7 @@ Box empty_box() {
   return {Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
 }
 
-Box bounding_box(const std::vector<Vec3>& positions, const Mat3& linear) {
+Box bounding_box(std::span<const Vec3> positions, const Mat3& linear) {
   Box box = empty_box();
   for (const Vec3& p : positions) {
     const Vec3 q = linear * p;
@@ -215,7 +216,7 @@ void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
   for (MeshDescription& mesh : descriptions) {
     meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
     add(statistics_.cleaning, meshes_.back().report());
-    statistics_.memory_bytes += meshes_.back().memory_bytes();
+    statistics_.memory += meshes_.back().memory();
     mesh_materials_.push_back({std::move(mesh.material_runs), mesh.haptic_material});
     mesh = {};  // what is compiled need not be kept twice
   }
@@ -308,7 +309,7 @@ std::optional<Error> Scene::build_indices(double sweep_radius_m) {
   for (Shape& shape : shapes_) {
     shape.index =
         std::make_unique<SurfaceIndex>(meshes_[shape.mesh], shape.map_body_mesh, sweep_radius_m);
-    statistics_.memory_bytes += shape.index->memory_bytes();
+    statistics_.memory += shape.index->memory();
   }
   return std::nullopt;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/node_placement.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/result.h"
 #include "geometry/surface_index.h"
 #include "geometry/surface_mesh.h"
@@ -41,7 +42,7 @@ struct SceneStatistics {
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;
-  std::size_t memory_bytes = 0;
+  MemoryBreakdown memory;  // of meshes and indices
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };

@@ -23,18 +23,26 @@ constexpr std::uint32_t previous_half_edge(std::uint32_t h) {
   return h % 3 == 0 ? h + 2 : h - 1;
 }
 
-struct HalfEdgeMates {
-  // The one other half-edge between the same two vertices, whichever way it runs; kNoHalfEdge if
-  // there is none, or more than one.
-  std::vector<std::uint32_t> any;
-  // The same, but only where the two run opposite ways: where their faces are oriented alike.
-  std::vector<std::uint32_t> aligned;
-  std::size_t boundary_edges = 0;      // edges with one face
-  std::size_t non_manifold_edges = 0;  // edges with three faces or more, or two not aligned
+// The one other half-edge of an edge whose two faces are oriented against each other.
+struct MisalignedMate {
+  std::uint32_t half_edge;
+  std::uint32_t mate;
 };
 
-// Pairs the half-edges of faces with three different vertices each, all less than vertex_count, no
-// two faces with the same three. Fewer than 2^32 / 3 faces. O(n log n) at worst.
+struct HalfEdgeMates {
+  // The one other half-edge between the same two vertices, if the two run opposite ways: their
+  // faces are oriented alike. kNoHalfEdge if not, or if there is none, or more than one.
+  std::vector<std::uint32_t> aligned;
+  // Where the only two run the same way; both are listed, in rising order of half_edge. Rare.
+  std::vector<MisalignedMate> misaligned;
+  std::size_t boundary_edges = 0;      // edges with one face
+  std::size_t non_manifold_edges = 0;  // edges with three faces or more, or two not aligned
+  // Two faces have the same three vertices. The rest then counts both of them.
+  bool has_duplicates = false;
+};
+
+// Pairs the half-edges of faces with three different vertices each, all less than vertex_count.
+// Fewer than 2^32 / 3 faces. O(n log n) at worst.
 HalfEdgeMates match_half_edges(const std::vector<Triangle>& faces, std::size_t vertex_count);
 
 }  // namespace palpate

@@ -1,7 +1,5 @@
 #include "geometry/manifold_split.h"
 
-#include <numeric>
-
 namespace palpate {
 namespace {
 
@@ -16,43 +14,61 @@ std::uint32_t clockwise(const HalfEdgeMates& mates, std::uint32_t corner) {
   return mate == kNoHalfEdge ? kNoHalfEdge : next_half_edge(mate);
 }
 
-// Makes `vertex` the vertex of every corner in the fan of `start`.
-void assign_fan(const HalfEdgeMates& mates, std::uint32_t start, std::uint32_t vertex,
-                std::vector<Triangle>& faces) {
-  std::uint32_t corner = start;
-  do {
-    faces[corner / 3][corner % 3] = vertex;
-    corner = counter_clockwise(mates, corner);
-  } while (corner != kNoHalfEdge && corner != start);
-  if (corner == start) return;
-  corner = clockwise(mates, start);
-  for (; corner != kNoHalfEdge; corner = clockwise(mates, corner)) {
-    faces[corner / 3][corner % 3] = vertex;
+class Splitter {
+ public:
+  Splitter(std::vector<Triangle>& faces, const HalfEdgeMates& mates, std::size_t vertex_count)
+      : faces_(faces),
+        mates_(mates),
+        vertex_count_(vertex_count),
+        is_done_(3 * faces.size(), false),
+        has_fan_(vertex_count, false) {}
+
+  std::vector<std::uint32_t> run() {
+    std::vector<std::uint32_t> copied_vertices;
+    for (std::uint32_t corner = 0; corner < is_done_.size(); ++corner) {
+      if (is_done_[corner]) continue;
+      const std::uint32_t original = faces_[corner / 3][corner % 3];
+      std::uint32_t vertex = original;
+      if (has_fan_[original]) {
+        vertex = static_cast<std::uint32_t>(vertex_count_ + copied_vertices.size());
+        copied_vertices.push_back(original);
+      }
+      has_fan_[original] = true;
+      assign_fan(corner, vertex);
+    }
+    return copied_vertices;
   }
-}
+
+ private:
+  // Makes `vertex` the vertex of every corner in the fan of `start`.
+  void assign_fan(std::uint32_t start, std::uint32_t vertex) {
+    std::uint32_t corner = start;
+    do {
+      assign(corner, vertex);
+      corner = counter_clockwise(mates_, corner);
+    } while (corner != kNoHalfEdge && corner != start);
+    if (corner == start) return;
+    corner = clockwise(mates_, start);
+    for (; corner != kNoHalfEdge; corner = clockwise(mates_, corner)) assign(corner, vertex);
+  }
+
+  void assign(std::uint32_t corner, std::uint32_t vertex) {
+    is_done_[corner] = true;
+    faces_[corner / 3][corner % 3] = vertex;
+  }
+
+  std::vector<Triangle>& faces_;
+  const HalfEdgeMates& mates_;
+  std::size_t vertex_count_;
+  std::vector<bool> is_done_;  // per corner
+  std::vector<bool> has_fan_;  // per original vertex
+};
 
 }  // namespace
 
-ManifoldSplit split_to_manifold(const std::vector<Triangle>& faces, const HalfEdgeMates& mates,
-                                std::size_t vertex_count) {
-  constexpr std::uint32_t kUnassigned = 0xffffffffu;
-  ManifoldSplit split;
-  split.faces.assign(faces.size(), Triangle{kUnassigned, kUnassigned, kUnassigned});
-  split.original_vertex.resize(vertex_count);
-  std::iota(split.original_vertex.begin(), split.original_vertex.end(), 0u);
-  std::vector<bool> has_fan(vertex_count, false);
-  for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
-    if (split.faces[corner / 3][corner % 3] != kUnassigned) continue;
-    const std::uint32_t original = faces[corner / 3][corner % 3];
-    std::uint32_t vertex = original;
-    if (has_fan[original]) {
-      vertex = static_cast<std::uint32_t>(split.original_vertex.size());
-      split.original_vertex.push_back(original);
-    }
-    has_fan[original] = true;
-    assign_fan(mates, corner, vertex, split.faces);
-  }
-  return split;
+std::vector<std::uint32_t> split_to_manifold(std::vector<Triangle>& faces,
+                                             const HalfEdgeMates& mates, std::size_t vertex_count) {
+  return Splitter(faces, mates, vertex_count).run();
 }
 
 }  // namespace palpate

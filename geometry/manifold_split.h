@@ -11,19 +11,15 @@
 
 namespace palpate {
 
-struct ManifoldSplit {
-  std::vector<Triangle> faces;                 // as given, in split vertices
-  std::vector<std::uint32_t> original_vertex;  // per split vertex
-};
-
-// Corners of two faces at a vertex stay together only if a chain of aligned edges at that vertex
-// joins them, so every split vertex has one fan of faces, open or closed. Split vertex v is the
-// first fan of vertex v; further fans come after, in order of faces. mates: of these faces, each
-// vertex used by one at least. Linear time.
+// Puts the faces in split vertices. Corners of two faces at a vertex stay together only if a chain
+// of aligned edges at that vertex joins them, so every split vertex has one fan of faces, open or
+// closed. Split vertex v < vertex_count is the first fan of vertex v; further fans come after, in
+// order of faces. Returns the original vertex of each of those. mates: of these faces, each vertex
+// used by one at least. Linear time.
 //
 // The two ends of an open fan may lie on one edge, where a third face was cut off. The split
 // surface then has two boundary edges with the same two ends.
-ManifoldSplit split_to_manifold(const std::vector<Triangle>& faces, const HalfEdgeMates& mates,
-                                std::size_t vertex_count);
+std::vector<std::uint32_t> split_to_manifold(std::vector<Triangle>& faces,
+                                             const HalfEdgeMates& mates, std::size_t vertex_count);
 
 }  // namespace palpate

@@ -13,17 +13,16 @@ OpenMesh::VertexHandle vertex_handle(std::uint32_t v) {
 
 class Writer {
  public:
-  Writer(const ManifoldSplit& split, const HalfEdgeMates& mates)
-      : faces_(split.faces),
-        welded_vertex_(split.original_vertex),
-        mate_(mates.aligned),
-        half_edges_(mate_.size()) {}
+  Writer(const std::vector<Triangle>& faces, const std::vector<std::uint32_t>& mate)
+      : faces_(faces), mate_(mate), half_edges_(mate.size()) {}
 
-  void write(const std::vector<Vec3>& welded_positions_m, OpenMeshSurface& mesh) {
-    mesh.resize(welded_vertex_.size(), count_edges(), faces_.size());
-    for (std::uint32_t v = 0; v < welded_vertex_.size(); ++v) {
-      const Vec3& p = welded_positions_m[welded_vertex_[v]];
-      mesh.set_point(vertex_handle(v), OpenMesh::Vec3d(p.x(), p.y(), p.z()));
+  void write(const std::vector<Vec3>& positions_m,
+             const std::vector<std::uint32_t>& copied_vertices, OpenMeshSurface& mesh) {
+    mesh.resize(positions_m.size() + copied_vertices.size(), count_edges(), faces_.size());
+    std::uint32_t next_vertex = 0;
+    for (const Vec3& p : positions_m) mesh.set_point(vertex_handle(next_vertex++), p);
+    for (const std::uint32_t original : copied_vertices) {
+      mesh.set_point(vertex_handle(next_vertex++), positions_m[original]);
     }
     number_edges(mesh);
     link_faces(mesh);
@@ -82,16 +81,16 @@ class Writer {
   }
 
   const std::vector<Triangle>& faces_;  // in split vertices
-  const std::vector<std::uint32_t>& welded_vertex_;
   const std::vector<std::uint32_t>& mate_;
   std::vector<OpenMesh::HalfedgeHandle> half_edges_;  // of OpenMesh, per half-edge
 };
 
 }  // namespace
 
-void write_open_mesh(const ManifoldSplit& split, const HalfEdgeMates& mates,
-                     const std::vector<Vec3>& original_positions_m, OpenMeshSurface& surface) {
-  Writer(split, mates).write(original_positions_m, surface);
+void write_open_mesh(const std::vector<Triangle>& faces, const HalfEdgeMates& mates,
+                     const std::vector<Vec3>& positions_m,
+                     const std::vector<std::uint32_t>& copied_vertices, OpenMeshSurface& surface) {
+  Writer(faces, mates.aligned).write(positions_m, copied_vertices, surface);
 }
 
 }  // namespace palpate

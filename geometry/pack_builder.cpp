@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <span>
+#include <thread>
+#include <vector>
 
 #include "geometry/exact.h"
 
@@ -37,16 +40,17 @@ struct MappedMesh {
   const SurfaceMesh& mesh;
   const AffineMap& map;
   std::vector<Vec3> positions;
+  std::vector<Triangle> faces;
   bool mirrored;
 
   MappedMesh(const SurfaceMesh& m, const AffineMap& a)
-      : mesh(m), map(a), mirrored(a.linear.determinant() < 0.0) {
+      : mesh(m), map(a), faces(m.faces()), mirrored(a.linear.determinant() < 0.0) {
     positions.reserve(m.welded_positions().size());
     for (const Vec3& p : m.welded_positions()) positions.push_back(a(p));
   }
 
   TriangleGeometry triangle(std::uint32_t face) const {
-    const Triangle& corners = mesh.face(face);
+    const Triangle& corners = faces[face];
     TriangleGeometry t{positions[corners[0]], positions[corners[1]], positions[corners[2]], {}};
     if (mirrored) std::swap(t.b, t.c);
     t.normal = exactly_collinear(t.a, t.b, t.c) ? normal_from_mesh(corners)
@@ -56,7 +60,7 @@ struct MappedMesh {
 
   // Where the map squeezes a thin face to no area in double: normals map by the inverse transpose.
   Vec3 normal_from_mesh(const Triangle& corners) const {
-    const auto& p = mesh.welded_positions();
+    const auto p = mesh.welded_positions();
     const Vec3 normal = accurate_unit_normal(p[corners[0]], p[corners[1]], p[corners[2]]);
     return (map.linear.inverse().transpose() * normal).normalized();
   }
@@ -119,56 +123,80 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
   return pack;
 }
 
-void append_pack(const MappedMesh& mesh, FaceRange faces, PackedSurface& surface) {
-  const std::size_t first = surface.triangles.size();
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const std::uint32_t face = faces[std::min(lane, faces.size() - 1)].face;
-    surface.faces.push_back(face);
-    if (lane < faces.size()) {
-      surface.triangles.push_back(mesh.triangle(face));
-    } else {
-      surface.triangles.push_back(TriangleGeometry(surface.triangles.back()));
-    }
-  }
-  const std::span triangles(&surface.triangles[first], kLanes);
-  surface.boxes.push_back(box_around(triangles));
-  surface.packs.push_back(
-      to_local(triangles, surface.boxes.back(), static_cast<int>(faces.size())));
-}
+// Splits down to clusters, then down to packs: every part but the last is full, so the packs of a
+// part begin at a place that is known before.
+class PackWriter {
+ public:
+  PackWriter(const MappedMesh& mesh, PackedSurface& surface) : mesh_(mesh), surface_(surface) {}
 
-// Splits down to clusters, then down to packs: every part but the last is full.
-void split(const MappedMesh& mesh, FaceRange faces, PackedSurface& surface) {
-  if (faces.size() <= kLanes) return append_pack(mesh, faces, surface);
-  const int axis = widest_axis(faces);
-  const std::size_t whole = faces.size() > kLanes * kLanes ? kLanes * kLanes : kLanes;
-  const std::size_t count = (faces.size() + whole - 1) / whole;
-  const std::size_t middle = count / 2 * whole;
-  std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(middle), faces.end(),
-                   [axis](const FaceCentre& x, const FaceCentre& y) {
-                     return x.sum_m[axis] != y.sum_m[axis] ? x.sum_m[axis] < y.sum_m[axis]
-                                                           : x.face < y.face;
-                   });
-  split(mesh, faces.first(middle), surface);
-  split(mesh, faces.subspan(middle), surface);
-}
+  // Large parts are shared among up to `threads` threads, which changes nothing in the result.
+  void split(FaceRange faces, std::size_t first_pack, unsigned threads) {
+    if (faces.size() <= kLanes) return write_pack(faces, first_pack);
+    const std::size_t middle = partition(faces);
+    const auto split_high = [&](unsigned high_threads) {
+      split(faces.subspan(middle), first_pack + middle / kLanes, high_threads);
+    };
+    if (threads < 2 || faces.size() < kWorthAThread) {
+      split(faces.first(middle), first_pack, 1);
+      return split_high(1);
+    }
+    // Deferred, and then done at the end of this block, where no thread can be had.
+    const auto high =
+        std::async(std::launch::async | std::launch::deferred, split_high, threads / 2);
+    split(faces.first(middle), first_pack, threads - threads / 2);
+    high.wait();
+  }
+
+ private:
+  static constexpr std::size_t kWorthAThread = 20000;  // a few milliseconds of work
+
+  // Orders a part so that whole clusters, or packs, lie on either side of the number it returns.
+  static std::size_t partition(FaceRange faces) {
+    const int axis = widest_axis(faces);
+    const std::size_t whole = faces.size() > kLanes * kLanes ? kLanes * kLanes : kLanes;
+    const std::size_t count = (faces.size() + whole - 1) / whole;
+    const std::size_t middle = count / 2 * whole;
+    std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(middle),
+                     faces.end(), [axis](const FaceCentre& x, const FaceCentre& y) {
+                       return x.sum_m[axis] != y.sum_m[axis] ? x.sum_m[axis] < y.sum_m[axis]
+                                                             : x.face < y.face;
+                     });
+    return middle;
+  }
+
+  void write_pack(FaceRange faces, std::size_t id) {
+    TriangleGeometry* const triangles = &surface_.triangles[id * kLanes];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const std::uint32_t face = faces[std::min(lane, faces.size() - 1)].face;
+      surface_.faces[id * kLanes + lane] = face;
+      triangles[lane] = lane < faces.size() ? mesh_.triangle(face) : triangles[lane - 1];
+    }
+    const std::span lanes(triangles, kLanes);
+    surface_.boxes[id] = box_around(lanes);
+    surface_.packs[id] = to_local(lanes, surface_.boxes[id], static_cast<int>(faces.size()));
+  }
+
+  const MappedMesh& mesh_;
+  PackedSurface& surface_;
+};
 
 }  // namespace
 
 PackedSurface pack_surface(const SurfaceMesh& mesh, const AffineMap& map) {
   const MappedMesh mapped(mesh, map);
-  std::vector<FaceCentre> centres(mesh.face_count());
+  FixedArray<FaceCentre> centres(mesh.face_count());
   for (std::uint32_t f = 0; f < centres.size(); ++f) {
-    const Triangle& corners = mesh.face(f);
+    const Triangle& corners = mapped.faces[f];
     const auto& positions = mapped.positions;
     centres[f] = {positions[corners[0]] + positions[corners[1]] + positions[corners[2]], f};
   }
-  PackedSurface surface;
   const std::size_t pack_count = (centres.size() + kLanes - 1) / kLanes;
-  surface.packs.reserve(pack_count);
-  surface.boxes.reserve(pack_count);
-  surface.triangles.reserve(pack_count * kLanes);
-  surface.faces.reserve(pack_count * kLanes);
-  if (!centres.empty()) split(mapped, centres, surface);
+  PackedSurface surface{FixedArray<TrianglePack>(pack_count), FixedArray<Box>(pack_count),
+                        FixedArray<TriangleGeometry>(pack_count * kLanes),
+                        FixedArray<std::uint32_t>(pack_count * kLanes)};
+  if (centres.empty()) return surface;
+  PackWriter(mapped, surface)
+      .split(FaceRange(&centres[0], centres.size()), 0, std::thread::hardware_concurrency());
   return surface;
 }
 

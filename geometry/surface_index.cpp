@@ -50,7 +50,7 @@ SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double
     : surface_(pack_surface(mesh, map)),
       box_{Vec3::Zero(), Vec3::Zero()},
       sweep_radius_m_(sweep_radius_m) {
-  if (!surface_.boxes.empty()) box_ = surface_.boxes.front();
+  if (!surface_.boxes.empty()) box_ = surface_.boxes[0];
   for (const Box& box : surface_.boxes) {
     box_.low = box_.low.cwiseMin(box.low);
     box_.high = box_.high.cwiseMax(box.high);
@@ -72,6 +72,9 @@ SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double
 std::vector<Box> SurfaceIndex::build_clusters() {
   std::vector<Box> cluster_bounds;
   const float infinity = std::numeric_limits<float>::infinity();
+  const std::size_t count = (pack_count() + TrianglePack::kLanes - 1) / TrianglePack::kLanes;
+  cluster_boxes_.reserve(count);
+  cluster_bounds.reserve(count);
   for (std::size_t id = 0; id < pack_count(); ++id) {
     const std::size_t lane = id % TrianglePack::kLanes;
     if (lane == 0) {
@@ -99,12 +102,17 @@ SurfaceIndex::~SurfaceIndex() = default;
 SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
 SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 
-std::size_t SurfaceIndex::memory_bytes() const {
+MemoryBreakdown SurfaceIndex::memory() const {
   // Embree does not tell what one scene takes; 200 bytes a primitive is what its BVH4 builder
   // allocates for user geometry.
   constexpr std::size_t kEmbreeBytesPerCluster = 200;
-  return pack_count() * TrianglePack::kLanes * kBytesPerTriangle +
-         cluster_boxes_.size() * (sizeof(BoxPack) + kEmbreeBytesPerCluster);
+  MemoryBreakdown memory;
+  memory.index_triangles =
+      surface_.triangles.size() * (sizeof(TriangleGeometry) + sizeof(std::uint32_t));
+  memory.index_packs = pack_count() * sizeof(TrianglePack);
+  memory.index_boxes = sizeof(*this) + cluster_boxes_.capacity() * sizeof(BoxPack) +
+                       cluster_boxes_.size() * kEmbreeBytesPerCluster;
+  return memory;
 }
 
 std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,

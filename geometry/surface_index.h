@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "geometry/fixed_array.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/surface_mesh.h"
 #include "geometry/triangle.h"
 #include "geometry/triangle_pack.h"
@@ -37,10 +39,10 @@ struct SegmentHit {
 // n / kLanes. Slots past a pack's count repeat its last triangle. Packs n kLanes to
 // (n + 1) kLanes - 1 lie close together, too: cluster n.
 struct PackedSurface {
-  std::vector<TrianglePack> packs;
-  std::vector<Box> boxes;                   // of the packs; not kept in an index
-  std::vector<TriangleGeometry> triangles;  // a slot each, in double: what decides
-  std::vector<std::uint32_t> faces;         // a slot each: of the mesh
+  FixedArray<TrianglePack> packs;
+  FixedArray<Box> boxes;                   // of the packs; not kept in an index
+  FixedArray<TriangleGeometry> triangles;  // a slot each, in double: what decides
+  FixedArray<std::uint32_t> faces;         // a slot each: of the mesh
 };
 
 // p_index = linear * p_mesh + translation_m: how a surface is placed in the frame of its index.
@@ -117,7 +119,8 @@ class SurfaceIndex {
   // What a triangle takes, not counting the clusters: a lane of its pack and its double geometry.
   static constexpr std::size_t kBytesPerTriangle = sizeof(TrianglePack) / TrianglePack::kLanes +
                                                    sizeof(TriangleGeometry) + sizeof(std::uint32_t);
-  std::size_t memory_bytes() const;
+  MemoryBreakdown memory() const;
+  std::size_t memory_bytes() const { return memory().total(); }
 
  private:
   std::vector<Box> build_clusters();

@@ -16,27 +16,29 @@ namespace {
 
 constexpr std::uint32_t kUnused = SurfaceMesh::kNone;
 
-// Triangles in welded vertices, with the index each had in the input.
+// Triangles in welded vertices, and what was left out to get them.
 struct FaceList {
   std::vector<Triangle> faces;
-  std::vector<std::uint32_t> source;
+  std::vector<std::uint32_t> dropped;  // in the input, rising
 };
 
 FaceList faces_with_area(const Weld& weld, const std::vector<Triangle>& triangles) {
   FaceList list;
   list.faces.reserve(triangles.size());
-  list.source.reserve(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     Triangle face;
     for (std::size_t i = 0; i < 3; ++i) {
       assert(triangles[t][i] < weld.vertex_of.size());
       face[i] = weld.vertex_of[triangles[t][i]];
     }
-    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) continue;
     const std::vector<Vec3>& p = weld.positions_m;
-    if (exactly_collinear(p[face[0]], p[face[1]], p[face[2]])) continue;
-    list.faces.push_back(face);
-    list.source.push_back(static_cast<std::uint32_t>(t));
+    const bool has_area = face[0] != face[1] && face[1] != face[2] && face[2] != face[0] &&
+                          !exactly_collinear(p[face[0]], p[face[1]], p[face[2]]);
+    if (has_area) {
+      list.faces.push_back(face);
+    } else {
+      list.dropped.push_back(static_cast<std::uint32_t>(t));
+    }
   }
   return list;
 }
@@ -63,55 +65,52 @@ std::vector<bool> find_duplicates(const std::vector<Triangle>& faces, std::size_
 
 void drop_duplicates(FaceList& list, std::size_t vertex_count) {
   const std::vector<bool> is_duplicate = find_duplicates(list.faces, vertex_count);
+  std::vector<std::uint32_t> dropped;
   std::size_t kept = 0;
-  for (std::size_t f = 0; f < list.faces.size(); ++f) {
-    if (is_duplicate[f]) continue;
-    list.faces[kept] = list.faces[f];
-    list.source[kept++] = list.source[f];
+  std::size_t next_dropped = 0;
+  std::uint32_t source = 0;
+  for (std::size_t f = 0; f < list.faces.size(); ++f, ++source) {
+    for (; next_dropped < list.dropped.size() && list.dropped[next_dropped] == source; ++source) {
+      dropped.push_back(list.dropped[next_dropped++]);
+    }
+    if (is_duplicate[f]) {
+      dropped.push_back(source);
+    } else {
+      list.faces[kept++] = list.faces[f];
+    }
   }
+  dropped.insert(dropped.end(), list.dropped.begin() + static_cast<std::ptrdiff_t>(next_dropped),
+                 list.dropped.end());
   list.faces.resize(kept);
-  list.source.resize(kept);
+  list.dropped = std::move(dropped);
 }
 
-// The positions that faces use, in their order; faces are renumbered.
-std::vector<Vec3> used_positions(const std::vector<Vec3>& positions_m,
-                                 std::vector<Triangle>& faces) {
+// Leaves only the positions that faces use, in their order; faces are renumbered.
+void drop_unused_positions(std::vector<Vec3>& positions_m, std::vector<Triangle>& faces) {
   std::vector<std::uint32_t> new_index(positions_m.size(), kUnused);
   for (const Triangle& face : faces) {
     for (const std::uint32_t v : face) new_index[v] = 0;
   }
-  std::vector<Vec3> used;
+  std::uint32_t used = 0;
   for (std::size_t v = 0; v < positions_m.size(); ++v) {
     if (new_index[v] == kUnused) continue;
-    new_index[v] = static_cast<std::uint32_t>(used.size());
-    used.push_back(positions_m[v]);
+    new_index[v] = used;
+    positions_m[used++] = positions_m[v];
   }
+  if (used == positions_m.size()) return;
+  positions_m.resize(used);
   for (Triangle& face : faces) {
     for (std::uint32_t& v : face) v = new_index[v];
   }
-  return used;
 }
 
-void set_normals(const std::vector<Vec3>& positions_m, const std::vector<Triangle>& faces,
-                 OpenMeshSurface& mesh) {
-  mesh.request_face_normals();
-  mesh.request_vertex_normals();
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const Triangle& face = faces[f];
-    const Vec3 n =
-        accurate_unit_normal(positions_m[face[0]], positions_m[face[1]], positions_m[face[2]]);
-    mesh.set_normal(OpenMesh::FaceHandle(static_cast<int>(f)),
-                    OpenMesh::Vec3d(n.x(), n.y(), n.z()));
+// Dropped triangle i has so many kept ones before it. Rising, too.
+std::vector<std::uint32_t> kept_before(const std::vector<std::uint32_t>& dropped) {
+  std::vector<std::uint32_t> kept(dropped.size());
+  for (std::size_t i = 0; i < dropped.size(); ++i) {
+    kept[i] = dropped[i] - static_cast<std::uint32_t>(i);
   }
-  mesh.update_vertex_normals();
-}
-
-std::vector<Triangle> neighbouring_faces(const std::vector<std::uint32_t>& mates) {
-  std::vector<Triangle> neighbours(mates.size() / 3);
-  for (std::size_t h = 0; h < mates.size(); ++h) {
-    neighbours[h / 3][h % 3] = mates[h] == kNoHalfEdge ? SurfaceMesh::kNone : mates[h] / 3;
-  }
-  return neighbours;
+  return kept;
 }
 
 template <typename T>
@@ -128,40 +127,81 @@ SurfaceMesh SurfaceMesh::build(const std::vector<Vec3>& positions,
   CleaningReport& report = mesh.report_;
   report.triangles_in = triangles.size();
 
-  const Weld weld = weld_equal_positions(positions);
+  Weld weld = weld_equal_positions(positions);
   FaceList list = faces_with_area(weld, triangles);
-  report.dropped_degenerate = triangles.size() - list.faces.size();
-  drop_duplicates(list, weld.positions_m.size());
-  report.dropped_duplicate = triangles.size() - report.dropped_degenerate - list.faces.size();
+  weld.vertex_of = {};
+  report.dropped_degenerate = list.dropped.size();
+  HalfEdgeMates mates = match_half_edges(list.faces, weld.positions_m.size());
+  if (mates.has_duplicates) {
+    mates = {};  // first, so that two of them never share the memory
+    drop_duplicates(list, weld.positions_m.size());
+    mates = match_half_edges(list.faces, weld.positions_m.size());
+  }
+  report.dropped_duplicate = list.dropped.size() - report.dropped_degenerate;
   report.triangles = list.faces.size();
-  mesh.faces_ = std::move(list.faces);
-  mesh.source_triangle_ = std::move(list.source);
-  mesh.welded_positions_ = used_positions(weld.positions_m, mesh.faces_);
-  report.welded_vertices = mesh.welded_positions_.size();
-
-  const HalfEdgeMates mates = match_half_edges(mesh.faces_, report.welded_vertices);
   report.boundary_edges = mates.boundary_edges;
   report.non_manifold_edges = mates.non_manifold_edges;
-  mesh.welded_neighbours_ = neighbouring_faces(mates.any);
+  drop_unused_positions(weld.positions_m, list.faces);
+  report.welded_vertices = weld.positions_m.size();
+  mesh.kept_before_dropped_ = kept_before(list.dropped);
 
-  ManifoldSplit split = split_to_manifold(mesh.faces_, mates, report.welded_vertices);
-  report.split_vertices = split.original_vertex.size() - report.welded_vertices;
+  mesh.copied_vertices_ = split_to_manifold(list.faces, mates, report.welded_vertices);
+  mesh.copied_vertices_.shrink_to_fit();
+  report.split_vertices = mesh.copied_vertices_.size();
+  mesh.cut_edges_ = std::move(mates.misaligned);
+  mesh.cut_edges_.shrink_to_fit();
   const auto surface = std::make_shared<OpenMeshSurface>();
-  write_open_mesh(split, mates, mesh.welded_positions_, *surface);
-  set_normals(mesh.welded_positions_, mesh.faces_, *surface);
+  write_open_mesh(list.faces, mates, weld.positions_m, mesh.copied_vertices_, *surface);
   mesh.surface_ = surface;
-  mesh.welded_vertex_ = std::move(split.original_vertex);
   return mesh;
 }
 
-std::size_t SurfaceMesh::memory_bytes() const {
+Triangle SurfaceMesh::face(std::size_t f) const {
+  // The half-edge of a face points to its first corner.
+  OpenMesh::HalfedgeHandle h = surface_->halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(f)));
+  Triangle corners;
+  for (std::uint32_t& corner : corners) {
+    corner = welded_vertex(static_cast<std::size_t>(surface_->to_vertex_handle(h).idx()));
+    h = surface_->next_halfedge_handle(h);
+  }
+  return corners;
+}
+
+std::vector<Triangle> SurfaceMesh::faces() const {
+  std::vector<Triangle> faces;
+  faces.reserve(face_count());
+  for (std::size_t f = 0; f < face_count(); ++f) faces.push_back(face(f));
+  return faces;
+}
+
+std::uint32_t SurfaceMesh::source_triangle(std::size_t face) const {
+  const auto& kept = kept_before_dropped_;
+  const auto later = std::upper_bound(kept.begin(), kept.end(), face);
+  return static_cast<std::uint32_t>(face + static_cast<std::size_t>(later - kept.begin()));
+}
+
+std::uint32_t SurfaceMesh::welded_neighbour(std::size_t face, int e) const {
+  OpenMesh::HalfedgeHandle h =
+      surface_->halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
+  for (int i = 0; i <= e; ++i) h = surface_->next_halfedge_handle(h);
+  const OpenMesh::FaceHandle neighbour = surface_->opposite_face_handle(h);
+  if (neighbour.is_valid()) return static_cast<std::uint32_t>(neighbour.idx());
+  const auto half_edge = static_cast<std::uint32_t>(3 * face + static_cast<std::size_t>(e));
+  const auto cut = std::lower_bound(
+      cut_edges_.begin(), cut_edges_.end(), half_edge,
+      [](const MisalignedMate& edge, std::uint32_t h_sought) { return edge.half_edge < h_sought; });
+  return cut != cut_edges_.end() && cut->half_edge == half_edge ? cut->mate / 3 : kNone;
+}
+
+MemoryBreakdown SurfaceMesh::memory() const {
   using Items = OpenMesh::ArrayItems;
-  const std::size_t open_mesh =
-      surface_->n_vertices() * (sizeof(Items::Vertex) + 2 * sizeof(OpenMesh::Vec3d)) +
-      surface_->n_edges() * sizeof(Items::Edge) +
-      surface_->n_faces() * (sizeof(Items::Face) + sizeof(OpenMesh::Vec3d));
-  return sizeof(*this) + open_mesh + bytes_of(welded_positions_) + bytes_of(faces_) +
-         bytes_of(source_triangle_) + bytes_of(welded_vertex_) + bytes_of(welded_neighbours_);
+  MemoryBreakdown memory;
+  memory.adjacency =
+      sizeof(*this) + sizeof(OpenMeshSurface) + surface_->n_vertices() * sizeof(Items::Vertex) +
+      surface_->n_edges() * sizeof(Items::Edge) + surface_->n_faces() * sizeof(Items::Face);
+  memory.positions = surface_->n_vertices() * sizeof(Vec3);
+  memory.maps = bytes_of(kept_before_dropped_) + bytes_of(copied_vertices_) + bytes_of(cut_edges_);
+  return memory;
 }
 
 }  // namespace palpate

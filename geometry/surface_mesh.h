@@ -5,17 +5,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+// Only compiles after the other.
+#include <OpenMesh/Core/Geometry/EigenVectorT.hh>
 
+#include "geometry/half_edges.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/types.h"
+
+// OpenMesh appends T() before it sets a position, which leaves one of Eigen's unset, and GCC warns
+// of the copy.
+template <>
+inline void OpenMesh::PropertyT<palpate::Vec3>::push_back() {
+  data_.push_back(palpate::Vec3::Zero());
+}
 
 namespace palpate {
 
 struct OpenMeshTraits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
+  using Point = Vec3;
+  using Normal = Vec3;
 };
 using OpenMeshSurface = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
 
@@ -44,6 +56,9 @@ struct CleaningReport {
 // OpenMesh's add_face() would accept the faces of surface() in any order. Where a fan comes back to
 // an edge that a third face was cut off from, surface() has two boundary edges with the same ends,
 // which add_face() would join.
+//
+// A large surface is mostly OpenMesh's 66 bytes a triangle: what follows from that, such as
+// face(), is not kept a second time.
 class SurfaceMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -53,41 +68,46 @@ class SurfaceMesh {
   static SurfaceMesh build(const std::vector<Vec3>& positions,
                            const std::vector<Triangle>& triangles);
 
-  // Adjacency, normals and boundaries of the split surface. Face i of it is face i here, its
-  // vertices starting with the same corner. Face normals are accurate_unit_normal(); vertex normals
-  // are OpenMesh's unweighted mean of them, unit, or zero where they cancel.
+  // Adjacency and boundaries of the split surface. Face i of it is face i here, its vertices
+  // starting with the same corner. No normals: accurate_unit_normal() gives that of a face.
   const OpenMeshSurface& surface() const { return *surface_; }
   const CleaningReport& report() const { return report_; }
 
-  std::size_t face_count() const { return faces_.size(); }
+  std::size_t face_count() const { return report_.triangles; }
   // The welded vertices of a face, in its own orientation.
-  const Triangle& face(std::size_t f) const { return faces_[f]; }
-  const std::vector<Triangle>& faces() const { return faces_; }
-  const std::vector<Vec3>& welded_positions() const { return welded_positions_; }
+  Triangle face(std::size_t f) const;
+  // Those of all faces, made anew.
+  std::vector<Triangle> faces() const;
+  // The first vertices of surface(). Valid as long as this object or a copy of it.
+  std::span<const Vec3> welded_positions() const {
+    return {surface_->points(), report_.welded_vertices};
+  }
 
-  // Index into the triangles given to build().
-  std::uint32_t source_triangle(std::size_t face) const { return source_triangle_[face]; }
+  // Index into the triangles given to build(). O(log n) in the triangles that were dropped.
+  std::uint32_t source_triangle(std::size_t face) const;
   // Welded vertex of a vertex of surface().
   std::uint32_t welded_vertex(std::size_t split_vertex) const {
-    return welded_vertex_[split_vertex];
+    return split_vertex < report_.welded_vertices
+               ? static_cast<std::uint32_t>(split_vertex)
+               : copied_vertices_[split_vertex - report_.welded_vertices];
   }
   // The one other face across edge e of a face (from its corner e to corner e + 1) in the welded
   // surface, also where the split surface is cut for orientation; kNone at a boundary or where
-  // three faces or more meet.
-  std::uint32_t welded_neighbour(std::size_t face, int e) const {
-    return welded_neighbours_[face][static_cast<std::size_t>(e)];
-  }
+  // three faces or more meet. O(log n) in the edges cut for orientation.
+  std::uint32_t welded_neighbour(std::size_t face, int e) const;
 
-  std::size_t memory_bytes() const;
+  MemoryBreakdown memory() const;
+  std::size_t memory_bytes() const { return memory().total(); }
 
  private:
   // Shared because OpenMesh has no move, and this object is moved into results and scenes.
   std::shared_ptr<const OpenMeshSurface> surface_ = std::make_shared<const OpenMeshSurface>();
-  std::vector<Vec3> welded_positions_;
-  std::vector<Triangle> faces_;
-  std::vector<std::uint32_t> source_triangle_;
-  std::vector<std::uint32_t> welded_vertex_;
-  std::vector<Triangle> welded_neighbours_;
+  // Per dropped triangle, how many before it were kept.
+  std::vector<std::uint32_t> kept_before_dropped_;
+  // The welded vertex of each split vertex that is not one itself.
+  std::vector<std::uint32_t> copied_vertices_;
+  // Edges that surface() cuts though two faces meet there.
+  std::vector<MisalignedMate> cut_edges_;
   CleaningReport report_;
 };
 

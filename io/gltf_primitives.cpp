@@ -100,12 +100,16 @@ class MeshReader {
   // here and in indices_of.
   Result<VertexRange> vertices_of(std::size_t accessor) {
     if (const auto known = ranges_.find(accessor); known != ranges_.end()) return known->second;
-    const auto positions = read_positions(asset_, accessor, budget_.vertices);
+    auto positions = read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
     budget_.vertices -= positions->size();
     auto& all = description_.positions;
     const VertexRange range{static_cast<std::uint32_t>(all.size()), positions->size()};
-    all.insert(all.end(), positions->begin(), positions->end());
+    if (all.empty()) {
+      all = std::move(*positions);
+    } else {
+      all.insert(all.end(), positions->begin(), positions->end());
+    }
     ranges_.emplace(accessor, range);
     return range;
   }
@@ -146,11 +150,16 @@ class MeshReader {
     runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
   }
 
-  void append(const std::vector<Triangle>& triangles, std::uint32_t first_vertex) {
+  void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
     budget_.triangles -= triangles.size();
-    for (const Triangle& t : triangles) {
-      description_.triangles.push_back(
-          {t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
+    for (Triangle& t : triangles) {
+      for (std::uint32_t& vertex : t) vertex += first_vertex;
+    }
+    auto& all = description_.triangles;
+    if (all.empty()) {
+      all = std::move(triangles);
+    } else {
+      all.insert(all.end(), triangles.begin(), triangles.end());
     }
   }
 

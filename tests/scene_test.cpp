@@ -481,7 +481,7 @@ TEST(Scene, CountsWhatCameInWhatWasDroppedAndWhatIsFelt) {
   EXPECT_EQ(s.instanced_triangles, 32u);
   EXPECT_EQ(s.cleaning.boundary_edges, 0u);
   EXPECT_EQ(s.cleaning.non_manifold_edges, 0u);
-  EXPECT_GT(s.memory_bytes, 32 * sizeof(TrianglePack) / TrianglePack::kLanes);
+  EXPECT_GT(s.memory.total(), 32 * sizeof(TrianglePack) / TrianglePack::kLanes);
   EXPECT_TRUE(s.warnings.empty());
 }
 

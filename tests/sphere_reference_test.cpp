@@ -156,7 +156,7 @@ TEST(FineSphere, IsConvex) {
   ASSERT_EQ(triangles.size(), 81920u);
   const OwnedWorld world(Soup{positions, triangles});
   const SurfaceMesh& mesh = world.mesh();
-  const ReferenceSurface surface(mesh.welded_positions(), mesh.faces(), Side::kOutside);
+  const ReferenceSurface surface(positions, triangles, Side::kOutside);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     for (int e = 0; e < 3; ++e) {
       const std::uint32_t neighbour = mesh.welded_neighbour(f, e);

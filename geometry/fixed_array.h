@@ -1,0 +1,32 @@
+#pragma once
+
+// An array whose size is known before what goes into it.
+
+#include <cstddef>
+#include <memory>
+
+namespace palpate {
+
+// As a vector of that many elements, except that nothing is written until somebody does: the pages
+// of a large one are first touched by the thread that fills them, and only once.
+template <typename T>
+class FixedArray {
+ public:
+  FixedArray() = default;
+  explicit FixedArray(std::size_t size)
+      : elements_(std::make_unique_for_overwrite<T[]>(size)), size_(size) {}
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const T* data() const { return elements_.get(); }
+  T& operator[](std::size_t i) { return elements_[i]; }
+  const T& operator[](std::size_t i) const { return elements_[i]; }
+  const T* begin() const { return data(); }
+  const T* end() const { return data() + size_; }
+
+ private:
+  std::unique_ptr<T[]> elements_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+#pragma once
+
+// What a compiled surface takes, by what it is for.
+
+#include <cstddef>
+
+namespace palpate {
+
+// Bytes. Those of a mesh and of an index add up.
+struct MemoryBreakdown {
+  std::size_t adjacency = 0;        // OpenMesh's vertices, half-edges and faces
+  std::size_t positions = 0;        // of OpenMesh's vertices, which are the welded ones, too
+  std::size_t maps = 0;             // to the triangles and vertices that cleaning was given
+  std::size_t index_triangles = 0;  // in double, with the number of the face
+  std::size_t index_packs = 0;      // the same in float, sixteen at a time
+  std::size_t index_boxes = 0;      // around packs, and Embree's tree over them
+
+  std::size_t total() const {
+    return adjacency + positions + maps + index_triangles + index_packs + index_boxes;
+  }
+  MemoryBreakdown& operator+=(const MemoryBreakdown& other) {
+    adjacency += other.adjacency;
+    positions += other.positions;
+    maps += other.maps;
+    index_triangles += other.index_triangles;
+    index_packs += other.index_packs;
+    index_boxes += other.index_boxes;
+    return *this;
+  }
+};
+
+}  // namespace palpate
