@@ -92,6 +92,7 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("cgal", palpate::bench::kHaveCgal ? "yes" : "no");
   const palpate::bench::SampleCounts counts{static_cast<std::size_t>(options.ticks)};
   for (const int subdivisions : options.subdivisions) {
+    palpate::bench::register_load_benchmarks(subdivisions);
     palpate::bench::register_index_benchmarks(subdivisions, counts);
     palpate::bench::register_tick_benchmarks(subdivisions, counts);
   }

@@ -30,6 +30,8 @@ void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 
 // Of no size: load_instances/<count>, instances_sliding/<count> and the same _searched.
 void register_instance_benchmarks(const SampleCounts& counts);
+// Best before the others of the size, which keep what they have built.
+void register_load_benchmarks(int subdivisions);
 
 // Of no size: side_test_<how>/<class of inputs>. Nothing without CGAL, which it compares with.
 void register_side_test_benchmarks();

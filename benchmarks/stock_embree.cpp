@@ -77,6 +77,7 @@ struct StockSurface::Buffers {
 };
 
 StockSurface::StockSurface(const TriangleMesh& mesh) : buffers_(std::make_unique<Buffers>()) {
+  buffers_->positions.reserve(mesh.positions_m.size() + 1);
   for (const Vec3& p : mesh.positions_m) buffers_->positions.push_back(p.cast<float>());
   buffers_->positions.emplace_back(Vec3f::Zero());
   buffers_->triangles = mesh.triangles;

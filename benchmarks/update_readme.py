@@ -56,6 +56,17 @@ RATIOS = [
     ("first_hit", "vs_cgal_p50", "first hit / CGAL's any hit"),
 ]
 
+# Benchmark, its counter, decimals, what it says in the README.
+LOADING = [
+    ("load_glb", "median_ms", 0, "`.glb`, from open to first query, ms"),
+    ("read_file", "median_ms", 1, "*reading the file, ms*"),
+    ("openmesh_add_face", "median_ms", 0, "*OpenMesh's own `add_face`, ms*"),
+    ("embree_build", "median_ms", 0, "*Embree's own triangles, ms*"),
+    ("load_glb", "vs_parts", 2, "open to first query / the sum of those three"),
+    ("load_glb", "bytes_per_triangle", 0, "memory, bytes a triangle"),
+    ("load_glb", "resident_per_triangle", 0, "growth of the process, bytes a triangle"),
+]
+
 SIDE_TESTS = [("side_test_float128", "113 bits in software"), ("side_test_adaptive", "expansions"),
               ("side_test_cgal", "CGAL's kernel")]
 SIDE_CLASSES = [("easy", "easy"), ("near", "double fails"), ("exact", "exactly zero"),
@@ -81,7 +92,8 @@ def read_result(path):
                 raise BadInput(f"{path}: {workload} failed: {run.get('error_message')}")
             if subject.isdigit():
                 subject = int(subject)
-                for key in STATISTICS + ["clock_ns"]:
+                is_loading = any(workload == name for name, _, _, _ in LOADING)
+                for key in ["median_ms"] if is_loading else STATISTICS + ["clock_ns"]:
                     run[key]
             runs[workload, subject] = run
         if not sizes_of(runs):
@@ -150,6 +162,19 @@ def ratio_table(runs):
     return "\n".join(lines + [f"| {title} | " + " | ".join(cells) + " |" for title, cells in rows])
 
 
+def loading_table(runs):
+    sizes = [size for size in sizes_of(runs) if ("load_glb", size) in runs]
+    if not sizes:
+        return ""
+    lines = ["| Loading | " + " | ".join(size_name(size) for size in sizes) + " |",
+             "|---|" + "---:|" * len(sizes)]
+    for workload, counter, decimals, title in LOADING:
+        values = [runs.get((workload, size), {}).get(counter) for size in sizes]
+        cells = ["-" if value is None else f"{value:.{decimals}f}" for value in values]
+        lines.append(f"| {title} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def sphere_line(runs):
     parts = []
     for size in sizes_of(runs):
@@ -205,7 +230,7 @@ def generate(results_directory):
     for path in paths:
         context, runs = read_result(path)
         parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
-                 ratio_table(runs), side_test_table(runs)]
+                 ratio_table(runs), loading_table(runs), side_test_table(runs)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)
 

@@ -1,8 +1,10 @@
 #include "geometry/exact.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "geometry/expansion.h"
@@ -45,6 +47,14 @@ bool component_certainly_nonzero(const Vec3& a, const Vec3& b, const Vec3& c, in
   return std::abs(left - right) > rounding + std::numeric_limits<double>::min();
 }
 
+// 2^exponent, for one that a normal double has. As std::ldexp(1.0, exponent), without the call.
+double power_of_two(int exponent) {
+  constexpr int kBias = 1023;
+  constexpr int kMantissaBits = 52;
+  assert(-kBias < exponent && exponent <= kBias);
+  return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kMantissaBits);
+}
+
 struct Corners {
   Vec3 a, b, c;
 };
@@ -56,7 +66,7 @@ Corners scaled_corners(const Vec3& a, const Vec3& b, const Vec3& c) {
       std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
   if (largest == 0.0) return {a, b, c};
   // Not more than a double can hold: what is scaled by less has no bits further down.
-  const double scale = std::ldexp(1.0, std::min(500 - std::ilogb(largest), 1023));
+  const double scale = power_of_two(std::min(500 - std::ilogb(largest), 1023));
   return {a * scale, b * scale, c * scale};
 }
 
@@ -85,7 +95,7 @@ Vec3 accurate_unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   // In two steps: the power of two may be out of a double's range, its square root is not.
   const int exponent = std::ilogb(largest);
   const Vec3 near_one =
-      (cross * std::ldexp(1.0, -exponent / 2)) * std::ldexp(1.0, exponent / 2 - exponent);
+      (cross * power_of_two(-exponent / 2)) * power_of_two(exponent / 2 - exponent);
   return near_one / near_one.norm();
 }
 

@@ -196,9 +196,12 @@ std::uint32_t SurfaceMesh::welded_neighbour(std::size_t face, int e) const {
 MemoryBreakdown SurfaceMesh::memory() const {
   using Items = OpenMesh::ArrayItems;
   MemoryBreakdown memory;
-  memory.adjacency =
-      sizeof(*this) + sizeof(OpenMeshSurface) + surface_->n_vertices() * sizeof(Items::Vertex) +
-      surface_->n_edges() * sizeof(Items::Edge) + surface_->n_faces() * sizeof(Items::Face);
+  // With every item and half-edge OpenMesh keeps a property for the traits, which are empty here.
+  constexpr std::size_t kTraits = 1;
+  memory.adjacency = sizeof(*this) + sizeof(OpenMeshSurface) +
+                     surface_->n_vertices() * (sizeof(Items::Vertex) + kTraits) +
+                     surface_->n_edges() * (sizeof(Items::Edge) + 3 * kTraits) +
+                     surface_->n_faces() * (sizeof(Items::Face) + kTraits);
   memory.positions = surface_->n_vertices() * sizeof(Vec3);
   memory.maps = bytes_of(kept_before_dropped_) + bytes_of(copied_vertices_) + bytes_of(cut_edges_);
   return memory;

@@ -57,7 +57,7 @@ struct CleaningReport {
 // an edge that a third face was cut off from, surface() has two boundary edges with the same ends,
 // which add_face() would join.
 //
-// A large surface is mostly OpenMesh's 66 bytes a triangle: what follows from that, such as
+// A large surface is mostly OpenMesh's 72 bytes a triangle: what follows from that, such as
 // face(), is not kept a second time.
 class SurfaceMesh {
  public:
