@@ -142,8 +142,9 @@ class Scene::ShapeFinder {
     const bool is_turned = placement.rotation.coeffs() != Quat::Identity().coeffs();
     const double tolerance = kSameScale * norm;
     const auto& shapes = by_size_[mesh];
+    std::size_t left = kMaxCompared;
     for (auto it = shapes.lower_bound(norm - tolerance);
-         it != shapes.end() && it->first <= norm + tolerance; ++it) {
+         it != shapes.end() && it->first <= norm + tolerance && left > 0; ++it, --left) {
       const Mat3 difference = shapes_[it->second].map_body_mesh.linear - scale;
       if (difference.norm() <= (is_turned ? tolerance : 0.0)) return it->second;
     }
@@ -156,6 +157,8 @@ class Scene::ShapeFinder {
 
  private:
   static constexpr double kSameScale = 64 * std::numeric_limits<double>::epsilon();
+  // A hostile file can have any number of scales of one norm. To share is to save memory, no more.
+  static constexpr std::size_t kMaxCompared = 256;
 
   const std::vector<Shape>& shapes_;
   std::vector<std::multimap<double, std::size_t>> by_size_;  // per mesh, by the norm of the scale

@@ -30,12 +30,14 @@ inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
-inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                  // 1: a root
-inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;   // all meshes of the scene
+inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                 // 1: a root
+inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all meshes of the scene
 // Elements of sparse accessors without a buffer view, which cost the file nothing.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
+// Vertices and triangles of all nodes, a mesh counted once for each node that carries it.
+inline constexpr std::size_t kMaxGltfPlaced = std::size_t{1} << 28;
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 
 }  // namespace palpate

@@ -148,6 +148,7 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.empty() ? "" : scene_.warnings.front());
     }
+    if (auto error = check_placed()) return *error;
     if (auto error = read_materials(asset_.json, scene_)) return *error;
     shorten_warnings();
     return std::move(scene_);
@@ -194,6 +195,23 @@ class SceneReader {
     }
     meshes_.emplace(mesh_id, index);
     return index;
+  }
+
+  // A large mesh that a great many nodes carry costs whoever reads the scene time for each of them.
+  std::optional<Error> check_placed() const {
+    std::size_t left = kMaxGltfPlaced;
+    for (const NodeDescription& node : scene_.nodes) {
+      const MeshDescription& mesh = scene_.meshes[node.mesh];
+      const std::size_t count = mesh.positions.size() + mesh.triangles.size();
+      if (count > left) {
+        return gltf_error(ErrorCode::kLimitExceeded,
+                          gltf_element("nodes", scene_.tree[node.tree_node].file_index, "mesh"),
+                          "brings the vertices and triangles of all nodes to more than " +
+                              std::to_string(kMaxGltfPlaced) + ", the most that are read");
+      }
+      left -= count;
+    }
+    return std::nullopt;
   }
 
   void warn(const std::string& element, const std::string& name, const std::string& text) {
