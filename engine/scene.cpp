@@ -28,6 +28,9 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 // Squares of lengths, and volumes, must not overflow.
 constexpr double kLargestExtent_m = 1e100;
 
+// Vertices looked at for the extent of a scene, of all nodes together: a second or less.
+constexpr std::size_t kMostExactVertices = std::size_t{1} << 27;
+
 // So many bodies are asked one by one; more are found by a tree.
 constexpr std::size_t kFewBodies = 8;
 
@@ -53,7 +56,8 @@ Box placed_box(const Box& box, const NodeDescription& node) {
 }
 
 // Around all vertices in their places. A node whose box lies inside what has been found already is
-// not looked at any closer: of ten thousand instances only the outermost are.
+// not looked at any closer: of ten thousand instances only the outermost are. What is left when
+// kMostExactVertices have been looked at counts with its boxes.
 Box bounds_in_scene(const std::vector<SurfaceMesh>& meshes,
                     const std::vector<NodeDescription>& nodes) {
   std::vector<Box> boxes;
@@ -62,11 +66,17 @@ Box bounds_in_scene(const std::vector<SurfaceMesh>& meshes,
     boxes.push_back(bounding_box(mesh.welded_positions(), Mat3::Identity()));
   }
   Box bounds = empty_box();
+  std::size_t left = kMostExactVertices;
   for (const NodeDescription& node : nodes) {
     const SurfaceMesh& mesh = meshes[node.mesh];
     if (mesh.face_count() == 0) continue;
     const Box placed = placed_box(boxes[node.mesh], node);
     if (bounds.contains(placed.low) && bounds.contains(placed.high)) continue;
+    if (mesh.welded_positions().size() > left) {
+      bounds = bounds.united(placed);
+      continue;
+    }
+    left -= mesh.welded_positions().size();
     for (const Vec3& p : mesh.welded_positions()) {
       const Vec3 q = node.linear_scene_mesh * p + node.translation_m;
       bounds = bounds.united({q, q});

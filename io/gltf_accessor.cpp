@@ -155,10 +155,11 @@ bool is_index_type(int component_type) {
          component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-// Which elements of an accessor of the given size are replaced.
+// Which elements of an accessor are replaced, of those that are wanted. The indices rise, so that
+// no more of them need to be looked at.
 Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
                                                   const tinygltf::Accessor& accessor,
-                                                  const std::string& element) {
+                                                  const std::string& element, std::size_t wanted) {
   const auto& sparse = accessor.sparse;
   const ElementLayout layout{sparse.indices.componentType, 1, false};
   if (!is_index_type(layout.component_type)) {
@@ -167,63 +168,80 @@ Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
         "stands for " + name_of(layout.component_type) + "; expected unsigned integers");
   }
   if (auto error = check_no_stride(asset, sparse.indices.bufferView)) return *error;
-  const auto count = static_cast<std::size_t>(sparse.count);
-  const auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
-                                   static_cast<std::size_t>(sparse.indices.byteOffset), count,
-                                   layout.bytes(), element + "/sparse/indices");
+  auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
+                             static_cast<std::size_t>(sparse.indices.byteOffset),
+                             static_cast<std::size_t>(sparse.count), layout.bytes(),
+                             element + "/sparse/indices");
   if (!range) return range.error();
-  std::vector<std::uint32_t> targets(count);
+  range->count = std::min(range->count, wanted);
+  std::vector<std::uint32_t> targets(range->count);
   decode(
       *range, layout, [](std::size_t i) { return i; }, targets.data());
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     if (targets[i] >= accessor.count || (i > 0 && targets[i] <= targets[i - 1])) {
       return gltf_invalid(element + "/sparse/indices",
                           "element " + std::to_string(i) + " is " + std::to_string(targets[i]) +
                               "; expected rising values below " + std::to_string(accessor.count));
     }
   }
+  targets.erase(std::lower_bound(targets.begin(), targets.end(), wanted), targets.end());
   return targets;
 }
 
 template <typename Out>
 std::optional<Error> apply_sparse(const GltfAsset& asset, const tinygltf::Accessor& accessor,
                                   const ElementLayout& layout, const std::string& element,
-                                  Out* out) {
+                                  std::size_t wanted, Out* out) {
   const auto& sparse = accessor.sparse;
   if (sparse.count < 1 || static_cast<std::size_t>(sparse.count) > accessor.count) {
     return gltf_invalid(element + "/sparse/count",
                         "is " + std::to_string(sparse.count) + "; expected 1 to " +
                             std::to_string(accessor.count) + ", the count of the accessor");
   }
-  const auto targets = sparse_targets(asset, accessor, element);
+  const auto targets = sparse_targets(asset, accessor, element, wanted);
   if (!targets) return targets.error();
-  const auto values = range_in_view(asset, static_cast<std::size_t>(sparse.values.bufferView),
-                                    static_cast<std::size_t>(sparse.values.byteOffset),
-                                    targets->size(), layout.bytes(), element + "/sparse/values");
+  auto values = range_in_view(asset, static_cast<std::size_t>(sparse.values.bufferView),
+                              static_cast<std::size_t>(sparse.values.byteOffset),
+                              static_cast<std::size_t>(sparse.count), layout.bytes(),
+                              element + "/sparse/values");
   if (!values) return values.error();
+  values->count = targets->size();
   decode(
       *values, layout, [&](std::size_t i) { return (*targets)[i]; }, out);
   return std::nullopt;
 }
 
-// Writes all elements to out, which holds zeros and has room for them.
-template <typename Out>
-std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accessor_id, Out* out) {
+ElementLayout layout_of(const tinygltf::Accessor& accessor) {
+  return {accessor.componentType,
+          static_cast<std::size_t>(
+              tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type))),
+          accessor.normalized};
+}
+
+// All elements of an accessor that has a buffer view.
+Result<ElementRange> base_range(const GltfAsset& asset, std::size_t accessor_id) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
-  const std::string element = gltf_element("accessors", accessor_id);
-  const ElementLayout layout{accessor.componentType,
-                             static_cast<std::size_t>(tinygltf::GetNumComponentsInType(
-                                 static_cast<std::uint32_t>(accessor.type))),
-                             accessor.normalized};
+  return range_in_view(asset, static_cast<std::size_t>(accessor.bufferView), accessor.byteOffset,
+                       accessor.count, layout_of(accessor).bytes(),
+                       gltf_element("accessors", accessor_id));
+}
+
+// Checks the data of all elements and writes the first of them to out, which holds zeros and has
+// room for as many as are wanted.
+template <typename Out>
+std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accessor_id,
+                                     std::size_t wanted, Out* out) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  const ElementLayout layout = layout_of(accessor);
   if (accessor.bufferView >= 0) {
-    const auto range = range_in_view(asset, static_cast<std::size_t>(accessor.bufferView),
-                                     accessor.byteOffset, accessor.count, layout.bytes(), element);
+    auto range = base_range(asset, accessor_id);
     if (!range) return range.error();
+    range->count = wanted;
     decode(
         *range, layout, [](std::size_t i) { return i; }, out);
   }
-  if (accessor.sparse.isSparse) return apply_sparse(asset, accessor, layout, element, out);
-  return std::nullopt;
+  if (!accessor.sparse.isSparse) return std::nullopt;
+  return apply_sparse(asset, accessor, layout, gltf_element("accessors", accessor_id), wanted, out);
 }
 
 // Common to all accessors; without it the sizes of the file must not be used to allocate.
@@ -293,6 +311,51 @@ std::optional<Error> check_index_type(const tinygltf::Accessor& accessor, std::s
   return std::nullopt;
 }
 
+// The kind of the components of an accessor, 0 if it is none of those that GltfNumberFormat knows.
+unsigned kind_of_components(const tinygltf::Accessor& accessor) {
+  switch (accessor.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return accessor.normalized ? kGltfNormalizedSigned : kGltfSigned;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return accessor.normalized ? kGltfNormalizedUnsigned : kGltfUnsigned;
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return accessor.normalized ? 0 : kGltfFloats;
+    default:
+      return 0;
+  }
+}
+
+int type_named(const std::string& name) {
+  if (name == "SCALAR") return TINYGLTF_TYPE_SCALAR;
+  if (name == "VEC3") return TINYGLTF_TYPE_VEC3;
+  return name == "VEC4" ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_MAT4;
+}
+
+std::optional<Error> check_format(const tinygltf::Accessor& accessor, std::size_t accessor_id,
+                                  const GltfNumberFormat& format) {
+  if (accessor.type != type_named(format.type)) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
+                        std::string("is not ") + format.type + ", as " + format.what + " must be");
+  }
+  if ((kind_of_components(accessor) & format.components) != 0) return std::nullopt;
+  std::string expected;
+  for (const auto& [kind, name] :
+       {std::pair(kGltfFloats, "32-bit floats"),
+        std::pair(kGltfNormalizedSigned, "normalised signed"),
+        std::pair(kGltfNormalizedUnsigned, "normalised unsigned"), std::pair(kGltfSigned, "signed"),
+        std::pair(kGltfUnsigned, "unsigned")}) {
+    if ((format.components & kind) == 0) continue;
+    expected += std::string(expected.empty() ? "" : " or ") + name;
+    if (kind != kGltfFloats) expected += " integers of 8 or 16 bits";
+  }
+  return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
+                      "stands for " + name_of(accessor.componentType) +
+                          (accessor.normalized ? ", normalised" : "") + "; expected " + expected +
+                          " for " + format.what);
+}
+
 // 255, 65535 or 4294967295
 std::uint32_t restart_value(int component_type) {
   if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
@@ -309,7 +372,10 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
   if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   std::vector<Vec3> positions(accessor.count, Vec3::Zero());
-  if (auto error = decode_accessor(asset, accessor_id, positions.front().data())) return *error;
+  if (auto error =
+          decode_accessor(asset, accessor_id, positions.size(), positions.front().data())) {
+    return *error;
+  }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!positions[i].allFinite()) {
       return gltf_invalid(gltf_element("accessors", accessor_id),
@@ -317,6 +383,32 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
     }
   }
   return positions;
+}
+
+Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor_id,
+                                         const GltfNumberFormat& format, std::size_t count) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (auto error = check_format(accessor, accessor_id, format)) return *error;
+  if (auto error = check_data_and_count(accessor, accessor_id, accessor.count)) return *error;
+  if (accessor.count < count) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "count"),
+                        "is " + std::to_string(accessor.count) + "; expected " +
+                            std::to_string(count) + " " + format.what);
+  }
+  if (accessor.bufferView >= 0) {
+    const auto range = base_range(asset, accessor_id);
+    if (!range) return range.error();
+  }
+  const std::size_t components = layout_of(accessor).components;
+  std::vector<double> numbers(count * components);
+  if (auto error = decode_accessor(asset, accessor_id, count, numbers.data())) return *error;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i])) {
+      return gltf_invalid(gltf_element("accessors", accessor_id),
+                          "element " + std::to_string(i / components) + " is not finite");
+    }
+  }
+  return numbers;
 }
 
 Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor_id,
@@ -329,7 +421,9 @@ Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::siz
     if (auto error = check_no_stride(asset, accessor.bufferView)) return *error;
   }
   std::vector<std::uint32_t> indices(accessor.count);
-  if (auto error = decode_accessor(asset, accessor_id, indices.data())) return *error;
+  if (auto error = decode_accessor(asset, accessor_id, indices.size(), indices.data())) {
+    return *error;
+  }
   const auto restart =
       std::find(indices.begin(), indices.end(), restart_value(accessor.componentType));
   if (restart != indices.end()) {

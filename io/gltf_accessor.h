@@ -5,6 +5,7 @@
 // max are not looked at, and offsets need not be multiples of the component size, because real
 // files have both wrong.
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -34,6 +35,27 @@ struct GltfAsset {
 // none, before anything is allocated.
 Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t max_count);
+
+// What the components of an accessor may be, in any combination.
+inline constexpr unsigned kGltfFloats = 1;
+inline constexpr unsigned kGltfNormalizedSigned = 2;    // of 8 or 16 bits
+inline constexpr unsigned kGltfNormalizedUnsigned = 4;  // of 8 or 16 bits
+inline constexpr unsigned kGltfSigned = 8;              // of 8 or 16 bits, not normalised
+inline constexpr unsigned kGltfUnsigned = 16;           // of 8 or 16 bits, not normalised
+
+struct GltfNumberFormat {
+  const char* type;     // "SCALAR", "VEC3", "VEC4" or "MAT4"
+  unsigned components;  // those of the kinds above that are allowed
+  const char* what;     // for messages: "weights of a skin"
+};
+
+// The first count elements of an accessor, component by component, matrices by columns. All finite.
+// Fails if the accessor has fewer of them or is of another format. All elements of the accessor
+// must lie in the buffer, but time and memory are taken for count elements alone. Without a base
+// view these may be zeros that the file does not hold and kMaxGltfUnstored does not count: the
+// caller must have bounded them by what it has.
+Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
+                                         const GltfNumberFormat& format, std::size_t count);
 
 // The elements of an accessor of unsigned integer scalars that are not normalised. The value that
 // glTF reserves for primitive restart, the largest of the type, is refused.

@@ -13,11 +13,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::string_view kMeshQuantization = "KHR_mesh_quantization";
-// These change looks, sound, motion, physics or metadata, not the triangles at rest; so they may
-// even be required. A name that is not here is unknown, whatever its prefix says. Some look as if
-// they did not belong here: the levels of MSFT_lod beside the finest are nodes outside the scene,
-// and what EXT_mesh_primitive_restart joins and EXT_mesh_polygon outlines is there as plain
-// triangles too.
+// These change looks, sound, motion, physics or metadata, not the triangles at rest; or are read;
+// so they may even be required. A name that is not here is unknown, whatever its prefix says. Some
+// look as if they did not belong here: the levels of MSFT_lod beside the finest are nodes outside
+// the scene, and what EXT_mesh_primitive_restart joins and EXT_mesh_polygon outlines is there as
+// plain triangles too.
 constexpr std::string_view kHarmless[] = {
     "ADOBE_materials_clearcoat_specular",
     "ADOBE_materials_clearcoat_tint",
@@ -54,6 +54,7 @@ constexpr std::string_view kHarmless[] = {
     "EXT_materials_specular_edge_color",
     "EXT_materials_specular_openpbr",
     "EXT_mesh_features",
+    "EXT_mesh_gpu_instancing",
     "EXT_mesh_manifold",
     "EXT_mesh_polygon",
     "EXT_mesh_primitive_edge_visibility",
@@ -198,8 +199,6 @@ constexpr Unsupported kUnsupported[] = {
     {"KHR_draco_mesh_compression", "export the asset without Draco compression", ""},
     {"EXT_meshopt_compression", "export the asset without meshopt compression", ""},
     {"KHR_meshopt_compression", "export the asset without meshopt compression", ""},
-    {"EXT_mesh_gpu_instancing", "export the instances as nodes",
-     "a node that it instances appears once"},
     {"CESIUM_RTC", "move the nodes by its center", "the scene is read without its offset"},
     {"EXT_primitive_voxels", "export surfaces instead of voxels", "voxels are left out"},
     {"KHR_accessor_float16", "export positions as 32-bit floats", ""},

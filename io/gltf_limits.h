@@ -12,6 +12,9 @@
 //   positions, while decoded          2 x 24 bytes a vertex           kMaxGltfVertices
 //   triangles, while decoded          2 x 12 bytes, and the indices   kMaxGltfTriangles
 //   zeros that no view holds          as positions or indices         kMaxGltfUnstored
+//   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
+//   joints                            250 bytes each                  kMaxGltfJoints
+//   instances                         300 bytes each                  kMaxGltfInstances
 //
 // A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
 // tests/corpus_test.py checks; tests/hostile_gltf_test.cpp checks the same of hostile ones, but for
@@ -36,8 +39,11 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all me
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
-// Vertices and triangles of all nodes, a mesh counted once for each node that carries it.
-inline constexpr std::size_t kMaxGltfPlaced = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
+inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
+// For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the
+// vertices of the morph targets and of the sets of joints that are decoded.
+inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "io/gltf_error.h"
 #include "io/gltf_limits.h"
 #include "io/tinygltf.h"
@@ -94,50 +96,85 @@ void push_all(const std::vector<int>& nodes, const PendingNode& common,
   }
 }
 
-Result<PlacedNode> place(const tinygltf::Model& model, const PendingNode& pending) {
-  if (pending.depth > kMaxGltfNodeDepth) {
-    return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", pending.node),
-                      "lies deeper than " + std::to_string(kMaxGltfNodeDepth) + " levels");
-  }
-  const auto T_parent_node = local_transform(model.nodes[pending.node], pending.node);
+// The transform of a node whose parent is placed.
+Result<AffineTransform> place(const GltfAsset& asset, GltfAnimations& animations,
+                              const AffineTransform& T_scene_parent, std::size_t node) {
+  const auto pose = animations.pose_of(node);
+  if (!pose) return pose.error();
+  const auto T_parent_node = local_transform(asset.model.nodes[node], node, *pose);
   if (!T_parent_node) return T_parent_node.error();
-  const PlacedNode placed{pending.node, 0, pending.T_scene_parent * *T_parent_node};
-  if (!placed.T_scene_node.all_finite()) {
-    return gltf_invalid(gltf_element("nodes", pending.node),
+  const AffineTransform T_scene_node = T_scene_parent * *T_parent_node;
+  if (!T_scene_node.all_finite()) {
+    return gltf_invalid(gltf_element("nodes", node),
                         "its transform, with those of its ancestors, overflows");
   }
-  return placed;
+  return T_scene_node;
+}
+
+std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool>& visited) {
+  if (visited[next.node]) {
+    return gltf_invalid(gltf_element("nodes", next.node), "is reached twice in the same scene");
+  }
+  if (next.depth > kMaxGltfNodeDepth) {
+    return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", next.node),
+                      "lies deeper than " + std::to_string(kMaxGltfNodeDepth) + " levels");
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-Result<GltfNodeWalk> walk_nodes(const tinygltf::Model& model, std::vector<std::string>& warnings) {
-  const auto parents = find_parents(model);
+Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animations,
+                                std::vector<std::string>& warnings) {
+  const tinygltf::Model& model = asset.model;
+  auto parents = find_parents(model);
   if (!parents) return parents.error();
   if (auto error = check_cycles(model, *parents)) return *error;
 
   GltfNodeWalk walk;
+  const bool has_skins = asset.json.contains("skins");
+  if (has_skins) walk.T_scene_nodes.resize(model.nodes.size());
   std::vector<bool> visited(model.nodes.size(), false);
   std::vector<PendingNode> pending;
   push_all(scene_roots(model, *parents, warnings), {}, pending);
   while (!pending.empty()) {
     const PendingNode next = std::move(pending.back());
     pending.pop_back();
-    if (visited[next.node]) {
-      return gltf_invalid(gltf_element("nodes", next.node), "is reached twice in the same scene");
-    }
+    if (auto error = check_visit(next, visited)) return *error;
     visited[next.node] = true;
-    auto placed = place(model, next);
-    if (!placed) return placed.error();
+    const auto T_scene_node = place(asset, animations, next.T_scene_parent, next.node);
+    if (!T_scene_node) return T_scene_node.error();
     const tinygltf::Node& node = model.nodes[next.node];
-    placed->tree_node = static_cast<std::uint32_t>(walk.tree.size());
+    const auto tree_node = static_cast<std::uint32_t>(walk.tree.size());
     walk.tree.push_back({node.name.empty() ? "node " + std::to_string(next.node) : node.name,
                          static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
-                         placed->T_scene_node.translation_m});
-    if (node.mesh >= 0) walk.mesh_nodes.push_back(*placed);
-    push_all(node.children, {0, next.depth + 1, placed->tree_node, placed->T_scene_node}, pending);
+                         T_scene_node->translation_m});
+    if (node.mesh >= 0) walk.mesh_nodes.push_back({next.node, tree_node, *T_scene_node});
+    if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
+    push_all(node.children, {0, next.depth + 1, tree_node, *T_scene_node}, pending);
   }
+  walk.parents = std::move(*parents);
   return walk;
+}
+
+Result<AffineTransform> scene_transform(const GltfAsset& asset, GltfAnimations& animations,
+                                        GltfNodeWalk& walk, std::size_t node) {
+  std::vector<std::size_t> unplaced;
+  for (int id = static_cast<int>(node);
+       id >= 0 && !walk.T_scene_nodes[static_cast<std::size_t>(id)];
+       id = walk.parents[static_cast<std::size_t>(id)]) {
+    unplaced.push_back(static_cast<std::size_t>(id));
+  }
+  for (auto id = unplaced.rbegin(); id != unplaced.rend(); ++id) {
+    const int parent = walk.parents[*id];
+    const auto placed = place(
+        asset, animations,
+        parent < 0 ? AffineTransform() : *walk.T_scene_nodes[static_cast<std::size_t>(parent)],
+        *id);
+    if (!placed) return placed.error();
+    walk.T_scene_nodes[*id] = *placed;
+  }
+  return *walk.T_scene_nodes[node];
 }
 
 }  // namespace palpate

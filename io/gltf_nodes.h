@@ -3,16 +3,15 @@
 // The node hierarchy of the scene that is read: the default scene, else the first, else all roots.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/result.h"
+#include "io/gltf_accessor.h"
+#include "io/gltf_animation.h"
 #include "io/gltf_transform.h"
 #include "io/scene_description.h"
-
-namespace tinygltf {
-class Model;
-}
 
 namespace palpate {
 
@@ -25,12 +24,23 @@ struct PlacedNode {
 struct GltfNodeWalk {
   std::vector<PlacedNode> mesh_nodes;  // those that carry a mesh, depth first in file order
   std::vector<TreeNode> tree;          // all nodes of the scene, depth first in file order
+
+  std::vector<int> parents;  // of all nodes of the file; below 0: none
+  // By node of the file, for scene_transform(): those of the scene if the file has skins.
+  std::vector<std::optional<AffineTransform>> T_scene_nodes;
 };
 
-// The ids in the model must be within range (see gltf_schema.h). Refused: a node with two parents,
-// a cycle, a node that the scene reaches twice, nodes deeper than kMaxGltfNodeDepth, a broken or
-// overflowing transform. A scene that starts at a child, leaving its parent out, is read from there
-// on, with a warning. Iterative, each node is visited once. Thread-safe.
-Result<GltfNodeWalk> walk_nodes(const tinygltf::Model& model, std::vector<std::string>& warnings);
+// Nodes lie where the animations put them at time 0. The ids in the model must be within range (see
+// gltf_schema.h). Refused: a node with two parents, a cycle, a node that the scene reaches twice,
+// nodes deeper than kMaxGltfNodeDepth, a broken or overflowing transform. A scene that starts at a
+// child, leaving its parent out, is read from there on, with a warning. Iterative, each node is
+// visited once. Thread-safe.
+Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animations,
+                                std::vector<std::string>& warnings);
+
+// Where a joint lies: as walked or, if the scene does not reach it, by its own ancestors, which are
+// remembered in the walk. Iterative, each node is placed once.
+Result<AffineTransform> scene_transform(const GltfAsset& asset, GltfAnimations& animations,
+                                        GltfNodeWalk& walk, std::size_t node);
 
 }  // namespace palpate

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "io/gltf_error.h"
+#include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
+#include "io/gltf_morph.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -44,31 +46,43 @@ std::optional<Error> check_index_count(TriangleMode mode, std::size_t count,
 // Reads the primitives of one mesh into one description.
 class MeshReader {
  public:
-  MeshReader(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
+  MeshReader(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose, GltfBudget& budget,
              std::vector<std::string>& warnings)
-      : asset_(asset), mesh_id_(mesh), budget_(budget), warnings_(warnings) {}
+      : asset_(asset), mesh_id_(mesh), pose_(pose), budget_(budget), warnings_(warnings) {}
 
   Result<MeshDescription> run() {
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_id_];
+    if (auto error = charge_pose(mesh)) return *error;
     description_.name = mesh.name.empty() ? "mesh " + std::to_string(mesh_id_) : mesh.name;
     const auto haptic_material = haptic_material_of_mesh(asset_.json, mesh_id_);
     if (!haptic_material) return haptic_material.error();
     description_.haptic_material = *haptic_material;
-    bool has_targets = false;
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string element =
           gltf_element("meshes", mesh_id_, "primitives/" + std::to_string(i));
       if (auto error = read_primitive(mesh.primitives[i], element)) return *error;
-      has_targets |= !mesh.primitives[i].targets.empty();
-    }
-    if (has_targets) {
-      warnings_.push_back(gltf_element("meshes", mesh_id_) + ": " + gltf_quoted(description_.name) +
-                          " has morph targets; it is read without them");
     }
     return std::move(description_);
   }
 
  private:
+  // The JSON is gone through for every pose, of which a small file can ask for many.
+  std::optional<Error> charge_pose(const tinygltf::Mesh& mesh) {
+    if (!pose_.skin && pose_.morph_weights.empty()) return std::nullopt;
+    for (const tinygltf::Primitive& primitive : mesh.primitives) {
+      constexpr std::size_t kPerPrimitive = 16;  // beside a vertex: names, look-ups, warnings
+      const std::size_t cost =
+          kPerPrimitive + primitive.attributes.size() + primitive.targets.size();
+      if (cost > budget_.pose_work) {
+        return gltf_error(ErrorCode::kLimitExceeded, gltf_element("meshes", mesh_id_),
+                          "is posed in too many ways: more than " +
+                              std::to_string(kMaxGltfPoseWork) + " primitives and targets");
+      }
+      budget_.pose_work -= cost;
+    }
+    return std::nullopt;
+  }
+
   std::optional<Error> read_primitive(const tinygltf::Primitive& primitive,
                                       const std::string& element) {
     const auto mode = triangle_mode(primitive.mode);
@@ -81,7 +95,8 @@ class MeshReader {
       warnings_.push_back(element + ": has no POSITION and is left out");
       return std::nullopt;
     }
-    const auto vertices = vertices_of(static_cast<std::size_t>(position->second));
+    const auto vertices =
+        vertices_of(primitive, static_cast<std::size_t>(position->second), element);
     if (!vertices) return vertices.error();
     const auto indices = indices_of(primitive, *mode, vertices->count, element);
     if (!indices) return indices.error();
@@ -96,13 +111,16 @@ class MeshReader {
     std::size_t count = 0;
   };
 
-  // Decodes the accessor, or finds it decoded. A decoder of compressed primitives has its place
-  // here and in indices_of.
-  Result<VertexRange> vertices_of(std::size_t accessor) {
-    if (const auto known = ranges_.find(accessor); known != ranges_.end()) return known->second;
+  // Decodes and poses the vertices, or finds it done. A decoder of compressed primitives has its
+  // place here and in indices_of.
+  Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive, std::size_t accessor,
+                                  const std::string& element) {
+    const std::vector<int> sources = sources_of(primitive);
+    if (const auto known = ranges_.find(sources); known != ranges_.end()) return known->second;
     auto positions = read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
     budget_.vertices -= positions->size();
+    if (auto error = pose_positions(primitive, element, *positions)) return *error;
     auto& all = description_.positions;
     const VertexRange range{static_cast<std::uint32_t>(all.size()), positions->size()};
     if (all.empty()) {
@@ -110,8 +128,46 @@ class MeshReader {
     } else {
       all.insert(all.end(), positions->begin(), positions->end());
     }
-    ranges_.emplace(accessor, range);
+    ranges_.emplace(sources, range);
     return range;
+  }
+
+  // The accessors that the posed positions are made of.
+  std::vector<int> sources_of(const tinygltf::Primitive& primitive) const {
+    std::vector<int> sources = {primitive.attributes.at("POSITION")};
+    if (pose_.skin) {
+      for (const auto& [name, accessor] : primitive.attributes) {
+        if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_")) {
+          sources.push_back(accessor);
+        }
+      }
+    }
+    if (!pose_.morph_weights.empty()) {
+      for (const auto& target : primitive.targets) {
+        const auto position = target.find("POSITION");
+        sources.push_back(position == target.end() ? -1 : position->second);
+      }
+    }
+    return sources;
+  }
+
+  std::optional<Error> pose_positions(const tinygltf::Primitive& primitive,
+                                      const std::string& element, std::vector<Vec3>& positions) {
+    if (!pose_.morph_weights.empty()) {
+      auto error = add_morph_targets(asset_, primitive, element, pose_.morph_weights,
+                                     budget_.pose_work, positions);
+      if (error) return error;
+    }
+    if (pose_.skin) {
+      auto error = apply_skin(asset_, primitive, element, *pose_.skin, budget_.pose_work, positions,
+                              warnings_);
+      if (error) return error;
+    }
+    const auto wrong = std::find_if(positions.begin(), positions.end(),
+                                    [](const Vec3& position) { return !position.allFinite(); });
+    if (wrong == positions.end()) return std::nullopt;
+    return gltf_invalid(
+        element, "the pose of vertex " + std::to_string(wrong - positions.begin()) + " overflows");
   }
 
   Result<std::vector<std::uint32_t>> indices_of(const tinygltf::Primitive& primitive,
@@ -165,10 +221,11 @@ class MeshReader {
 
   const GltfAsset& asset_;
   std::size_t mesh_id_;
+  const MeshPose& pose_;
   GltfBudget& budget_;
   std::vector<std::string>& warnings_;
   MeshDescription description_;
-  std::map<std::size_t, VertexRange> ranges_;  // by accessor
+  std::map<std::vector<int>, VertexRange> ranges_;  // by accessors
 };
 
 }  // namespace
@@ -195,9 +252,9 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
   return triangles;
 }
 
-Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
-                                  std::vector<std::string>& warnings) {
-  return MeshReader(asset, mesh, budget, warnings).run();
+Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
+                                  GltfBudget& budget, std::vector<std::string>& warnings) {
+  return MeshReader(asset, mesh, pose, budget, warnings).run();
 }
 
 }  // namespace palpate

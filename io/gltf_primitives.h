@@ -11,6 +11,7 @@
 #include "geometry/result.h"
 #include "geometry/types.h"
 #include "io/gltf_accessor.h"
+#include "io/gltf_skin.h"
 #include "io/scene_description.h"
 
 namespace palpate {
@@ -26,13 +27,20 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode, std::span<const std:
 struct GltfBudget {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
+  std::size_t pose_work = 0;  // see kMaxGltfPoseWork
 };
 
-// All triangles of one mesh, which may be none. Primitives that share a POSITION accessor share its
-// vertices. Points, lines and primitives without POSITION are passed over with a warning, morph
-// targets are left out with one. The materials of the runs are ids of the file. Takes from the
-// budget what it uses.
-Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, GltfBudget& budget,
-                                  std::vector<std::string>& warnings);
+// How a node changes the shape of its mesh.
+struct MeshPose {
+  std::span<const double> morph_weights;  // empty: no target moves anything
+  const GltfSkin* skin = nullptr;         // applied after the morph targets
+};
+
+// All triangles of one mesh, which may be none; its positions are in the scene frame if it has a
+// skin. Primitives that share their accessors share the vertices. Points, lines and primitives
+// without POSITION are passed over with a warning. The materials of the runs are ids of the
+// file. Takes from the budget what it uses.
+Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
+                                  GltfBudget& budget, std::vector<std::string>& warnings);
 
 }  // namespace palpate

@@ -7,22 +7,27 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_accessor.h"
+#include "io/gltf_animation.h"
 #include "io/gltf_buffers.h"
 #include "io/gltf_error.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_file.h"
+#include "io/gltf_instancing.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
+#include "io/gltf_morph.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_prescan.h"
 #include "io/gltf_primitives.h"
 #include "io/gltf_schema.h"
+#include "io/gltf_skin.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -130,6 +135,17 @@ Result<tinygltf::Model> load_model(Json sections) {
   return model;
 }
 
+// Instances repeat the name of their node: so many bytes of it.
+constexpr std::size_t kMaxInstanceName = 32;
+
+// Cut between characters of UTF-8.
+std::string shortened(const std::string& name) {
+  if (name.size() <= kMaxInstanceName) return name;
+  std::size_t end = kMaxInstanceName;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0u) == 0x80u) --end;
+  return name.substr(0, end) + "...";
+}
+
 // Makes the description of the scene from a model whose JSON has been checked.
 class SceneReader {
  public:
@@ -138,8 +154,12 @@ class SceneReader {
   }
 
   Result<SceneDescription> run() {
-    auto walk = walk_nodes(asset_.model, scene_.warnings);
+    auto animations = GltfAnimations::list(asset_, scene_.warnings);
+    if (!animations) return animations.error();
+    animations_ = &*animations;
+    auto walk = walk_nodes(asset_, *animations_, scene_.warnings);
     if (!walk) return walk.error();
+    walk_ = &*walk;
     scene_.tree = std::move(walk->tree);
     for (const PlacedNode& placed : walk->mesh_nodes) {
       if (auto error = add_node(placed)) return *error;
@@ -148,70 +168,189 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.empty() ? "" : scene_.warnings.front());
     }
-    if (auto error = check_placed()) return *error;
     if (auto error = read_materials(asset_.json, scene_)) return *error;
+    add_notes();
     shorten_warnings();
     return std::move(scene_);
   }
 
  private:
+  using Weights = std::vector<double>;
+
+  // A mesh posed in one way, by its ids in the file.
+  struct PosedMesh {
+    std::size_t mesh = 0;
+    std::optional<std::size_t> skin;
+    const Weights* morph_weights = nullptr;  // in weights_: equal weights, equal pointers
+
+    auto operator<=>(const PosedMesh&) const = default;
+  };
+
   std::optional<Error> add_node(const PlacedNode& placed) {
     const tinygltf::Node& node = asset_.model.nodes[placed.node];
-    const std::string element = gltf_element("nodes", placed.node);
-    NodeDescription description;
-    description.name = scene_.tree[placed.tree_node].name;
-    description.tree_node = placed.tree_node;
-    description.linear_scene_mesh = placed.T_scene_node.linear;
-    description.translation_m = placed.T_scene_node.translation_m;
-    if (description.linear_scene_mesh.isZero(0.0)) {
-      warn(element, description.name, "is scaled to nothing and is left out");
-      return std::nullopt;
-    }
-    if (is_singular(description.linear_scene_mesh)) {
-      warn(element, description.name,
-           "is left out: its transform, with those of its ancestors, flattens the mesh");
-      return std::nullopt;
-    }
-    const auto mesh = mesh_index(static_cast<std::size_t>(node.mesh));
+    const std::size_t first = scene_.nodes.size();
+    if (auto error = node.skin < 0 ? add_placed(placed) : add_skinned(placed)) return error;
+    if (scene_.nodes.size() == first) return std::nullopt;
+    const auto weights = weights_of(placed.node);
+    if (!weights) return weights.error();
+    PosedMesh posed{static_cast<std::size_t>(node.mesh), std::nullopt, *weights};
+    if (node.skin >= 0) posed.skin = static_cast<std::size_t>(node.skin);
+    const auto mesh = mesh_index(posed);
     if (!mesh) return mesh.error();
-    if (!*mesh) return std::nullopt;
-    if (node.skin >= 0) {
-      warn(element, description.name, "is skinned; its mesh is read unskinned, where the node is");
-    }
-    description.mesh = **mesh;
-    scene_.nodes.push_back(std::move(description));
+    if (!*mesh) scene_.nodes.resize(first);
+    for (std::size_t i = first; i < scene_.nodes.size(); ++i) scene_.nodes[i].mesh = **mesh;
     return std::nullopt;
   }
 
-  // Reads the mesh when it is first asked for; nothing if it has no triangle.
-  Result<std::optional<std::uint32_t>> mesh_index(std::size_t mesh_id) {
-    if (const auto known = meshes_.find(mesh_id); known != meshes_.end()) return known->second;
-    auto mesh = read_mesh(asset_, mesh_id, budget_, scene_.warnings);
+  // The node, or its instances, without a mesh yet.
+  std::optional<Error> add_placed(const PlacedNode& placed) {
+    const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances - instance_count_);
+    if (!instances) return instances.error();
+    if (*instances) return add_instances(placed, **instances);
+    const std::string element = gltf_element("nodes", placed.node);
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    if (placed.T_scene_node.linear.isZero(0.0)) {
+      warn(element, name, "is scaled to nothing and is left out");
+    } else if (is_singular(placed.T_scene_node.linear)) {
+      warn(element, name,
+           "is left out: its transform, with those of its ancestors, flattens the mesh");
+    } else {
+      add_description(placed, name, placed.T_scene_node);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_instances(const PlacedNode& placed, const GltfInstances& instances) {
+    instance_count_ += instances.count;
+    const std::string element = gltf_element("nodes", placed.node);
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    const std::string prefix = shortened(name) + " #";
+    std::size_t flat = 0;
+    if (instances.count > scene_.nodes.size()) {
+      scene_.nodes.reserve(scene_.nodes.size() + instances.count);
+    }
+    for (std::size_t i = 0; i < instances.count; ++i) {
+      const AffineTransform T_scene_instance = placed.T_scene_node * instances.T_node_instance(i);
+      if (!T_scene_instance.all_finite()) {
+        return gltf_invalid(element, "the transform of instance " + std::to_string(i) +
+                                         ", with those of its ancestors, overflows");
+      }
+      if (is_singular(T_scene_instance.linear)) {
+        ++flat;
+      } else {
+        add_description(placed, prefix + std::to_string(i), T_scene_instance);
+      }
+    }
+    if (flat > 0) {
+      warn(element, name,
+           "is instanced; " + std::to_string(flat) + " of its " + std::to_string(instances.count) +
+               " instances are left out: their transforms flatten the mesh");
+    }
+    return std::nullopt;
+  }
+
+  // Where the node lies is of no account: its mesh is posed in the scene frame.
+  std::optional<Error> add_skinned(const PlacedNode& placed) {
+    const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances);
+    if (!instances) return instances.error();
+    if (*instances) {
+      return gltf_error(ErrorCode::kUnsupported, gltf_element("nodes", placed.node),
+                        "has a skin and EXT_mesh_gpu_instancing; expected one or the other");
+    }
+    add_description(placed, scene_.tree[placed.tree_node].name, AffineTransform());
+    return std::nullopt;
+  }
+
+  void add_description(const PlacedNode& placed, std::string name,
+                       const AffineTransform& T_scene_mesh) {
+    NodeDescription description;
+    description.name = std::move(name);
+    description.tree_node = placed.tree_node;
+    description.linear_scene_mesh = T_scene_mesh.linear;
+    description.translation_m = T_scene_mesh.translation_m;
+    scene_.nodes.push_back(std::move(description));
+  }
+
+  // Reads the mesh when it is first asked for in this pose; nothing if it has no triangle.
+  Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed) {
+    if (const auto known = meshes_.find(posed); known != meshes_.end()) return known->second;
+    MeshPose pose{*posed.morph_weights, nullptr};
+    if (posed.skin) {
+      const auto skin = skin_of(*posed.skin);
+      if (!skin) return skin.error();
+      pose.skin = *skin;
+    }
+    // What one skinned pose warns of, all do.
+    std::vector<std::string> told;
+    const bool is_new = warned_.emplace(posed.mesh, posed.skin.has_value()).second;
+    auto mesh = read_mesh(asset_, posed.mesh, pose, budget_, is_new ? scene_.warnings : told);
     if (!mesh) return mesh.error();
     std::optional<std::uint32_t> index;
     if (!mesh->triangles.empty()) {
       index = static_cast<std::uint32_t>(scene_.meshes.size());
       scene_.meshes.push_back(std::move(*mesh));
+      skinned_meshes_ += posed.skin ? 1 : 0;
+      morphed_meshes_ += posed.morph_weights->empty() ? 0 : 1;
     }
-    meshes_.emplace(mesh_id, index);
+    meshes_.emplace(posed, index);
     return index;
   }
 
-  // A large mesh that a great many nodes carry costs whoever reads the scene time for each of them.
-  std::optional<Error> check_placed() const {
-    std::size_t left = kMaxGltfPlaced;
-    for (const NodeDescription& node : scene_.nodes) {
-      const MeshDescription& mesh = scene_.meshes[node.mesh];
-      const std::size_t count = mesh.positions.size() + mesh.triangles.size();
-      if (count > left) {
-        return gltf_error(ErrorCode::kLimitExceeded,
-                          gltf_element("nodes", scene_.tree[node.tree_node].file_index, "mesh"),
-                          "brings the vertices and triangles of all nodes to more than " +
-                              std::to_string(kMaxGltfPlaced) + ", the most that are read");
+  // The morph weights of a node's mesh; empty if no target moves anything. Those of the mesh are
+  // not gone through again for every node: many nodes may share many targets.
+  Result<const Weights*> weights_of(std::size_t node) {
+    auto own = own_morph_weights(asset_, node, *animations_);
+    if (!own) return own.error();
+    if (*own) {
+      if ((*own)->size() > budget_.pose_work) {
+        return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", node),
+                          "brings the morph weights of all nodes to more than are read");
       }
-      left -= count;
+      budget_.pose_work -= (*own)->size();
+      return kept(std::move(**own));
     }
-    return std::nullopt;
+    const auto mesh = static_cast<std::size_t>(asset_.model.nodes[node].mesh);
+    if (const auto known = default_weights_.find(mesh); known != default_weights_.end()) {
+      return known->second;
+    }
+    auto weights = default_morph_weights(asset_, mesh);
+    if (!weights) return weights.error();
+    return default_weights_.emplace(mesh, kept(std::move(*weights).value_or(Weights())))
+        .first->second;
+  }
+
+  const Weights* kept(Weights weights) {
+    if (std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0.0; })) {
+      weights.clear();
+    }
+    return &*weights_.insert(std::move(weights)).first;
+  }
+
+  Result<const GltfSkin*> skin_of(std::size_t skin_id) {
+    const auto known = skins_.find(skin_id);
+    if (known != skins_.end()) return static_cast<const GltfSkin*>(&known->second);
+    auto skin = read_skin(asset_, skin_id, kMaxGltfJoints - joint_count_, [&](std::size_t node) {
+      return scene_transform(asset_, *animations_, *walk_, node);
+    });
+    if (!skin) return skin.error();
+    joint_count_ += skin->T_scene_mesh.size();
+    return static_cast<const GltfSkin*>(&skins_.emplace(skin_id, std::move(*skin)).first->second);
+  }
+
+  // "pose: time 0 of animation "Walk"; 2 skinned meshes; 1 morphed mesh"
+  void add_notes() {
+    std::string pose = animations_->description();
+    const auto add_count = [&](std::size_t count, const char* what) {
+      if (count == 0) return;
+      if (pose.empty()) pose = "at rest";
+      pose += "; " + std::to_string(count) + " " + what + (count == 1 ? " mesh" : " meshes");
+    };
+    add_count(skinned_meshes_, "skinned");
+    add_count(morphed_meshes_, "morphed");
+    if (!pose.empty()) scene_.notes.push_back("pose: " + pose);
+    if (instance_count_ > 0) {
+      scene_.notes.push_back("instances: " + std::to_string(instance_count_) + " of meshes");
+    }
   }
 
   void warn(const std::string& element, const std::string& name, const std::string& text) {
@@ -228,8 +367,18 @@ class SceneReader {
 
   const GltfAsset& asset_;
   SceneDescription scene_;
-  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles};
-  std::map<std::size_t, std::optional<std::uint32_t>> meshes_;  // by id in the file
+  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
+  std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
+  std::set<Weights> weights_;
+  std::map<std::size_t, const Weights*> default_weights_;  // by id of the mesh in the file
+  std::set<std::pair<std::size_t, bool>> warned_;          // meshes that were read, with a skin?
+  std::map<std::size_t, GltfSkin> skins_;                  // by id in the file
+  GltfAnimations* animations_ = nullptr;                   // these two: while run() runs
+  GltfNodeWalk* walk_ = nullptr;
+  std::size_t joint_count_ = 0;     // of skins_
+  std::size_t instance_count_ = 0;  // those left out included
+  std::size_t skinned_meshes_ = 0;
+  std::size_t morphed_meshes_ = 0;
 };
 
 // As read_gltf_bytes, but it may throw, and Error::path is empty.

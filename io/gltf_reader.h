@@ -12,13 +12,17 @@ namespace palpate {
 // Reads the triangle geometry of a glTF 2.0 asset (.gltf with embedded or external buffers, or
 // .glb; told apart by content): the default scene, else the first, else all root nodes; the full
 // node hierarchy; TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN; every index type; sparse and
-// normalised accessors; and what materials declare (gltf_materials.h). Images are not decoded.
-// External buffers are read only from inside the folder of the asset.
+// normalised accessors; EXT_mesh_gpu_instancing; and what materials declare (gltf_materials.h).
+// Images are not decoded. External buffers are read only from inside the folder of the asset.
+//
+// Skins, morph targets and animated nodes are read in one pose, that of all animations at time 0
+// (see gltf_animation.h, gltf_skin.h, gltf_morph.h), of which a note tells. A skinned mesh is
+// described in the scene frame. Nodes that share a mesh, a skin and the morph weights share one
+// MeshDescription; otherwise each pose is one of its own.
 //
 // Bad input is refused by an Error that names the file, the JSON path and what was expected; it is
 // never repaired. What is skipped without harm to the geometry (a camera, points and lines) is a
-// warning. Skins and morph targets are left out with a warning; what is beyond gltf_limits.h is
-// refused. Not for the haptic thread. Thread-safe.
+// warning; what is beyond gltf_limits.h is refused. Not for the haptic thread. Thread-safe.
 Result<SceneDescription> read_gltf(const std::string& path);
 
 // The same for an asset in memory. folder: where external buffers may lie. name: what errors call

@@ -11,10 +11,15 @@
 namespace palpate {
 namespace {
 
+double squared_length_of(const Eigen::Vector4d& q) {
+  return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+}
+
 // The rotation matrix of the quaternion x, y, z, w divided by its length. Written with the squared
 // length, so that quarter and half turns come out exact even when their float components do not
 // square to 1.
-Mat3 rotation_matrix(const std::vector<double>& q, double squared_length) {
+Mat3 rotation_matrix(const Eigen::Vector4d& q) {
+  const double squared_length = squared_length_of(q);
   const double x = q[0];
   const double y = q[1];
   const double z = q[2];
@@ -38,29 +43,38 @@ Result<AffineTransform> from_matrix(const std::vector<double>& m, const std::str
 
 }  // namespace
 
-Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id) {
-  if (!node.matrix.empty())
-    return from_matrix(node.matrix, gltf_element("nodes", node_id, "matrix"));
+std::optional<Error> check_rotation(const Eigen::Vector4d& rotation, const std::string& element) {
+  const double length = std::sqrt(squared_length_of(rotation));
+  if (std::abs(length - 1.0) <= kRotationLengthTolerance) return std::nullopt;
+  return gltf_invalid(element,
+                      "is a quaternion of length " + std::to_string(length) + "; expected 1",
+                      "divide it by its length");
+}
+
+AffineTransform transform_of(const GltfTrs& trs) {
   AffineTransform transform;
-  if (!node.rotation.empty()) {
-    const auto& q = node.rotation;
-    const double squared_length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    const double length = std::sqrt(squared_length);
-    if (!(std::abs(length - 1.0) <= kRotationLengthTolerance)) {
-      return gltf_invalid(gltf_element("nodes", node_id, "rotation"),
-                          "is a quaternion of length " + std::to_string(length) + "; expected 1",
-                          "divide it by its length");
-    }
-    transform.linear = rotation_matrix(q, squared_length);
-  }
-  if (!node.scale.empty()) {
-    const Vec3 scale(node.scale[0], node.scale[1], node.scale[2]);
-    transform.linear = (transform.linear * scale.asDiagonal()).eval();
-  }
-  if (!node.translation.empty()) {
-    transform.translation_m = Vec3(node.translation[0], node.translation[1], node.translation[2]);
-  }
+  if (trs.rotation) transform.linear = rotation_matrix(*trs.rotation);
+  if (trs.scale) transform.linear = (transform.linear * trs.scale->asDiagonal()).eval();
+  if (trs.translation_m) transform.translation_m = *trs.translation_m;
   return transform;
+}
+
+Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
+                                        const GltfTrs& pose) {
+  if (!node.matrix.empty()) {
+    return from_matrix(node.matrix, gltf_element("nodes", node_id, "matrix"));
+  }
+  GltfTrs trs = pose;
+  if (!trs.translation_m && !node.translation.empty()) {
+    trs.translation_m = Vec3(node.translation.data());
+  }
+  if (!trs.rotation && !node.rotation.empty()) {
+    trs.rotation = Eigen::Vector4d(node.rotation.data());
+    const auto error = check_rotation(*trs.rotation, gltf_element("nodes", node_id, "rotation"));
+    if (error) return *error;
+  }
+  if (!trs.scale && !node.scale.empty()) trs.scale = Vec3(node.scale.data());
+  return transform_of(trs);
 }
 
 bool is_singular(const Mat3& linear) {

@@ -3,6 +3,7 @@
 // The transform of one glTF node.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "geometry/result.h"
@@ -31,10 +32,24 @@ struct AffineTransform {
 // is no unit quaternion, as glTF demands, and refused.
 inline constexpr double kRotationLengthTolerance = 1.0 / 128.0;
 
+// The error if this is no unit quaternion. element: for the message.
+std::optional<Error> check_rotation(const Eigen::Vector4d& rotation, const std::string& element);
+
+// What a file may say of a transform.
+struct GltfTrs {
+  std::optional<Vec3> translation_m;
+  std::optional<Eigen::Vector4d> rotation;  // quaternion x, y, z, w; checked
+  std::optional<Vec3> scale;
+};
+
+// translation * rotation * scale. Without rotation the linear part is exactly the scale.
+AffineTransform transform_of(const GltfTrs& trs);
+
 // Node frame to the frame of its parent (glTF 2.0, section 3.5.3): matrix, or translation *
-// rotation * scale. The matrix must be affine: its last row 0 0 0 1. Without rotation the linear
-// part is exactly the scale of the file. node_id: for messages.
-Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id);
+// rotation * scale, each of them replaced by that of the pose if it has one. The matrix must be
+// affine: its last row 0 0 0 1. node_id: for messages.
+Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
+                                        const GltfTrs& pose);
 
 // True iff the matrix has no inverse in double precision: with rows, then columns scaled to length
 // 1, its smallest singular value is rounding noise beside the largest.

@@ -1,0 +1,243 @@
+#include "io/gltf_skin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf_error.h"
+#include "io/gltf_json.h"
+#include "io/gltf_limits.h"
+#include "io/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr GltfNumberFormat kInverseBindMatrices{"MAT4", kGltfFloats, "inverse bind matrices"};
+constexpr GltfNumberFormat kJoints{"VEC4", kGltfUnsigned, "joints of vertices"};
+constexpr GltfNumberFormat kWeights{"VEC4", kGltfFloats | kGltfNormalizedUnsigned,
+                                    "weights of joints"};
+constexpr std::size_t kJointsPerSet = 4;
+
+// What rounding of stored weights can add to their sum: half a step for each integer; a float is
+// the quotient of rounded numbers, so a few halves.
+double rounding_of(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 0.5 * kJointsPerSet / std::numeric_limits<std::uint8_t>::max();
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 0.5 * kJointsPerSet / std::numeric_limits<std::uint16_t>::max();
+    default:
+      return kJointsPerSet * std::numeric_limits<float>::epsilon();
+  }
+}
+
+// m: by columns
+Result<AffineTransform> inverse_bind(const double* m, std::size_t skin, std::size_t joint) {
+  const double distance =
+      std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11]), std::abs(m[15] - 1.0)});
+  if (!(distance <= kInverseBindTolerance)) {
+    return gltf_invalid(gltf_element("skins", skin, "inverseBindMatrices"),
+                        "the last row of matrix " + std::to_string(joint) + " is not 0 0 0 1");
+  }
+  AffineTransform transform;
+  transform.linear << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
+  transform.translation_m = Vec3(m[12], m[13], m[14]);
+  return transform;
+}
+
+Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t skin,
+                                             std::size_t max_joints) {
+  const Json& object = asset.json["skins"][skin];
+  const std::string element = gltf_element("skins", skin);
+  if (!object.is_object()) return gltf_expected(element, object, "an object");
+  const auto list = object.find("joints");
+  if (list == object.end() || !list->is_array() || list->empty()) {
+    return gltf_invalid(element + "/joints", "is missing, empty or not an array");
+  }
+  if (list->size() > max_joints) {
+    return gltf_error(ErrorCode::kLimitExceeded, element + "/joints",
+                      "brings the joints to more than " + std::to_string(kMaxGltfJoints) +
+                          ", the most that are read");
+  }
+  std::vector<std::size_t> joints;
+  for (const Json& joint : *list) {
+    const auto id = whole_number(joint);
+    if (!id || *id >= asset.model.nodes.size()) {
+      return gltf_expected(element + "/joints/" + std::to_string(joints.size()), joint,
+                           "an index into /nodes, which has " +
+                               std::to_string(asset.model.nodes.size()) + " elements");
+    }
+    joints.push_back(*id);
+  }
+  return joints;
+}
+
+// 16 numbers for each joint, or none.
+Result<std::vector<double>> read_inverse_binds(const GltfAsset& asset, std::size_t skin,
+                                               std::size_t joint_count) {
+  const auto accessor =
+      optional_id(asset.json["skins"][skin], gltf_element("skins", skin), "inverseBindMatrices",
+                  "/accessors", asset.model.accessors.size());
+  if (!accessor) return accessor.error();
+  if (!*accessor) return std::vector<double>();
+  return read_numbers(asset, **accessor, kInverseBindMatrices, joint_count);
+}
+
+// One set of a primitive: which joints move a vertex, and how much.
+struct InfluenceSet {
+  std::string element;         // of JOINTS_n
+  std::vector<double> joints;  // kJointsPerSet for each vertex
+  std::vector<double> weights;
+};
+
+// Adds up what joints and weights say, set by set.
+class Skinning {
+ public:
+  Skinning(const GltfSkin& skin, std::span<Vec3> positions)
+      : skin_(skin),
+        positions_(positions),
+        sums_(positions.size(), Vec3::Zero()),
+        weights_(positions.size(), 0.0) {}
+
+  std::optional<Error> add(const InfluenceSet& set) {
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      for (std::size_t k = kJointsPerSet * i; k < kJointsPerSet * (i + 1); ++k) {
+        const double weight = set.weights[k];
+        if (weight == 0.0) continue;
+        const auto joint = static_cast<std::size_t>(set.joints[k]);
+        if (auto error = check(set, i, joint, weight)) return error;
+        const AffineTransform& T_scene_mesh = skin_.T_scene_mesh[joint];
+        sums_[i] += weight * (T_scene_mesh.linear * positions_[i] + T_scene_mesh.translation_m);
+        weights_[i] += weight;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // rounding: how far the sum of a vertex's weights may be from 1 without a warning.
+  std::optional<Error> finish(const std::string& element, double rounding,
+                              std::vector<std::string>& warnings) {
+    std::size_t off = 0;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      if (weights_[i] == 0.0) {
+        return gltf_invalid(element + "/attributes/WEIGHTS_0",
+                            "vertex " + std::to_string(i) + " has no weight but 0",
+                            "bind every vertex to a joint");
+      }
+      off += std::abs(weights_[i] - 1.0) > rounding ? 1 : 0;
+      positions_[i] = sums_[i] / weights_[i];
+    }
+    if (off > 0) {
+      warnings.push_back(element + ": the weights of " + std::to_string(off) + " of " +
+                         std::to_string(positions_.size()) +
+                         " vertices do not add up to 1; they are divided by their sum");
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::optional<Error> check(const InfluenceSet& set, std::size_t vertex, std::size_t joint,
+                             double weight) const {
+    const std::string name = "vertex " + std::to_string(vertex);
+    if (weight < 0.0) {
+      return gltf_invalid(
+          set.element, name + " has the weight " + std::to_string(weight) + "; expected 0 or more");
+    }
+    if (joint < skin_.T_scene_mesh.size()) return std::nullopt;
+    return gltf_invalid(set.element, name + " names joint " + std::to_string(joint) +
+                                         ", but skin " + std::to_string(skin_.id) + " has " +
+                                         std::to_string(skin_.T_scene_mesh.size()));
+  }
+
+  const GltfSkin& skin_;
+  std::span<Vec3> positions_;
+  std::vector<Vec3> sums_;
+  std::vector<double> weights_;
+};
+
+// The accessor of an attribute; fails if it is not there or not as long as the positions.
+Result<std::size_t> attribute_of(const GltfAsset& asset, const tinygltf::Primitive& primitive,
+                                 const std::string& element, const std::string& name,
+                                 std::size_t vertex_count) {
+  const std::string path = element + "/attributes/" + name;
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) {
+    return gltf_invalid(path, "is missing, but a node gives the mesh a skin");
+  }
+  const auto accessor = static_cast<std::size_t>(found->second);
+  const std::size_t count = asset.model.accessors[accessor].count;
+  if (count != vertex_count) {
+    return gltf_invalid(path, "accessor " + std::to_string(accessor) + " has " +
+                                  std::to_string(count) + " elements, but the primitive has " +
+                                  std::to_string(vertex_count) + " vertices");
+  }
+  return accessor;
+}
+
+}  // namespace
+
+Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin_id, std::size_t max_joints,
+                           const std::function<Result<AffineTransform>(std::size_t)>& place) {
+  const auto joints = read_joints(asset, skin_id, max_joints);
+  if (!joints) return joints.error();
+  const auto matrices = read_inverse_binds(asset, skin_id, joints->size());
+  if (!matrices) return matrices.error();
+  GltfSkin skin{skin_id, {}};
+  skin.T_scene_mesh.reserve(joints->size());
+  for (std::size_t i = 0; i < joints->size(); ++i) {
+    const auto T_scene_joint = place((*joints)[i]);
+    if (!T_scene_joint) return T_scene_joint.error();
+    skin.T_scene_mesh.push_back(*T_scene_joint);
+    if (!matrices->empty()) {
+      const auto T_joint_mesh = inverse_bind(matrices->data() + 16 * i, skin_id, i);
+      if (!T_joint_mesh) return T_joint_mesh.error();
+      skin.T_scene_mesh.back() = *T_scene_joint * *T_joint_mesh;
+    }
+    if (!skin.T_scene_mesh.back().all_finite()) {
+      return gltf_invalid(gltf_element("skins", skin_id, "joints/" + std::to_string(i)),
+                          "its transform, with its inverse bind matrix, overflows");
+    }
+  }
+  return skin;
+}
+
+std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
+                                const std::string& element, const GltfSkin& skin,
+                                std::size_t& pose_work, std::span<Vec3> positions,
+                                std::vector<std::string>& warnings) {
+  Skinning skinning(skin, positions);
+  double rounding = 0.0;
+  for (std::size_t n = 0;; ++n) {
+    const std::string joints_name = "JOINTS_" + std::to_string(n);
+    const std::string weights_name = "WEIGHTS_" + std::to_string(n);
+    if (n > 0 && !primitive.attributes.contains(joints_name) &&
+        !primitive.attributes.contains(weights_name)) {
+      break;
+    }
+    const auto joints = attribute_of(asset, primitive, element, joints_name, positions.size());
+    if (!joints) return joints.error();
+    const auto weights = attribute_of(asset, primitive, element, weights_name, positions.size());
+    if (!weights) return weights.error();
+    if (positions.size() > pose_work) {
+      return gltf_error(ErrorCode::kLimitExceeded, element,
+                        "brings the vertices to pose to more than " +
+                            std::to_string(kMaxGltfPoseWork) + ", the most that are read");
+    }
+    pose_work -= positions.size();
+    auto joint_numbers = read_numbers(asset, *joints, kJoints, positions.size());
+    if (!joint_numbers) return joint_numbers.error();
+    auto weight_numbers = read_numbers(asset, *weights, kWeights, positions.size());
+    if (!weight_numbers) return weight_numbers.error();
+    rounding += rounding_of(asset.model.accessors[*weights].componentType);
+    const InfluenceSet set{element + "/attributes/" + joints_name, std::move(*joint_numbers),
+                           std::move(*weight_numbers)};
+    if (auto error = skinning.add(set)) return error;
+  }
+  return skinning.finish(element, rounding, warnings);
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#pragma once
+
+// Skins: vertices that move with the nodes of a skeleton (glTF 2.0, sections 3.7.3 and 5.28).
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/result.h"
+#include "geometry/types.h"
+#include "io/gltf_accessor.h"
+#include "io/gltf_transform.h"
+
+namespace tinygltf {
+struct Primitive;
+}
+
+namespace palpate {
+
+// How far the last row of an inverse bind matrix may be from 0 0 0 1. Exporters invert and multiply
+// matrices of floats, each entry four products, and do not write the row that they know.
+inline constexpr double kInverseBindTolerance = 16.0 * std::numeric_limits<float>::epsilon();
+
+// Joint i takes a point of the mesh frame to T_scene_mesh[i] * point.
+struct GltfSkin {
+  std::size_t id = 0;  // in the file
+  std::vector<AffineTransform> T_scene_mesh;
+};
+
+// place: the transform of a node to the scene. Refused: ids out of range, no joint, more than
+// max_joints (kLimitExceeded), fewer inverse bind matrices than joints, one that is not affine.
+// Without inverse bind matrices they are the identity. A node may be more than one joint.
+Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin, std::size_t max_joints,
+                           const std::function<Result<AffineTransform>(std::size_t)>& place);
+
+// Moves the positions of a primitive from the mesh frame into the scene frame: the mean of where
+// its joints take a vertex, by all sets JOINTS_n and WEIGHTS_n. Weights are divided by their sum;
+// if a sum is farther from 1 than its type's rounding explains, that is a warning. Refused: a
+// missing set, sets of another length than the positions, negative weights, a vertex without any
+// weight, a joint with a weight that the skin does not have. Joints whose weight is 0 are not
+// looked at. Takes from pose_work, a budget, the length of each set. element: of the
+// primitive.
+std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
+                                const std::string& element, const GltfSkin& skin,
+                                std::size_t& pose_work, std::span<Vec3> positions,
+                                std::vector<std::string>& warnings);
+
+}  // namespace palpate
