@@ -53,8 +53,16 @@ std::string name_of(int component_type) {
   }
 }
 
-// The bytes of a buffer view. A decoder of compressed views has its place here.
-Result<Bytes> view_bytes(const GltfAsset& asset, std::size_t view_id) {
+struct ViewContent {
+  Bytes bytes;
+  std::size_t encoded_stride = 0;  // of the elements that a codec wrote; 0: no codec
+};
+
+// What a buffer view holds, decoded if it is compressed.
+Result<ViewContent> view_content(const GltfAsset& asset, std::size_t view_id) {
+  const auto decoded = asset.compressed_views.decoded(view_id);
+  if (!decoded) return decoded.error();
+  if (*decoded != nullptr) return ViewContent{(*decoded)->bytes, (*decoded)->stride};
   const tinygltf::BufferView& view = asset.model.bufferViews[view_id];
   const auto buffer = asset.buffers.bytes(static_cast<std::size_t>(view.buffer));
   if (!buffer) return buffer.error();
@@ -65,7 +73,7 @@ Result<Bytes> view_bytes(const GltfAsset& asset, std::size_t view_id) {
                             std::to_string(view.buffer) + " of " + std::to_string(buffer->size()) +
                             " bytes");
   }
-  return buffer->subspan(view.byteOffset, view.byteLength);
+  return ViewContent{buffer->subspan(view.byteOffset, view.byteLength)};
 }
 
 // count elements of element_bytes each, from byte_offset of the view on. count and element_bytes
@@ -73,26 +81,34 @@ Result<Bytes> view_bytes(const GltfAsset& asset, std::size_t view_id) {
 Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
                                    std::size_t byte_offset, std::size_t count,
                                    std::size_t element_bytes, const std::string& element) {
-  const auto view = view_bytes(asset, view_id);
-  if (!view) return view.error();
+  const auto content = view_content(asset, view_id);
+  if (!content) return content.error();
+  const Bytes view = content->bytes;
   const std::size_t declared_stride = asset.model.bufferViews[view_id].byteStride;
   const std::size_t stride = declared_stride == 0 ? element_bytes : declared_stride;
+  // A codec writes elements, not bytes: read at another distance they would be noise.
+  if (content->encoded_stride != 0 && content->encoded_stride != stride) {
+    return gltf_invalid(element, "has elements " + std::to_string(stride) +
+                                     " bytes apart, but the compressed bufferView " +
+                                     std::to_string(view_id) + " holds some of " +
+                                     std::to_string(content->encoded_stride) + " bytes");
+  }
   if (stride < element_bytes) {
     return gltf_invalid(gltf_element("bufferViews", view_id, "byteStride"),
                         "is " + std::to_string(stride) + ", but an element of " + element +
                             " has " + std::to_string(element_bytes) + " bytes");
   }
   // Written with divisions and differences only, because the sums and products may wrap.
-  const bool fits = byte_offset <= view->size() && element_bytes <= view->size() - byte_offset &&
-                    count - 1 <= (view->size() - byte_offset - element_bytes) / stride;
+  const bool fits = byte_offset <= view.size() && element_bytes <= view.size() - byte_offset &&
+                    count - 1 <= (view.size() - byte_offset - element_bytes) / stride;
   if (!fits) {
     return gltf_invalid(
         element, std::to_string(count) + " elements of " + std::to_string(element_bytes) +
                      " bytes at stride " + std::to_string(stride) + " from byteOffset " +
                      std::to_string(byte_offset) + " reach beyond bufferView " +
-                     std::to_string(view_id) + " of " + std::to_string(view->size()) + " bytes");
+                     std::to_string(view_id) + " of " + std::to_string(view.size()) + " bytes");
   }
-  return ElementRange{view->subspan(byte_offset), stride, count};
+  return ElementRange{view.subspan(byte_offset), stride, count};
 }
 
 // Section 3.7.2.1 and 3.6.2.3: indices lie without gaps. Readers differ in what they make of a
@@ -218,7 +234,7 @@ ElementLayout layout_of(const tinygltf::Accessor& accessor) {
           accessor.normalized};
 }
 
-// All elements of an accessor that has a buffer view.
+// All elements of an accessor that has a buffer view and is not empty.
 Result<ElementRange> base_range(const GltfAsset& asset, std::size_t accessor_id) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   return range_in_view(asset, static_cast<std::size_t>(accessor.bufferView), accessor.byteOffset,
@@ -245,12 +261,13 @@ std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accesso
 }
 
 // Common to all accessors; without it the sizes of the file must not be used to allocate.
-std::optional<Error> check_data_and_count(const tinygltf::Accessor& accessor,
-                                          std::size_t accessor_id, std::size_t max_count) {
+std::optional<Error> check_data_and_count(const GltfAsset& asset, std::size_t accessor_id,
+                                          std::size_t max_count) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (accessor.bufferView < 0 && !accessor.sparse.isSparse) {
     return gltf_error(ErrorCode::kUnsupported, gltf_element("accessors", accessor_id),
                       "has neither bufferView nor sparse, so no data",
-                      "if the mesh is compressed, export it without compression");
+                      "only the accessors of a compressed primitive may lack both");
   }
   if (accessor.count == 0) {
     return gltf_invalid(gltf_element("accessors", accessor_id, "count"),
@@ -261,7 +278,9 @@ std::optional<Error> check_data_and_count(const tinygltf::Accessor& accessor,
                       "is " + std::to_string(accessor.count) + "; at most " +
                           std::to_string(max_count) + " can still be read");
   }
-  return std::nullopt;
+  if (accessor.bufferView < 0) return std::nullopt;
+  const auto range = base_range(asset, accessor_id);
+  return range ? std::nullopt : std::optional<Error>(range.error());
 }
 
 // An accessor that is all zeros but for its sparse values may be of any size in a tiny file.
@@ -272,43 +291,6 @@ std::optional<Error> check_unstored(const GltfAsset& asset, const tinygltf::Acce
                     "brings the elements without a bufferView to more than " +
                         std::to_string(kMaxGltfUnstored) + ", the most that are read",
                     "store the zeros as well");
-}
-
-std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor_id) {
-  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
-  if (accessor.type != TINYGLTF_TYPE_VEC3) {
-    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
-                        "is not VEC3, as positions must be");
-  }
-  const int type = accessor.componentType;
-  if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
-    if (!accessor.normalized) return std::nullopt;
-    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
-                        "is true for floats; expected integers");
-  }
-  if (asset.mesh_quantization && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return std::nullopt;
-  return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
-                      "stands for " + name_of(type) + "; expected 32-bit floats for positions",
-                      asset.mesh_quantization
-                          ? "KHR_mesh_quantization allows 8-bit and 16-bit integers"
-                          : "integers need KHR_mesh_quantization in extensionsUsed");
-}
-
-std::optional<Error> check_index_type(const tinygltf::Accessor& accessor, std::size_t accessor_id) {
-  if (accessor.type != TINYGLTF_TYPE_SCALAR) {
-    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
-                        "is not SCALAR, as indices must be");
-  }
-  if (!is_index_type(accessor.componentType)) {
-    return gltf_invalid(
-        gltf_element("accessors", accessor_id, "componentType"),
-        "stands for " + name_of(accessor.componentType) + "; expected unsigned integers");
-  }
-  if (accessor.normalized) {
-    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
-                        "is true; expected false for indices");
-  }
-  return std::nullopt;
 }
 
 // The kind of the components of an accessor, 0 if it is none of those that GltfNumberFormat knows.
@@ -333,8 +315,61 @@ int type_named(const std::string& name) {
   return name == "VEC4" ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_MAT4;
 }
 
-std::optional<Error> check_format(const tinygltf::Accessor& accessor, std::size_t accessor_id,
-                                  const GltfNumberFormat& format) {
+// 255, 65535 or 4294967295
+std::uint32_t restart_value(int component_type) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
+  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu : 0xffffffffu;
+}
+
+}  // namespace
+
+Result<std::span<const std::uint8_t>> view_bytes(const GltfAsset& asset, std::size_t view_id) {
+  const auto content = view_content(asset, view_id);
+  if (!content) return content.error();
+  return content->bytes;
+}
+
+std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor_id) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (accessor.type != TINYGLTF_TYPE_VEC3) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
+                        "is not VEC3, as positions must be");
+  }
+  const int type = accessor.componentType;
+  if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    if (!accessor.normalized) return std::nullopt;
+    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
+                        "is true for floats; expected integers");
+  }
+  if (asset.mesh_quantization && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return std::nullopt;
+  return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
+                      "stands for " + name_of(type) + "; expected 32-bit floats for positions",
+                      asset.mesh_quantization
+                          ? "KHR_mesh_quantization allows 8-bit and 16-bit integers"
+                          : "integers need KHR_mesh_quantization in extensionsUsed");
+}
+
+std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t accessor_id) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
+  if (accessor.type != TINYGLTF_TYPE_SCALAR) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
+                        "is not SCALAR, as indices must be");
+  }
+  if (!is_index_type(accessor.componentType)) {
+    return gltf_invalid(
+        gltf_element("accessors", accessor_id, "componentType"),
+        "stands for " + name_of(accessor.componentType) + "; expected unsigned integers");
+  }
+  if (accessor.normalized) {
+    return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
+                        "is true; expected false for indices");
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t accessor_id,
+                                         const GltfNumberFormat& format) {
+  const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (accessor.type != type_named(format.type)) {
     return gltf_invalid(gltf_element("accessors", accessor_id, "type"),
                         std::string("is not ") + format.type + ", as " + format.what + " must be");
@@ -356,19 +391,20 @@ std::optional<Error> check_format(const tinygltf::Accessor& accessor, std::size_
                           " for " + format.what);
 }
 
-// 255, 65535 or 4294967295
-std::uint32_t restart_value(int component_type) {
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
-  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu : 0xffffffffu;
+void append_components(const tinygltf::Accessor& accessor, const std::uint8_t* element,
+                       std::vector<double>& values) {
+  const ElementLayout layout = layout_of(accessor);
+  values.resize(values.size() + layout.components);
+  decode(
+      ElementRange{Bytes(element, layout.bytes()), layout.bytes(), 1}, layout,
+      [](std::size_t i) { return i; }, values.data() + values.size() - layout.components);
 }
-
-}  // namespace
 
 Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor_id,
                                          std::size_t max_count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (auto error = check_position_type(asset, accessor_id)) return *error;
-  if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
   if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   std::vector<Vec3> positions(accessor.count, Vec3::Zero());
@@ -388,8 +424,8 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor_id,
                                          const GltfNumberFormat& format, std::size_t count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
-  if (auto error = check_format(accessor, accessor_id, format)) return *error;
-  if (auto error = check_data_and_count(accessor, accessor_id, accessor.count)) return *error;
+  if (auto error = check_number_format(asset, accessor_id, format)) return *error;
+  if (auto error = check_data_and_count(asset, accessor_id, accessor.count)) return *error;
   if (accessor.count < count) {
     return gltf_invalid(gltf_element("accessors", accessor_id, "count"),
                         "is " + std::to_string(accessor.count) + "; expected " +
@@ -414,8 +450,8 @@ Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t acc
 Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor_id,
                                                 std::size_t max_count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
-  if (auto error = check_index_type(accessor, accessor_id)) return *error;
-  if (auto error = check_data_and_count(accessor, accessor_id, max_count)) return *error;
+  if (auto error = check_index_type(asset, accessor_id)) return *error;
+  if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
   if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   if (accessor.bufferView >= 0) {
     if (auto error = check_no_stride(asset, accessor.bufferView)) return *error;

@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,10 +16,12 @@
 #include "geometry/result.h"
 #include "geometry/types.h"
 #include "io/gltf_buffers.h"
+#include "io/gltf_meshopt.h"
 
 namespace tinygltf {
+struct Accessor;
 class Model;
-}
+}  // namespace tinygltf
 
 namespace palpate {
 
@@ -27,8 +31,21 @@ struct GltfAsset {
   const tinygltf::Model& model;
   const nlohmann::json& json;  // the whole of it: checked as far as the model goes, no farther
   GltfBuffers& buffers;
+  GltfMeshoptViews& compressed_views;
   bool mesh_quantization = false;  // integer positions are allowed
 };
+
+// The bytes of a buffer view, decoded if the view is compressed. Valid as long as the asset.
+Result<std::span<const std::uint8_t>> view_bytes(const GltfAsset& asset, std::size_t view);
+
+// The error if an accessor does not declare the type of positions, or of indices.
+std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor);
+std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t accessor);
+
+// Appends what the components of one element stand for. element: as many bytes as the accessor
+// declares, which need not be its own; no alignment.
+void append_components(const tinygltf::Accessor& accessor, const std::uint8_t* element,
+                       std::vector<double>& values);
 
 // The elements of a VEC3 accessor: 32-bit floats, or, if integers are allowed, the values that
 // these stand for. All finite. Fails if it has more than max_count elements (kLimitExceeded) or
@@ -48,6 +65,10 @@ struct GltfNumberFormat {
   unsigned components;  // those of the kinds above that are allowed
   const char* what;     // for messages: "weights of a skin"
 };
+
+// The error if the accessor is of another format.
+std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t accessor,
+                                         const GltfNumberFormat& format);
 
 // The first count elements of an accessor, component by component, matrices by columns. All finite.
 // Fails if the accessor has fewer of them or is of another format. All elements of the accessor

@@ -65,6 +65,16 @@ bool GltfBuffers::take_unstored(std::size_t elements) {
   return true;
 }
 
+std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::string& element) {
+  if (bytes > kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes)) {
+    return gltf_error(ErrorCode::kLimitExceeded, element,
+                      "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
+                          " bytes, the most that are read");
+  }
+  loaded_bytes_ += bytes;
+  return std::nullopt;
+}
+
 Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t index) {
   Buffer& buffer = buffers_[index];
   const auto& uri = buffer.declaration.uri;

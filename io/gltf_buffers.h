@@ -34,6 +34,10 @@ class GltfBuffers {
   // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
   bool take_unstored(std::size_t elements);
 
+  // Counts bytes that are about to be decoded from a buffer like those of a buffer of their own:
+  // the error if that makes more than kMaxGltfBufferBytes. element: for messages.
+  std::optional<Error> count_decoded(std::uint64_t bytes, const std::string& element);
+
  private:
   struct Buffer {
     GltfBufferDeclaration declaration;

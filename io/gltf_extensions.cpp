@@ -188,6 +188,9 @@ constexpr std::string_view kHarmless[] = {
     "VRMC_vrm_animation",
 };
 static_assert(std::is_sorted(std::begin(kHarmless), std::end(kHarmless)));
+// These are decoded.
+constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
+                                              "EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 struct Unsupported {
   std::string_view name;
@@ -196,9 +199,6 @@ struct Unsupported {
 };
 
 constexpr Unsupported kUnsupported[] = {
-    {"KHR_draco_mesh_compression", "export the asset without Draco compression", ""},
-    {"EXT_meshopt_compression", "export the asset without meshopt compression", ""},
-    {"KHR_meshopt_compression", "export the asset without meshopt compression", ""},
     {"CESIUM_RTC", "move the nodes by its center", "the scene is read without its offset"},
     {"EXT_primitive_voxels", "export surfaces instead of voxels", "voxels are left out"},
     {"KHR_accessor_float16", "export positions as 32-bit floats", ""},
@@ -216,8 +216,10 @@ constexpr Unsupported kUnsupported[] = {
     {"KHR_node_visibility", "delete the hidden nodes", "hidden nodes are read like visible ones"},
 };
 
-bool is_harmless(std::string_view name) {
-  return std::binary_search(std::begin(kHarmless), std::end(kHarmless), name);
+bool is_known(std::string_view name) {
+  return std::find(std::begin(kCompressions), std::end(kCompressions), name) !=
+             std::end(kCompressions) ||
+         std::binary_search(std::begin(kHarmless), std::end(kHarmless), name);
 }
 
 const Unsupported* find_unsupported(std::string_view name) {
@@ -249,7 +251,7 @@ Error unsupported_required(std::size_t index, const std::string& name) {
 }
 
 void warn_about(const std::string& name, std::vector<std::string>& warnings) {
-  if (is_harmless(name)) return;
+  if (is_known(name)) return;
   const Unsupported* known = find_unsupported(name);
   if (known && known->without_support.empty()) return;
   warnings.push_back("/extensionsUsed: " + gltf_quoted(name) + " is ignored: " +
@@ -301,7 +303,7 @@ Result<GltfExtensions> check_extensions(const Json& root) {
   GltfExtensions extensions;
   for (std::size_t i = 0; i < required->size(); ++i) {
     const std::string& name = (*required)[i];
-    if (!is_harmless(name)) return unsupported_required(i, name);
+    if (!is_known(name)) return unsupported_required(i, name);
     extensions.mesh_quantization |= name == kMeshQuantization;
   }
   for (const std::string& name : *used) {

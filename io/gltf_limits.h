@@ -6,6 +6,7 @@
 //
 //   the file, as it stands            its size                        kMaxGltfFileBytes
 //   external buffers and data URIs    what they declare               kMaxGltfBufferBytes
+//   compressed data, while decoded    see gltf_draco.h; views stay    the same, counted with them
 //   the JSON, parsed                  140 bytes a value               kMaxGltfJsonValues
 //   sections of the JSON, in the      2 KiB an element, however       kMaxGltfElements
 //   model of tinygltf                 short its text
@@ -25,9 +26,9 @@
 
 namespace palpate {
 
-inline constexpr std::uint64_t kMaxGltfFileBytes = std::uint64_t{1} << 30;    // per file
-inline constexpr std::uint64_t kMaxGltfBufferBytes = std::uint64_t{1} << 31;  // all buffers
-inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;    // data URIs included
+inline constexpr std::uint64_t kMaxGltfFileBytes = std::uint64_t{1} << 30;  // per file
+inline constexpr std::uint64_t kMaxGltfBufferBytes = std::uint64_t{1} << 31;
+inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;  // data URIs included
 inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
@@ -44,6 +45,13 @@ inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all n
 // For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the
 // vertices of the morph targets and of the sets of joints that are decoded.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
+// What a Draco stream may decode to, per byte of it. Its arithmetic coder writes what repeats in
+// almost no space, so the format has no bound of its own; a million triangles in a flat grid, the
+// most regular mesh there is, come to less than 500.
+inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
+// Its decoder may use this many bytes, and so many for each that it decodes.
+inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
+inline constexpr std::uint64_t kDracoWorkingFactor = 16;
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 
 }  // namespace palpate

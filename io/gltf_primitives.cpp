@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/gltf_draco.h"
 #include "io/gltf_error.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
@@ -60,7 +61,7 @@ class MeshReader {
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string element =
           gltf_element("meshes", mesh_id_, "primitives/" + std::to_string(i));
-      if (auto error = read_primitive(mesh.primitives[i], element)) return *error;
+      if (auto error = read_primitive(i, element)) return *error;
     }
     return std::move(description_);
   }
@@ -83,8 +84,8 @@ class MeshReader {
     return std::nullopt;
   }
 
-  std::optional<Error> read_primitive(const tinygltf::Primitive& primitive,
-                                      const std::string& element) {
+  std::optional<Error> read_primitive(std::size_t primitive_id, const std::string& element) {
+    const tinygltf::Primitive& primitive = asset_.model.meshes[mesh_id_].primitives[primitive_id];
     const auto mode = triangle_mode(primitive.mode);
     if (!mode) {
       warnings_.push_back(element + ": points and lines are left out");
@@ -95,14 +96,28 @@ class MeshReader {
       warnings_.push_back(element + ": has no POSITION and is left out");
       return std::nullopt;
     }
-    const auto vertices =
-        vertices_of(primitive, static_cast<std::size_t>(position->second), element);
+    const auto compressed =
+        read_draco_primitive(asset_, mesh_id_, primitive_id, budget_.vertices, budget_.triangles);
+    if (!compressed) return compressed.error();
+    begin_run(primitive.material);
+    const auto accessor = static_cast<std::size_t>(position->second);
+    if (*compressed) return append_compressed(primitive, **compressed, accessor, element);
+    const auto vertices = vertices_of(primitive, accessor, element);
     if (!vertices) return vertices.error();
     const auto indices = indices_of(primitive, *mode, vertices->count, element);
     if (!indices) return indices.error();
     if (auto error = check_index_count(*mode, indices->size(), element)) return error;
-    begin_run(primitive.material);
     append(assemble_triangles(*mode, *indices), vertices->first);
+    return std::nullopt;
+  }
+
+  // Its triangles are a list in any mode.
+  std::optional<Error> append_compressed(const tinygltf::Primitive& primitive,
+                                         const DracoPrimitive& compressed, std::size_t accessor,
+                                         const std::string& element) {
+    const auto vertices = vertices_of(primitive, compressed, accessor, element);
+    if (!vertices) return vertices.error();
+    append(assemble_triangles(TriangleMode::kList, compressed.indices()), vertices->first);
     return std::nullopt;
   }
 
@@ -111,24 +126,46 @@ class MeshReader {
     std::size_t count = 0;
   };
 
-  // Decodes and poses the vertices, or finds it done. A decoder of compressed primitives has its
-  // place here and in indices_of.
+  // Decodes and poses the vertices, or finds it done.
   Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive, std::size_t accessor,
                                   const std::string& element) {
     const std::vector<int> sources = sources_of(primitive);
     if (const auto known = ranges_.find(sources); known != ranges_.end()) return known->second;
     auto positions = read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
-    budget_.vertices -= positions->size();
-    if (auto error = pose_positions(primitive, element, *positions)) return *error;
-    auto& all = description_.positions;
-    const VertexRange range{static_cast<std::uint32_t>(all.size()), positions->size()};
-    if (all.empty()) {
-      all = std::move(*positions);
-    } else {
-      all.insert(all.end(), positions->begin(), positions->end());
-    }
+    if (auto error = pose_positions(primitive, nullptr, element, *positions)) return *error;
+    const VertexRange range = append_vertices(std::move(*positions));
     ranges_.emplace(sources, range);
+    return range;
+  }
+
+  // Compressed vertices are in the order of their own stream, so no two primitives share them.
+  Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive,
+                                  const DracoPrimitive& compressed, std::size_t accessor,
+                                  const std::string& element) {
+    auto positions = compressed.has("POSITION")
+                         ? compressed.positions()
+                         : read_positions(asset_, accessor, budget_.vertices);
+    if (!positions) return positions.error();
+    if (positions->size() != compressed.vertex_count()) {
+      return gltf_invalid(element + "/attributes/POSITION",
+                          "has " + std::to_string(positions->size()) +
+                              " elements, but the compressed attributes have " +
+                              std::to_string(compressed.vertex_count()));
+    }
+    if (auto error = pose_positions(primitive, &compressed, element, *positions)) return *error;
+    return append_vertices(std::move(*positions));
+  }
+
+  VertexRange append_vertices(std::vector<Vec3> positions) {
+    budget_.vertices -= positions.size();
+    auto& all = description_.positions;
+    const VertexRange range{static_cast<std::uint32_t>(all.size()), positions.size()};
+    if (all.empty()) {
+      all = std::move(positions);
+    } else {
+      all.insert(all.end(), positions.begin(), positions.end());
+    }
     return range;
   }
 
@@ -152,15 +189,16 @@ class MeshReader {
   }
 
   std::optional<Error> pose_positions(const tinygltf::Primitive& primitive,
-                                      const std::string& element, std::vector<Vec3>& positions) {
+                                      const DracoPrimitive* compressed, const std::string& element,
+                                      std::vector<Vec3>& positions) {
     if (!pose_.morph_weights.empty()) {
       auto error = add_morph_targets(asset_, primitive, element, pose_.morph_weights,
                                      budget_.pose_work, positions);
       if (error) return error;
     }
     if (pose_.skin) {
-      auto error = apply_skin(asset_, primitive, element, *pose_.skin, budget_.pose_work, positions,
-                              warnings_);
+      auto error = apply_skin(asset_, primitive, compressed, element, *pose_.skin,
+                              budget_.pose_work, positions, warnings_);
       if (error) return error;
     }
     const auto wrong = std::find_if(positions.begin(), positions.end(),

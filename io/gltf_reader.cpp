@@ -22,6 +22,7 @@
 #include "io/gltf_instancing.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
+#include "io/gltf_meshopt.h"
 #include "io/gltf_morph.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_prescan.h"
@@ -400,7 +401,8 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
-  const GltfAsset asset{*model, *root, buffers, extensions->mesh_quantization};
+  GltfMeshoptViews compressed_views(*root, buffers);
+  const GltfAsset asset{*model, *root, buffers, compressed_views, extensions->mesh_quantization};
   return SceneReader(asset, std::move(warnings)).run();
 }
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/gltf_draco.h"
 #include "io/gltf_error.h"
 #include "io/gltf_json.h"
 #include "io/gltf_limits.h"
@@ -93,6 +94,26 @@ struct InfluenceSet {
   std::vector<double> joints;  // kJointsPerSet for each vertex
   std::vector<double> weights;
 };
+
+// The attribute of every vertex, from the compressed stream if that holds it.
+Result<std::vector<double>> vertex_numbers(const GltfAsset& asset, const DracoPrimitive* compressed,
+                                           const std::string& semantic, std::size_t accessor,
+                                           const GltfNumberFormat& format, std::size_t count) {
+  if (!compressed || !compressed->has(semantic)) {
+    return read_numbers(asset, accessor, format, count);
+  }
+  if (auto error = check_number_format(asset, accessor, format)) return *error;
+  auto attribute = compressed->attribute(semantic);
+  if (!attribute) return attribute.error();
+  for (std::size_t i = 0; i < attribute->values.size(); ++i) {
+    if (!std::isfinite(attribute->values[i])) {
+      return gltf_invalid(
+          gltf_element("accessors", accessor),
+          "element " + std::to_string(i / attribute->components) + " is not finite");
+    }
+  }
+  return std::move(attribute->values);
+}
 
 // Adds up what joints and weights say, set by set.
 class Skinning {
@@ -206,9 +227,9 @@ Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin_id, std::siz
 }
 
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
-                                const std::string& element, const GltfSkin& skin,
-                                std::size_t& pose_work, std::span<Vec3> positions,
-                                std::vector<std::string>& warnings) {
+                                const DracoPrimitive* compressed, const std::string& element,
+                                const GltfSkin& skin, std::size_t& pose_work,
+                                std::span<Vec3> positions, std::vector<std::string>& warnings) {
   Skinning skinning(skin, positions);
   double rounding = 0.0;
   for (std::size_t n = 0;; ++n) {
@@ -228,9 +249,11 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
                             std::to_string(kMaxGltfPoseWork) + ", the most that are read");
     }
     pose_work -= positions.size();
-    auto joint_numbers = read_numbers(asset, *joints, kJoints, positions.size());
+    auto joint_numbers =
+        vertex_numbers(asset, compressed, joints_name, *joints, kJoints, positions.size());
     if (!joint_numbers) return joint_numbers.error();
-    auto weight_numbers = read_numbers(asset, *weights, kWeights, positions.size());
+    auto weight_numbers =
+        vertex_numbers(asset, compressed, weights_name, *weights, kWeights, positions.size());
     if (!weight_numbers) return weight_numbers.error();
     rounding += rounding_of(asset.model.accessors[*weights].componentType);
     const InfluenceSet set{element + "/attributes/" + joints_name, std::move(*joint_numbers),

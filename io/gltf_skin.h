@@ -37,16 +37,18 @@ struct GltfSkin {
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin, std::size_t max_joints,
                            const std::function<Result<AffineTransform>(std::size_t)>& place);
 
+class DracoPrimitive;
+
 // Moves the positions of a primitive from the mesh frame into the scene frame: the mean of where
 // its joints take a vertex, by all sets JOINTS_n and WEIGHTS_n. Weights are divided by their sum;
 // if a sum is farther from 1 than its type's rounding explains, that is a warning. Refused: a
 // missing set, sets of another length than the positions, negative weights, a vertex without any
 // weight, a joint with a weight that the skin does not have. Joints whose weight is 0 are not
-// looked at. Takes from pose_work, a budget, the length of each set. element: of the
-// primitive.
+// looked at. Takes from pose_work, a budget, the length of each set. element: of the primitive.
+// compressed: the primitive as it was decoded, if it is compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
-                                const std::string& element, const GltfSkin& skin,
-                                std::size_t& pose_work, std::span<Vec3> positions,
-                                std::vector<std::string>& warnings);
+                                const DracoPrimitive* compressed, const std::string& element,
+                                const GltfSkin& skin, std::size_t& pose_work,
+                                std::span<Vec3> positions, std::vector<std::string>& warnings);
 
 }  // namespace palpate

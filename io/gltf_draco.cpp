@@ -1,0 +1,506 @@
+#include "io/gltf_draco.h"
+
+#include <cstring>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf_error.h"
+#include "io/gltf_json.h"
+#include "io/gltf_limits.h"
+#include "io/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr const char* kExtension = "KHR_draco_mesh_compression";
+constexpr std::uint32_t kFirstVarintVersion = DRACO_BITSTREAM_VERSION(2, 0);
+constexpr std::uint32_t kVersion22 = DRACO_BITSTREAM_VERSION(2, 2);
+
+constexpr const char* kDamagedHint = "the data may be damaged";
+constexpr const char* kCountHint = "the exporter must write the counts of the decoded mesh";
+
+// What the accessors say of the decoded primitive.
+struct Declared {
+  std::uint64_t vertices = 0;
+  std::uint64_t indices = 0;
+  bool strip = false;
+  std::uint64_t bytes = 0;  // of all of its accessors together
+};
+
+// The numbers at the start of the connectivity.
+struct Connectivity {
+  std::uint32_t faces = 0;
+  std::uint32_t vertices = 0;  // with those of split symbols: of the table the decoder makes
+  std::uint32_t attribute_tables = 0;  // connectivities of their own, beside that of the positions
+};
+
+std::optional<std::uint32_t> number(draco::DecoderBuffer& stream, bool varint) {
+  std::uint32_t value = 0;
+  const bool read = varint ? draco::DecodeVarint(&value, &stream) : stream.Decode(&value);
+  return read ? std::optional(value) : std::nullopt;
+}
+
+// Both take a copy of the stream where the connectivity begins, and leave the original there.
+std::optional<Connectivity> peek_sequential(draco::DecoderBuffer stream) {
+  const bool varint = stream.bitstream_version() >= kVersion22;
+  const auto faces = number(stream, varint);
+  const auto points = number(stream, varint);
+  if (!faces || !points) return std::nullopt;
+  return Connectivity{*faces, *points, 0};
+}
+
+std::optional<Connectivity> peek_edgebreaker(draco::DecoderBuffer stream) {
+  const bool varint = stream.bitstream_version() >= kFirstVarintVersion;
+  if (stream.bitstream_version() < kVersion22 && !number(stream, varint)) return std::nullopt;
+  const auto vertices = number(stream, varint);
+  const auto faces = number(stream, varint);
+  std::uint8_t attribute_tables = 0;
+  if (!vertices || !faces || !stream.Decode(&attribute_tables)) return std::nullopt;
+  const auto symbols = number(stream, varint);
+  const auto splits = number(stream, varint);
+  if (!symbols || !splits || *symbols > *faces || *splits > *symbols) return std::nullopt;
+  if (*vertices > std::numeric_limits<std::uint32_t>::max() - *splits) return std::nullopt;
+  return Connectivity{*faces, *vertices + *splits, attribute_tables};
+}
+
+// Says whether the decoder may go on, by what it has read so far, and keeps the reason if not.
+class Gate {
+ public:
+  Gate(const Declared& declared, const std::string& element)
+      : declared_(declared), element_(element) {}
+
+  const std::optional<Error>& error() const { return error_; }
+
+  bool admit(const std::optional<Connectivity>& connectivity) {
+    if (!connectivity) return refuse("its stream ends or breaks off in the connectivity");
+    const std::uint64_t faces = connectivity->faces;
+    // A strip may stand for the list that is decoded, or be as long as that list.
+    const bool faces_agree =
+        declared_.strip ? faces + 2 <= declared_.indices : 3 * faces == declared_.indices;
+    if (faces == 0 || !faces_agree) {
+      return refuse("its stream holds " + std::to_string(faces) +
+                        " triangles, but the accessor of the indices has " +
+                        std::to_string(declared_.indices) + " elements",
+                    kCountHint);
+    }
+    // What the decoder keeps per triangle: 3 corners in 4 arrays of 4 bytes, the same once more for
+    // the triangles and the order of decoding, up to 6 symbols of the contexts. Per corner and
+    // connectivity of an attribute: its vertex, its seams and their order.
+    constexpr std::uint64_t kPerFace = 4 * 12 + 2 * 12 + 6 * 4;
+    constexpr std::uint64_t kPerVertex = 8 * 4;
+    constexpr std::uint64_t kPerTableFace = 4 * 12;
+    return admit_bytes(faces * (kPerFace + kPerTableFace * connectivity->attribute_tables) +
+                       kPerVertex * connectivity->vertices * (1 + connectivity->attribute_tables));
+  }
+
+  // The vertices and the descriptions of the attributes are known, their values are not.
+  bool admit(const draco::PointCloud& points) {
+    if (points.num_points() != declared_.vertices) {
+      return refuse("its stream holds " + std::to_string(points.num_points()) +
+                        " vertices, but the accessors of its attributes have " +
+                        std::to_string(declared_.vertices) + " elements",
+                    kCountHint);
+    }
+    std::uint64_t per_point = 0;
+    for (int i = 0; i < points.num_attributes(); ++i) {
+      const draco::PointAttribute& attribute = *points.attribute(i);
+      // Values, the integers they are made from, and two indices: map and order.
+      const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
+      per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
+    }
+    return admit_bytes(per_point * declared_.vertices);
+  }
+
+ private:
+  bool refuse(std::string problem, const char* hint = kDamagedHint) {
+    error_ = gltf_invalid(element_, std::move(problem), hint);
+    return false;
+  }
+
+  bool admit_bytes(std::uint64_t bytes) {
+    if (bytes <= kDracoWorkingBytes + kDracoWorkingFactor * declared_.bytes) return true;
+    return refuse("its stream asks for " + std::to_string(bytes) +
+                  " bytes of memory, far more than what its accessors describe takes, " +
+                  std::to_string(declared_.bytes));
+  }
+
+  Declared declared_;
+  const std::string& element_;
+  std::optional<Error> error_;
+};
+
+// A decoder of the library that asks the gate before each part that allocates by numbers.
+template <typename Decoder>
+class GatedDecoder : public Decoder {
+ public:
+  using Peek = std::optional<Connectivity> (*)(draco::DecoderBuffer);
+
+  GatedDecoder(Gate& gate, Peek peek) : gate_(gate), peek_(peek) {}
+
+ protected:
+  bool DecodeConnectivity() override {
+    return gate_.admit(peek_(*this->buffer())) && Decoder::DecodeConnectivity();
+  }
+  bool DecodeAllAttributes() override {
+    return gate_.admit(*this->point_cloud()) && Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  Gate& gate_;
+  Peek peek_;
+};
+
+// Steps over metadata: blocks of entries (name, size, value), nested to any depth, one for each
+// attribute named and one for all. Nothing of it is kept, as the library would.
+class MetadataSkipper {
+ public:
+  explicit MetadataSkipper(draco::DecoderBuffer& stream) : stream_(stream) {}
+
+  bool run() {
+    const auto attributes = number(stream_, true);
+    if (!attributes) return false;
+    for (std::uint32_t i = 0; i < *attributes; ++i) {
+      if (!number(stream_, true) || !skip_tree()) return false;
+    }
+    return skip_tree();
+  }
+
+ private:
+  // A block, the blocks inside it, each named, and so on: parents stand before their children.
+  bool skip_tree() {
+    std::uint64_t pending = 1;
+    for (bool named = false; pending > 0; named = true, --pending) {
+      if (named && !skip_name()) return false;
+      const auto entries = number(stream_, true);
+      if (!entries) return false;
+      for (std::uint32_t i = 0; i < *entries; ++i) {
+        if (!skip_name()) return false;
+        const auto size = number(stream_, true);
+        if (!size || !skip(*size)) return false;
+      }
+      const auto children = number(stream_, true);
+      if (!children) return false;
+      pending += *children;
+    }
+    return true;
+  }
+
+  bool skip_name() {
+    std::uint8_t length = 0;
+    return stream_.Decode(&length) && skip(length);
+  }
+
+  bool skip(std::int64_t bytes) {
+    if (bytes > stream_.remaining_size()) return false;
+    stream_.Advance(bytes);
+    return true;
+  }
+
+  draco::DecoderBuffer& stream_;
+};
+
+draco::DecoderBuffer stream_of(Bytes bytes) {
+  draco::DecoderBuffer stream;
+  stream.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return stream;
+}
+
+// A stream of which the library knows everything but the numbers in it.
+struct CheckedStream {
+  bool edgebreaker = false;
+  Bytes bytes;
+  std::vector<std::uint8_t> storage;  // of bytes, where they are not those of the file
+};
+
+Result<CheckedStream> check_stream(Bytes bytes, const std::string& element) {
+  constexpr std::size_t kFlagsHighByte = 10;
+  draco::DecoderBuffer stream = stream_of(bytes);
+  draco::DracoHeader header;
+  if (!draco::PointCloudDecoder::DecodeHeader(&stream, &header).ok()) {
+    return gltf_invalid(element, "its data do not begin like a Draco stream");
+  }
+  if (header.encoder_type != draco::TRIANGULAR_MESH) {
+    return gltf_invalid(element, "its stream holds no triangles, but a cloud of points");
+  }
+  const auto version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+  if (header.version_major < 1 || version > draco::kDracoMeshBitstreamVersion ||
+      header.encoder_method > draco::MESH_EDGEBREAKER_ENCODING) {
+    return gltf_error(ErrorCode::kUnsupported, element,
+                      "its stream is of Draco bitstream version " +
+                          std::to_string(header.version_major) + "." +
+                          std::to_string(header.version_minor) + ", method " +
+                          std::to_string(header.encoder_method) +
+                          "; versions 1.0 to 2.2 and methods 0 and 1 are supported");
+  }
+  CheckedStream checked{header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING, bytes, {}};
+  const bool has_metadata =
+      version >= DRACO_BITSTREAM_VERSION(1, 3) && (header.flags & METADATA_FLAG_MASK) != 0;
+  if (!has_metadata) return checked;
+  stream.set_bitstream_version(static_cast<std::uint16_t>(version));
+  const auto header_bytes = static_cast<std::size_t>(stream.decoded_size());
+  if (!MetadataSkipper(stream).run()) {
+    return gltf_invalid(element, "its stream ends in the metadata", kDamagedHint);
+  }
+  const Bytes rest = bytes.subspan(static_cast<std::size_t>(stream.decoded_size()));
+  checked.storage.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(header_bytes));
+  checked.storage.insert(checked.storage.end(), rest.begin(), rest.end());
+  checked.storage[kFlagsHighByte] &= static_cast<std::uint8_t>(~(METADATA_FLAG_MASK >> 8));
+  checked.bytes = checked.storage;
+  return checked;
+}
+
+template <typename Decoder>
+bool decode_with(Decoder&& decoder, Bytes bytes, draco::Mesh& mesh) {
+  draco::DecoderBuffer stream = stream_of(bytes);
+  const draco::DecoderOptions options;
+  return static_cast<draco::MeshDecoder&>(decoder).Decode(options, &stream, &mesh).ok();
+}
+
+Result<std::shared_ptr<const draco::Mesh>> decode(Bytes bytes, const Declared& declared,
+                                                  const std::string& element) {
+  const auto stream = check_stream(bytes, element);
+  if (!stream) return stream.error();
+  Gate gate(declared, element);
+  const auto mesh = std::make_shared<draco::Mesh>();
+  bool decoded = false;
+  try {
+    using Edgebreaker = GatedDecoder<draco::MeshEdgebreakerDecoder>;
+    using Sequential = GatedDecoder<draco::MeshSequentialDecoder>;
+    decoded = stream->edgebreaker
+                  ? decode_with(Edgebreaker(gate, peek_edgebreaker), stream->bytes, *mesh)
+                  : decode_with(Sequential(gate, peek_sequential), stream->bytes, *mesh);
+  } catch (const std::length_error&) {
+    // A container was asked for more than there can be.
+  }
+  if (gate.error()) return *gate.error();
+  if (!decoded) {
+    return gltf_invalid(element, "its stream cannot be decoded", kDamagedHint);
+  }
+  return std::shared_ptr<const draco::Mesh>(mesh);
+}
+
+std::size_t component_count(const tinygltf::Accessor& accessor) {
+  return static_cast<std::size_t>(
+      tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)));
+}
+
+std::size_t component_bytes(const tinygltf::Accessor& accessor) {
+  return static_cast<std::size_t>(
+      tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType)));
+}
+
+draco::DataType data_type_of(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return draco::DT_INT8;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return draco::DT_UINT8;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return draco::DT_INT16;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return draco::DT_UINT16;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return draco::DT_UINT32;
+    default:
+      return draco::DT_FLOAT32;
+  }
+}
+
+}  // namespace
+
+std::size_t DracoPrimitive::vertex_count() const {
+  return mesh_->num_points();
+}
+
+std::vector<std::uint32_t> DracoPrimitive::indices() const {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * static_cast<std::size_t>(mesh_->num_faces()));
+  for (draco::FaceIndex face(0); face < mesh_->num_faces(); ++face) {
+    for (const auto& point : mesh_->face(face)) indices.push_back(point.value());
+  }
+  return indices;
+}
+
+Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) const {
+  const Source& source = attributes_.at(semantic);
+  const std::string element = element_ + "/attributes/" + semantic;
+  const tinygltf::Accessor& accessor = asset_.model.accessors[source.accessor];
+  const draco::PointAttribute* stored = mesh_->GetAttributeByUniqueId(source.unique_id);
+  if (stored == nullptr) {
+    return gltf_invalid(element, "is " + std::to_string(source.unique_id) +
+                                     ", but its stream holds no attribute of this id");
+  }
+  DracoAttribute attribute{component_count(accessor), {}};
+  if (stored->data_type() != data_type_of(accessor.componentType) ||
+      static_cast<std::size_t>(stored->num_components()) != attribute.components) {
+    return gltf_invalid(element, "its stream holds values of another type than " +
+                                     gltf_element("accessors", source.accessor) + " declares");
+  }
+  attribute.values.reserve(attribute.components * vertex_count());
+  for (draco::PointIndex point(0); point < mesh_->num_points(); ++point) {
+    const draco::AttributeValueIndex index = stored->mapped_index(point);
+    if (index.value() >= stored->size()) {
+      return gltf_invalid(
+          element, "vertex " + std::to_string(point.value()) + " has no value in its stream");
+    }
+    append_components(accessor, stored->GetAddress(index), attribute.values);
+  }
+  return attribute;
+}
+
+Result<std::vector<Vec3>> DracoPrimitive::positions() const {
+  const std::size_t accessor = attributes_.at("POSITION").accessor;
+  if (auto error = check_position_type(asset_, accessor)) return *error;
+  const auto attribute = this->attribute("POSITION");
+  if (!attribute) return attribute.error();
+  std::vector<Vec3> positions;
+  positions.reserve(vertex_count());
+  for (std::size_t i = 0; i < vertex_count(); ++i) {
+    positions.emplace_back(attribute->values[3 * i], attribute->values[3 * i + 1],
+                           attribute->values[3 * i + 2]);
+    if (!positions.back().allFinite()) {
+      return gltf_invalid(element_, "position " + std::to_string(i) + " is not finite");
+    }
+  }
+  return positions;
+}
+
+// Reads the extension of one primitive and decodes what it names.
+class DracoReader {
+ public:
+  DracoReader(const GltfAsset& asset, std::size_t mesh, std::size_t primitive)
+      : asset_(asset),
+        primitive_(asset.model.meshes[mesh].primitives[primitive]),
+        json_(asset.json["meshes"][mesh]["primitives"][primitive]),
+        primitive_element_(gltf_element("meshes", mesh, "primitives/" + std::to_string(primitive))),
+        element_(primitive_element_ + "/extensions/" + kExtension) {}
+
+  Result<std::optional<DracoPrimitive>> run(std::size_t max_vertices, std::size_t max_triangles) {
+    const auto extension = find_extension(json_, primitive_element_, kExtension);
+    if (!extension) return extension.error();
+    if (*extension == nullptr) return std::optional<DracoPrimitive>();
+    if (primitive_.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+      return gltf_invalid(primitive_element_ + "/mode",
+                          "is 6, but only lists and strips of triangles can be compressed");
+    }
+    DracoPrimitive result(asset_, element_);
+    if (auto error = read_attributes(**extension, result)) return *error;
+    if (auto error = declare_indices()) return *error;
+    if (auto error = check_limits(max_vertices, max_triangles)) return *error;
+    const auto view = required_id(**extension, element_, "bufferView", "/bufferViews",
+                                  asset_.model.bufferViews.size());
+    if (!view) return view.error();
+    const auto bytes = view_bytes(asset_, *view);
+    if (!bytes) return bytes.error();
+    if (auto error = check_expansion(bytes->size())) return *error;
+    auto mesh = decode(*bytes, declared_, element_);
+    if (!mesh) return mesh.error();
+    result.mesh_ = std::move(*mesh);
+    return std::optional(std::move(result));
+  }
+
+ private:
+  std::optional<Error> read_attributes(const Json& extension, DracoPrimitive& result) {
+    const std::string element = element_ + "/attributes";
+    const auto attributes = extension.find("attributes");
+    if (attributes == extension.end()) return gltf_invalid(element, "is missing");
+    if (!attributes->is_object() || attributes->empty()) {
+      return gltf_expected(element, *attributes, "an object that is not empty");
+    }
+    for (const auto& [semantic, value] : attributes->items()) {
+      const std::string path = element + "/" + semantic;
+      const auto id = whole_number(value);
+      if (!id || *id > std::numeric_limits<std::uint32_t>::max()) {
+        return gltf_expected(path, value, "the id of an attribute of the stream");
+      }
+      const auto accessor = primitive_.attributes.find(semantic);
+      if (accessor == primitive_.attributes.end()) {
+        return gltf_invalid(path, "is no attribute of the primitive");
+      }
+      const auto accessor_id = static_cast<std::size_t>(accessor->second);
+      if (auto error = declare_attribute(accessor_id)) return error;
+      result.attributes_[semantic] = {static_cast<std::uint32_t>(*id), accessor_id};
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> declare_attribute(std::size_t accessor_id) {
+    const tinygltf::Accessor& accessor = asset_.model.accessors[accessor_id];
+    const std::string count = gltf_element("accessors", accessor_id, "count");
+    if (accessor.count == 0) return gltf_invalid(count, "is 0; expected 1 or more");
+    if (declared_.vertices != 0 && declared_.vertices != accessor.count) {
+      return gltf_invalid(count, "is " + std::to_string(accessor.count) + ", but that of another " +
+                                     "attribute of " + primitive_element_ + " is " +
+                                     std::to_string(declared_.vertices));
+    }
+    declared_.vertices = accessor.count;
+    return declare_bytes(accessor_id);
+  }
+
+  std::optional<Error> declare_indices() {
+    if (primitive_.indices < 0) {
+      return gltf_invalid(primitive_element_ + "/indices",
+                          "is missing, but the compressed primitive has indices");
+    }
+    const auto accessor_id = static_cast<std::size_t>(primitive_.indices);
+    if (auto error = check_index_type(asset_, accessor_id)) return error;
+    declared_.indices = asset_.model.accessors[accessor_id].count;
+    declared_.strip = primitive_.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
+    return declare_bytes(accessor_id);
+  }
+
+  std::optional<Error> declare_bytes(std::size_t accessor_id) {
+    const tinygltf::Accessor& accessor = asset_.model.accessors[accessor_id];
+    if (accessor.sparse.isSparse) {
+      return gltf_error(ErrorCode::kUnsupported, gltf_element("accessors", accessor_id, "sparse"),
+                        "replaces values of a compressed primitive");
+    }
+    // Counts are at most 2^53, an element has at most 64 bytes: no product wraps.
+    const std::uint64_t bytes =
+        accessor.count * component_count(accessor) * component_bytes(accessor);
+    declared_.bytes += bytes;
+    return asset_.buffers.count_decoded(bytes, gltf_element("accessors", accessor_id, "count"));
+  }
+
+  std::optional<Error> check_limits(std::size_t max_vertices, std::size_t max_triangles) const {
+    const std::uint64_t triangles = declared_.strip ? declared_.indices : declared_.indices / 3;
+    if (declared_.vertices <= max_vertices && triangles <= max_triangles) return std::nullopt;
+    return gltf_error(ErrorCode::kLimitExceeded, primitive_element_,
+                      "has more vertices or triangles than can still be read, " +
+                          std::to_string(max_vertices) + " and " + std::to_string(max_triangles));
+  }
+
+  std::optional<Error> check_expansion(std::size_t stream_bytes) const {
+    if (declared_.bytes / kMaxDracoExpansion <= stream_bytes) return std::nullopt;
+    return gltf_error(ErrorCode::kLimitExceeded, element_,
+                      "its accessors describe " + std::to_string(declared_.bytes) +
+                          " bytes, its stream has " + std::to_string(stream_bytes) + "; at most " +
+                          std::to_string(kMaxDracoExpansion) + " times as many are decoded");
+  }
+
+  const GltfAsset& asset_;
+  const tinygltf::Primitive& primitive_;
+  const Json& json_;
+  std::string primitive_element_;
+  std::string element_;
+  Declared declared_;
+};
+
+Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asset, std::size_t mesh,
+                                                           std::size_t primitive,
+                                                           std::size_t max_vertices,
+                                                           std::size_t max_triangles) {
+  return DracoReader(asset, mesh, primitive).run(max_vertices, max_triangles);
+}
+
+}  // namespace palpate
