@@ -207,8 +207,19 @@ def has_wrong_node_ids(root):
             root.get("scene", 0) not in range(max(1, len(root.get("scenes", [])))))
 
 
+def is_wrong_id(message, root):
+    """Whether the element that a message names as an id out of range is one."""
+    pointer, target = re.match(r"/(\S+): is .*; expected an index into /(\w+),", message).groups()
+    value = root
+    for key in pointer.split("/"):
+        value = at(value, int(key) if isinstance(value, list) else key)
+    return type(value) is not int or value not in range(len(root.get(target, [])))
+
+
 def is_true(reason, message, path, root):
     """Whether the file bears out the reason; None where that is not looked up."""
+    if "expected an index into /" in message:
+        return is_wrong_id(message, root)
     if reason == "required extension":
         index = re.search(r"/extensionsRequired/(\d+): requires the extension \"(.*?)\"", message)
         return at(root.get("extensionsRequired"), int(index[1])) == index[2]

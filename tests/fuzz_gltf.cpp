@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -40,14 +41,30 @@ bool is_small(const SceneDescription& scene) {
   return scene.nodes.size() <= kMaxNodes && points <= kMaxPoints;
 }
 
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+void require_below(const std::optional<std::uint32_t>& index, std::size_t count) {
+  require(!index || *index < count);
+}
+
+void check_materials(const SceneDescription& scene, const MeshDescription& mesh) {
+  require_below(mesh.haptic_material, scene.haptic_materials.size());
+  std::size_t first = 0;
+  for (const MaterialRun& run : mesh.material_runs) {
+    require_below(run.material, scene.materials.size());
+    require(run.first_triangle >= first && run.first_triangle < mesh.triangles.size());
+    first = run.first_triangle;
+  }
+}
+
 // A description that the engine could not trust is a bug, whatever the file.
 void check(const SceneDescription& scene) {
-  const auto require = [](bool holds) {
-    if (!holds) std::abort();
-  };
   require(!scene.meshes.empty() && !scene.nodes.empty());
   for (const MeshDescription& mesh : scene.meshes) {
     require(!mesh.triangles.empty());
+    check_materials(scene, mesh);
     for (const Vec3& p : mesh.positions) require(p.allFinite());
     for (const Triangle& t : mesh.triangles) {
       for (const std::uint32_t vertex : t) require(vertex < mesh.positions.size());
@@ -56,6 +73,7 @@ void check(const SceneDescription& scene) {
   for (const NodeDescription& node : scene.nodes) {
     require(node.mesh < scene.meshes.size() && node.tree_node < scene.tree.size());
     require(node.linear_scene_mesh.allFinite() && node.translation_m.allFinite());
+    require_below(node.physics_material, scene.physics_materials.size());
   }
 }
 
