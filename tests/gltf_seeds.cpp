@@ -196,8 +196,8 @@ GltfBuilder with_materials() {
        {"frictionCombine", "average"}}};
   asset.json["extensions"]["MPEG_haptic_material"]["materials"] = {
       {{"name", "wood"},
-       {"stiffness", {{{"texture", {{"index", 0}, {"texCoord", 0}}}}}},
-       {"friction", {{{"texture", {{"index", 0}}}}}}}};
+       {"stiffness", {{{"type", "High_Resolution"}, {"texture", {{"index", 0}, {"texCoord", 0}}}}}},
+       {"friction", {{{"type", "High_Resolution"}, {"texture", {{"index", 0}}}}}}}};
   asset.json["meshes"][0]["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 0;
   asset.json["nodes"][0]["extensions"]["KHR_physics_rigid_bodies"]["collider"] = {
       {"geometry", {{"node", 0}}}, {"physicsMaterial", 0}};
