@@ -125,7 +125,7 @@ void load(benchmark::State& state, std::size_t instances) {
     if (!scene || scene->objects().size() != instances || scene->statistics().indices != 1) {
       return state.SkipWithError("the scene is not what was written");
     }
-    state.counters["memory_bytes"] = static_cast<double>(scene->statistics().memory_bytes);
+    state.counters["memory_bytes"] = static_cast<double>(scene->statistics().memory.total());
   }
   std::nth_element(times_ms.begin(), times_ms.begin() + kLoads / 2, times_ms.end());
   state.counters["median_ms"] = times_ms[kLoads / 2];
