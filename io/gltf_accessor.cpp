@@ -451,11 +451,11 @@ Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::siz
                                                 std::size_t max_count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
   if (auto error = check_index_type(asset, accessor_id)) return *error;
-  if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
-  if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   if (accessor.bufferView >= 0) {
     if (auto error = check_no_stride(asset, accessor.bufferView)) return *error;
   }
+  if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
+  if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   std::vector<std::uint32_t> indices(accessor.count);
   if (auto error = decode_accessor(asset, accessor_id, indices.size(), indices.data())) {
     return *error;
