@@ -34,7 +34,8 @@ struct Declared {
   std::uint64_t vertices = 0;
   std::uint64_t indices = 0;
   bool strip = false;
-  std::uint64_t bytes = 0;  // of all of its accessors together
+  std::uint64_t max_vertices = 0;  // that can still be read
+  std::uint64_t bytes = 0;         // of all of its accessors together
 };
 
 // The numbers at the start of the connectivity.
@@ -105,7 +106,10 @@ class Gate {
 
   // The vertices and the descriptions of the attributes are known, their values are not.
   bool admit(const draco::PointCloud& points) {
-    if (points.num_points() != declared_.vertices) {
+    // Exporters count them before or after the codec has split some: a real sample does. A triangle
+    // has three at most.
+    if (points.num_points() > declared_.max_vertices ||
+        points.num_points() > std::max(declared_.indices, declared_.vertices)) {
       return refuse("its stream holds " + std::to_string(points.num_points()) +
                         " vertices, but the accessors of its attributes have " +
                         std::to_string(declared_.vertices) + " elements",
@@ -118,7 +122,7 @@ class Gate {
       const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
       per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
     }
-    return admit_bytes(per_point * declared_.vertices);
+    return admit_bytes(per_point * points.num_points());
   }
 
  private:
@@ -397,6 +401,7 @@ class DracoReader {
     if (auto error = read_attributes(**extension, result)) return *error;
     if (auto error = declare_indices()) return *error;
     if (auto error = check_limits(max_vertices, max_triangles)) return *error;
+    declared_.max_vertices = max_vertices;
     const auto view = required_id(**extension, element_, "bufferView", "/bufferViews",
                                   asset_.model.bufferViews.size());
     if (!view) return view.error();

@@ -61,12 +61,13 @@ class DracoPrimitive {
 // Decodes the primitive; nothing if it is not compressed. A version that is not compressed, which
 // may lie beside it, is not read.
 //
-// The accessors say what the stream must hold: it is refused if they differ from it in vertices or
-// triangles. The numbers in the stream, by which the decoder allocates, are read and checked before
-// it does; its memory stays in proportion to what the accessors describe, and that to the length of
-// the stream. What remains out of reach are the tables of its entropy coder: the library checks
-// that they have no more than 64 symbols for each byte of the stream, and takes about 750 bytes for
-// those while it decodes. Not more than max_vertices and max_triangles are read (kLimitExceeded).
+// The accessors say what the stream must hold: it is refused if they differ from it in triangles.
+// (Of vertices it may hold another number, no more than corners: the caller should warn.) The
+// numbers in the stream, by which the decoder allocates, are read and checked before it does; its
+// memory stays in proportion to what the accessors describe, and that to the length of the stream.
+// What remains out of reach are the tables of its entropy coder: the library checks that they have
+// no more than 64 symbols for each byte of the stream, and takes about 750 bytes for those while it
+// decodes. Not more than max_vertices and max_triangles are read (kLimitExceeded).
 Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asset, std::size_t mesh,
                                                            std::size_t primitive,
                                                            std::size_t max_vertices,

@@ -147,6 +147,12 @@ class MeshReader {
                          ? compressed.positions()
                          : read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
+    const std::size_t declared = asset_.model.accessors[accessor].count;
+    if (compressed.has("POSITION") && positions->size() != declared) {
+      warnings_.push_back(element + ": its compressed stream holds " +
+                          std::to_string(positions->size()) + " vertices, its accessors say " +
+                          std::to_string(declared));
+    }
     if (positions->size() != compressed.vertex_count()) {
       return gltf_invalid(element + "/attributes/POSITION",
                           "has " + std::to_string(positions->size()) +

@@ -125,6 +125,15 @@ COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
+def instances_of(node, accessors):
+    """How often a node shows its mesh."""
+    extension = node.get("extensions", {}).get("EXT_mesh_gpu_instancing")
+    if not extension:
+        return 1
+    counts = [at(accessors, a).get("count", 0) for a in extension.get("attributes", {}).values()]
+    return max(counts, default=1)
+
+
 def referenced_bytes(root):
     """What the geometry of an asset refers to, each reference counted, decoded sizes."""
     accessors = root.get("accessors", [])
@@ -136,9 +145,12 @@ def referenced_bytes(root):
         total += (accessor.get("count", 0) * COMPONENT_BYTES.get(accessor.get("componentType"), 4) *
                   COMPONENTS.get(accessor.get("type"), 1))
 
-    uses = collections.Counter(node.get("mesh") for node in root.get("nodes", []))
+    # A mesh is referred to by each node, and by each instance of a node: all may differ in scale.
+    uses = collections.Counter()
+    for node in root.get("nodes", []):
+        uses[node.get("mesh")] += instances_of(node, accessors)
     for number, mesh in enumerate(root.get("meshes", [])):
-        for primitive in mesh.get("primitives", []) if uses[number] else []:
+        for primitive in uses[number] * mesh.get("primitives", []):
             for attributes in [primitive.get("attributes", {})] + primitive.get("targets", []):
                 for name, accessor in attributes.items():
                     if re.match(r"POSITION|JOINTS|WEIGHTS", name):
