@@ -315,12 +315,6 @@ int type_named(const std::string& name) {
   return name == "VEC4" ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_MAT4;
 }
 
-// 255, 65535 or 4294967295
-std::uint32_t restart_value(int component_type) {
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
-  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu : 0xffffffffu;
-}
-
 }  // namespace
 
 Result<std::span<const std::uint8_t>> view_bytes(const GltfAsset& asset, std::size_t view_id) {
@@ -447,6 +441,12 @@ Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t acc
   return numbers;
 }
 
+std::uint32_t restart_index(const GltfAsset& asset, std::size_t accessor_id) {
+  const int component_type = asset.model.accessors[accessor_id].componentType;
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 0xffu;
+  return component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu : 0xffffffffu;
+}
+
 Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor_id,
                                                 std::size_t max_count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
@@ -459,14 +459,6 @@ Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::siz
   std::vector<std::uint32_t> indices(accessor.count);
   if (auto error = decode_accessor(asset, accessor_id, indices.size(), indices.data())) {
     return *error;
-  }
-  const auto restart =
-      std::find(indices.begin(), indices.end(), restart_value(accessor.componentType));
-  if (restart != indices.end()) {
-    return gltf_invalid(gltf_element("accessors", accessor_id),
-                        "index " + std::to_string(restart - indices.begin()) + " is " +
-                            std::to_string(*restart) +
-                            ", the largest of its type, which glTF does not allow");
   }
   return indices;
 }

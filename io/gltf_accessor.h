@@ -78,9 +78,12 @@ std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t acc
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// The elements of an accessor of unsigned integer scalars that are not normalised. The value that
-// glTF reserves for primitive restart, the largest of the type, is refused.
+// The elements of an accessor of unsigned integer scalars that are not normalised.
 Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor,
                                                 std::size_t max_count);
+
+// The index that glTF reserves for primitive restart: the largest of the type, 255, 65535 or
+// 4294967295.
+std::uint32_t restart_index(const GltfAsset& asset, std::size_t accessor);
 
 }  // namespace palpate

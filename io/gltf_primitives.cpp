@@ -238,7 +238,25 @@ class MeshReader {
                               std::to_string(*wrong) + ", but the primitive has " +
                               std::to_string(vertex_count) + " vertices");
     }
+    if (auto error = check_restart(primitive, mode, *indices, element)) return *error;
     return indices;
+  }
+
+  // An index that stands for primitive restart, section 3.7.2.1, is not allowed. Real exporters use
+  // it for the last vertex of 256; a list has nothing to restart, so there it can mean nothing
+  // else.
+  std::optional<Error> check_restart(const tinygltf::Primitive& primitive, TriangleMode mode,
+                                     const std::vector<std::uint32_t>& indices,
+                                     const std::string& element) {
+    const auto reserved = restart_index(asset_, static_cast<std::size_t>(primitive.indices));
+    const auto found = std::find(indices.begin(), indices.end(), reserved);
+    if (found == indices.end()) return std::nullopt;
+    const std::string problem = "index " + std::to_string(found - indices.begin()) + " is " +
+                                std::to_string(reserved) +
+                                ", the largest of its type, which glTF does not allow";
+    if (mode != TriangleMode::kList) return gltf_invalid(element + "/indices", problem);
+    warnings_.push_back(element + "/indices: " + problem + "; it is read as that vertex");
+    return std::nullopt;
   }
 
   // The triangles that follow have this material, by its id in the file; -1: none.

@@ -888,12 +888,25 @@ TEST(GltfReader, RefusesIndicesBeyondTheVertices) {
   }
 }
 
-TEST(GltfReader, RefusesTheRestartIndex) {
-  const std::vector<Eigen::Vector3f> points(300, Eigen::Vector3f::Ones());
-  expect_invalid(asset_of(points, {0, 1, 255}, GltfBuilder::kUnsignedByte), "/accessors/1", "255");
-  expect_invalid(asset_of(points, {0, 65535, 1}), "/accessors/1", "65535");
-  expect_invalid(asset_of(points, {0xffffffffu, 0, 1}, GltfBuilder::kUnsignedInt), "/accessors/1",
-                 "4294967295");
+TEST(GltfReader, TakesTheRestartIndexForAVertexInListsOnly) {
+  const std::vector<Eigen::Vector3f> points = [] {
+    std::vector<Eigen::Vector3f> line;
+    for (int i = 0; i < 65536; ++i)
+      line.emplace_back(static_cast<float>(i), i % 2 ? 1.0f : 0.0f, 0.0f);
+    return line;
+  }();
+  for (const auto& [index, type] : {std::pair(255u, GltfBuilder::kUnsignedByte),
+                                    std::pair(65535u, GltfBuilder::kUnsignedShort)}) {
+    GltfBuilder asset = asset_of(points, {0, 1, index}, type);
+    const SceneDescription scene = read_glb(asset);
+    EXPECT_EQ(scene.meshes.at(0).triangles.at(0)[2], index);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find(std::to_string(index)), std::string::npos);
+    for (const int strip_or_fan : {5, 6}) {
+      asset.json["meshes"][0]["primitives"][0]["mode"] = strip_or_fan;
+      expect_invalid(asset, "/meshes/0/primitives/0/indices", std::to_string(index));
+    }
+  }
 }
 
 TEST(GltfReader, RefusesIncompleteTriangles) {
