@@ -23,17 +23,18 @@ double load_ms(const SceneStatistics& s) {
   return s.parse_ms + s.mesh_ms + s.index_ms;
 }
 
-// Of the whole and of its parts, and what that makes for each triangle that is kept.
+// Of the whole and of its parts, and what surfaces make for each triangle that is kept.
 std::string memory_text(const SceneStatistics& s) {
   const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
   const MemoryBreakdown& m = s.memory;
   return format(
              "  memory %.1f MB, %.0f bytes a triangle: adjacency %.1f, positions %.1f, maps %.1f, ",
              megabytes(m.total()),
-             static_cast<double>(m.total()) / static_cast<double>(s.cleaning.triangles),
+             static_cast<double>(m.total() - m.places) / static_cast<double>(s.cleaning.triangles),
              megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
-         format("index: triangles %.1f, packs %.1f, boxes %.1f\n", megabytes(m.index_triangles),
-                megabytes(m.index_packs), megabytes(m.index_boxes));
+         format("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f\n",
+                megabytes(m.index_triangles), megabytes(m.index_packs), megabytes(m.index_boxes),
+                megabytes(m.places));
 }
 
 std::string faults_text(const RunSummary& s) {
@@ -155,7 +156,8 @@ ordered_json scene_json(const Scene& scene) {
             {"maps", s.memory.maps},
             {"index_triangles", s.memory.index_triangles},
             {"index_packs", s.memory.index_packs},
-            {"index_boxes", s.memory.index_boxes}}},
+            {"index_boxes", s.memory.index_boxes},
+            {"places", s.memory.places}}},
           {"notes", s.notes},
           {"warnings", s.warnings}};
 }

@@ -294,13 +294,21 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_ra
   const double stand_off = SolverScale::of(world_.size_m, proxy_radius_m).stand_off_m;
   const double sweep_radius_m = proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off : 0.0;
   if (auto error = build_indices(sweep_radius_m)) return error;
+  world_.bodies.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const RigidTransform& T_scene_body = objects_[i].T_scene_body;
     world_.bodies.push_back({shapes_[shape_of_object_[i]].index.get(), {}, true});
     world_.bodies.back().place(
         {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
   }
+  // Short names are inside the objects and nodes. Embree's tree is counted as for clusters.
+  constexpr std::size_t kTreeBytesPerBody = 200;
+  statistics_.memory.places =
+      objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
+      shape_of_object_.capacity() * sizeof(std::size_t) +
+      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(Shape);
   if (world_.bodies.size() <= kFewBodies) return std::nullopt;
+  statistics_.memory.places += world_.bodies.size() * kTreeBytesPerBody;
   std::vector<Box> boxes;
   boxes.reserve(world_.bodies.size());
   for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());

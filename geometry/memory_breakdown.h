@@ -1,6 +1,6 @@
 #pragma once
 
-// What a compiled surface takes, by what it is for.
+// What compiled surfaces take, by what it is for.
 
 #include <cstddef>
 
@@ -15,8 +15,10 @@ struct MemoryBreakdown {
   std::size_t index_packs = 0;      // the same in float, sixteen at a time
   std::size_t index_boxes = 0;      // around packs, and Embree's tree over them
 
+  std::size_t places = 0;           // of a scene's nodes: names, poses, and the tree over them
+
   std::size_t total() const {
-    return adjacency + positions + maps + index_triangles + index_packs + index_boxes;
+    return adjacency + positions + maps + index_triangles + index_packs + index_boxes + places;
   }
   MemoryBreakdown& operator+=(const MemoryBreakdown& other) {
     adjacency += other.adjacency;
@@ -25,6 +27,7 @@ struct MemoryBreakdown {
     index_triangles += other.index_triangles;
     index_packs += other.index_packs;
     index_boxes += other.index_boxes;
+    places += other.places;
     return *this;
   }
 };

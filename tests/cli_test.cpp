@@ -465,7 +465,7 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
   for (const json& extent : info["extent_m"]) EXPECT_EQ(extent, info["extent_m"][0]);
   EXPECT_GT(info["memory_bytes"], 1000);
   EXPECT_EQ(keys_of(info["memory"]), sorted({"adjacency", "positions", "maps", "index_triangles",
-                                             "index_packs", "index_boxes"}));
+                                             "index_packs", "index_boxes", "places"}));
   std::size_t sum = 0;
   for (const json& part : info["memory"]) sum += part.get<std::size_t>();
   EXPECT_EQ(info["memory_bytes"], sum);
