@@ -21,6 +21,7 @@
 #include "io/gltf_limits.h"
 #include "io/gltf_reader.h"
 #include "io/tinygltf.h"
+#include "tests/compressed_seeds.h"
 #include "tests/gltf_builder.h"
 #include "tests/random.h"
 
@@ -876,6 +877,16 @@ TEST(Draco, ReadsPositionsThatAreNotCompressedThemselves) {
   expect_triangles(scene.meshes.at(0).triangles, indices);
   asset.json["accessors"][0]["count"] = points.size() - 1;
   expect_refused(asset, ErrorCode::kInvalidContent, "/meshes/0/primitives/0/attributes/POSITION");
+}
+
+TEST(CompressedSeeds, OfTheFuzzTargetAreValid) {
+  for (const auto& [name, bytes] : test::compressed_gltf_seeds()) {
+    SCOPED_TRACE(name);
+    const auto scene = read_bytes(bytes);
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    EXPECT_EQ(scene->meshes.at(0).triangles.size(), 4u);
+    EXPECT_EQ(scene->meshes.at(0).positions.size(), 4u);
+  }
 }
 
 // Every second vertex goes up with its joint, the others down.

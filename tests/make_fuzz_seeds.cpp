@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
+#include "tests/compressed_seeds.h"
 #include "tests/gltf_seeds.h"
 
 int main(int argc, char** argv) {
@@ -13,7 +15,9 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path folder(argv[1]);
   std::filesystem::create_directories(folder);
-  for (const auto& [name, bytes] : palpate::test::gltf_seeds()) {
+  auto seeds = palpate::test::gltf_seeds();
+  for (auto& seed : palpate::test::compressed_gltf_seeds()) seeds.push_back(std::move(seed));
+  for (const auto& [name, bytes] : seeds) {
     std::ofstream file(folder / name, std::ios::binary);
     file << bytes;
     if (!file.flush()) {
