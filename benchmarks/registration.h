@@ -28,7 +28,8 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 
-// Of no size: load_instances/<count>, instances_sliding/<count> and the same _searched.
+// Of no size: load_instances/<count>x, instances_sliding/<count>x and the same
+// _searched.
 void register_instance_benchmarks(const SampleCounts& counts);
 // Best before the others of the size, which keep what they have built.
 void register_load_benchmarks(int subdivisions);

@@ -67,6 +67,16 @@ LOADING = [
     ("load_glb", "resident_per_triangle", 0, "growth of the process, bytes a triangle"),
 ]
 
+# Benchmark, its counter, what it says in the README, how.
+INSTANCES = [
+    ("load_instances", "median_ms", "from open to a compiled scene, ms", lambda v: f"{v:.1f}"),
+    ("load_instances", "memory_bytes", "memory, MB", lambda v: f"{v / 1e6:.1f}"),
+    ("instances_sliding", "p50_ns", "step of the sliding proxy, us", lambda v: microseconds(v)),
+    ("instances_sliding_searched", "p50_ns", "the same, each searched for from scratch, us",
+     lambda v: microseconds(v)),
+]
+INSTANCE_COUNTS = ["1x", "10000x"]
+
 SIDE_TESTS = [("side_test_float128", "113 bits in software"), ("side_test_adaptive", "expansions"),
               ("side_test_cgal", "CGAL's kernel")]
 SIDE_CLASSES = [("easy", "easy"), ("near", "double fails"), ("exact", "exactly zero"),
@@ -175,6 +185,17 @@ def loading_table(runs):
     return "\n".join(lines)
 
 
+def instance_table(runs):
+    if ("load_instances", INSTANCE_COUNTS[-1]) not in runs:
+        return ""
+    lines = ["| Instances of a sphere of 1,280 triangles | one | 10,000 |", "|---|---:|---:|"]
+    for workload, counter, title, text in INSTANCES:
+        values = [runs.get((workload, count), {}).get(counter) for count in INSTANCE_COUNTS]
+        cells = ["-" if value is None else text(value) for value in values]
+        lines.append(f"| {title} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def sphere_line(runs):
     parts = []
     for size in sizes_of(runs):
@@ -230,7 +251,8 @@ def generate(results_directory):
     for path in paths:
         context, runs = read_result(path)
         parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
-                 ratio_table(runs), loading_table(runs), side_test_table(runs)]
+                 ratio_table(runs), loading_table(runs), instance_table(runs),
+                 side_test_table(runs)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)
 

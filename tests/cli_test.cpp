@@ -425,6 +425,65 @@ TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
 }
 
+// ---- part, size and motion of a scene
+// ------------------------------------------------------------
+
+TEST_F(CommandLine, ListsTheNodesOfAScene) {
+  EXPECT_EQ(expect_done({"info", kStar, "--list"}).out,
+            std::string(kStar) + "\n  star  #0  mesh\n");
+  const json list = json::parse(expect_done({"info", kStar, "--list", "--json"}).out);
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0]["name"], "star");
+  EXPECT_EQ(list[0]["number"], 0);
+  EXPECT_TRUE(list[0]["parent"].is_null());
+}
+
+TEST_F(CommandLine, LoadsAPartInAnySize) {
+  const auto extent = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"info", kCube, "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return json::parse(expect_done(arguments).out)["extent_m"][0].get<double>();
+  };
+  const double as_it_is = extent({});
+  EXPECT_EQ(extent({"--scale", "0.25"}), 0.25 * as_it_is);
+  EXPECT_NEAR(extent({"--fit", "0.3"}), 0.3, 1e-15);
+  EXPECT_EQ(extent({"--node", "cube"}), as_it_is);
+  EXPECT_EQ(extent({"--node", "#0"}), as_it_is);
+}
+
+TEST_F(CommandLine, RefusesPartsAndSizesThatAreNone) {
+  expect_refused({"info", kCube, "--node", "sphere"}, {kCube, "sphere", "--list"});
+  for (const char* size : {"0", "-1", "nan", "inf", "1e-400"}) {
+    expect_refused({"info", kCube, "--scale", size}, {"--scale"});
+    expect_refused({"info", kCube, "--fit", size}, {"--fit"});
+  }
+  expect_refused({"info", kCube, "--fit", "1", "--scale", "1"}, {"--fit", "--scale"});
+}
+
+TEST_F(CommandLine, MovesNodesTheSameWayEveryTime) {
+  write_path();
+  const auto trace = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = replay({"--out", folder.path("trace.csv")});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_done(arguments);
+    return without_last_column(content_of(folder.path("trace.csv")));
+  };
+  const std::string resting = trace({});
+  const std::string moving = trace({"--move", "star=0.2 0 0 0 0 3"});
+  EXPECT_NE(moving, resting);
+  EXPECT_EQ(trace({"--move", "star=0.2 0 0 0 0 3"}), moving);
+  EXPECT_EQ(trace({"--move", "star=0 0 0 0 0 0"}), resting);
+}
+
+TEST_F(CommandLine, RefusesMotionsThatAreNone) {
+  write_path();
+  for (const char* move : {"star", "star=", "star=1 2 3", "=0 0 0 0 0 0", "star=0 0 0 0 0 x",
+                           "star=0 0 0 0 0 0 0", "star=0 0 0 0 0 inf"}) {
+    expect_refused(replay({"--move", move}), {"--move"});
+  }
+  expect_refused(replay({"--move", "moon=0 0 0 0 0 0"}), {"moon", "--list"});
+}
+
 // ---- info --------------------------------------------------------------------------------------
 
 TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
