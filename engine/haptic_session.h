@@ -35,7 +35,8 @@ class TickObserver {
 class WorldMover {
  public:
   virtual ~WorldMover() = default;
-  // time_s: sum of the dt of the ticks before this one. Calls loop.move_body() for what has moved.
+  // time_s: sum of the good dt of the ticks before this one. Calls loop.move_body() for what has
+  // moved.
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
 };
 

@@ -29,7 +29,8 @@ Result<std::size_t> NodeMotions::add(const std::string& node) {
   const auto bodies_before = bodies_;
   nodes_.push_back({*found,
                     end_of_subtree(scene_->tree(), *found),
-                    {1, 0, 0, 0, 0, 0, 0},
+                    {},
+                    false,
                     std::make_unique<SnapshotRing<PoseNumbers>>()});
   find_bodies();
   const bool moves_something =
@@ -73,27 +74,34 @@ void NodeMotions::set(std::size_t handle, const RigidTransform& T) noexcept {
                                    T.translation_m.x(), T.translation_m.y(), T.translation_m.z()});
 }
 
-// True if a node is to be somewhere else than before.
+// The newest pose of each node that is one. False if one was none.
 bool NodeMotions::collect() noexcept {
-  bool is_news = false;
+  bool all_good = true;
   for (MovableNode& node : nodes_) {
-    PoseNumbers pose;
-    if (!node.mailbox->read(pose) || pose == node.pose) continue;
-    node.pose = pose;
-    is_news = true;
+    PoseNumbers numbers;
+    if (!node.mailbox->read(numbers)) continue;
+    RigidTransform T_scene_rest = pose_of(numbers);
+    if (!HapticLoop::is_pose(T_scene_rest)) {
+      all_good = false;
+      continue;
+    }
+    T_scene_rest.rotation.normalize();
+    node.T_scene_rest = T_scene_rest;
+    node.has_moved = true;
   }
-  return is_news;
+  return all_good;
 }
 
 void NodeMotions::move_bodies(double /*time_s*/, HapticLoop& loop) noexcept {
-  const bool is_news = collect();
-  if (!is_news && told_ == &loop) return;
-  told_ = &loop;
+  if (!collect()) loop.refuse_body_pose();
   for (const MovableBody& body : bodies_) {
     RigidTransform T_scene_rest;
+    bool has_moved = false;
     for (const std::size_t n : body.nodes) {
-      T_scene_rest = composed(T_scene_rest, pose_of(nodes_[n].pose));
+      T_scene_rest = composed(T_scene_rest, nodes_[n].T_scene_rest);
+      has_moved = has_moved || nodes_[n].has_moved;
     }
+    if (!has_moved) continue;
     loop.move_body(body.body, composed(T_scene_rest, scene_->objects()[body.body].T_scene_body));
   }
 }
@@ -104,6 +112,11 @@ Result<SteadyMotions> SteadyMotions::create(const Scene& scene,
   for (const SteadyMotion& motion : motions) {
     const auto handle = steady.motions_->add(motion.node);
     if (!handle) return handle.error();
+    for (const Mover& mover : steady.movers_) {
+      if (mover.handle != *handle) continue;
+      return Error{ErrorCode::kInvalidArgument, "", "node \"" + motion.node + "\"",
+                   "is given two motions; expected one", ""};
+    }
     const auto node = find_node(scene.tree(), motion.node);
     steady.movers_.push_back({*handle, motion, scene.tree()[*node].origin_m});
   }

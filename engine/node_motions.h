@@ -34,8 +34,8 @@ class NodeMotions final : public WorldMover {
   Result<std::size_t> add(const std::string& node);
 
   // Where the node is, relative to where the file has it: p_scene = T_scene_rest p_scene_as_loaded.
-  // Wait-free; one thread at a time for each node. What is no pose is refused by the haptic loop,
-  // with a fault bit.
+  // Wait-free; one thread at a time for each node. What is no pose (HapticLoop::is_pose) is not
+  // taken, and kFaultBadBodyPose tells for as long as no other one is set.
   void set(std::size_t handle, const RigidTransform& T_scene_rest) noexcept;
 
   // On the haptic thread, before a tick.
@@ -47,8 +47,9 @@ class NodeMotions final : public WorldMover {
 
   struct MovableNode {
     std::uint32_t tree_node;
-    std::uint32_t end;  // of its subtree
-    PoseNumbers pose{1, 0, 0, 0, 0, 0, 0};
+    std::uint32_t end;            // of its subtree
+    RigidTransform T_scene_rest;  // the last that was a pose
+    bool has_moved = false;
     std::unique_ptr<SnapshotRing<PoseNumbers>> mailbox;
   };
   struct MovableBody {
@@ -62,7 +63,6 @@ class NodeMotions final : public WorldMover {
   const Scene* scene_;
   std::vector<MovableNode> nodes_;
   std::vector<MovableBody> bodies_;
-  const HapticLoop* told_ = nullptr;  // the loop that knows the poses
 };
 
 // A node that moves steadily: about the origin it has in the file, at first there.

@@ -8,16 +8,15 @@ namespace palpate {
 
 std::optional<NodePlacement> split_linear(const Mat3& linear) {
   if (!linear.allFinite()) return std::nullopt;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Mat3> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vec3 scales = svd.singularValues();
   if (scales[2] <= 16 * std::numeric_limits<double>::epsilon() * scales[0]) return std::nullopt;
   const bool is_diagonal = Mat3(linear.diagonal().asDiagonal()) == linear;
   if (is_diagonal) return NodePlacement{linear, Quat::Identity()};
-  // R must be proper; a mirror stays in S.
-  const Mat3 u = svd.matrixU();
-  const Mat3 v = svd.matrixV();
-  const double sign = (u * v.transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  const Mat3 rotation = u * Vec3(1.0, 1.0, sign).asDiagonal() * v.transpose();
+  // R must be proper: a mirror stays in S, which is then minus a stretch, the one such factor there
+  // is, so that instances of one mirrored scale are found to be alike.
+  const Mat3 orthogonal = svd.matrixU() * svd.matrixV().transpose();
+  const Mat3 rotation = orthogonal.determinant() < 0.0 ? Mat3(-orthogonal) : orthogonal;
   const Quat q(Quat(rotation).normalized());
   const Mat3 deformation = q.conjugate().toRotationMatrix() * linear;
   // A node that is only turned deforms nothing: it can share an index with one that is not turned.

@@ -1,6 +1,7 @@
 #include "engine/run_options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -19,11 +20,16 @@ std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   for (char& c : blanks) {
     if (c == ',') c = ' ';
   }
-  std::istringstream stream(blanks);
-  stream.imbue(std::locale::classic());
+  std::istringstream words(blanks);
   std::vector<double> numbers;
-  for (double x = 0.0; stream >> x;) numbers.push_back(x);
-  if (!stream.eof()) return std::nullopt;
+  for (std::string word; words >> word;) {
+    const char* end = word.data() + word.size();
+    const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);  // which from_chars refuses
+    double x = 0.0;
+    const auto [rest, failed] = std::from_chars(begin, end, x);
+    if (failed != std::errc() || rest != end) return std::nullopt;
+    numbers.push_back(x);
+  }
   return numbers;
 }
 

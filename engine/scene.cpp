@@ -25,8 +25,9 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
-// Squares of lengths, and volumes, must not overflow.
-constexpr double kLargestExtent_m = 1e100;
+// Squares of areas must neither overflow nor vanish, of triangles a million times smaller as well.
+constexpr double kLargestExtent_m = 1e60;
+constexpr double kSmallestExtent_m = 1e-60;
 
 // Vertices looked at for the extent of a scene, of all nodes together: a second or less.
 constexpr std::size_t kMostExactVertices = std::size_t{1} << 27;
@@ -209,9 +210,11 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
     bounds = bounds_in_scene(scene.meshes_, description.nodes);
   }
   statistics.extent_m = bounds.high - bounds.low;
-  if (!(statistics.extent_m.maxCoeff() <= kLargestExtent_m)) {
+  const double extent_m = statistics.extent_m.maxCoeff();
+  if (!statistics.extent_m.allFinite() || extent_m > kLargestExtent_m ||
+      extent_m < kSmallestExtent_m) {
     return Error{ErrorCode::kLimitExceeded, description.path, "scene",
-                 "its extent is more than 1e100 m", "choose a smaller scale"};
+                 "its largest extent is not between 1e-60 and 1e60 m", "choose another scale"};
   }
   scene.tree_ = std::move(description.tree);
   scene.add_objects(description.nodes, placements);

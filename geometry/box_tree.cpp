@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 #include "geometry/embree_boxes.h"
 
@@ -50,8 +51,12 @@ void BoxTree::visit_near(const Vec3& p, double radius_m, NearVisitor visitor,
   const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
                             static_cast<float>(p.z())};
   const float radius = round_up(radius_m + float_point_margin_m(p));
-  boxes_->query_point(p_float, radius,
-                      [&](std::uint32_t box) { return visitor(state, box) ? radius : 0.0f; });
+  // Embree goes on to boxes at no distance, and to the rest of a leaf, whatever radius is left.
+  bool wants_more = true;
+  boxes_->query_point(p_float, radius, [&](std::uint32_t box) {
+    wants_more = wants_more && visitor(state, box);
+    return wants_more ? radius : 0.0f;
+  });
 }
 
 void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,

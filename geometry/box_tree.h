@@ -28,7 +28,7 @@ class BoxTree {
 
   // Told of a box by its index; returns whether more are wanted. Must not throw.
   using NearVisitor = bool (*)(void* state, std::uint32_t box);
-  // Visits the boxes that come within radius_m of p.
+  // Visits the boxes that come within radius_m of p, and none after one that was the last wanted.
   void visit_near(const Vec3& p, double radius_m, NearVisitor visitor, void* state) const noexcept;
 
   // Told of a box by its index; returns the fraction of the segment beyond which boxes are of no

@@ -2,6 +2,7 @@
 
 // Boxes in a BVH of Embree's: what SurfaceIndex and BoxTree search with. Private to geometry.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>

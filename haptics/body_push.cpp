@@ -1,5 +1,6 @@
 #include "haptics/body_push.h"
 
+#include <algorithm>
 #include <array>
 
 #include "haptics/plane_projection.h"
@@ -10,6 +11,10 @@ namespace {
 // A push that is stopped is shortened at most so often; then the proxy keeps its very place on the
 // body.
 constexpr int kMaxShortenings = 8;
+
+// The push may be so many times as long as the way of the body where it meets the proxy: planes
+// that close at less than a degree, about, hold the proxy.
+constexpr double kFarthestPerMotion = 64.0;
 
 // One body that moves, and what the proxy has met of it and of others.
 class Push {
@@ -35,6 +40,10 @@ class Push {
           project_onto_planes(planes, Vec3::Zero(), Feasibility::kMustMove);
       if (!least.solved) return std::nullopt;
       target = proxy_ + least.displacement_m;
+      if (motion_plane_normal_) {
+        target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
+      }
+      if (is_far(target)) return std::nullopt;
     }
     return std::nullopt;
   }
@@ -56,43 +65,41 @@ class Push {
   }
 
  private:
-  struct Obstacle {
-    Vec3 normal;      // solver frame, towards the proxy
-    double offset_m;  // of the displacement from proxy_, along the normal
-  };
-
-  std::optional<Obstacle> first_obstacle(const Vec3& target) {
+  // As a plane for displacements from where the proxy is.
+  std::optional<ContactPlane> first_obstacle(const Vec3& target) {
     const double stand_off = tracer_.scale().stand_off_m;
     const Vec3 target_body = placed_.to_body(target);
     if (const auto hit = tracer_.trace_in_body(body_, start_body_, target_body)) {
       const Vec3 stop =
           placed_.to_solver(start_body_ + hit->fraction * (target_body - start_body_));
       const Vec3& normal = hit->contact.normal;
-      return Obstacle{normal, normal.dot(stop - proxy_) + stand_off - hit->contact.clearance_m};
+      return ContactPlane{normal, normal.dot(stop - proxy_) + stand_off - hit->contact.clearance_m};
     }
     if (target == proxy_) return std::nullopt;
     if (const auto hit = tracer_.trace_others(body_, proxy_, target)) {
       const Vec3& normal = hit->contact.normal;
       const Vec3 stop_from_proxy = hit->fraction * (target - proxy_);
       const double room = hit->contact.clearance_m - stand_off - normal.dot(stop_from_proxy);
-      return Obstacle{normal, std::min(0.0, -room)};
+      return ContactPlane{normal, std::min(0.0, -room)};
     }
     return std::nullopt;
   }
 
-  // False if the plane cannot push the proxy within its plane of motion.
-  bool add_plane(const Obstacle& obstacle) {
-    Vec3 normal = obstacle.normal;
-    double offset_m = obstacle.offset_m;
-    if (motion_plane_normal_) {
-      normal -= normal.dot(*motion_plane_normal_) * *motion_plane_normal_;
-      const double in_plane = normal.norm();
-      if (in_plane < kMinInPlaneNormal) return false;
-      normal /= in_plane;
-      offset_m /= in_plane;
-    }
-    planes_[static_cast<std::size_t>(plane_count_++)] = {normal, offset_m};
-    return true;
+  // Two planes that close on the proxy at a narrow angle drive it out like a cherry stone, without
+  // bounds as the angle goes to zero. That is no push any more: there is no room.
+  bool is_far(const Vec3& target) const {
+    const Vec3 stuck = placed_.to_solver(start_body_);
+    const double moved_m = (stuck - proxy_).norm() + 4 * tracer_.scale().stand_off_m;
+    const double farthest_m = kFarthestPerMotion * moved_m;
+    return (target - proxy_).squaredNorm() > farthest_m * farthest_m;
+  }
+
+  // False if the plane cannot push the proxy within its plane.
+  bool add_plane(const ContactPlane& plane) {
+    std::optional<ContactPlane> felt = plane;
+    if (motion_plane_normal_) felt = within_plane(plane, *motion_plane_normal_);
+    if (felt) planes_[static_cast<std::size_t>(plane_count_++)] = *felt;
+    return felt.has_value();
   }
 
   SegmentTracer& tracer_;

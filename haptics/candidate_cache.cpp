@@ -69,7 +69,7 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m) noexcept {
   std::size_t used = 0;
   bool fits = true;
   world_->visit_resting_near(centre, radius_m + reach_m_, [&](std::uint32_t b) {
-    fits = add_body(b, used);
+    fits = fits && add_body(b, used);
     return fits;
   });
   return fits;

@@ -84,6 +84,7 @@ void GodObject::take_bounds() {
 
 bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
   if (!world_->place(body, T_solver_body)) return false;
+  world_->take_bounds(body);
   tracer_.forget_candidates();
   take_bounds();
   return true;
@@ -110,11 +111,14 @@ bool GodObject::move_body(const BodyMotion& motion,
   const RigidTransform before = world_->body(motion.body).T_solver_body;
   const RigidTransform& after = motion.T_solver_body;
   if (is_same_pose(before, after)) return true;
+  const Vec3 proxy_before = proxy_;
   if (!push_proxy(*world_, tracer_, motion.body, after, motion_plane_normal, proxy_)) return false;
-  settled_ = false;
+  world_->take_bounds(motion.body);
+  if (proxy_ != proxy_before) settled_ = false;
   for (int i = 0; i < last_active_count_; ++i) {
     FaceContact& contact = last_active_[i];
     if (contact.face.body != motion.body) continue;
+    settled_ = false;
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
   }
   return true;
@@ -322,20 +326,17 @@ bool GodObject::enter_bounds() {
 
 // False if the very same plane was there already.
 bool GodObject::add_plane(const FaceContact& contact) {
-  Vec3 normal = contact.normal;
-  double room = contact.clearance_m - scale().stand_off_m;
-  if (motion_plane_normal_) {
-    normal -= normal.dot(*motion_plane_normal_) * *motion_plane_normal_;
-    const double in_plane = normal.norm();
-    if (in_plane < kMinInPlaneNormal) return false;
-    normal /= in_plane;
-    room /= in_plane;
-  }
   // Never negative room: the proxy is where it is, and must stay feasible.
-  const ContactPlane plane{normal, std::min(0.0, -room)};
+  ContactPlane plane{contact.normal, scale().stand_off_m - contact.clearance_m};
+  if (motion_plane_normal_) {
+    const auto in_plane = within_plane(plane, *motion_plane_normal_);
+    if (!in_plane) return false;
+    plane = *in_plane;
+  }
+  plane.offset_m = std::min(0.0, plane.offset_m);
   for (int i = 0; i < plane_count_; ++i) {
     if (contacts_[i].face != contact.face ||
-        planes_of_contact_[i].normal.dot(normal) < kSameNormalCosine) {
+        planes_of_contact_[i].normal.dot(plane.normal) < kSameNormalCosine) {
       continue;
     }
     planes_of_contact_[i] = plane;

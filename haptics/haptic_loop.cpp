@@ -18,10 +18,6 @@ constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
 // several times over. It is divided out.
 constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
 
-bool is_pose(const RigidTransform& T) {
-  return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
-}
-
 }  // namespace
 
 HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
@@ -89,20 +85,20 @@ void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_bod
   const double farthest_m = kFarthestBodyPerSize * world_->size_m;
   if (body >= world_->bodies.size() || !is_pose(T_scene_body) ||
       !(T_solver_body.translation_m.squaredNorm() <= farthest_m * farthest_m)) {
-    body_faults_ |= kFaultBadBodyPose;
-    return;
+    return refuse_body_pose();
   }
   std::uint32_t& motion = motion_of_body_[body];
   if (motion == kNoMotion) {
-    if (body_motions_.size() == body_motions_.capacity()) {
-      body_faults_ |= kFaultBadBodyPose;
-      return;
-    }
+    if (body_motions_.size() == LiveWorld::kMostMoving) return refuse_body_pose();
     motion = static_cast<std::uint32_t>(body_motions_.size());
     body_motions_.push_back({body, {}});
   }
   body_motions_[motion].T_solver_body = T_solver_body;
   bodies_are_there_ = false;
+}
+
+bool HapticLoop::is_pose(const RigidTransform& T) noexcept {
+  return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
 }
 
 // Before the hand's own motion: moving bodies push the proxy. They do so within the plane of a

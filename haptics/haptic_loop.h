@@ -102,6 +102,11 @@ class HapticLoop {
   // no other while it runs.
   void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
 
+  // Sets the fault for a pose that was refused before it got here.
+  void refuse_body_pose() noexcept { body_faults_ |= kFaultBadBodyPose; }
+  // Finite, and turned by a quaternion of length 1 to within single precision.
+  static bool is_pose(const RigidTransform& T) noexcept;
+
   // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
 

@@ -6,7 +6,7 @@ namespace palpate {
 
 LiveWorld::LiveWorld(const ContactWorld& world)
     : bodies_(world.bodies),
-      tree_(world.tree.get()),
+      tree_(world.tree),
       is_moving_(world.bodies.size(), false),
       bounds_solver_(world.bounds_solver),
       size_m_(world.size_m) {
@@ -20,8 +20,11 @@ bool LiveWorld::place(std::uint32_t b, const RigidTransform& T_solver_body) noex
     is_moving_[b] = true;
   }
   bodies_[b].place(T_solver_body);
-  bounds_solver_ = bounds_solver_.united(bodies_[b].box_solver());
   return true;
+}
+
+void LiveWorld::take_bounds(std::uint32_t b) noexcept {
+  bounds_solver_ = bounds_solver_.united(bodies_[b].box_solver());
 }
 
 }  // namespace palpate

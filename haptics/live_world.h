@@ -28,11 +28,13 @@ class LiveWorld {
   bool is_moving(std::uint32_t b) const { return is_moving_[b]; }
 
   double size_m() const { return size_m_; }
-  // Around all surfaces, wherever they have been so far. Solver frame.
+  // Around all surfaces, wherever they have been so far, as told by take_bounds(). Solver frame.
   const Box& bounds_solver() const { return bounds_solver_; }
 
   // Moves a body. False, and nothing done, if too many move already.
   bool place(std::uint32_t b, const RigidTransform& T_solver_body) noexcept;
+  // Makes the bounds hold a body where it is. Apart from place(), whose move may be taken back.
+  void take_bounds(std::uint32_t b) noexcept;
 
   // Calls visit(b) for every body at rest that comes within radius_m of p, until it returns false.
   template <typename Visit>
@@ -83,7 +85,7 @@ class LiveWorld {
   };
 
   std::vector<ContactBody> bodies_;
-  const BoxTree* tree_;  // of the bodies where they were at first; may be null
+  std::shared_ptr<const BoxTree> tree_;  // of the bodies where they were at first; may be null
   std::vector<std::uint32_t> moving_;
   std::vector<bool> is_moving_;
   Box bounds_solver_;

@@ -23,6 +23,10 @@ constexpr double kViolationRoundoff = 16 * kEpsilon;
 // normals of which the length is 1 to within 2 ulp and counts to the fourth power, doubled.
 constexpr double kMonotoneRoundoff = 32 * kEpsilon;
 
+// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
+// its in-plane normal would have lost half its digits.
+constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
+
 using Candidate = std::optional<Vec3>;
 
 Candidate on_one(const ContactPlane& i, const Vec3& target) {
@@ -106,6 +110,14 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
     }
   }
   return {};
+}
+
+std::optional<ContactPlane> within_plane(const ContactPlane& plane,
+                                         const Vec3& motion_plane_normal) noexcept {
+  const Vec3 normal = plane.normal - plane.normal.dot(motion_plane_normal) * motion_plane_normal;
+  const double in_plane = normal.norm();
+  if (in_plane < kMinInPlaneNormal) return std::nullopt;
+  return ContactPlane{normal / in_plane, plane.offset_m / in_plane};
 }
 
 }  // namespace palpate

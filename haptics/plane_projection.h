@@ -3,6 +3,7 @@
 // The god-object's subproblem: the point nearest to the goal that violates no contact plane.
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "geometry/types.h"
@@ -35,8 +36,10 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
 
 inline constexpr int kMaxContactPlanes = 8;
 
-// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
-// its in-plane normal would have lost half its digits.
-inline constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
+// What a contact plane is for a proxy that keeps to a plane of motion with this unit normal.
+// Nothing if the two are parallel to within half the digits of double: it cannot push the proxy
+// there.
+std::optional<ContactPlane> within_plane(const ContactPlane& plane,
+                                         const Vec3& motion_plane_normal) noexcept;
 
 }  // namespace palpate
