@@ -337,7 +337,7 @@ std::vector<std::uint32_t> DracoPrimitive::indices() const {
 
 Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) const {
   const Source& source = attributes_.at(semantic);
-  const std::string element = element_ + "/attributes/" + semantic;
+  const std::string element = element_ + "/attributes/" + gltf_shortened(semantic);
   const tinygltf::Accessor& accessor = asset_.model.accessors[source.accessor];
   const draco::PointAttribute* stored = mesh_->GetAttributeByUniqueId(source.unique_id);
   if (stored == nullptr) {
@@ -410,11 +410,25 @@ class DracoReader {
     if (auto error = check_expansion(bytes->size())) return *error;
     auto mesh = decode(*bytes, declared_, element_);
     if (!mesh) return mesh.error();
+    if (auto error = check_corners(**mesh)) return *error;
     result.mesh_ = std::move(*mesh);
     return std::optional(std::move(result));
   }
 
  private:
+  // The library takes the indices of a sequential stream as they come.
+  std::optional<Error> check_corners(const draco::Mesh& mesh) const {
+    for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
+      for (const auto& point : mesh.face(face)) {
+        if (point.value() < mesh.num_points()) continue;
+        return gltf_invalid(element_, "its stream names vertex " + std::to_string(point.value()) +
+                                          " in triangle " + std::to_string(face.value()) +
+                                          ", but holds " + std::to_string(mesh.num_points()));
+      }
+    }
+    return std::nullopt;
+  }
+
   std::optional<Error> read_attributes(const Json& extension, DracoPrimitive& result) {
     const std::string element = element_ + "/attributes";
     const auto attributes = extension.find("attributes");
@@ -423,7 +437,7 @@ class DracoReader {
       return gltf_expected(element, *attributes, "an object that is not empty");
     }
     for (const auto& [semantic, value] : attributes->items()) {
-      const std::string path = element + "/" + semantic;
+      const std::string path = element + "/" + gltf_shortened(semantic);
       const auto id = whole_number(value);
       if (!id || *id > std::numeric_limits<std::uint32_t>::max()) {
         return gltf_expected(path, value, "the id of an attribute of the stream");

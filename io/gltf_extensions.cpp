@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_error.h"
+#include "io/gltf_limits.h"
 
 namespace palpate {
 namespace {
@@ -234,6 +235,11 @@ Result<std::vector<std::string>> names_in(const Json& root, const char* list) {
   if (found == root.end()) return names;
   const std::string element = std::string("/") + list;
   if (!found->is_array()) return gltf_invalid(element, "is not an array");
+  if (found->size() > kMaxGltfExtensionNames) {
+    return gltf_error(ErrorCode::kLimitExceeded, element,
+                      "has " + std::to_string(found->size()) + " names; at most " +
+                          std::to_string(kMaxGltfExtensionNames) + " are read");
+  }
   for (const Json& name : *found) {
     if (!name.is_string()) {
       return gltf_invalid(element + "/" + std::to_string(names.size()), "is not a string");

@@ -43,7 +43,7 @@ inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  //
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
 // For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the
-// vertices of the morph targets and of the sets of joints that are decoded.
+// vertices of the morph targets that are decoded, and the numbers of the sets of joints.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 // What a Draco stream may decode to, per byte of it. Its arithmetic coder writes what repeats in
 // almost no space, so the format has no bound of its own; a million triangles in a flat grid, the
@@ -52,6 +52,7 @@ inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
 // Its decoder may use this many bytes, and so many for each that it decodes.
 inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
 inline constexpr std::uint64_t kDracoWorkingFactor = 16;
+inline constexpr std::size_t kMaxGltfExtensionNames = std::size_t{1} << 16;  // per list
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 
 }  // namespace palpate

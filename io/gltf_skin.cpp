@@ -40,7 +40,7 @@ double rounding_of(int component_type) {
 Result<AffineTransform> inverse_bind(const double* m, std::size_t skin, std::size_t joint) {
   const double distance =
       std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11]), std::abs(m[15] - 1.0)});
-  if (!(distance <= kInverseBindTolerance)) {
+  if (!(distance <= kAffineRowTolerance)) {
     return gltf_invalid(gltf_element("skins", skin, "inverseBindMatrices"),
                         "the last row of matrix " + std::to_string(joint) + " is not 0 0 0 1");
   }
@@ -95,6 +95,9 @@ struct InfluenceSet {
   std::vector<double> weights;
 };
 
+// Numbers that a set decodes for a vertex.
+constexpr std::size_t kWorkPerVertex = 8;
+
 // The attribute of every vertex, from the compressed stream if that holds it.
 Result<std::vector<double>> vertex_numbers(const GltfAsset& asset, const DracoPrimitive* compressed,
                                            const std::string& semantic, std::size_t accessor,
@@ -143,14 +146,22 @@ class Skinning {
   std::optional<Error> finish(const std::string& element, double rounding,
                               std::vector<std::string>& warnings) {
     std::size_t off = 0;
+    std::size_t unbound = 0;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       if (weights_[i] == 0.0) {
-        return gltf_invalid(element + "/attributes/WEIGHTS_0",
-                            "vertex " + std::to_string(i) + " has no weight but 0",
-                            "bind every vertex to a joint");
+        // What engines do: many files have such vertices, as a rule where no triangle uses them.
+        const AffineTransform& T_scene_mesh = skin_.T_scene_mesh.front();
+        positions_[i] = T_scene_mesh.linear * positions_[i] + T_scene_mesh.translation_m;
+        ++unbound;
+        continue;
       }
       off += std::abs(weights_[i] - 1.0) > rounding ? 1 : 0;
       positions_[i] = sums_[i] / weights_[i];
+    }
+    if (unbound > 0) {
+      warnings.push_back(element + ": " + std::to_string(unbound) + " of " +
+                         std::to_string(positions_.size()) +
+                         " vertices have no weight; they move with the first joint of the skin");
     }
     if (off > 0) {
       warnings.push_back(element + ": the weights of " + std::to_string(off) + " of " +
@@ -182,8 +193,8 @@ class Skinning {
 
 // The accessor of an attribute; fails if it is not there or not as long as the positions.
 Result<std::size_t> attribute_of(const GltfAsset& asset, const tinygltf::Primitive& primitive,
-                                 const std::string& element, const std::string& name,
-                                 std::size_t vertex_count) {
+                                 const DracoPrimitive* compressed, const std::string& element,
+                                 const std::string& name, std::size_t vertex_count) {
   const std::string path = element + "/attributes/" + name;
   const auto found = primitive.attributes.find(name);
   if (found == primitive.attributes.end()) {
@@ -191,7 +202,8 @@ Result<std::size_t> attribute_of(const GltfAsset& asset, const tinygltf::Primiti
   }
   const auto accessor = static_cast<std::size_t>(found->second);
   const std::size_t count = asset.model.accessors[accessor].count;
-  if (count != vertex_count) {
+  const bool is_compressed = compressed && compressed->has(name);  // then as long as the others
+  if (!is_compressed && count != vertex_count) {
     return gltf_invalid(path, "accessor " + std::to_string(accessor) + " has " +
                                   std::to_string(count) + " elements, but the primitive has " +
                                   std::to_string(vertex_count) + " vertices");
@@ -239,16 +251,19 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
         !primitive.attributes.contains(weights_name)) {
       break;
     }
-    const auto joints = attribute_of(asset, primitive, element, joints_name, positions.size());
+    const auto joints =
+        attribute_of(asset, primitive, compressed, element, joints_name, positions.size());
     if (!joints) return joints.error();
-    const auto weights = attribute_of(asset, primitive, element, weights_name, positions.size());
+    const auto weights =
+        attribute_of(asset, primitive, compressed, element, weights_name, positions.size());
     if (!weights) return weights.error();
-    if (positions.size() > pose_work) {
+    const std::size_t work = kWorkPerVertex * positions.size();
+    if (work > pose_work) {
       return gltf_error(ErrorCode::kLimitExceeded, element,
                         "brings the vertices to pose to more than " +
                             std::to_string(kMaxGltfPoseWork) + ", the most that are read");
     }
-    pose_work -= positions.size();
+    pose_work -= work;
     auto joint_numbers =
         vertex_numbers(asset, compressed, joints_name, *joints, kJoints, positions.size());
     if (!joint_numbers) return joint_numbers.error();

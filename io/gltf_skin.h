@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,10 +19,6 @@ struct Primitive;
 }
 
 namespace palpate {
-
-// How far the last row of an inverse bind matrix may be from 0 0 0 1. Exporters invert and multiply
-// matrices of floats, each entry four products, and do not write the row that they know.
-inline constexpr double kInverseBindTolerance = 16.0 * std::numeric_limits<float>::epsilon();
 
 // Joint i takes a point of the mesh frame to T_scene_mesh[i] * point.
 struct GltfSkin {
@@ -42,10 +37,11 @@ class DracoPrimitive;
 // Moves the positions of a primitive from the mesh frame into the scene frame: the mean of where
 // its joints take a vertex, by all sets JOINTS_n and WEIGHTS_n. Weights are divided by their sum;
 // if a sum is farther from 1 than its type's rounding explains, that is a warning. Refused: a
-// missing set, sets of another length than the positions, negative weights, a vertex without any
-// weight, a joint with a weight that the skin does not have. Joints whose weight is 0 are not
-// looked at. Takes from pose_work, a budget, the length of each set. element: of the primitive.
-// compressed: the primitive as it was decoded, if it is compressed, else null.
+// missing set, sets of another length than the positions, negative weights, a joint with a weight
+// that the skin does not have. Joints whose weight is 0 are not looked at. Vertices without any
+// weight move with the first joint, which is a warning. Takes from pose_work, a budget, the numbers
+// of each set. element: of the primitive. compressed: the primitive as it was decoded, if it is
+// compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                 const DracoPrimitive* compressed, const std::string& element,
                                 const GltfSkin& skin, std::size_t& pose_work,

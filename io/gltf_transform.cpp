@@ -1,5 +1,6 @@
 #include "io/gltf_transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -32,7 +33,9 @@ Mat3 rotation_matrix(const Eigen::Vector4d& q) {
 }
 
 Result<AffineTransform> from_matrix(const std::vector<double>& m, const std::string& element) {
-  if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0) {
+  const double distance =
+      std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11]), std::abs(m[15] - 1.0)});
+  if (!(distance <= kAffineRowTolerance)) {
     return gltf_invalid(element, "its last row (elements 3, 7, 11 and 15) is not 0 0 0 1");
   }
   AffineTransform transform;

@@ -3,6 +3,7 @@
 // The transform of one glTF node.
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,10 @@ struct AffineTransform {
   bool all_finite() const { return linear.allFinite() && translation_m.allFinite(); }
 };
 
+// How far the last row of a matrix may be from 0 0 0 1. Exporters invert and multiply matrices of
+// floats, each entry four products, and do not write the row that they know. It is taken as that.
+inline constexpr double kAffineRowTolerance = 16.0 * std::numeric_limits<float>::epsilon();
+
 // How far the length of a rotation may be from 1. Files round quaternions to few digits, some to
 // signed bytes, whose half step is 1/256 per component; the length is divided out. Beyond that it
 // is no unit quaternion, as glTF demands, and refused.
@@ -47,7 +52,7 @@ AffineTransform transform_of(const GltfTrs& trs);
 
 // Node frame to the frame of its parent (glTF 2.0, section 3.5.3): matrix, or translation *
 // rotation * scale, each of them replaced by that of the pose if it has one. The matrix must be
-// affine: its last row 0 0 0 1. node_id: for messages.
+// affine, to within kAffineRowTolerance. node_id: for messages.
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
                                         const GltfTrs& pose);
 

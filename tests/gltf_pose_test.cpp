@@ -434,12 +434,21 @@ TEST(GltfSkin, RefusesBrokenJointsAndWeights) {
   expect_broken(attributes + "JOINTS_0", [](GltfBuilder& a) {
     set_weights(a, {1, 0, 0, 0, 1, -0.5, 0.5, 0, 1, 0, 0, 0});
   });
-  expect_broken(attributes + "WEIGHTS_0", [](GltfBuilder& a) {
-    set_weights(a, {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
-  });
   expect_broken("/accessors/4", [](GltfBuilder& a) {
     set_weights(a, {1, 0, 0, 0, std::numeric_limits<float>::quiet_NaN(), 0, 0, 0, 1, 0, 0, 0});
   });
+}
+
+// Real files have such vertices, most of them in no triangle.
+TEST(GltfSkin, VerticesWithoutAWeightMoveWithTheFirstJoint) {
+  GltfBuilder asset = skinned_triangle();
+  set_weights(asset, {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
+  GltfBuilder bound = skinned_triangle();
+  set_weights(bound, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  const SceneDescription scene = read_glb(asset);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("1 of 3 vertices have no weight"), std::string::npos);
+  EXPECT_EQ(scene.meshes.at(0).positions, read_glb(bound).meshes.at(0).positions);
 }
 
 TEST(GltfSkin, BoundsTheJointsOfAllSkins) {
