@@ -14,7 +14,7 @@ Error invalid(std::string option, std::string problem, std::string hint = "") {
   return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
 }
 
-// Numbers separated by blanks or commas; nothing if anything else is there.
+// Finite numbers separated by blanks or commas; nothing if anything else is there.
 std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   std::string blanks = text;
   for (char& c : blanks) {
@@ -27,7 +27,7 @@ std::optional<std::vector<double>> parse_numbers(const std::string& text) {
     const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);  // which from_chars refuses
     double x = 0.0;
     const auto [rest, failed] = std::from_chars(begin, end, x);
-    if (failed != std::errc() || rest != end) return std::nullopt;
+    if (failed != std::errc() || rest != end || !std::isfinite(x)) return std::nullopt;
     numbers.push_back(x);
   }
   return numbers;

@@ -426,6 +426,61 @@ TEST(ManyBodies, FoundByATreeAreTheSame) {
   }
 }
 
+// More bodies near the proxy than the cache has room for, and rooms around them all, which are near
+// nothing but whose boxes hold everything.
+TEST(ManyBodies, CrowdedInRoomsAreTheSame) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    std::vector<OwnedBodies::Placed> placed;
+    for (int b = 0; b < 60; ++b) {
+      placed.push_back({test::box_soup({0.01, 0.012, 0.008}), random.pose(0.03)});
+    }
+    for (const double half_m : {0.2, 0.21, 0.22}) {
+      placed.push_back({test::box_soup(Vec3::Constant(half_m)), {}});
+    }
+    const OwnedBodies with_tree(placed, 0.0, true);
+    const OwnedBodies without(placed, 0.0, false);
+    JudgedProxy a(with_tree, 0.0);
+    GodObject b(without.world(), {});
+    Vec3 goal(0.1, 0.1, 0.1);
+    a.god_object().place(goal);
+    b.place(goal);
+    for (int n = 0; n < 300; ++n) {
+      goal = 0.97 * goal + random.in_box(0.006);
+      ASSERT_EQ(a.follow(goal).proxy, b.move_to(goal).proxy) << n;
+    }
+    ASSERT_FALSE(HasFailure());
+  }
+}
+
+TEST(ManyBodies, AllAroundOnePlaceAreNoMoreThanThereIsRoomFor) {
+  const std::vector<OwnedBodies::Placed> placed(2000, {test::box_soup(Vec3::Constant(0.1)), {}});
+  const OwnedBodies bodies(placed, 0.0, true);
+  GodObject hand(bodies.world(), {});
+  hand.place({0.1, 0.02, 0.03});  // on all of them
+  EXPECT_TRUE(hand.move_to({0.05, 0.02, 0.03}).in_contact);
+  EXPECT_NEAR(hand.proxy().x(), 0.1, 1e-9);
+}
+
+// Planes that close at a narrow angle would drive the hand out without bounds.
+TEST(MovingBodies, DoNotThrowTheHand) {
+  for (const double angle_rad : {1e-2, 1e-3, 1e-5, 1e-8, 0.0}) {
+    const Quat tilt(Eigen::AngleAxisd(angle_rad, Vec3::UnitY()));
+    const OwnedBodies bodies({{plate(true), {}}, {plate(true), {tilt, Vec3(0.0, 0.0, 0.01)}}});
+    JudgedProxy hand(bodies, 0.0);
+    const Vec3 goal(0.001, 0.002, -0.01);
+    hand.god_object().place({0.001, 0.002, 0.005});
+    RigidTransform pose = bodies.world().bodies[1].T_solver_body;
+    for (int n = 0; n < 12; ++n) {
+      const Vec3 before = hand.proxy();
+      pose.translation_m.z() -= 1e-3;
+      hand.move(1, pose);
+      EXPECT_LT((hand.proxy() - before).norm(), 0.2) << angle_rad;
+      hand.follow(goal);
+    }
+  }
+}
+
 ActuationModel fully_actuated() {
   return *ActuationModel::from_counts(3, 3);
 }

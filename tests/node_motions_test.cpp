@@ -3,6 +3,7 @@
 #include "engine/node_motions.h"
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <thread>
 
@@ -224,6 +225,55 @@ TEST(SteadyMotions, TurnAboutTheNodesOwnOrigin) {
   const Vec3 finger = Vec3(1.2, 0, 0.05) + 0.1 * Vec3(std::cos(1.0), std::sin(1.0), 0);
   loop.tick(finger + Vec3(0, 0, 0.05), kTick_s);
   EXPECT_NEAR(loop.tick(finger, kTick_s).proxy_m.z(), 0.07, 1e-9);
+}
+
+TEST(NodeMotions, KeepTheLastPoseWhileWhatIsSetIsNone) {
+  const Scene scene = compiled(arm_scene());
+  NodeMotions motions(scene);
+  const auto arm = motions.add("arm");
+  const auto finger = motions.add("finger");
+  StillDevice device(Vec3(0, 0, 5));
+  LastRecord record;
+  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  HapticSession session(loop, device, &record, &motions);
+  session.tick(kTick_s);
+  EXPECT_EQ(record.last.faults, kFaultNone);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const RigidTransform& bad : {RigidTransform{Quat::Identity(), Vec3(nan, 0, 0)},
+                                    RigidTransform{Quat(0.5, 0, 0, 0), Vec3::Zero()}}) {
+    motions.set(*arm, bad);
+    motions.set(*finger, {Quat(2, 0, 0, 0), Vec3::Zero()});  // with 0.5 the product has length 1
+    for (int n = 0; n < 3; ++n) {
+      session.tick(kTick_s);
+      EXPECT_EQ(record.last.faults, kFaultBadBodyPose);
+    }
+    motions.set(*arm, {});
+    motions.set(*finger, {});
+    session.tick(kTick_s);
+    EXPECT_EQ(record.last.faults, kFaultNone);
+  }
+}
+
+TEST(SteadyMotions, GoOnAfterABadTimeStep) {
+  const Scene scene = compiled(arm_scene());
+  auto mover = SteadyMotions::create(scene, {{"arm", Vec3(0, 0, 0.1), Vec3::Zero()}});
+  StillDevice device(Vec3(0, 0, 5));
+  LastRecord record;
+  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  HapticSession session(loop, device, &record, &*mover);
+  session.tick(kTick_s);
+  session.tick(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(record.last.faults, kFaultBadTimeStep);
+  session.tick(kTick_s);
+  EXPECT_EQ(record.last.faults, kFaultNone);
+}
+
+TEST(SteadyMotions, RefuseTwoOfOneNode) {
+  const Scene scene = compiled(arm_scene());
+  const auto twice = SteadyMotions::create(
+      scene, {{"arm", Vec3::UnitX(), Vec3::Zero()}, {"#4", Vec3::UnitY(), Vec3::Zero()}});
+  ASSERT_FALSE(twice);
+  EXPECT_NE(twice.error().element.find("#4"), std::string::npos);
 }
 
 TEST(SteadyMotions, GiveTheSameBitsEveryTime) {

@@ -433,6 +433,31 @@ TEST(Scene, OfSeveralNodesLosesOnlyTheRoundingOfItsCoordinatesFarAway) {
 
 // The whole way: a wall pressed by 1 mm, with the device near its own origin and the scene 1000 km
 // from its own.
+TEST(Scene, SharesOneIndexBetweenInstancesOfOneScaleHoweverTurnedAndMirrored) {
+  Random random(21);
+  for (const Vec3& scale : {Vec3(1, 1, 1), Vec3(-1, 1, 1), Vec3(2, 2, -2), Vec3(-1, 2, 3)}) {
+    std::vector<NodeDescription> nodes;
+    for (int i = 0; i < 100; ++i) {
+      const Mat3 turn = random.rotation().toRotationMatrix();
+      nodes.push_back({"n", 0, Mat3(turn * scale.asDiagonal()), random.in_box(10.0)});
+    }
+    const auto scene = Scene::compile(description_of({bent_octahedron(random)}, nodes));
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(scene->statistics().indices, 1u) << scale.transpose();
+    EXPECT_EQ(scene->statistics().instances, 100u);
+  }
+}
+
+TEST(Scene, RefusesASizeAtWhichNumbersVanish) {
+  Random random(22);
+  for (const double scale : {1e-170, 1e170}) {
+    const auto scene = Scene::compile(description_of(
+        {bent_octahedron(random)}, {{"n", 0, scale * Mat3::Identity(), Vec3::Zero()}}));
+    ASSERT_FALSE(scene);
+    EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
+  }
+}
+
 TEST(Scene, IsTouchedFarAwayAsItIsNearby) {
   Random random(16);
   const test::Soup box = test::box_soup(Vec3(0.5, 0.25, 0.125));
