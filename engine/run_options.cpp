@@ -65,7 +65,6 @@ Result<ScenePose> parse_place(const std::string& text) {
   }
   pose.rotation = norm == 1.0 ? q : Quat(q.normalized());
   pose.translation_m = {(*n)[0], (*n)[1], (*n)[2]};
-  if (!pose.translation_m.allFinite()) return invalid("--place", "the position is not finite");
   return pose;
 }
 
@@ -80,8 +79,9 @@ Result<SteadyMotion> parse_move(const std::string& text) {
   }
   const SteadyMotion motion{
       text.substr(0, equals), {(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
-  if (!motion.velocity_m_per_s.allFinite() || !motion.turn_rad_per_s.allFinite()) {
-    return invalid("--move", "\"" + text + "\" has a number that is not finite");
+  if (!std::isfinite(motion.velocity_m_per_s.norm()) ||
+      !std::isfinite(motion.turn_rad_per_s.norm())) {
+    return invalid("--move", "\"" + text + "\" is too fast to be a motion");
   }
   return motion;
 }
