@@ -64,16 +64,10 @@ Result<ViewContent> view_content(const GltfAsset& asset, std::size_t view_id) {
   if (!decoded) return decoded.error();
   if (*decoded != nullptr) return ViewContent{(*decoded)->bytes, (*decoded)->stride};
   const tinygltf::BufferView& view = asset.model.bufferViews[view_id];
-  const auto buffer = asset.buffers.bytes(static_cast<std::size_t>(view.buffer));
-  if (!buffer) return buffer.error();
-  if (view.byteOffset > buffer->size() || view.byteLength > buffer->size() - view.byteOffset) {
-    return gltf_invalid(gltf_element("bufferViews", view_id),
-                        "its byteOffset " + std::to_string(view.byteOffset) + " and byteLength " +
-                            std::to_string(view.byteLength) + " reach beyond buffer " +
-                            std::to_string(view.buffer) + " of " + std::to_string(buffer->size()) +
-                            " bytes");
-  }
-  return ViewContent{buffer->subspan(view.byteOffset, view.byteLength)};
+  const auto bytes = asset.buffers.part(static_cast<std::size_t>(view.buffer), view.byteOffset,
+                                        view.byteLength, gltf_element("bufferViews", view_id));
+  if (!bytes) return bytes.error();
+  return ViewContent{*bytes};
 }
 
 // count elements of element_bytes each, from byte_offset of the view on. count and element_bytes
@@ -424,10 +418,6 @@ Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t acc
     return gltf_invalid(gltf_element("accessors", accessor_id, "count"),
                         "is " + std::to_string(accessor.count) + "; expected " +
                             std::to_string(count) + " " + format.what);
-  }
-  if (accessor.bufferView >= 0) {
-    const auto range = base_range(asset, accessor_id);
-    if (!range) return range.error();
   }
   const std::size_t components = layout_of(accessor).components;
   std::vector<double> numbers(count * components);

@@ -75,6 +75,21 @@ std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::
   return std::nullopt;
 }
 
+Result<std::span<const std::uint8_t>> GltfBuffers::part(std::size_t index,
+                                                        std::uint64_t byte_offset,
+                                                        std::uint64_t byte_length,
+                                                        const std::string& element) {
+  const auto whole = bytes(index);
+  if (!whole) return whole.error();
+  if (byte_offset > whole->size() || byte_length > whole->size() - byte_offset) {
+    return gltf_invalid(element, "its byteOffset " + std::to_string(byte_offset) +
+                                     " and byteLength " + std::to_string(byte_length) +
+                                     " reach beyond buffer " + std::to_string(index) + " of " +
+                                     std::to_string(whole->size()) + " bytes");
+  }
+  return whole->subspan(byte_offset, byte_length);
+}
+
 Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t index) {
   Buffer& buffer = buffers_[index];
   const auto& uri = buffer.declaration.uri;

@@ -31,6 +31,10 @@ class GltfBuffers {
   // which no more is read. Valid while this lives.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
+  // A part of them. element: what asks for it, for the message when it reaches beyond.
+  Result<std::span<const std::uint8_t>> part(std::size_t buffer, std::uint64_t byte_offset,
+                                             std::uint64_t byte_length, const std::string& element);
+
   // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
   bool take_unstored(std::size_t elements);
 

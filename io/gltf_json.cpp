@@ -11,7 +11,10 @@ namespace palpate {
 using Json = nlohmann::json;
 
 std::optional<std::uint64_t> whole_number(const Json& value) {
-  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (value.is_number_unsigned()) {
+    const auto whole = value.get<std::uint64_t>();
+    return whole <= kMaxGltfWhole ? std::optional(whole) : std::nullopt;
+  }
   if (!value.is_number_float()) return std::nullopt;
   const double number = value.get<double>();
   if (!(number >= 0.0) || number > static_cast<double>(kMaxGltfWhole) ||

@@ -21,6 +21,7 @@
 // tests/corpus_test.py checks; tests/hostile_gltf_test.cpp checks the same of hostile ones, but for
 // elements and zeros, whose text is next to nothing.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -33,6 +34,11 @@ inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
+// Of a short text there are fewer: one with a meaning takes 12 bytes and more, "{}," three.
+constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
+  constexpr std::size_t kOfAnyText = std::size_t{1} << 14;
+  return std::min(kMaxGltfElements, kOfAnyText + text_bytes / 12);
+}
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                 // 1: a root
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all meshes of the scene

@@ -223,19 +223,6 @@ std::optional<Error> check_codec(const CompressedView& view, std::uint8_t first_
   return std::nullopt;
 }
 
-Result<std::span<const std::uint8_t>> source_bytes(GltfBuffers& buffers, const CompressedView& view,
-                                                   const std::string& element) {
-  const auto buffer = buffers.bytes(view.buffer);
-  if (!buffer) return buffer.error();
-  if (view.byte_offset > buffer->size() || view.byte_length > buffer->size() - view.byte_offset) {
-    return gltf_invalid(element, "its byteOffset " + std::to_string(view.byte_offset) +
-                                     " and byteLength " + std::to_string(view.byte_length) +
-                                     " reach beyond buffer " + std::to_string(view.buffer) +
-                                     " of " + std::to_string(buffer->size()) + " bytes");
-  }
-  return buffer->subspan(view.byte_offset, view.byte_length);
-}
-
 // True if the codec took all of the data.
 bool decode(const CompressedView& view, std::span<const std::uint8_t> source,
             std::vector<std::uint8_t>& bytes) {
@@ -271,7 +258,7 @@ Result<GltfDecodedView> decode_view(GltfBuffers& buffers, const Json& parent,
   const auto view = ViewParser(extension, element, buffer_count).run();
   if (!view) return view.error();
   if (auto error = check_parent(parent, parent_element, *view)) return *error;
-  const auto source = source_bytes(buffers, *view, element);
+  const auto source = buffers.part(view->buffer, view->byte_offset, view->byte_length, element);
   if (!source) return source.error();
   if (auto error = check_codec(*view, source->front(), element)) return *error;
   if (auto error = buffers.count_decoded(view->count * view->stride, element)) return *error;

@@ -392,7 +392,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
   if (auto error = check_asset_version(*root)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  auto sections = checked_sections(*root);
+  auto sections = checked_sections(*root, container->json.size());
   if (!sections) return sections.error();
   GltfBuffers buffers(take_buffers(*sections), container->bin_chunk, folder);
   const auto model = load_model(std::move(*sections));

@@ -97,7 +97,8 @@ constexpr Property kBufferProperties[] = {
 
 class Checker {
  public:
-  explicit Checker(const Json& root) : root_(root) {}
+  Checker(const Json& root, std::size_t text_bytes)
+      : root_(root), most_elements_(most_gltf_elements(text_bytes)) {}
 
   Result<Json> run() {
     constexpr const char* kSections[] = {"scenes",    "nodes",       "meshes",
@@ -154,7 +155,8 @@ class Checker {
     if (count > elements_left_) {
       return gltf_error(ErrorCode::kLimitExceeded, element,
                         "brings the elements of the asset to more than " +
-                            std::to_string(kMaxGltfElements) + ", the most that are read");
+                            std::to_string(most_elements_) +
+                            ", the most that are read of so short a text");
     }
     elements_left_ -= count;
     return std::nullopt;
@@ -391,13 +393,14 @@ class Checker {
   }
 
   const Json& root_;
-  std::size_t elements_left_ = kMaxGltfElements;
+  std::size_t most_elements_;
+  std::size_t elements_left_ = most_elements_;
 };
 
 }  // namespace
 
-Result<Json> checked_sections(const Json& root) {
-  return Checker(root).run();
+Result<Json> checked_sections(const Json& root, std::size_t text_bytes) {
+  return Checker(root, text_bytes).run();
 }
 
 }  // namespace palpate

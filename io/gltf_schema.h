@@ -14,7 +14,8 @@ namespace palpate {
 // A copy of root with the sections and properties that the reader uses, each of the type, the
 // array length and the id range that glTF 2.0 asks for; a whole number written "3.0" becomes 3.
 // Sections: scene, scenes, nodes, meshes, accessors, bufferViews, buffers. Error::element is the
-// JSON path of the first property that breaks a rule. Thread-safe.
-Result<nlohmann::json> checked_sections(const nlohmann::json& root);
+// JSON path of the first property that breaks a rule. text_bytes: of the JSON text, by which the
+// number of elements is bounded. Thread-safe.
+Result<nlohmann::json> checked_sections(const nlohmann::json& root, std::size_t text_bytes);
 
 }  // namespace palpate

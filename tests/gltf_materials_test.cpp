@@ -8,41 +8,22 @@
 #include "io/gltf_limits.h"
 #include "io/gltf_reader.h"
 #include "tests/gltf_builder.h"
+#include "tests/gltf_reading.h"
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
+using test::expect_invalid;
+using test::expect_refused;
 using test::GltfBuilder;
+using test::read_glb;
 using test::TemporaryFolder;
 
 const Json kPath = {{"POSITION", 0}};
 const char* const kPhysics = "KHR_physics_rigid_bodies";
 const char* const kHaptic = "MPEG_haptic_material";
 const char* const kOldHaptic = "MPEG_material_haptic";
-
-SceneDescription read_glb(const GltfBuilder& asset) {
-  const TemporaryFolder folder;
-  auto scene = read_gltf(asset.write_glb(folder));
-  EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().to_string());
-  return scene.ok() ? std::move(*scene) : SceneDescription{};
-}
-
-void expect_refused(const GltfBuilder& asset, ErrorCode code, const std::string& element,
-                    const std::string& text = {}) {
-  const TemporaryFolder folder;
-  const auto scene = read_gltf(asset.write_glb(folder));
-  ASSERT_FALSE(scene.ok()) << "accepted; expected an error at " << element;
-  const Error& error = scene.error();
-  EXPECT_EQ(static_cast<int>(error.code), static_cast<int>(code)) << error.to_string();
-  EXPECT_EQ(error.element, element) << error.to_string();
-  EXPECT_NE(error.to_string().find(text), std::string::npos) << error.to_string();
-}
-
-void expect_invalid(const GltfBuilder& asset, const std::string& element,
-                    const std::string& text = {}) {
-  expect_refused(asset, ErrorCode::kInvalidContent, element, text);
-}
 
 // One triangle that has material 0.
 GltfBuilder asset_of(const Json& material) {
