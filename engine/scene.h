@@ -57,8 +57,9 @@ struct SceneObject {
   std::optional<std::uint32_t> physics_material = {};  // index into Scene::physics_materials()
 };
 
-// Surfaces, their indices and their places. The scene frame is that of the file: glTF world
-// coordinates in metres. Immutable; any number of haptic loops and threads may read it.
+// Surfaces, their indices and their places. The scene frame is that of the file, glTF world
+// coordinates in metres, times the scale of its settings. Immutable; any number of haptic loops and
+// threads may read it.
 class Scene {
  public:
   // Reads and compiles a glTF file.
