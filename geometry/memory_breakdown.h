@@ -15,7 +15,7 @@ struct MemoryBreakdown {
   std::size_t index_packs = 0;      // the same in float, sixteen at a time
   std::size_t index_boxes = 0;      // around packs, and Embree's tree over them
 
-  std::size_t places = 0;           // of a scene's nodes: names, poses, and the tree over them
+  std::size_t places = 0;  // of a scene's nodes: names, poses, and the tree over them
 
   std::size_t total() const {
     return adjacency + positions + maps + index_triangles + index_packs + index_boxes + places;
