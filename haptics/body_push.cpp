@@ -17,9 +17,9 @@ constexpr int kMaxShortenings = 8;
 constexpr double kFarthestPerMotion = 64.0;
 
 // One body that moves, and what the proxy has met of it and of others.
-class Push {
+class PushedProxy {
  public:
-  Push(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed, const Vec3& start_body,
+  PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed, const Vec3& start_body,
        const Vec3& proxy, const std::optional<Vec3>& motion_plane_normal)
       : tracer_(tracer),
         body_(body),
@@ -46,6 +46,17 @@ class Push {
       if (is_far(target)) return std::nullopt;
     }
     return std::nullopt;
+  }
+
+  // The place that the proxy had on the body, if it is free.
+  std::optional<Vec3> kept_place() {
+    Vec3 target = placed_.to_solver(start_body_);
+    if (motion_plane_normal_) {
+      target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
+      if (tracer_.trace_in_body(body_, start_body_, placed_.to_body(target))) return std::nullopt;
+    }
+    if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
+    return target;
   }
 
   // Where the proxy gets when it sticks to the body from where it is met.
@@ -114,19 +125,20 @@ class Push {
 
 }  // namespace
 
-bool push_proxy(LiveWorld& world, SegmentTracer& tracer, std::uint32_t body,
-                const RigidTransform& T_solver_body, const std::optional<Vec3>& motion_plane_normal,
-                Vec3& proxy) noexcept {
-  const RigidTransform before = world.body(body).T_solver_body;
-  const Vec3 start_body = world.body(body).to_body(proxy);
-  const bool was_moving = world.is_moving(body);
-  if (!world.place(body, T_solver_body)) return false;
+bool push_proxy(LiveWorld& world, SegmentTracer& tracer, const Push& push, Vec3& proxy) noexcept {
+  const RigidTransform before = world.body(push.body).T_solver_body;
+  const Vec3 start_body = world.body(push.body).to_body(proxy);
+  const bool was_moving = world.is_moving(push.body);
+  if (!world.place(push.body, push.T_solver_body)) return false;
   if (!was_moving) tracer.forget_candidates();
-  Push push(tracer, body, world.body(body), start_body, proxy, motion_plane_normal);
-  std::optional<Vec3> target = push.to_nearest_place();
-  if (!target && !motion_plane_normal) target = push.carried();
+  PushedProxy pushed(tracer, push.body, world.body(push.body), start_body, proxy,
+                     push.motion_plane_normal);
+  std::optional<Vec3> target;
+  if (push.carries) target = pushed.kept_place();
+  if (!target) target = pushed.to_nearest_place();
+  if (!target && !push.motion_plane_normal) target = pushed.carried();
   if (!target) {
-    world.place(body, before);
+    world.place(push.body, before);
     return false;
   }
   proxy = *target;

@@ -14,6 +14,8 @@
 
 namespace palpate {
 
+struct EffectProgram;
+
 // A rigid surface placed in the solver frame.
 struct ContactBody {
   const SurfaceIndex* index;  // in the body frame; outlives the world
@@ -60,6 +62,8 @@ struct ContactWorld {
   // Over the boxes of the bodies, in their order, solver frame, for sweeps of the largest proxy.
   // Null in small worlds: all bodies are asked.
   std::shared_ptr<const BoxTree> tree;
+  // What the surfaces are felt like, solver frame. Null in a world without effects.
+  std::shared_ptr<const EffectProgram> effects;
 
   Vec3 to_solver(const Vec3& p_scene) const { return p_scene - anchor_scene_m; }
   Vec3 to_scene(const Vec3& p_solver) const { return p_solver + anchor_scene_m; }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "haptics/body_push.h"
+#include "haptics/god_object_steps.h"
 
 namespace palpate {
 namespace {
@@ -17,9 +18,6 @@ constexpr int kMaxShortenings = 8;
 
 // A proxy held by planes at a vertex is within a few stand-offs of it, by the angles between them.
 constexpr double kAtVertex = 64.0;
-
-// Faces tried at a vertex. Among more of them a free way is hardly wider than a stand-off.
-constexpr std::size_t kMostAtVertex = 12;
 
 // A sphere goes round a feature along tangents that turn by so much at a time at most: their
 // corners are 0.8 % of the radius off the arc.
@@ -112,21 +110,30 @@ bool GodObject::move_body(const BodyMotion& motion,
   const RigidTransform& after = motion.T_solver_body;
   if (is_same_pose(before, after)) return true;
   const Vec3 proxy_before = proxy_;
-  if (!push_proxy(*world_, tracer_, motion.body, after, motion_plane_normal, proxy_)) return false;
+  const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
+  if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
   world_->take_bounds(motion.body);
-  if (proxy_ != proxy_before) settled_ = false;
+  if (proxy_ != proxy_before) settled_ = confirmed_ = false;
   for (int i = 0; i < last_active_count_; ++i) {
     FaceContact& contact = last_active_[i];
     if (contact.face.body != motion.body) continue;
-    settled_ = false;
+    settled_ = confirmed_ = false;
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
   }
   return true;
 }
 
+// A face that holds the proxy sideways takes it along.
+bool GodObject::is_carried_by(std::uint32_t body) const {
+  return has_friction_ &&
+         std::any_of(contacts().begin(), contacts().end(),
+                     [&](const FaceContact& contact) { return contact.face.body == body; });
+}
+
 void GodObject::place(const Vec3& p) noexcept {
   proxy_ = p;
   settled_ = false;
+  confirmed_ = false;
   path_.clear();
   last_active_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
@@ -143,36 +150,8 @@ void GodObject::place(const Vec3& p) noexcept {
 
 ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
-  goal_ = goal;
-  motion_plane_normal_ = motion_plane_normal;
-  path_.clear();
-  path_.push_back(proxy_);
-  if (last_active_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
-  seed_from_last_tick();
-  bool began_empty = plane_count_ == 0;
-  Vec3 round_start = proxy_;
-  bool capped = true;
-  settled_ = false;
-  int iteration = 0;
-  while (iteration < settings_.accuracy.iterations) {
-    ++iteration;
-    const Progress progress = take_step();
-    if (progress == Progress::kStopped) continue;
-    // A round ends where its planes let the proxy go no nearer. That is the local minimum if the
-    // face of the one plane is really there, or if a round from scratch ends where it began and
-    // leaving out some of its planes does not help.
-    settled_ = progress == Progress::kMoved && settled();
-    if (settled_) capped = false;
-    const bool is_at_rest = began_empty && is_none(proxy_ - round_start);
-    if (is_at_rest) capped = find_way_out();
-    if (!capped) break;
-    if (!is_at_rest) plane_count_ = 0;
-    began_empty = !is_at_rest;
-    round_start = proxy_;
-  }
-  keep_active_for_next_tick();
-  tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
-  return report(iteration, capped);
+  NoFriction none;
+  return move(goal, motion_plane_normal, none);
 }
 
 // There is nothing to touch on the way.
@@ -195,29 +174,13 @@ void GodObject::seed_from_last_tick() {
     const FaceContact& last = last_active_[i];
     const FaceContact now = tracer_.contact_at(last.face, proxy_, last.normal);
     // A proxy that ended the last tick at its minimum is over its faces: nothing has moved since.
-    if (!settled_ && (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_))) {
+    // So did one that friction holds, if it was not cut short.
+    if (!settled_ && !(confirmed_ && has_friction_) &&
+        (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_))) {
       continue;
     }
     add_plane(now);
   }
-}
-
-GodObject::Progress GodObject::take_step() {
-  if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
-  projection_ = project_onto_planes(planes(), goal_ - proxy_);
-  if (!projection_.solved) return Progress::kStuck;
-  if (roll_to_answer()) return Progress::kStopped;
-  // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
-  // converged when it hardly moves.
-  const bool is_free = projection_.active_count == 0;
-  const Vec3& step = projection_.displacement_m;
-  if (!is_free && is_none(step)) return Progress::kMoved;
-  Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
-  const bool leaves = !bounds_.contains(target);
-  if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
-  if (const auto stopped = stop_at_first_hit(target)) return *stopped;
-  if (leaves && is_free) commit(goal_);
-  return leaves && !is_free ? Progress::kStuck : Progress::kMoved;
 }
 
 // The part of a step that lies inside the world's bounds; all of it if it starts outside.
@@ -251,52 +214,6 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   if (moved) advance_to(stop);
   const bool is_new = add_plane(hit->contact);
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
-}
-
-// Two or three planes hold the proxy, each met from where it is. On a saddle that need not be a
-// minimum: the room around a vertex is not convex, and another pair of faces can leave a way on
-// between them. Tries the slides along each face here alone and along each two. True if one of them
-// led anywhere.
-bool GodObject::find_way_out() {
-  const PlaneProjection held = projection_;
-  if (held.active_count < 2) return false;
-  std::array<FaceContact, 3> holding;
-  for (int i = 0; i < held.active_count; ++i) holding[i] = contacts_[held.active[i]];
-  const auto holding_now = std::span(holding).first(static_cast<std::size_t>(held.active_count));
-
-  std::array<FaceContact, kMostAtVertex> near;
-  std::size_t count = holding_now.size();
-  if (is_at_vertex(holding_now)) {
-    count = tracer_.contacts_around(proxy_, 4 * scale().stand_off_m, near);
-  } else {
-    std::copy(holding_now.begin(), holding_now.end(), near.begin());
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (slides_along({near[i]})) return true;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (slides_along({near[i], near[j]})) return true;
-    }
-  }
-  plane_count_ = 0;
-  for (const FaceContact& contact : holding_now) add_plane(contact);
-  projection_ = held;
-  for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
-  return false;
-}
-
-// Takes a step held by these planes alone; true if it led anywhere.
-bool GodObject::slides_along(std::initializer_list<FaceContact> contacts) {
-  plane_count_ = 0;
-  for (const FaceContact& contact : contacts) {
-    if (!add_plane(contact)) return false;
-  }
-  const Vec3 before = proxy_;
-  const std::size_t corners = path_.size();
-  take_step();
-  if (!is_none(proxy_ - before)) return true;
-  proxy_ = before;
-  path_.resize(corners);
-  return false;
 }
 
 // Whether a point rests at a corner of one of the faces that hold it.
@@ -448,6 +365,10 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   state.in_contact = lag.norm() > step_tolerance_m_;
   if (!state.in_contact) return state;
   state.active_planes = projection_.active_count;
+  state.slid = path_.size() > 1;
+  if (projection_.active_count == 2) {
+    state.free_direction = plane_normal(0).cross(plane_normal(1)).normalized();
+  }
   for (int i = 0; i < projection_.active_count; ++i) {
     state.normal += planes_of_contact_[projection_.active[i]].normal;
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "haptics/accuracy.h"
+#include "haptics/friction_cone.h"
 #include "haptics/live_world.h"
 #include "haptics/plane_projection.h"
 #include "haptics/segment_tracer.h"
@@ -28,8 +29,27 @@ struct ProxyState {
   Vec3 normal = Vec3::Zero();  // normalised average of the active planes; 0 if they cancel or none
   bool in_contact = false;     // |proxy - goal| exceeds the step tolerance
   int active_planes = 0;       // that push
+  // The unit direction in which two planes leave the proxy free; zero for any other number.
+  Vec3 free_direction = Vec3::Zero();
+  bool slid = false;     // moved along what it touches
+  bool is_held = false;  // by friction: what it touches has some
+  bool is_on_cone = false;  // it slid until dynamic friction stopped it
+  FrictionCone cone;        // of what it touches
   int iterations = 0;
   bool capped = false;  // stopped by Accuracy::iterations before it converged
+
+  // The part of a vector that lies along the planes' normals: what the proxy cannot follow.
+  Vec3 pressed_part(const Vec3& v) const {
+    if (active_planes > 2 || normal.isZero(0.0)) return v;
+    if (active_planes == 2) return v - v.dot(free_direction) * free_direction;
+    return v.dot(normal) * normal;
+  }
+};
+
+// What a god-object under friction asks at the faces that it touches.
+struct FrictionSource {
+  void* context;
+  FrictionCone (*cone)(void* context, const FaceContact& contact, const Vec3& proxy) noexcept;
 };
 
 // Where a body is to be. Solver frame.
@@ -72,7 +92,26 @@ class GodObject {
   ProxyState move_to(const Vec3& goal,
                      const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
+  // The same under Coulomb's friction (Harwin and Melder 2002): of each step along what it touches,
+  // the proxy takes only what the cone does not hold. With s where it would go, d = |s - goal| the
+  // depth and t = s - proxy, it rests while |t| <= mu_s d, and slides until |t| = mu_k d otherwise.
+  // Part of a step is as free as the whole, and no farther from the goal than its start: the
+  // certificates hold as they do without friction. At rest, the proxy keeps its place to the bit.
+  //
+  // Of several faces, each counts by what it bears. A sphere goes round edges along tangents.
+  ProxyState move_with_friction(const Vec3& goal,
+                                const std::optional<Vec3>& motion_plane_normal,
+                                const FrictionSource& friction) noexcept;
+
   const Vec3& proxy() const { return proxy_; }
+  // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
+  // in the plane of motion if there is one. Valid until the next move.
+  std::span<const FaceContact> contacts() const {
+    return std::span(last_active_).first(static_cast<std::size_t>(last_active_count_));
+  }
+  const Vec3& plane_normal(std::size_t i) const {
+    return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
+  }
   // The corners of the polyline that the last move_to() committed, from where the proxy was to
   // where it is. Solver frame, metres. Valid until the next call.
   std::span<const Vec3> path() const { return path_; }
@@ -90,14 +129,27 @@ class GodObject {
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
   ProxyState move_freely();
   void seed_from_last_tick();
-  Progress take_step();
+  // Friction is a policy: NoFriction, or what move_with_friction() makes of its source. Defined in
+  // god_object_steps.h.
+  template <typename Friction>
+  ProxyState move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
+                  Friction& friction);
+  template <typename Friction>
+  Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool roll_to_answer();
   bool is_none(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
-  bool find_way_out();
-  bool slides_along(std::initializer_list<FaceContact> contacts);
+  template <typename Friction>
+  bool hold_by(Friction& friction);
+  template <typename Friction>
+  bool stays_at_rest(Friction& friction);
+  bool is_carried_by(std::uint32_t body) const;
+  template <typename Friction>
+  bool find_way_out(Friction& friction);
+  template <typename Friction>
+  bool slides_along(std::initializer_list<FaceContact> contacts, Friction& friction);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
@@ -130,7 +182,9 @@ class GodObject {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
 
-  bool settled_ = false;  // the last tick ended at a local minimum
+  bool settled_ = false;      // the last tick ended at a local minimum
+  bool confirmed_ = false;    // it was not cut short, and no body has pushed the proxy since
+  bool has_friction_ = false;  // what held the proxy then, held it sideways, too
   std::array<FaceContact, 3> last_active_{};
   int last_active_count_ = 0;
 };

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "haptics/haptic_loop_steps.h"
+
 namespace palpate {
 namespace {
 
@@ -31,6 +33,12 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       T_device_scene_(settings.initial_pose),
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
+  step_ = &HapticLoop::step<kNeedsNothing>;
+  if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
+    effects_ = std::make_unique<EffectRunner>(*world.effects, settings.coupling,
+                                              settings.measures_effects);
+    step_ = step_with_effects(world.effects->needs);
+  }
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
   motion_of_body_.assign(world.bodies.size(), kNoMotion);
 }
@@ -43,16 +51,14 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   if ((record_.faults & kFaultsWithoutForce) != 0) {
     record_.force_device_N.setZero();
     record_.full_force_device_N.setZero();
+    record_.effects = 0;
+    record_.rotation_rad = 0.0;
     coupling_.reset();
+    has_last_goal_ = false;
     return record_;
   }
   move_bodies();
-  apply_user_motion();    // action 2
-  detect_collision();     // action 3
-  find_contact_normal();  // action 4
-  render_force(dt_s);
-  const AxisAngle theoretical = find_theoretical_rotation();  // action 5
-  apply_elementary_rotation(theoretical, dt_s);               // action 6
+  (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
   return record_;
 }
 
@@ -128,46 +134,20 @@ void HapticLoop::apply_user_motion() {
       R_device_scene_.transpose() * Vec3(record_.device_m - T_device_scene_.translation_m);
 }
 
-// Action 3: the god-object follows the device point and stops at surfaces. It starts where the
-// first good sample is.
-void HapticLoop::detect_collision() {
-  const Vec3 goal_solver = world_->to_solver(record_.goal_m);
-  if (has_proxy_) {
-    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
-  } else {
-    god_object_.place(goal_solver);
-    has_proxy_ = true;
-  }
-  record_.contact = proxy_state_.in_contact;
-  record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
-  record_.solver_iterations = proxy_state_.iterations;
-  if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
+// Of the device point in the scene, by backward difference: what a medium takes with it is then
+// exactly b |dx|^2 / T in each tick.
+void HapticLoop::find_velocity(double dt_s) {
+  velocity_m_per_s_.setZero();
+  if (has_last_goal_) velocity_m_per_s_ = (record_.goal_m - last_goal_m_) / dt_s;
+  last_goal_m_ = record_.goal_m;
+  has_last_goal_ = true;
 }
 
-// Action 4: the normalised average of the normals in contact, and its angle to what can be pushed.
-void HapticLoop::find_contact_normal() {
-  record_.normal_scene.setZero();
-  record_.alpha_rad = 0.0;
-  normal_device_.setZero();
-  if (!record_.contact) return;
-  record_.normal_scene = proxy_state_.normal;
-  if (record_.normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
-  normal_device_ = R_device_scene_ * record_.normal_scene;
-  record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
-}
-
-void HapticLoop::render_force(double dt_s) {
-  record_.full_force_device_N.setZero();
-  record_.force_device_N.setZero();
-  if (!record_.contact) {
-    coupling_.reset();
-    return;
-  }
-  const Vec3 lag = proxy_state_.proxy - world_->to_solver(record_.goal_m);
-  record_.full_force_device_N =
-      R_device_scene_ * coupling_.force_N(lag, record_.normal_scene, dt_s);
+void HapticLoop::command(const Vec3& force_N) {
+  record_.full_force_device_N = R_device_scene_ * force_N;
   switch (settings_.force) {
     case ForceMode::kNone:
+      record_.force_device_N.setZero();
       break;
     case ForceMode::kActuated:
       record_.force_device_N = actuation_.actuated_part(record_.full_force_device_N);
@@ -187,11 +167,13 @@ AxisAngle HapticLoop::find_theoretical_rotation() {
 
 // Action 6: Figure 3. The pivot is the proxy: it stays feasible, and the spring gains no energy.
 void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double dt_s) {
+  record_.rotation_rad = 0.0;
   if (theoretical.angle_rad == 0.0) return;
   const double angle_rad =
       elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
   T_device_scene_ =
       turned_about(T_device_scene_, record_.proxy_m, {theoretical.axis_device, angle_rad});
+  record_.rotation_rad = angle_rad;
   R_device_scene_ = T_device_scene_.rotation.toRotationMatrix();
 }
 

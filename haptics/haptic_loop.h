@@ -4,12 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "haptics/actuation.h"
 #include "haptics/contact_world.h"
+#include "haptics/effects/effect_runner.h"
 #include "haptics/elementary_rotation.h"
 #include "haptics/god_object.h"
 #include "haptics/scene_pose.h"
@@ -39,6 +42,7 @@ struct HapticSettings {
   A4Settings a4;
   double plane_height_m = 0.0;  // 2 sensors: device and proxy keep to z_device = this
   ScenePose initial_pose;       // T_device_scene at the first tick
+  bool measures_effects = false;  // the time of each effect, at the price of asking the clock
 };
 
 // Fault bits of a tick. A fault never stops the loop; the next good sample carries on.
@@ -66,13 +70,15 @@ struct TickRecord {
   Vec3 device_m = Vec3::Zero();      // device frame, as sensed
   Vec3 goal_m = Vec3::Zero();        // scene frame: the device point
   Vec3 proxy_m = Vec3::Zero();       // scene frame; equals goal off contact
-  Vec3 normal_scene = Vec3::Zero();  // unit; zero off contact or where planes cancel
+  Vec3 normal_scene = Vec3::Zero();  // unit, as felt; zero off contact or where planes cancel
   Vec3 full_force_device_N = Vec3::Zero();
   Vec3 force_device_N = Vec3::Zero();  // commanded, acting on the hand
   ScenePose T_device_scene;
   double alpha_rad = 0.0;  // normal to actuated axes, [0, pi/2]; 0 off contact
+  double rotation_rad = 0.0;  // by which A4 turns the scene after this tick
   bool contact = false;
   std::uint32_t faults = kFaultNone;
+  std::uint32_t effects = 0;  // felt in this tick, a bit each by number in compiled_effects()
   int solver_iterations = 0;
 };
 
@@ -110,18 +116,43 @@ class HapticLoop {
   // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
 
+  // Changes the parameters of one line of the world's effect program: as many bytes as they have,
+  // and such as the effect allows. On the haptic thread; see the engine's material_tuner.h.
+  void set_effect_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept {
+    if (effects_) effects_->set_parameters(call, parameters);
+  }
+
+  // Null in a world without effects.
+  const EffectCounters* effect_counters() const {
+    return effects_ ? &effects_->counters() : nullptr;
+  }
+
   // The pose after the last tick's elementary rotation: what a display should show.
   const ScenePose& T_device_scene() const { return T_device_scene_; }
 
  private:
+  // A tick after action 1. kNeeds: those of the effects that select a step (kStepNeeds). Defined in
+  // haptic_loop_steps.h.
+  using Step = void (HapticLoop::*)(double dt_s);
+  static Step step_with_effects(std::uint32_t needs);
+  template <std::uint32_t kNeeds>
+  void step(double dt_s);
+  template <std::uint32_t kNeeds>
+  void detect_collision();
+  template <std::uint32_t kNeeds>
+  void find_contact_normal(double dt_s);
+  template <std::uint32_t kNeeds>
+  void render_force(double dt_s);
+  template <std::uint32_t kNeeds>
+  Vec3 contact_force_N(double dt_s);
+  void find_velocity(double dt_s);
+
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   bool jumps(const Vec3& p_device_m);
   void apply_user_motion();
   void move_bodies();
-  void detect_collision();
   std::optional<Vec3> motion_plane_normal() const;
-  void find_contact_normal();
-  void render_force(double dt_s);
+  void command(const Vec3& force_N);
   AxisAngle find_theoretical_rotation();
   void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
 
@@ -140,6 +171,14 @@ class HapticLoop {
   ProxyState proxy_state_;
   TickRecord record_;
   bool has_proxy_ = false;
+
+  Step step_;
+  std::unique_ptr<EffectRunner> effects_;  // null where there are none
+  ContactFeel feel_;                       // of this tick
+  EffectMotion motion_;                    // likewise
+  Vec3 last_goal_m_ = Vec3::Zero();        // scene frame
+  bool has_last_goal_ = false;
+  Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
   std::vector<std::uint32_t> motion_of_body_;  // index into them, or none

@@ -74,6 +74,9 @@ bool satisfies_others(std::span<const ContactPlane> planes, const PlaneProjectio
   return true;
 }
 
+// Normals that are less than this from lying in a plane or line bear a force in any shares.
+constexpr double kDependentNormals = 1e-8;  // half the digits of double
+
 }  // namespace
 
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
@@ -118,6 +121,32 @@ std::optional<ContactPlane> within_plane(const ContactPlane& plane,
   const double in_plane = normal.norm();
   if (in_plane < kMinInPlaneNormal) return std::nullopt;
   return ContactPlane{normal / in_plane, plane.offset_m / in_plane};
+}
+
+std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
+  std::array<double, 3> shares{};
+  if (n.size() == 1) {
+    shares[0] = 1.0;
+    return shares;
+  }
+  Mat3 columns;
+  columns.col(0) = n[0];
+  columns.col(1) = n[1];
+  const Vec3 across = n[0].cross(n[1]);
+  columns.col(2) = n.size() == 3 ? n[2] : Vec3(across.normalized());
+  const double volume = columns.determinant();
+  double sum = 0.0;
+  if (std::abs(volume) > kDependentNormals) {
+    const Vec3 parts = columns.inverse() * lag_m;
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      shares[i] = std::max(0.0, parts[static_cast<Eigen::Index>(i)]);
+      sum += shares[i];
+    }
+  }
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    shares[i] = sum > 0.0 ? shares[i] / sum : 1.0 / static_cast<double>(n.size());
+  }
+  return shares;
 }
 
 }  // namespace palpate

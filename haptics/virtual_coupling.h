@@ -13,21 +13,30 @@ struct CouplingSettings {
   double damping_Ns_per_m = 2.0;      // B >= 0
 };
 
-// F = K (p - g) + B d(p - g)/dt in the scene frame, acting on the hand; backward difference. No
-// damping on the first tick of a contact, which has no difference to take. Never attractive: a part
-// that pulls along the contact normal is left out, so F.N >= 0.
-// (Lecuyer et al. 2005, section 3: "a spring and a damper in parallel".)
+// F = K (p - g) + B u in the scene frame, acting on the hand; p the proxy, g the goal
+// (Lecuyer et al. 2005, section 3: "a spring and a damper in parallel"). The paper does not say
+// what the damper acts on. Here u is the part of d(p - g)/dt against which the surface presses: a
+// proxy that slides freely follows the hand for nothing, and a damper on all of the lag, which
+// turns as the proxy goes round a surface, would push the hand along: B d v^2 / r on a sphere of
+// radius r. Never attractive: a part that pulls along the contact normal is left out, so F.N >= 0.
 // One instance belongs to one haptic loop. Safe on the haptic thread.
 class VirtualCoupling {
  public:
   explicit VirtualCoupling(const CouplingSettings& settings) : settings_(settings) {}
 
-  // lag_m: proxy minus goal. normal: unit contact normal, or zero where several cancel.
-  Vec3 force_N(const Vec3& lag_m, const Vec3& normal, double dt_s) noexcept {
-    Vec3 force = settings_.stiffness_N_per_m * lag_m;
-    if (had_contact_) force += settings_.damping_Ns_per_m * (lag_m - last_lag_m_) / dt_s;
+  // d(p - g)/dt by backward difference; zero on the first tick of a contact, which has none to
+  // take. lag_m: proxy minus goal.
+  Vec3 lag_rate_m_per_s(const Vec3& lag_m, double dt_s) noexcept {
+    Vec3 rate = Vec3::Zero();
+    if (had_contact_) rate = (lag_m - last_lag_m_) / dt_s;
     had_contact_ = true;
     last_lag_m_ = lag_m;
+    return rate;
+  }
+
+  // damped_m_per_s: u. normal: unit contact normal, or zero where several cancel.
+  Vec3 force_N(const Vec3& lag_m, const Vec3& damped_m_per_s, const Vec3& normal) const noexcept {
+    Vec3 force = settings_.stiffness_N_per_m * lag_m + settings_.damping_Ns_per_m * damped_m_per_s;
     force += std::max(0.0, -force.dot(normal)) * normal;
     return force;
   }

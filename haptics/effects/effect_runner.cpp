@@ -1,0 +1,195 @@
+#include "haptics/effects/effect_runner.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+
+#include "haptics/plane_projection.h"
+
+namespace palpate {
+EffectRunner::EffectRunner(const EffectProgram& program, const CouplingSettings& coupling,
+                           bool measures_time)
+    : program_(&program),
+      coupling_(coupling),
+      measures_time_(measures_time),
+      parameters_(program.parameters),
+      states_(program.state_bytes) {
+  for (const EffectCall& call : program.calls) {
+    compiled_effects()[call.effect].begin_state(states_.data() + call.state);
+  }
+}
+
+std::uint32_t EffectRunner::end_tick() noexcept {
+  for (std::uint32_t left = felt_; left != 0; left &= left - 1) {
+    ++counters_.ticks[static_cast<std::size_t>(std::countr_zero(left))];
+  }
+  return felt_;
+}
+
+void EffectRunner::run_one(const EffectCall& call, EffectTick& tick) noexcept {
+  const auto felt =
+      call.apply(parameters_.data() + call.parameters, states_.data() + call.state, tick);
+  felt_ |= static_cast<std::uint32_t>(felt) << call.effect;
+}
+
+void EffectRunner::run(std::span<const EffectCall> table, EffectTick& tick) noexcept {
+  if (!measures_time_) {
+    for (const EffectCall& call : table) run_one(call, tick);
+    return;
+  }
+  for (const EffectCall& call : table) {
+    const auto start = std::chrono::steady_clock::now();
+    run_one(call, tick);
+    const std::chrono::nanoseconds time = std::chrono::steady_clock::now() - start;
+    counters_.time_ns[call.effect] += time.count();
+  }
+}
+
+FacePoint EffectRunner::face_point(const LiveWorld& world, const FaceContact& contact,
+                                   const Vec3& proxy) const noexcept {
+  const ContactBody& body = world.body(contact.face.body);
+  // A point is where its proxy is; of a sphere, what it touches counts.
+  const bool is_face = contact.feature == TriangleFeature::kFace;
+  return {&body, program_->bodies[contact.face.body].attributes, contact.face.slot,
+          body.to_body(is_face ? proxy : contact.feature_point)};
+}
+
+FrictionCone EffectRunner::friction_cone(const LiveWorld& world, const FaceContact& contact,
+                                         const Vec3& proxy) noexcept {
+  const std::uint32_t m = program_->material(contact.face.body, contact.face.slot);
+  const auto table = program_->table(m, EffectStage::kProxy);
+  if (table.empty()) return {};
+  EffectTick tick;
+  tick.face = face_point(world, contact, proxy);
+  tick.normal = contact.normal;
+  run(table, tick);
+  return tick.cone;
+}
+
+void EffectRunner::find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept {
+  const std::span<const FaceContact> contacts = god_object.contacts();
+  touch_count_ = contacts.size();
+  material_count_ = 0;
+  std::array<Vec3, 3> normals;
+  for (std::size_t i = 0; i < touch_count_; ++i) normals[i] = god_object.plane_normal(i);
+  shares_ = bearing_shares(lag_m, std::span(normals).first(touch_count_));
+  for (std::size_t i = 0; i < touch_count_; ++i) {
+    const FaceRef& face = contacts[i].face;
+    const std::uint32_t m = program_->material(face.body, face.slot);
+    touches_[i] = {face.body, m};
+    const auto known =
+        std::find_if(materials_.begin(), materials_.begin() + material_count_,
+                     [&](const TouchedMaterial& touched) { return touched.material == m; });
+    if (known != materials_.begin() + material_count_) {
+      known->share += shares_[i];
+    } else {
+      materials_[material_count_++] = {m, shares_[i]};
+    }
+  }
+}
+
+ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyState& state,
+                                       const EffectMotion& motion) noexcept {
+  ContactFeel feel;
+  feel.normal = state.normal;
+  feel.coupling = coupling_;
+  touch_count_ = 0;
+  material_count_ = 0;
+  if (!state.in_contact || god_object.contacts().empty()) return feel;
+  find_touches(god_object, state.proxy - motion.goal_m);
+  if (material_count_ == 1 && program_->materials[materials_[0].material].is_bare) return feel;
+
+  feel.is_bare = false;
+  feel.coupling = {0.0, 0.0};
+  Vec3 normals = Vec3::Zero();
+  bool is_shaded = false;
+  EffectTick tick;
+  tick.dt_s = motion.dt_s;
+  tick.time_s = motion.time_s;
+  tick.goal_m = motion.goal_m;
+  tick.proxy_m = state.proxy;
+  tick.velocity_m_per_s = motion.velocity_m_per_s;
+  tick.slid = state.slid;
+  for (std::size_t i = 0; i < touch_count_; ++i) {
+    const FaceContact& contact = god_object.contacts()[i];
+    const double share = shares_[i];
+    tick.share = share;
+    tick.normal = god_object.plane_normal(i);
+    tick.felt_normal = tick.normal;
+    tick.height_m = 0.0;
+    tick.slope.setZero();
+    tick.coupling = coupling_;
+    const std::uint32_t m = touches_[i].material;
+    if (!program_->materials[m].is_bare) {
+      tick.face = face_point(god_object.world(), contact, state.proxy);
+      run(program_->table(m, EffectStage::kSurface), tick);
+      run(program_->table(m, EffectStage::kForceMap), tick);
+    }
+    is_shaded = is_shaded || tick.felt_normal != tick.normal;
+    normals += tick.felt_normal;
+    feel.height_m += share * tick.height_m;
+    feel.slope += share * tick.slope;
+    feel.coupling.stiffness_N_per_m += share * tick.coupling.stiffness_N_per_m;
+    feel.coupling.damping_Ns_per_m += share * tick.coupling.damping_Ns_per_m;
+  }
+  if (is_shaded && normals.dot(state.normal) > 0.0) feel.normal = normals.normalized();
+  return feel;
+}
+
+Vec3 EffectRunner::contact_force_N(const ProxyState& state, const ContactFeel& feel,
+                                   const EffectMotion& motion) noexcept {
+  EffectTick tick;
+  for (std::size_t i = 0; i < material_count_; ++i) {
+    const auto table = program_->table(materials_[i].material, EffectStage::kForceAdd);
+    if (table.empty()) continue;
+    tick.dt_s = motion.dt_s;
+    tick.time_s = motion.time_s;
+    tick.goal_m = motion.goal_m;
+    tick.proxy_m = state.proxy;
+    tick.velocity_m_per_s = motion.velocity_m_per_s;
+    tick.slid = state.slid;
+    tick.normal = feel.normal;
+    tick.share = materials_[i].share;
+    run(table, tick);
+  }
+  return tick.force_N;
+}
+
+Vec3 EffectRunner::surroundings_force_N(const LiveWorld& world, const ProxyState& state,
+                                        const Vec3& normal, const EffectMotion& motion) noexcept {
+  const std::span<const EffectCall> everywhere = program_->table(program_->everywhere);
+  const std::span<const EffectCall> places = program_->table(program_->places);
+  const bool is_quiet = (state.proxy - quiet_centre_).squaredNorm() <=
+                            quiet_radius_m_ * quiet_radius_m_ &&
+                        world.moving().empty();
+  if (everywhere.empty() && (places.empty() || is_quiet)) return Vec3::Zero();
+  EffectTick tick;
+  tick.dt_s = motion.dt_s;
+  tick.time_s = motion.time_s;
+  tick.goal_m = motion.goal_m;
+  tick.proxy_m = state.proxy;
+  tick.velocity_m_per_s = motion.velocity_m_per_s;
+  tick.slid = state.slid;
+  tick.normal = normal;
+  tick.world = &world;
+  tick.touches = std::span(touches_).first(touch_count_);
+  run(everywhere, tick);
+  if (is_quiet) return tick.force_N;
+  quiet_centre_ = state.proxy;
+  quiet_radius_m_ = world.size_m();
+  for (const EffectCall& call : places) {
+    tick.quiet_m = 0.0;
+    run(std::span(&call, 1), tick);
+    quiet_radius_m_ = std::min(quiet_radius_m_, tick.quiet_m);
+  }
+  return tick.force_N;
+}
+
+void EffectRunner::set_parameters(std::uint32_t call,
+                                  std::span<const std::byte> parameters) noexcept {
+  std::copy(parameters.begin(), parameters.end(),
+            parameters_.begin() + program_->calls[call].parameters);
+  quiet_radius_m_ = 0.0;
+}
+
+}  // namespace palpate

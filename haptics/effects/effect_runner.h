@@ -1,0 +1,107 @@
+#pragma once
+
+// Runs the tables of an effect program for one haptic loop.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptics/effects/effect_program.h"
+#include "haptics/god_object.h"
+
+namespace palpate {
+
+// How a contact is felt. Solver frame.
+struct ContactFeel {
+  Vec3 normal = Vec3::Zero();  // unit: shaded; zero where normals cancel
+  double height_m = 0.0;       // of the surface above the mesh, <= 0
+  Vec3 slope = Vec3::Zero();   // of that height, tangential; no unit
+  CouplingSettings coupling;
+  bool is_bare = true;  // as without effects
+};
+
+// What it takes of a tick. Solver frame.
+struct EffectMotion {
+  double dt_s = 0.0;
+  double time_s = 0.0;
+  Vec3 goal_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+};
+
+// How much each effect did, by its number in compiled_effects(). Time is counted when asked for.
+struct EffectCounters {
+  std::array<std::uint64_t, kMostEffects> ticks{};
+  std::array<std::int64_t, kMostEffects> time_ns{};
+};
+
+// The parameters of the effects as they are now, their states, and how they are run. A tick asks
+// in the order of the stages: friction_cone() as often as the solver likes, feel_contact(), and
+// then the two that add force.
+//
+// No allocation, lock or exception after construction. One thread owns it.
+class EffectRunner {
+ public:
+  // The program must outlive the runner. coupling: of surfaces that do not say otherwise.
+  EffectRunner(const EffectProgram& program, const CouplingSettings& coupling,
+               bool measures_time);
+
+  void begin_tick() noexcept { felt_ = 0; }
+  // The effects that were felt in this tick, a bit each. Counts them.
+  std::uint32_t end_tick() noexcept;
+
+  // kProxy: at a face that the proxy touches.
+  FrictionCone friction_cone(const LiveWorld& world, const FaceContact& contact,
+                             const Vec3& proxy) noexcept;
+
+  // kSurface and kForceMap, of all that the proxy touches, each by its share.
+  ContactFeel feel_contact(const GodObject& god_object, const ProxyState& state,
+                           const EffectMotion& motion) noexcept;
+
+  // kForceAdd of the contact that was felt last.
+  Vec3 contact_force_N(const ProxyState& state, const ContactFeel& feel,
+                       const EffectMotion& motion) noexcept;
+  // kSurroundings. state: of this tick, in contact or not.
+  Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
+                            const EffectMotion& motion) noexcept;
+
+  // The parameters of one effect of a material, as many bytes as they have: those of the call
+  // `call` of the program. On the thread that ticks.
+  void set_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept;
+
+  const EffectCounters& counters() const { return counters_; }
+
+ private:
+  struct TouchedMaterial {
+    std::uint32_t material;
+    double share;
+  };
+
+  void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
+  void run_one(const EffectCall& call, EffectTick& tick) noexcept;
+  void find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept;
+  FacePoint face_point(const LiveWorld& world, const FaceContact& contact,
+                       const Vec3& proxy) const noexcept;
+
+  const EffectProgram* program_;
+  CouplingSettings coupling_;
+  bool measures_time_;
+  std::vector<std::byte> parameters_;
+  std::vector<std::byte> states_;
+  EffectCounters counters_;
+  std::uint32_t felt_ = 0;  // in this tick
+
+  // What is touched: the faces, and their materials without repetition.
+  std::array<Touch, 3> touches_{};
+  std::array<double, 3> shares_{};
+  std::size_t touch_count_ = 0;
+  std::array<TouchedMaterial, 3> materials_{};
+  std::size_t material_count_ = 0;
+
+  // No effect with a place is felt within this ball.
+  Vec3 quiet_centre_ = Vec3::Zero();
+  double quiet_radius_m_ = 0.0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+#pragma once
+
+// Makes the run-time table of effects from their types.
+
+#include <array>
+#include <cstring>
+#include <new>
+#include <type_traits>
+
+#include "haptics/effects/effect.h"
+
+namespace palpate {
+
+template <typename Effect>
+constexpr EffectType effect_type() {
+  using Parameters = typename Effect::Parameters;
+  using State = typename Effect::State;
+  // They are moved about as bytes.
+  static_assert(std::is_trivially_copyable_v<Parameters> && std::is_trivially_copyable_v<State>);
+  static_assert(alignof(Parameters) <= alignof(double) && alignof(State) <= alignof(double));
+  return {Effect::kName,
+          Effect::kStage,
+          Effect::kNeeds,
+          sizeof(Parameters),
+          sizeof(State),
+          [](std::byte* p) noexcept { new (p) Parameters{}; },
+          [](std::byte* s) noexcept { new (s) State{}; },
+          Effect::kKeys,
+          [](const std::byte* p) noexcept {
+            return Effect::contradiction(*std::launder(reinterpret_cast<const Parameters*>(p)));
+          },
+          [](const std::byte* p, std::byte* s, EffectTick& tick) noexcept {
+            return Effect::apply(*std::launder(reinterpret_cast<const Parameters*>(p)),
+                                 *std::launder(reinterpret_cast<State*>(s)), tick);
+          }};
+}
+
+template <typename... Effects>
+struct EffectList {
+  static_assert(sizeof...(Effects) <= kMostEffects);
+  static constexpr std::array<EffectType, sizeof...(Effects)> kTypes = {effect_type<Effects>()...};
+};
+
+}  // namespace palpate

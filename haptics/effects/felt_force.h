@@ -1,0 +1,23 @@
+#pragma once
+
+// The force of a contact that has effects.
+
+#include "haptics/effects/effect_runner.h"
+#include "haptics/god_object.h"
+
+namespace palpate {
+
+// The virtual coupling's force on the hand, solver frame, N, in the order of the stages. With d the
+// depth, h the height of the surface, N the contact normal and t the proxy's tangential lag:
+//
+//     press   K (d + h) + B u_n, no less than 0              stiffness, damping, texture
+//     side    K t (d + h) / d + B u_t                        friction: mu_k press where the proxy is
+//                                                            on the cone, mu_s press at most
+//     both turned from N to the felt normal                  shading
+//     less    K (d + h) grad h                               texture
+//
+// lag_m: proxy minus goal. damped_m_per_s: u, see VirtualCoupling. Safe on the haptic thread.
+Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& lag_m,
+                  const Vec3& damped_m_per_s) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,53 @@
+#pragma once
+
+// Dry friction.
+
+#include <algorithm>
+
+#include "geometry/height_map.h"
+#include "haptics/effects/effect.h"
+
+namespace palpate {
+
+// Coulomb's cone on the god-object (Harwin and Melder 2002, "Improved haptic rendering for
+// multi-finger manipulation using friction cone based god-objects"): with depth d and tangential
+// lag t, the proxy rests while |t| <= mu_s d; else it slides until |t| = mu_k d. It neither creeps
+// at rest nor knows a speed; stick-slip is what the gap between mu_s and mu_k makes of it. The
+// god-object does the holding (GodObject::move_with_friction); this says how much. A map multiplies
+// both coefficients.
+struct FrictionEffect {
+  static constexpr std::string_view kName = "friction";
+  static constexpr EffectStage kStage = EffectStage::kProxy;
+  static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsStickSlip | kNeedsFrictionMap;
+
+  struct Parameters {
+    double static_friction = 0.0;
+    double dynamic_friction = 0.0;
+    const HeightMap* map = nullptr;  // values in [0, 1]
+  };
+  struct State {};
+  static constexpr ParameterKey kKeys[] = {
+      {"staticFriction", "", 0.0, 1000.0, offsetof(Parameters, static_friction),
+       ParameterKey::Role::kCallsFor, "tangential over normal force at which sliding begins"},
+      {"dynamicFriction", "", 0.0, 1000.0, offsetof(Parameters, dynamic_friction),
+       ParameterKey::Role::kCallsFor, "tangential over normal force while sliding"}};
+
+  static const char* contradiction(const Parameters& p) noexcept {
+    return p.dynamic_friction > p.static_friction
+               ? "dynamicFriction is larger than staticFriction"
+               : nullptr;
+  }
+
+  static bool apply(const Parameters& p, State&, EffectTick& tick) noexcept {
+    tick.cone = {p.static_friction, p.dynamic_friction};
+    if (p.map) {
+      const auto uv = tick.face.coordinates(tick.face.attributes->friction_uv[tick.face.slot]);
+      const double part = std::clamp(p.map->value(uv[0], uv[1], 0.0), 0.0, 1.0);
+      tick.cone.static_friction *= part;
+      tick.cone.dynamic_friction *= part;
+    }
+    return tick.cone.holds();
+  }
+};
+
+}  // namespace palpate

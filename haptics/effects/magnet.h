@@ -1,0 +1,67 @@
+#pragma once
+
+// A surface that attracts.
+
+#include <algorithm>
+
+#include "haptics/effects/effect.h"
+#include "haptics/live_world.h"
+
+namespace palpate {
+
+// The magnetic surface of one body.
+struct MagneticSurface {
+  std::uint32_t body = 0;
+  std::uint32_t material = 0;           // of the effect program
+  const SurfaceIndex* index = nullptr;  // of the faces with that material, body frame
+};
+
+// Attraction towards the nearest point of a surface within a range: F = F0 (1 - s / r)^2 at a
+// distance s, a gravity well (Hwang, Keates, Langdon and Clarkson 2003, "Multiple haptic targets
+// for motion-impaired computer users") with the potential -F0 r (1 - s / r)^3 / 3, so that force
+// and its slope vanish at the range's end and nothing is gained round a loop. In contact s is 0:
+// the proxy is held by F0, and rests at a depth of F0 / K. Where two points of one surface are
+// nearest, the direction jumps. Several surfaces add.
+struct MagnetEffect {
+  static constexpr std::string_view kName = "magnet";
+  static constexpr EffectStage kStage = EffectStage::kSurroundings;
+  static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsPlace;
+
+  struct Parameters {
+    double force_N = 0.0;
+    double range_m = 0.0;
+    const MagneticSurface* surface = nullptr;
+  };
+  struct State {};
+  static constexpr ParameterKey kKeys[] = {
+      {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N),
+       ParameterKey::Role::kCallsFor, "at the surface"},
+      {"magnetRange", "m", 0.0, 1000.0, offsetof(Parameters, range_m),
+       ParameterKey::Role::kRequired, "where it ends, from the surface", true, true}};
+
+  static const char* contradiction(const Parameters&) noexcept { return nullptr; }
+
+  static bool apply(const Parameters& p, State&, EffectTick& tick) noexcept {
+    const MagneticSurface& surface = *p.surface;
+    for (const Touch& touch : tick.touches) {
+      if (touch.body != surface.body || touch.material != surface.material) continue;
+      tick.force_N -= p.force_N * tick.normal;
+      return true;
+    }
+    const ContactBody& body = tick.world->body(surface.body);
+    const Vec3 proxy_body = body.to_body(tick.proxy_m);
+    // Twice as far, so that what is seen to be out of range is out of it for a while.
+    const auto nearest = surface.index->closest_point(proxy_body, 2.0 * p.range_m);
+    const double distance_m = nearest ? nearest->distance_m : 2.0 * p.range_m;
+    if (distance_m >= p.range_m || distance_m == 0.0) {
+      tick.quiet_m = tick.world->is_moving(surface.body) ? 0.0 : distance_m - p.range_m;
+      return false;
+    }
+    const double part = 1.0 - distance_m / p.range_m;
+    const Vec3 towards = body.direction_to_solver(nearest->point_m - proxy_body) / distance_m;
+    tick.force_N += p.force_N * part * part * towards;
+    return true;
+  }
+};
+
+}  // namespace palpate

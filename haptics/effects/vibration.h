@@ -1,0 +1,63 @@
+#pragma once
+
+// A hum.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "haptics/effects/effect.h"
+
+namespace palpate {
+
+// A sinusoidal force along the contact normal while the surface is touched, or while the proxy
+// slides on it: F = A sin(2 pi f t) N (open-loop vibration feedback: Okamura, Dennerlein and Howe
+// 1998, "Vibration feedback models for virtual environments"). It fades in and out over a period,
+// ends with the contact, and may pull by its amplitude. A frequency that the ticks cannot carry
+// (half their rate or more) is not felt rather than felt as another.
+struct VibrationEffect {
+  static constexpr std::string_view kName = "vibration";
+  static constexpr EffectStage kStage = EffectStage::kForceAdd;
+  static constexpr std::uint32_t kNeeds = kNeedsContact;
+
+  struct Parameters {
+    double frequency_Hz = 0.0;
+    double amplitude_N = 0.0;
+    double when = 0.0;  // 0: in contact, 1: while sliding
+  };
+  struct State {
+    double phase = 0.0;     // of a period, [0, 1)
+    double strength = 0.0;  // [0, 1]
+    double last_s = 0.0;    // when it was felt
+  };
+  static constexpr ParameterKey kKeys[] = {
+      {"vibrationFrequency", "Hz", 0.0, 5000.0, offsetof(Parameters, frequency_Hz),
+       ParameterKey::Role::kRequired, "of the hum", false, true},
+      {"vibrationAmplitude", "N", 0.0, 100.0, offsetof(Parameters, amplitude_N),
+       ParameterKey::Role::kCallsFor, "of the force"},
+      {"vibrationWhen", "", 0.0, 1.0, offsetof(Parameters, when), ParameterKey::Role::kOptional,
+       "it is felt", false, false, ParameterKey::Kind::kChoice, {"contact", "sliding"}}};
+
+  static const char* contradiction(const Parameters&) noexcept { return nullptr; }
+
+  static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
+    const double periods = p.frequency_Hz * tick.dt_s;
+    if (periods >= 0.5) return false;
+    const bool is_new = !(tick.time_s - s.last_s <= 1.5 * tick.dt_s);
+    if (is_new) s = {};
+    s.last_s = tick.time_s;
+    const bool is_wanted = p.when == 0.0 || tick.slid;
+    s.strength = std::clamp(s.strength + (is_wanted ? periods : -periods), 0.0, 1.0);
+    if (s.strength == 0.0) {
+      s.phase = 0.0;
+      return false;
+    }
+    s.phase += periods;
+    s.phase -= std::floor(s.phase);
+    tick.force_N += tick.share * p.amplitude_N * s.strength *
+                    std::sin(2.0 * std::numbers::pi * s.phase) * tick.normal;
+    return true;
+  }
+};
+
+}  // namespace palpate

@@ -1,0 +1,113 @@
+#pragma once
+
+// A medium to move in.
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/inside.h"
+#include "haptics/effects/effect.h"
+#include "haptics/live_world.h"
+
+namespace palpate {
+
+// Where a medium is.
+struct MediumRegion {
+  enum class Shape : std::uint8_t {
+    kBox,      // |p| <= half_m along each axis
+    kSphere,   // |p| <= half_m.x()
+    kInside,   // a closed surface that no proxy passes: that of a body of the world
+    kThrough,  // a closed surface that is no obstacle
+  };
+  Shape shape = Shape::kBox;
+  AffineMap p_region_solver;  // kBox, kSphere: linear is a rotation and a scale
+  double least_scale = 1.0;   // metres of the solver frame to one of the region's, at least
+  Vec3 half_m = Vec3::Zero();
+  std::uint32_t body = 0;               // kInside
+  const SurfaceIndex* index = nullptr;  // kThrough; its frame is the region's
+};
+
+// Viscous drag in a medium: F = -b v, v the velocity of the device point in the scene, the virtual
+// damper of Colgate and Brown 1994 ("Factors affecting the Z-width of a haptic display") without a
+// wall. The medium of a closed surface is felt by the proxy that is inside it; one that is pressed
+// against it from outside is not. Each tick takes b |dx|^2 / T of what the hand did in it; a device
+// of mass m follows stably while b < m / T, about.
+struct ViscosityEffect {
+  static constexpr std::string_view kName = "viscosity";
+  static constexpr EffectStage kStage = EffectStage::kSurroundings;
+  static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsVelocity | kNeedsPlace;
+
+  struct Parameters {
+    double viscosity_Ns_per_m = 0.0;
+    const MediumRegion* region = nullptr;
+  };
+  struct State {
+    double is_known = 0.0;
+    double is_inside = 0.0;
+    double last_m[3] = {};  // where that was so; region frame
+  };
+  static constexpr ParameterKey kKeys[] = {
+      {"viscosity", "N s/m", 0.0, 1e4, offsetof(Parameters, viscosity_Ns_per_m),
+       ParameterKey::Role::kCallsFor, "drag of the medium inside"}};
+
+  static const char* contradiction(const Parameters&) noexcept { return nullptr; }
+
+  static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
+    if (!is_in(*p.region, s, tick)) return false;
+    tick.force_N -= p.viscosity_Ns_per_m * tick.velocity_m_per_s;
+    return true;
+  }
+
+ private:
+  static bool is_in(const MediumRegion& region, State& s, EffectTick& tick) noexcept {
+    if (region.shape == MediumRegion::Shape::kInside) return is_inside_body(region, s, tick);
+    const Vec3 p = region.p_region_solver(tick.proxy_m);
+    if (region.shape == MediumRegion::Shape::kThrough) return is_through(region, s, p, tick);
+    const double outside_m = region.shape == MediumRegion::Shape::kSphere
+                                 ? p.norm() - region.half_m.x()
+                                 : (p.cwiseAbs() - region.half_m).cwiseMax(0.0).norm();
+    if (outside_m <= 0.0) return true;
+    tick.quiet_m = region.least_scale * outside_m;
+    return false;
+  }
+
+  // A proxy keeps to one side of a body for good, wherever either of them moves.
+  static bool is_inside_body(const MediumRegion& region, State& s, EffectTick& tick) noexcept {
+    const ContactBody& body = tick.world->body(region.body);
+    if (s.is_known == 0.0) {
+      const auto inside = palpate::is_inside(*body.index, body.to_body(tick.proxy_m));
+      if (!inside) return false;
+      s.is_known = 1.0;
+      s.is_inside = *inside ? 1.0 : 0.0;
+    }
+    if (s.is_inside != 0.0) return true;
+    tick.quiet_m = tick.world->size_m();
+    return false;
+  }
+
+  // From where it was, the way tells; a way through an edge does not, and it is asked anew.
+  static bool is_through(const MediumRegion& region, State& s, const Vec3& p,
+                         EffectTick& tick) noexcept {
+    const Box& box = region.index->box();
+    if (!box.contains(p)) {
+      const Vec3 nearest = p.cwiseMax(box.low).cwiseMin(box.high);
+      tick.quiet_m = region.least_scale * (p - nearest).norm();
+      s.is_known = 0.0;
+      return false;
+    }
+    std::optional<bool> inside;
+    if (s.is_known != 0.0) {
+      const Vec3 last(s.last_m[0], s.last_m[1], s.last_m[2]);
+      const auto crosses = last == p ? std::optional(false) : crosses_odd(*region.index, last, p);
+      if (crosses) inside = (s.is_inside != 0.0) != *crosses;
+    }
+    if (!inside) inside = palpate::is_inside(*region.index, p);
+    s.is_known = inside ? 1.0 : 0.0;
+    if (!inside) return s.is_inside != 0.0;  // on the surface: as before
+    s.is_inside = *inside ? 1.0 : 0.0;
+    std::copy_n(p.data(), 3, s.last_m);
+    return *inside;
+  }
+};
+
+}  // namespace palpate

@@ -1,0 +1,16 @@
+#pragma once
+
+// How much of its depth a contact can hold sideways.
+
+namespace palpate {
+
+// Coulomb's friction. No unit, finite, 0 <= dynamic <= static.
+struct FrictionCone {
+  double static_friction = 0.0;   // the proxy rests while its tangential lag is at most so many
+                                  // times its depth
+  double dynamic_friction = 0.0;  // and slides with a lag of so many times its depth
+
+  bool holds() const { return static_friction > 0.0; }
+};
+
+}  // namespace palpate

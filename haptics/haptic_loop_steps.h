@@ -1,0 +1,101 @@
+#pragma once
+
+// The six actions of a tick, for the files that compile them with and without effects. Each set of
+// needs has its own copy: a bare world runs no line that an effect needs.
+
+#include "haptics/effects/felt_force.h"
+#include "haptics/haptic_loop.h"
+
+namespace palpate {
+
+template <std::uint32_t kNeeds>
+void HapticLoop::step(double dt_s) {
+  apply_user_motion();  // action 2
+  if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(dt_s);
+  detect_collision<kNeeds>();     // action 3
+  find_contact_normal<kNeeds>(dt_s);  // action 4
+  render_force<kNeeds>(dt_s);
+  const AxisAngle theoretical = find_theoretical_rotation();  // action 5
+  apply_elementary_rotation(theoretical, dt_s);               // action 6
+}
+
+// Action 3: the god-object follows the device point and stops at surfaces. It starts where the
+// first good sample is.
+template <std::uint32_t kNeeds>
+void HapticLoop::detect_collision() {
+  const Vec3 goal_solver = world_->to_solver(record_.goal_m);
+  if constexpr (kNeeds != kNeedsNothing) effects_->begin_tick();
+  if (!has_proxy_) {
+    god_object_.place(goal_solver);
+    proxy_state_ = {};
+    proxy_state_.proxy = god_object_.proxy();
+    has_proxy_ = true;
+  } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
+    const FrictionSource source{
+        this, [](void* loop, const FaceContact& contact, const Vec3& proxy) noexcept {
+          auto& self = *static_cast<HapticLoop*>(loop);
+          return self.effects_->friction_cone(self.god_object_.world(), contact, proxy);
+        }};
+    proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
+  } else {
+    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
+  }
+  record_.contact = proxy_state_.in_contact;
+  record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
+  record_.solver_iterations = proxy_state_.iterations;
+  if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
+}
+
+// Action 4: the normalised average of the normals in contact, as felt, and its angle to what can be
+// pushed.
+template <std::uint32_t kNeeds>
+void HapticLoop::find_contact_normal(double dt_s) {
+  record_.normal_scene.setZero();
+  record_.alpha_rad = 0.0;
+  normal_device_.setZero();
+  if constexpr ((kNeeds & kNeedsContact) != 0) {
+    motion_ = {dt_s, record_.time_s, world_->to_solver(record_.goal_m), velocity_m_per_s_};
+    feel_ = effects_->feel_contact(god_object_, proxy_state_, motion_);
+  }
+  if (!record_.contact) return;
+  record_.normal_scene = proxy_state_.normal;
+  if constexpr ((kNeeds & kNeedsContact) != 0) record_.normal_scene = feel_.normal;
+  if (record_.normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
+  normal_device_ = R_device_scene_ * record_.normal_scene;
+  record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
+}
+
+template <std::uint32_t kNeeds>
+void HapticLoop::render_force(double dt_s) {
+  Vec3 force_N = Vec3::Zero();  // solver axes
+  if (record_.contact) {
+    force_N = contact_force_N<kNeeds>(dt_s);
+  } else {
+    coupling_.reset();
+  }
+  if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
+    motion_ = {dt_s, record_.time_s, world_->to_solver(record_.goal_m), velocity_m_per_s_};
+    force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
+                                              record_.normal_scene, motion_);
+  }
+  if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
+  command(force_N);
+}
+
+template <std::uint32_t kNeeds>
+Vec3 HapticLoop::contact_force_N(double dt_s) {
+  const Vec3 lag = proxy_state_.proxy - world_->to_solver(record_.goal_m);
+  const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
+  if constexpr ((kNeeds & kNeedsContact) != 0) {
+    if (!feel_.is_bare) {
+      // A proxy at rest is one end of the damper; one that slides gives way.
+      const bool rests = proxy_state_.is_held && !proxy_state_.slid;
+      const Vec3 damped = rests ? rate : proxy_state_.pressed_part(rate);
+      return felt_force_N(feel_, proxy_state_, lag, damped) +
+             effects_->contact_force_N(proxy_state_, feel_, motion_);
+    }
+  }
+  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), record_.normal_scene);
+}
+
+}  // namespace palpate
