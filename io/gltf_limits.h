@@ -16,6 +16,7 @@
 //   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
 //   joints                            250 bytes each                  kMaxGltfJoints
 //   instances                         300 bytes each                  kMaxGltfInstances
+//   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
 //
 // A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
 // tests/corpus_test.py checks; tests/hostile_gltf_test.cpp checks the same of hostile ones, but for
@@ -46,6 +47,9 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all me
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
+inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
+// Of extras.palpate: used materials, the scene and its nodes together.
+inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
 // For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the

@@ -9,7 +9,6 @@
 #include "io/gltf_draco.h"
 #include "io/gltf_error.h"
 #include "io/gltf_limits.h"
-#include "io/gltf_materials.h"
 #include "io/gltf_morph.h"
 #include "io/tinygltf.h"
 
@@ -47,9 +46,14 @@ std::optional<Error> check_index_count(TriangleMode mode, std::size_t count,
 // Reads the primitives of one mesh into one description.
 class MeshReader {
  public:
-  MeshReader(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose, GltfBudget& budget,
-             std::vector<std::string>& warnings)
-      : asset_(asset), mesh_id_(mesh), pose_(pose), budget_(budget), warnings_(warnings) {}
+  MeshReader(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
+             GltfMaterials& materials, GltfBudget& budget, std::vector<std::string>& warnings)
+      : asset_(asset),
+        mesh_id_(mesh),
+        pose_(pose),
+        materials_(materials),
+        budget_(budget),
+        warnings_(warnings) {}
 
   Result<MeshDescription> run() {
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_id_];
@@ -99,7 +103,7 @@ class MeshReader {
     const auto compressed =
         read_draco_primitive(asset_, mesh_id_, primitive_id, budget_.vertices, budget_.triangles);
     if (!compressed) return compressed.error();
-    begin_run(primitive.material);
+    if (auto error = begin_run(primitive.material)) return error;
     const auto accessor = static_cast<std::size_t>(position->second);
     if (*compressed) return append_compressed(primitive, **compressed, accessor, element);
     const auto vertices = vertices_of(primitive, accessor, element);
@@ -260,12 +264,18 @@ class MeshReader {
   }
 
   // The triangles that follow have this material, by its id in the file; -1: none.
-  void begin_run(int file_material) {
+  std::optional<Error> begin_run(int file_material) {
     std::optional<std::uint32_t> material;
-    if (file_material >= 0) material = static_cast<std::uint32_t>(file_material);
+    if (file_material >= 0) {
+      const auto index = materials_.index_of(static_cast<std::uint32_t>(file_material));
+      if (!index) return index.error();
+      material = *index;
+    }
     auto& runs = description_.material_runs;
-    if (!runs.empty() && runs.back().material == material) return;
-    runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
+    if (runs.empty() || runs.back().material != material) {
+      runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
+    }
+    return std::nullopt;
   }
 
   void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
@@ -284,6 +294,7 @@ class MeshReader {
   const GltfAsset& asset_;
   std::size_t mesh_id_;
   const MeshPose& pose_;
+  GltfMaterials& materials_;
   GltfBudget& budget_;
   std::vector<std::string>& warnings_;
   MeshDescription description_;
@@ -315,8 +326,9 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
 }
 
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
-                                  GltfBudget& budget, std::vector<std::string>& warnings) {
-  return MeshReader(asset, mesh, pose, budget, warnings).run();
+                                  GltfMaterials& materials, GltfBudget& budget,
+                                  std::vector<std::string>& warnings) {
+  return MeshReader(asset, mesh, pose, materials, budget, warnings).run();
 }
 
 }  // namespace palpate

@@ -29,24 +29,27 @@ using MaterialValue = std::variant<double, bool, std::string, std::vector<double
 struct MaterialParameter {
   std::string key;  // "stiffness"; "texture.amplitude" for an entry of the object texture
   MaterialValue value;
+  std::string element;  // where it is from: its JSON path, or "--material NAME.key"
 };
 
-// A glTF material and its extras.palpate.
+// A parameter given beside the file, as --material NAME.key=value does. It goes before what the
+// file says.
+struct MaterialOverride {
+  std::string material;  // MaterialDescription::name, or kDefaultMaterialName
+  std::string key;
+  std::string value;  // JSON, else a plain text
+};
+
+// What an override calls the triangles without a material, if no material has this name.
+inline constexpr const char* kDefaultMaterialName = "default";
+
+// A glTF material and its extras.palpate; or another part of a file that has such extras.
 struct MaterialDescription {
   std::string name;                           // "material 3" when the file gives none
   std::string element;                        // its JSON path, "/materials/3"
   std::vector<MaterialParameter> parameters;  // in the order of their keys
   std::optional<TextureReference> normal_texture;
 };
-
-// The JSON path of a parameter, for messages.
-inline std::string parameter_element(const MaterialDescription& material, const std::string& key) {
-  std::string path = material.element + "/extras/palpate/" + key;
-  // No key of the file has a dot of its own, the reader refuses them.
-  const std::size_t dot = path.rfind('.');
-  if (dot != std::string::npos) path[dot] = '/';
-  return path;
-}
 
 // How a value is made of those of two bodies in contact. A device has no material, so this matters
 // only to whoever gives it one.
