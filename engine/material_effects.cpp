@@ -40,13 +40,9 @@ std::string quoted(std::string_view text) {
   return "\"" + std::string(text) + "\"";
 }
 
-bool is_of_material(const MaterialParameter& parameter, const char* source) {
-  return source_of(parameter) == source;
-}
-
 Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
                std::string hint = "") {
-  const bool is_argument = is_of_material(parameter, kCommandLine);
+  const bool is_argument = source_of(parameter) == kCommandLine;
   return {is_argument ? ErrorCode::kInvalidArgument : ErrorCode::kInvalidContent, "",
           parameter.element, owner + ": " + std::move(problem), std::move(hint)};
 }

@@ -2,6 +2,7 @@
 
 // What a scene file says, free of its file format. Made by read_gltf(), consumed by the engine.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,10 @@ struct MeshDescription {
   std::vector<MaterialRun> material_runs = {};  // in rising order; each lasts until the next begins
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
+  // Of each position, in the image that texture_map() or friction_map() refers to: transforms of
+  // textures are applied. Empty if no material of the mesh calls for it.
+  std::vector<std::array<double, 2>> texture_uv = {};
+  std::vector<std::array<double, 2>> friction_uv = {};
 };
 
 // A node of the scene that is read, with or without a mesh.
@@ -81,6 +86,7 @@ struct SceneDescription {
   // no parameters if it has none.
   MaterialDescription scene_parameters;
   std::vector<RegionDescription> regions;  // in depth-first file order
+  std::vector<ImageDescription> images;    // those that TextureReference::pixels refer to
   std::vector<std::string> notes;     // what the reader decided, one line each: the pose it took
   std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;
