@@ -138,7 +138,7 @@ void add(CleaningReport& sum, const CleaningReport& report) {
 }  // namespace
 
 Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings) {
-  Result<SceneDescription> description = read_gltf(path);
+  Result<SceneDescription> description = read_gltf(path, {settings.overrides});
   if (!description) return description.error();
   return compile(std::move(*description), settings);
 }

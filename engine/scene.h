@@ -26,6 +26,7 @@ struct SceneSettings {
   std::string node = {};        // only this node and what is below it (find_node); empty: all
   double scale = 1.0;           // of everything, about the origin of the scene; > 0
   double fit_size_m = 0.0;      // > 0: the scale is such that the largest extent becomes this
+  std::vector<MaterialOverride> overrides = {};  // when a file is loaded, beside what it says
 };
 
 // Memory that the indices of a scene may take: a mesh has one for every scale that nodes give it.

@@ -107,6 +107,17 @@ const HapticMaterialDescription* SceneEffects::haptic_of(const Combination& c) c
   return c.haptic ? &declarations_.haptic_materials[*c.haptic] : nullptr;
 }
 
+// What the declarations do not have is none: a description may be made by hand.
+SceneEffects::CombinationKey SceneEffects::existing(CombinationKey key) const {
+  const std::array<std::size_t, 3> counts = {declarations_.materials.size(),
+                                             declarations_.physics_materials.size(),
+                                             declarations_.haptic_materials.size()};
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    if (key[i] && *key[i] >= counts[i]) key[i].reset();
+  }
+  return key;
+}
+
 Result<std::size_t> SceneEffects::combination(const CombinationKey& key) {
   const auto known = combination_of_.find(key);
   if (known != combination_of_.end()) return known->second;
@@ -145,7 +156,7 @@ Result<std::size_t> SceneEffects::outfit(const std::string& node, std::size_t me
   }
   Outfit outfit;
   for (const auto& material : parts.materials()) {
-    const auto c = combination({material, physics_material, parts.haptic_material()});
+    const auto c = combination(existing({material, physics_material, parts.haptic_material()}));
     if (!c) return c.error();
     outfit.combinations.push_back(*c);
     outfit.is_solid = outfit.is_solid && combinations_[*c].effects.is_solid;

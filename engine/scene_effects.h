@@ -113,6 +113,7 @@ class SceneEffects {
   using MaybeError = std::optional<Error>;
   using CombinationKey = std::array<std::optional<std::uint32_t>, 3>;
 
+  CombinationKey existing(CombinationKey key) const;
   Result<std::size_t> combination(const CombinationKey& key);
   const MaterialDescription& material_of(const Combination& c) const;
   const HapticMaterialDescription* haptic_of(const Combination& c) const;
