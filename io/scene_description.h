@@ -2,6 +2,7 @@
 
 // What a scene file says, free of its file format. Made by read_gltf(), consumed by the engine.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,11 @@ struct MeshDescription {
   std::vector<MaterialRun> material_runs = {};  // in rising order; each lasts until the next begins
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
+  // Where the positions lie in the maps of texture_map() and friction_map(), in fractions of their
+  // width and height from the left and the top, with the transform of the map applied; any number.
+  // One for each position; zeros at those of a primitive without a map; empty if none has one.
+  std::vector<std::array<double, 2>> texture_uv = {};
+  std::vector<std::array<double, 2>> friction_uv = {};
 };
 
 // A node of the scene that is read, with or without a mesh.
@@ -81,6 +87,7 @@ struct SceneDescription {
   // no parameters if it has none.
   MaterialDescription scene_parameters;
   std::vector<RegionDescription> regions;  // in depth-first file order
+  std::vector<ImageDescription> images;    // those that TextureReference::pixels refer to
   std::vector<std::string> notes;     // what the reader decided, one line each: the pose it took
   std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;
