@@ -61,13 +61,11 @@ Error png_error(int status) {
                       kDamagedHint);
 }
 
-// Moves the first three of four values to where they belong; from and to may not overlap.
 std::vector<std::uint16_t> without_alpha(const std::vector<std::uint16_t>& rgba) {
-  std::vector<std::uint16_t> rgb;
-  rgb.reserve(rgba.size() / 4 * kColours);
-  for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    rgb.insert(rgb.end(), rgba.begin() + static_cast<std::ptrdiff_t>(i),
-               rgba.begin() + static_cast<std::ptrdiff_t>(i + kColours));
+  std::vector<std::uint16_t> rgb(rgba.size() / 4 * kColours);
+  for (std::size_t from = 0, to = 0; from < rgba.size(); from += 4, to += kColours) {
+    for (std::size_t colour = 0; colour < kColours; ++colour)
+      rgb[to + colour] = rgba[from + colour];
   }
   return rgb;
 }
