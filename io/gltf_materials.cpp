@@ -335,7 +335,21 @@ Result<GltfMaterials> GltfMaterials::open(const Json& root, PalpateExtras& extra
   auto haptic_materials = read_haptic_materials(root);
   if (!haptic_materials) return haptic_materials.error();
   materials.haptic_materials_ = std::move(*haptic_materials);
+  materials.find_haptic_maps();
   return materials;
+}
+
+void GltfMaterials::find_haptic_maps() {
+  for (HapticMaterialDescription& haptic : haptic_materials_) {
+    const TextureReference* texture = texture_map({}, &haptic);
+    const TextureReference* friction = friction_map(&haptic);
+    KnownHaptic known;
+    for (HapticMap& map : haptic.maps) {
+      if (&map.texture == texture) known.texture = &map.texture;
+      if (&map.texture == friction) known.friction = &map.texture;
+    }
+    known_haptics_.push_back(known);
+  }
 }
 
 Result<std::uint32_t> GltfMaterials::index_of(std::uint32_t id) {
@@ -344,8 +358,41 @@ Result<std::uint32_t> GltfMaterials::index_of(std::uint32_t id) {
   auto material = read_material(*root_, id, *extras_);
   if (!material) return material.error();
   apply_overrides(*material);
+  known_materials_.push_back({texture_map(*material, nullptr) != nullptr});
   materials_.push_back(std::move(*material));
   return known->second;
+}
+
+GltfMaterials::Maps GltfMaterials::call_maps(std::optional<std::uint32_t> material,
+                                             std::optional<std::uint32_t> haptic) {
+  Maps maps;
+  if (haptic) {
+    KnownHaptic& known = known_haptics_[*haptic];
+    known.called = true;
+    maps = {known.texture, known.friction};
+  }
+  if (maps.texture == nullptr && material && known_materials_[*material].has_map) {
+    known_materials_[*material].called = true;
+    maps.texture = &*materials_[*material].normal_texture;
+  }
+  return maps;
+}
+
+MaybeError GltfMaterials::decode_maps(GltfImages& images) {
+  for (std::size_t i = 0; i < materials_.size(); ++i) {
+    if (!known_materials_[i].called) continue;
+    const std::string wanted_by = "the textureHeight of " + materials_[i].element;
+    if (auto error = images.decode(*materials_[i].normal_texture, wanted_by)) return error;
+  }
+  for (std::size_t i = 0; i < known_haptics_.size(); ++i) {
+    if (!known_haptics_[i].called) continue;
+    for (TextureReference* map : {known_haptics_[i].texture, known_haptics_[i].friction}) {
+      if (map == nullptr) continue;
+      const std::string wanted_by = "a map of haptic material " + std::to_string(i);
+      if (auto error = images.decode(*map, wanted_by)) return error;
+    }
+  }
+  return std::nullopt;
 }
 
 void GltfMaterials::apply_overrides(MaterialDescription& material) {

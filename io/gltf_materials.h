@@ -16,6 +16,7 @@
 
 #include "geometry/result.h"
 #include "io/gltf_extras.h"
+#include "io/gltf_images.h"
 #include "io/scene_description.h"
 
 namespace palpate {
@@ -37,6 +38,18 @@ class GltfMaterials {
   // overrides put in. An error if a declaration of it cannot be represented.
   Result<std::uint32_t> index_of(std::uint32_t id);
 
+  // The maps that a run of this material in a mesh of this haptic material calls for, by their
+  // indices in the scene; null: none. Remembers that they were called for. Valid until the next
+  // index_of().
+  struct Maps {
+    const TextureReference* texture = nullptr;
+    const TextureReference* friction = nullptr;
+  };
+  Maps call_maps(std::optional<std::uint32_t> material, std::optional<std::uint32_t> haptic);
+
+  // Decodes the images of the maps that were called for.
+  std::optional<Error> decode_maps(GltfImages& images);
+
   // Moves everything into a scene whose meshes have been read with index_of(). If an override is
   // for "default" and no material has this name, the runs without material get one of their own.
   // An error (kInvalidArgument) if an override is for a material that no triangle has.
@@ -51,6 +64,18 @@ class GltfMaterials {
 
   GltfMaterials(const nlohmann::json& root, PalpateExtras& extras)
       : root_(&root), extras_(&extras) {}
+  // Which maps are called for is asked for every primitive, so it is known for each material.
+  struct KnownMaterial {
+    bool has_map = false;
+    bool called = false;
+  };
+  struct KnownHaptic {
+    TextureReference* texture = nullptr;  // these two point into haptic_materials_
+    TextureReference* friction = nullptr;
+    bool called = false;
+  };
+
+  void find_haptic_maps();
   void apply_overrides(MaterialDescription& material);
   void add_default(SceneDescription& scene);
 
@@ -59,7 +84,9 @@ class GltfMaterials {
   std::vector<Override> overrides_;
   std::map<std::uint32_t, std::uint32_t> indices_;  // by id in the file
   std::vector<MaterialDescription> materials_;
+  std::vector<KnownMaterial> known_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;
+  std::vector<KnownHaptic> known_haptics_;
 };
 
 // Reads the physics materials, all of them, into a scene whose tree and nodes have been read, and

@@ -20,6 +20,7 @@
 #include "io/gltf_extensions.h"
 #include "io/gltf_extras.h"
 #include "io/gltf_file.h"
+#include "io/gltf_images.h"
 #include "io/gltf_instancing.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
@@ -175,7 +176,10 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.empty() ? "" : scene_.warnings.front());
     }
+    GltfImages images(asset_);
+    if (auto error = materials->decode_maps(images)) return *error;
     if (auto error = materials->finish(scene_)) return *error;
+    scene_.images = images.take();
     if (auto error = read_physics_materials(asset_.json, scene_)) return *error;
     note_variants(asset_.json, scene_.notes);
     add_notes();

@@ -19,8 +19,9 @@ struct ReadOptions {
 // .glb; told apart by content): the default scene, else the first, else all root nodes; the full
 // node hierarchy; TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN; every index type; sparse and
 // normalised accessors; Draco and meshopt compression; EXT_mesh_gpu_instancing; and what materials
-// declare (gltf_materials.h). Images are not decoded. External buffers are read only from inside
-// the folder of the asset.
+// declare (gltf_materials.h). Of images only those are decoded that a haptic material or
+// textureHeight calls for (material_description.h). External files are read only from inside the
+// folder of the asset.
 //
 // Skins, morph targets and animated nodes are read in one pose, that of all animations at time 0
 // (see gltf_animation.h, gltf_skin.h, gltf_morph.h), of which a note tells. A skinned mesh is

@@ -31,8 +31,9 @@ struct MeshDescription {
   std::vector<MaterialRun> material_runs = {};  // in rising order; each lasts until the next begins
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
-  // Of each position, in the image that texture_map() or friction_map() refers to: transforms of
-  // textures are applied. Empty if no material of the mesh calls for it.
+  // Where the positions lie in the maps of texture_map() and friction_map(), in fractions of their
+  // width and height from the left and the top, with the transform of the map applied; any number.
+  // One for each position; zeros at those of a primitive without a map; empty if none has one.
   std::vector<std::array<double, 2>> texture_uv = {};
   std::vector<std::array<double, 2>> friction_uv = {};
 };
