@@ -365,7 +365,8 @@ Result<std::string> encode_scene(const SceneContent& content) {
   if (auto error = find_defect(content)) return *error;
   Binary binary;
   const json root = describe(content, binary);
-  return container_of(root.dump(-1, ' ', false, json::error_handler_t::replace), binary.take_bytes());
+  return container_of(root.dump(-1, ' ', false, json::error_handler_t::replace),
+                      binary.take_bytes());
 }
 
 Result<std::string> encode_glb(GlbContent content, const json& node_extras) {
