@@ -43,15 +43,16 @@ def extent_m(palpate, scene):
 
 
 def write_trajectory(path, extent):
-    """From outside to the middle of the scene and about in it: contacts of all kinds."""
+    """Taps across the top of the scene, then a way from outside into its middle and about there."""
     half = [0.5 * e for e in extent]
     with path.open("w") as file:
         for i in range(TICKS):
             t = i / TICKS
-            deep = max(0.3, 1.5 - 4.0 * t)
-            x = deep * half[0] * math.cos(9.0 * t)
-            y = deep * half[1] * math.sin(7.0 * t)
-            z = max(deep, 0.9) * half[2] * math.cos(5.0 * t)
+            deep = max(0.3, 2.5 - 4.0 * t)
+            x = half[0] * math.cos(9.0 * t) * (0.9 if t < 0.5 else deep)
+            y = half[1] * math.sin(7.0 * t) * (0.9 if t < 0.5 else deep)
+            z = half[2] * (1.1 + 0.3 * math.cos(60.0 * t) if t < 0.5 else
+                           max(deep, 0.9) * math.cos(5.0 * t))
             file.write(f"{x:.17g} {y:.17g} {z:.17g}\n")
 
 
