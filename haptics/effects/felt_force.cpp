@@ -39,10 +39,13 @@ Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& 
   const Vec3 axis = pressed_m / depth_m;
   const auto& [K, B] = feel.coupling;
   const double damped_axis = damped_m_per_s.dot(axis);
-  const double press_N = std::max(0.0, K * deep_m + B * damped_axis);
+  double press_N = K * deep_m + B * damped_axis;
   const Vec3 tangential_m = lag_m - pressed_m;
   Vec3 side_N = K * deep_m / depth_m * tangential_m + B * (damped_m_per_s - damped_axis * axis);
-  if (state.is_held) side_N = held_side_N(state, tangential_m, side_N, press_N);
+  if (state.is_held) {
+    press_N = std::max(0.0, press_N);  // friction has no cone for a pull
+    side_N = held_side_N(state, tangential_m, side_N, press_N);
+  }
   Vec3 force_N = press_N * axis + side_N;
   force_N += std::max(0.0, -force_N.dot(state.normal)) * state.normal;
   return turned(force_N, state.normal, feel.normal) - K * deep_m * feel.slope;
