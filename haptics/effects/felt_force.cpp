@@ -32,6 +32,11 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 
 Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& lag_m,
                   const Vec3& damped_m_per_s) noexcept {
+  if (!state.is_held && feel.height_m == 0.0) {
+    // A spring and a damper: as in bare contact, to the bit.
+    const VirtualCoupling coupling(feel.coupling);
+    return turned(coupling.force_N(lag_m, damped_m_per_s, state.normal), state.normal, feel.normal);
+  }
   const Vec3 pressed_m = state.pressed_part(lag_m);
   const double depth_m = pressed_m.norm();
   const double deep_m = std::max(0.0, depth_m + feel.height_m);
