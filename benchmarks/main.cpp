@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
     palpate::bench::register_load_benchmarks(subdivisions);
     palpate::bench::register_index_benchmarks(subdivisions, counts);
     palpate::bench::register_tick_benchmarks(subdivisions, counts);
+    palpate::bench::register_effect_benchmarks(subdivisions, counts);
   }
   palpate::bench::register_instance_benchmarks(counts);
   palpate::bench::register_side_test_benchmarks();

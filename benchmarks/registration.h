@@ -27,6 +27,8 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
 // In this order for one size: ticks are compared with peers of the index.
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
+// tick_sliding_with_<effect>/<triangles>.
+void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 
 // Of no size: load_instances/<count>x, instances_sliding/<count>x and the same
 // _searched.

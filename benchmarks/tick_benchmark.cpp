@@ -18,21 +18,11 @@
 namespace palpate::bench {
 namespace {
 
-// Where the device is before the path begins: the first sample says on which side the proxy is, so
-// a path that starts below the surface must come from outside, and at its own speed.
-constexpr double kEntryHeight_m = 1e-3;
-constexpr int kEntryTicks = 11;
-
 constexpr double kSphereProxyRadius_m = 1e-3;
 constexpr std::size_t kFirstTicks = 50;       // of a loop that starts at the centre
 constexpr double kWander_m = 10.0 * kStep_m;  // about the centre, pressed: several triangles' width
 constexpr double kTeleportRadiusPerRadius = 1.5;   // so that most jumps cross the surface
 constexpr double kLongestTeleportPerRadius = 1.9;  // the scene is 2 across: farther is a fault
-
-struct DevicePath {
-  std::vector<Vec3> lead_in_m;  // not timed
-  std::vector<Vec3> timed_m;
-};
 
 // What a run must show to count: the share of ticks in contact.
 struct ContactShare {
@@ -60,14 +50,8 @@ struct TickCase {
 // Along the sphere, at heights above where the proxy's centre is when it touches.
 template <const HeightSwing& kSwing>
 DevicePath along_sphere(const TickCase& tick_case, const SampleCounts& counts) {
-  const double radius_m = kSphereRadius_m + tick_case.proxy_radius_m;
-  DevicePath path{{}, path_over_sphere(radius_m, kSwing, counts.for_caches(tick_case.caches))};
-  const Vec3& first = path.timed_m.front();
-  const Vec3 entry = (radius_m + kEntryHeight_m) * first.normalized();
-  for (int i = 0; i < kEntryTicks; ++i) {
-    path.lead_in_m.emplace_back(entry + static_cast<double>(i) / kEntryTicks * (first - entry));
-  }
-  return path;
+  return entered_path_over_sphere(kSphereRadius_m + tick_case.proxy_radius_m, kSwing,
+                                  counts.for_caches(tick_case.caches));
 }
 
 DevicePath starting_at_centre(const TickCase&, const SampleCounts&) {

@@ -71,6 +71,20 @@ std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
   return path_m;
 }
 
+DevicePath entered_path_over_sphere(double radius_m, const HeightSwing& swing,
+                                    std::size_t sample_count) {
+  // From a millimetre outside, and at about the path's own speed.
+  constexpr double kEntryHeight_m = 1e-3;
+  constexpr int kEntryTicks = 11;
+  DevicePath path{{}, path_over_sphere(radius_m, swing, sample_count)};
+  const Vec3& first = path.timed_m.front();
+  const Vec3 entry = (radius_m + kEntryHeight_m) * first.normalized();
+  for (int i = 0; i < kEntryTicks; ++i) {
+    path.lead_in_m.emplace_back(entry + static_cast<double>(i) / kEntryTicks * (first - entry));
+  }
+  return path;
+}
+
 std::vector<Vec3> path_to_centre(double radius_m) {
   std::vector<Vec3> path_m;
   const auto steps = static_cast<int>(radius_m / kStep_m);

@@ -35,6 +35,17 @@ inline constexpr HeightSwing kOnSurface{0.0, 0.0, 0.5};    // as a proxy in cont
 std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
                                    std::size_t sample_count);
 
+// A path, and how the device gets to its beginning.
+struct DevicePath {
+  std::vector<Vec3> lead_in_m;  // not timed
+  std::vector<Vec3> timed_m;
+};
+
+// path_over_sphere(), come to from outside: the first sample of a loop says on which side the proxy
+// is.
+DevicePath entered_path_over_sphere(double radius_m, const HeightSwing& swing,
+                                    std::size_t sample_count);
+
 // From kStep_m outside the sphere straight towards its centre, which is not in it.
 std::vector<Vec3> path_to_centre(double radius_m);
 

@@ -1,19 +1,28 @@
-// The steps of worlds that have effects, one for each union of needs.
+// The steps of worlds that have effects, one for each union of needs that those that are built can
+// have.
 
 #include <array>
 #include <utility>
 
+#include "compiled_effects.h"
 #include "haptics/haptic_loop_steps.h"
 
 namespace palpate {
 
 HapticLoop::Step HapticLoop::step_with_effects(std::uint32_t needs) {
-  // The step without any needs is compiled in another file, as if there were no effects.
-  static constexpr auto kSteps = []<std::uint32_t... kBelow>(
-                                     std::integer_sequence<std::uint32_t, kBelow...>) {
-    return std::array<Step, sizeof...(kBelow)>{&HapticLoop::step<kBelow + 1>...};
-  }(std::make_integer_sequence<std::uint32_t, kStepNeeds>());
-  return kSteps[(needs & kStepNeeds) - 1];
+  constexpr auto step_for = []<std::uint32_t kNeeds>() -> Step {
+    // The step without any needs is compiled in another file, as if there were no effects.
+    if constexpr (kNeeds == kNeedsNothing || (kNeeds & ~CompiledEffects::kNeeds) != 0) {
+      return nullptr;
+    } else {
+      return &HapticLoop::step<kNeeds>;
+    }
+  };
+  static constexpr auto kSteps =
+      [=]<std::uint32_t... kNeeds>(std::integer_sequence<std::uint32_t, kNeeds...>) {
+        return std::array<Step, sizeof...(kNeeds)>{step_for.template operator()<kNeeds>()...};
+      }(std::make_integer_sequence<std::uint32_t, kStepNeeds + 1>());
+  return kSteps[needs & kStepNeeds];
 }
 
 }  // namespace palpate

@@ -72,6 +72,12 @@ void HapticLoop::render_force(double dt_s) {
     force_N = contact_force_N<kNeeds>(dt_s);
   } else {
     coupling_.reset();
+    record_.full_force_device_N.setZero();
+    record_.force_device_N.setZero();
+    if constexpr ((kNeeds & kNeedsSurroundings) == 0) {
+      if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
+      return;
+    }
   }
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
     motion_ = {dt_s, record_.time_s, world_->to_solver(record_.goal_m), velocity_m_per_s_};

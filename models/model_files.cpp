@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "models/effect_scenes.h"
 #include "models/glb_writer.h"
 #include "models/paper_objects.h"
 #include "models/primitives.h"
@@ -46,6 +47,15 @@ Result<std::vector<ModelFile>> model_files() {
         encode_glb({model.name, "solid", std::move(model.mesh)}, model.node_extras);
     if (!bytes) return bytes.error();
     files.push_back({model.name + ".glb", std::move(*bytes)});
+  }
+  for (const EffectScene& scene : effect_scenes()) {
+    Result<std::string> bytes = encode_scene(scene.content);
+    if (!bytes) {
+      Error error = bytes.error();
+      error.path = scene.name;
+      return error;
+    }
+    files.push_back({scene.name + ".glb", std::move(*bytes)});
   }
   return files;
 }

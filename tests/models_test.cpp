@@ -271,7 +271,7 @@ bool is_inside(const Contour& contour, const Point2& p) {
 TEST(ModelFiles, EqualTheCommittedOnesByteForByte) {
   const auto files = model_files();
   ASSERT_TRUE(files.ok()) << files.error().to_string();
-  ASSERT_EQ(files->size(), 8u);
+  ASSERT_EQ(files->size(), 19u);
   for (const ModelFile& file : *files) {
     std::ifstream stream(std::string(PALPATE_MODELS_DIR) + "/" + file.file_name, std::ios::binary);
     ASSERT_TRUE(stream.good()) << file.file_name;

@@ -45,6 +45,7 @@ class OwnedBodies {
     if (with_tree) world_.tree = std::make_shared<BoxTree>(boxes, sweep);
   }
 
+  void set_effects(std::shared_ptr<const EffectProgram> effects) { world_.effects = effects; }
   const ContactWorld& world() const { return world_; }
 
   // What the engine touches of a body, in its frame.

@@ -66,6 +66,7 @@ class OwnedWorld {
     world_.bodies.push_back(
         {index_.get(), T_solver_body, T_scene_body.rotation.coeffs() == Quat::Identity().coeffs()});
   }
+  void set_effects(std::shared_ptr<const EffectProgram> effects) { world_.effects = effects; }
   const ContactWorld& world() const { return world_; }
   const SurfaceIndex& index() const { return *index_; }
   const SurfaceMesh& mesh() const { return mesh_; }

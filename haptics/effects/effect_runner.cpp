@@ -159,7 +159,7 @@ Vec3 EffectRunner::surroundings_force_N(const LiveWorld& world, const ProxyState
                                         const Vec3& normal, const EffectMotion& motion) noexcept {
   const std::span<const EffectCall> everywhere = program_->table(program_->everywhere);
   const std::span<const EffectCall> places = program_->table(program_->places);
-  const bool is_quiet = (state.proxy - quiet_centre_).squaredNorm() <=
+  const bool is_quiet = (state.proxy - quiet_centre_).squaredNorm() <
                             quiet_radius_m_ * quiet_radius_m_ &&
                         world.moving().empty();
   if (everywhere.empty() && (places.empty() || is_quiet)) return Vec3::Zero();

@@ -39,6 +39,7 @@ template <typename... Effects>
 struct EffectList {
   static_assert(sizeof...(Effects) <= kMostEffects);
   static constexpr std::array<EffectType, sizeof...(Effects)> kTypes = {effect_type<Effects>()...};
+  static constexpr std::uint32_t kNeeds = (kNeedsNothing | ... | Effects::kNeeds);
 };
 
 }  // namespace palpate

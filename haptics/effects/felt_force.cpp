@@ -32,6 +32,11 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 
 Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& lag_m,
                   const Vec3& damped_m_per_s) noexcept {
+  if (!state.is_held && feel.height_m == 0.0) {
+    // A spring and a damper: as in bare contact, to the bit.
+    const VirtualCoupling coupling(feel.coupling);
+    return turned(coupling.force_N(lag_m, damped_m_per_s, state.normal), state.normal, feel.normal);
+  }
   const Vec3 pressed_m = state.pressed_part(lag_m);
   const double depth_m = pressed_m.norm();
   const double deep_m = std::max(0.0, depth_m + feel.height_m);
@@ -39,10 +44,13 @@ Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& 
   const Vec3 axis = pressed_m / depth_m;
   const auto& [K, B] = feel.coupling;
   const double damped_axis = damped_m_per_s.dot(axis);
-  const double press_N = std::max(0.0, K * deep_m + B * damped_axis);
+  double press_N = K * deep_m + B * damped_axis;
   const Vec3 tangential_m = lag_m - pressed_m;
   Vec3 side_N = K * deep_m / depth_m * tangential_m + B * (damped_m_per_s - damped_axis * axis);
-  if (state.is_held) side_N = held_side_N(state, tangential_m, side_N, press_N);
+  if (state.is_held) {
+    press_N = std::max(0.0, press_N);  // friction has no cone for a pull
+    side_N = held_side_N(state, tangential_m, side_N, press_N);
+  }
   Vec3 force_N = press_N * axis + side_N;
   force_N += std::max(0.0, -force_N.dot(state.normal)) * state.normal;
   return turned(force_N, state.normal, feel.normal) - K * deep_m * feel.slope;

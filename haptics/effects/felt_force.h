@@ -10,9 +10,10 @@ namespace palpate {
 // The virtual coupling's force on the hand, solver frame, N, in the order of the stages. With d the
 // depth, h the height of the surface, N the contact normal and t the proxy's tangential lag:
 //
-//     press   K (d + h) + B u_n, no less than 0              stiffness, damping, texture
+//     press   K (d + h) + B u_n                              stiffness, damping, texture
 //     side    K t (d + h) / d + B u_t                        friction: mu_k press where the proxy is
 //                                                            on the cone, mu_s press at most
+//     what pulls along N is left out, as VirtualCoupling has it
 //     both turned from N to the felt normal                  shading
 //     less    K (d + h) grad h                               texture
 //

@@ -25,7 +25,8 @@ struct MagneticSurface {
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
-  static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsPlace;
+  // In contact, where the way to the nearest point is shorter than its rounding, touches tell.
+  static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsPlace | kNeedsContact;
 
   struct Parameters {
     double force_N = 0.0;
@@ -54,7 +55,8 @@ struct MagnetEffect {
     const auto nearest = surface.index->closest_point(proxy_body, 2.0 * p.range_m);
     const double distance_m = nearest ? nearest->distance_m : 2.0 * p.range_m;
     if (distance_m >= p.range_m || distance_m == 0.0) {
-      tick.quiet_m = tick.world->is_moving(surface.body) ? 0.0 : distance_m - p.range_m;
+      const bool may_come = tick.world->is_moving(surface.body);
+      tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - p.range_m);
       return false;
     }
     const double part = 1.0 - distance_m / p.range_m;

@@ -2,6 +2,8 @@
 
 // Facets that are felt as a smooth surface.
 
+#include <limits>
+
 #include "haptics/effects/effect.h"
 
 namespace palpate {
@@ -17,6 +19,10 @@ struct ShadingEffect {
   static constexpr EffectStage kStage = EffectStage::kSurface;
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsCornerNormals;
 
+  // Corner normals that differ from the facet's by no more than their rounding to float: a flat face
+  // is felt as without shading, to the bit.
+  static constexpr double kFlat = 2.0 * std::numeric_limits<float>::epsilon();
+
   struct Parameters {
     double crease_angle_deg = 0.0;  // baked into the corner normals
   };
@@ -30,13 +36,18 @@ struct ShadingEffect {
   static bool apply(const Parameters&, State&, EffectTick& tick) noexcept {
     const auto w = tick.face.barycentric();
     const CornerNormals& normals = tick.face.attributes->corner_normals[tick.face.slot];
+    const Vec3& facet_body = tick.face.triangle().normal;
     Vec3 sum_body = Vec3::Zero();
+    bool is_flat = true;
     for (std::size_t i = 0; i < 3; ++i) {
-      sum_body += w[i] * Vec3(normals[i][0], normals[i][1], normals[i][2]);
+      const Vec3 corner(normals[i][0], normals[i][1], normals[i][2]);
+      is_flat = is_flat && (corner - facet_body).squaredNorm() <= kFlat * kFlat;
+      sum_body += w[i] * corner;
     }
+    if (is_flat) return false;
     const Vec3 front = tick.face.body->direction_to_solver(sum_body);
     // The proxy may be at the back of the face.
-    const Vec3 facet = tick.face.body->direction_to_solver(tick.face.triangle().normal);
+    const Vec3 facet = tick.face.body->direction_to_solver(facet_body);
     const Vec3 smooth = facet.dot(tick.normal) < 0.0 ? Vec3(-front) : front;
     const double length = smooth.norm();
     if (!(smooth.dot(tick.normal) > 0.0)) return false;  // away from the proxy: no normal to feel

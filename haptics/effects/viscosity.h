@@ -93,6 +93,7 @@ struct ViscosityEffect {
       const Vec3 nearest = p.cwiseMax(box.low).cwiseMin(box.high);
       tick.quiet_m = region.least_scale * (p - nearest).norm();
       s.is_known = 0.0;
+      s.is_inside = 0.0;
       return false;
     }
     std::optional<bool> inside;

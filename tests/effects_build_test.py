@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""What a scene does not call for is not there: proof against programs built without it.
+
+effects_build_test.py PALPATE PALPATE_NO_FRICTION PALPATE_NO_EFFECTS MODELS_DIR
+
+Plays the same trajectories with the program, with one built without friction and with one built
+without any effect (PALPATE_EFFECTS), through scenes that do not call for what is missing: the traces
+must agree to the bit, and the haptic loop must execute the same number of instructions a tick,
+within 0.1 %, counted by Callgrind.
+"""
+
+import csv
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+# Of a tick: what differs is where the linker puts things, not what is done.
+LARGEST_DIFFERENCE = 1e-3
+
+TICKS = 3000
+
+# Scenes without friction, and those of them without any effect.
+BARE = ["star.glb", "torus.glb", "thin_plate.glb"]
+WITHOUT_FRICTION = ["effect_texture.glb", "effect_shading.glb", "effect_magnet.glb"]
+
+# In the trace, not of the trace.
+TIME_COLUMNS = {"step_ns"}
+
+
+def run(*command):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+    return done.stdout + done.stderr
+
+
+def extent_m(palpate, scene):
+    return json.loads(run(palpate, "info", scene, "--json"))["extent_m"]
+
+
+def write_trajectory(path, extent):
+    """Taps across the top of the scene, then a way from outside into its middle and about there."""
+    half = [0.5 * e for e in extent]
+    with path.open("w") as file:
+        for i in range(TICKS):
+            t = i / TICKS
+            deep = max(0.3, 2.5 - 4.0 * t)
+            x = half[0] * math.cos(9.0 * t) * (0.9 if t < 0.5 else deep)
+            y = half[1] * math.sin(7.0 * t) * (0.9 if t < 0.5 else deep)
+            z = half[2] * (1.1 + 0.3 * math.cos(60.0 * t) if t < 0.5 else
+                           max(deep, 0.9) * math.cos(5.0 * t))
+            file.write(f"{x:.17g} {y:.17g} {z:.17g}\n")
+
+
+def trace(palpate, scene, trajectory, out):
+    """The rows of a replay, without times."""
+    run(palpate, "replay", scene, "--trajectory", trajectory, "--out", out, "--sensors", 3,
+        "--actuators", 1, "--a4", "on", "--damping", 1)
+    with out.open() as file:
+        rows = list(csv.reader(file))
+    keep = [i for i, name in enumerate(rows[0]) if name not in TIME_COLUMNS]
+    assert len(keep) < len(rows[0]), f"the trace has none of the columns {TIME_COLUMNS}"
+    return [[row[i] for i in keep] for row in rows]
+
+
+def instructions(palpate, scene, trajectory, out):
+    """Executed in HapticLoop::tick, by all ticks of a replay."""
+    run("valgrind", "--tool=callgrind", f"--callgrind-out-file={out}",
+        "--toggle-collect=palpate::HapticLoop::tick(*", palpate, "replay", scene, "--trajectory",
+        trajectory, "--sensors", 3, "--actuators", 1, "--a4", "on", "--damping", 1)
+    return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.M).group(1))
+
+
+def check(programs, scene, is_bare, scratch):
+    """How many comparisons failed."""
+    palpate = programs["all effects"]
+    names = ["all effects", "no friction"] + (["no effects"] if is_bare else [])
+    trajectory = scratch / "trajectory.txt"
+    write_trajectory(trajectory, extent_m(palpate, scene))
+    rows = {n: trace(programs[n], scene, trajectory, scratch / "trace.csv") for n in names}
+    counts = {n: instructions(programs[n], scene, trajectory, scratch / "callgrind.out")
+              for n in names}
+    failures = 0
+    contact = rows["all effects"][0].index("contact")
+    contacts = sum(row[contact] == "1" for row in rows["all effects"][1:])
+    if contacts < TICKS // 10:
+        print(f"{scene.name}: only {contacts} of {TICKS} ticks in contact: proves nothing")
+        failures += 1
+    for name in names[1:]:
+        same = rows[name] == rows["all effects"]
+        difference = counts[name] / counts["all effects"] - 1.0
+        good = same and abs(difference) <= LARGEST_DIFFERENCE
+        failures += not good
+        print(f"{scene.name}: {name}: traces {'equal' if same else 'DIFFER'}, "
+              f"{counts[name] / TICKS:.1f} instructions a tick, {100 * difference:+.4f} % of "
+              f"{counts['all effects'] / TICKS:.1f}{'' if good else '  FAILED'}")
+    return failures
+
+
+def main():
+    palpate, no_friction, no_effects, models = map(pathlib.Path, sys.argv[1:])
+    programs = {"all effects": palpate, "no friction": no_friction, "no effects": no_effects}
+    with tempfile.TemporaryDirectory() as scratch:
+        failures = sum(check(programs, models / name, name in BARE, pathlib.Path(scratch))
+                       for name in BARE + WITHOUT_FRICTION)
+    sys.exit(f"{failures} failed" if failures else 0)
+
+
+main()
