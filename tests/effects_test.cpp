@@ -97,9 +97,11 @@ TEST(Effects, AreNotFeltOnABareBodyBesideThem) {
   }
 }
 
-// A material that says what the loop says is felt like a bare one.
-TEST(Effects, ThatChangeNothingChangeNoBit) {
+// A material that says what the loop says is felt like a bare one: to the bit with one face, and to
+// the rounding of shares with more.
+TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
   Random random(6903);
+  constexpr double kSharesRoundoff = 8 * std::numeric_limits<double>::epsilon();
   const auto ring = test::soup_of(torus(0.05, 0.02, 2));
   for (int run = 0; run < 10; ++run) {
     const RigidTransform pose = random.pose(0.3);
@@ -119,7 +121,8 @@ TEST(Effects, ThatChangeNothingChangeNoBit) {
            0.02 * (0.018 - (p - core).norm()) * (p - core).normalized();
       with.go_to(p);
       without.go_to(p);
-      ASSERT_EQ(with.record().force_device_N, without.record().force_device_N) << tick;
+      const Vec3& bare_N = without.record().force_device_N;
+      ASSERT_LE((with.record().force_device_N - bare_N).norm(), kSharesRoundoff * bare_N.norm());
       ASSERT_TRUE(same_bits(with.record().proxy_m, without.record().proxy_m));
       contacts += with.record().contact;
     }
