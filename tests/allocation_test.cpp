@@ -485,7 +485,7 @@ TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
   for (int n = 0; n < 10000; ++n) {
     const Vec3 p = n % 500 == 7 ? Vec3(kNan, 0, 0) : wander.next();
     if (n % 100 == 50) hand.loop().move_body(0, hand.pose());
-    const std::uint32_t call = static_cast<std::uint32_t>(n) % calls.size();
+    const auto call = static_cast<std::uint32_t>(static_cast<std::size_t>(n) % calls.size());
     hand.loop().set_effect_parameters(
         call, std::span(parameters)
                   .subspan(calls[call].parameters,
