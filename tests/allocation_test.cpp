@@ -29,6 +29,7 @@
 #include "engine/simulated_device.h"
 #include "engine/surface_walk.h"
 #include "geometry/section.h"
+#include "tests/all_effects.h"
 #include "tests/random.h"
 #include "tests/worlds.h"
 
@@ -464,6 +465,36 @@ TEST(SilentBodies, AreFoundAndMovedWithoutAllocating) {
   census.stop();
   census.expect_nothing();
   EXPECT_GT(observer.sums.finish({}).contact_ticks, 300u);
+}
+
+// ---- all effects -------------------------------------------------------------------------------
+
+TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
+  test::Random random(5);
+  test::BodyHand hand({test::AllEffects::sphere(), test::AllEffects::plate()}, random.pose(0.1));
+  test::AllEffects::add_to(hand);
+  HapticSettings settings = test::hand_settings();
+  settings.a4.enabled = true;
+  settings.measures_effects = true;
+  hand.begin(settings, 1);
+  const auto& calls = hand.world().effects->calls;
+  test::Wander wander(random, 0.044, 0.08);
+  const std::vector<std::byte>& parameters = hand.world().effects->parameters;
+  Census census;
+  std::uint32_t felt = 0;
+  for (int n = 0; n < 10000; ++n) {
+    const Vec3 p = n % 500 == 7 ? Vec3(kNan, 0, 0) : wander.next();
+    if (n % 100 == 50) hand.loop().move_body(0, hand.pose());
+    const auto call = static_cast<std::uint32_t>(static_cast<std::size_t>(n) % calls.size());
+    hand.loop().set_effect_parameters(
+        call, std::span(parameters)
+                  .subspan(calls[call].parameters,
+                           compiled_effects()[calls[call].effect].parameter_bytes));
+    felt |= hand.go_to(p, n % 700 == 9 ? -1.0 : 1e-3).effects;
+  }
+  census.stop();
+  census.expect_nothing();
+  EXPECT_EQ(felt, (1u << compiled_effects().size()) - 1);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

@@ -68,6 +68,8 @@ struct Totals {
   int ticks = 0;
   int contacts = 0;
   int capped = 0;
+  int held = 0;    // by friction
+  int rested = 0;  // likewise, without sliding
   int most_iterations = 0;
   std::size_t scenes = 0;
   std::size_t triangles = 0;
@@ -76,7 +78,7 @@ struct Totals {
 // One proxy and one device in one scene.
 class Feeling {
  public:
-  Feeling(HardKind kind, Random& random)
+  Feeling(HardKind kind, Random& random, bool with_friction = false)
       : random_(random),
         scene_(hard_scene(kind, random)),
         radius_m_(pick_radius_m(random)),
@@ -90,6 +92,7 @@ class Feeling {
     god_object_.place(start_);
     was_inside_ = scene_.is_closed && judge_.is_inside(start_);
     felt_.proxy = start_;
+    if (with_friction) cone_ = pick_cone();
   }
 
   const ExactJudge& judge() const { return judge_; }
@@ -100,9 +103,12 @@ class Feeling {
     goal_ = motion_.next_goal(felt_);
     if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - felt_.proxy) * *plane_normal_;
     const Vec3 before = god_object_.proxy();
-    felt_ = god_object_.move_to(goal_, plane_normal_);
+    felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+                  : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
+    totals.held += felt_.is_held;
+    totals.rested += felt_.is_held && !felt_.slid;
     totals.contacts += felt_.in_contact;
     totals.capped += felt_.capped;
     totals.most_iterations = std::max(totals.most_iterations, felt_.iterations);
@@ -132,9 +138,24 @@ class Feeling {
     return random_.index(2) ? random_.unit_vector() : Vec3(Vec3::Unit(random_.index(3)));
   }
 
+  // From slippery to sticking, with a gap that makes it stick and slip, or none.
+  FrictionCone pick_cone() {
+    const double mu_s = random_.index(3) ? random_.uniform(0.0, 1.5) : random_.uniform(0.0, 10.0);
+    return {mu_s, random_.index(2) ? mu_s : mu_s * random_.uniform(0.0, 1.0)};
+  }
+
+  FrictionSource friction() {
+    return {&*cone_, [](void* cone, const FaceContact&, const Vec3&) noexcept {
+              return *static_cast<const FrictionCone*>(cone);
+            }};
+  }
+
   testing::Message where() const {
     testing::Message message;
     message << "tick " << tick_ << ", radius " << radius_m_ << " m, goal " << hex(goal_);
+    if (cone_) {
+      message << ", friction " << cone_->static_friction << ", " << cone_->dynamic_friction;
+    }
     if (plane_normal_) message << ", in the plane across " << hex(*plane_normal_);
     message << "\npath:";
     for (const Vec3& p : god_object_.path()) message << "\n  " << hex(p);
@@ -200,6 +221,7 @@ class Feeling {
   Vec3 start_;
   DeviceMotion motion_;
   std::optional<Vec3> plane_normal_;
+  std::optional<FrictionCone> cone_;
   ProxyState felt_;
   Vec3 goal_ = Vec3::Zero();
   bool was_inside_ = false;
@@ -213,13 +235,13 @@ std::uint64_t first_scene() {
 
 class HardScenes : public testing::TestWithParam<HardKind> {};
 
-TEST_P(HardScenes, NeverLetTheProxyThrough) {
+void expect_no_leak(HardKind kind, bool with_friction) {
   constexpr int kEnoughFailures = 5;
   Totals totals;
   int failures = 0;
   for (std::uint64_t scene = first_scene(); totals.ticks < kTicksPerKind; ++scene) {
     Random random(scene);
-    Feeling feeling(GetParam(), random);
+    Feeling feeling(kind, random, with_friction);
     totals.triangles += feeling.judge().triangles().size();
     ++totals.scenes;
     for (int tick = 0; tick < kTicksPerScene; ++tick) {
@@ -229,14 +251,25 @@ TEST_P(HardScenes, NeverLetTheProxyThrough) {
     }
     if (failures == kEnoughFailures || std::getenv("PALPATE_SEED")) break;
   }
-  RecordProperty("scenes", static_cast<int>(totals.scenes));
-  RecordProperty("triangles", static_cast<int>(totals.triangles));
-  RecordProperty("ticks", totals.ticks);
-  RecordProperty("ticks_in_contact", totals.contacts);
-  RecordProperty("ticks_capped", totals.capped);
-  RecordProperty("most_iterations", totals.most_iterations);
-  std::printf("%zu scenes, %d ticks, %d in contact, %d capped, at most %d iterations\n",
+  testing::Test::RecordProperty("scenes", static_cast<int>(totals.scenes));
+  testing::Test::RecordProperty("triangles", static_cast<int>(totals.triangles));
+  testing::Test::RecordProperty("ticks", totals.ticks);
+  testing::Test::RecordProperty("ticks_in_contact", totals.contacts);
+  testing::Test::RecordProperty("ticks_capped", totals.capped);
+  testing::Test::RecordProperty("most_iterations", totals.most_iterations);
+  std::printf("%zu scenes, %d ticks, %d in contact, %d capped, at most %d iterations",
               totals.scenes, totals.ticks, totals.contacts, totals.capped, totals.most_iterations);
+  if (with_friction) std::printf(", %d held, %d at rest", totals.held, totals.rested);
+  std::printf("\n");
+}
+
+TEST_P(HardScenes, NeverLetTheProxyThrough) {
+  expect_no_leak(GetParam(), false);
+}
+
+// With the same start and device for a scene as without.
+TEST_P(HardScenes, NeverLetTheProxyThroughUnderFriction) {
+  expect_no_leak(GetParam(), true);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HardScenes, testing::ValuesIn(test::kAllHardKinds),
