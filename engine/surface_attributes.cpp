@@ -170,10 +170,12 @@ SurfaceAttributes surface_attributes(const PartedSurface& surface, const Attribu
     if (!needs.texture_uv && !needs.friction_uv) continue;
     const std::uint32_t source = surface.mesh->source_triangle(face);
     if (needs.texture_uv) {
-      attributes.texture_uv[slot] = in_index_order(parts.texture_uv(source), is_mirrored);
+      attributes.texture_uv[slot] = UvMap::over(
+          surface.index->triangle(slot), in_index_order(parts.texture_uv(source), is_mirrored));
     }
     if (needs.friction_uv) {
-      attributes.friction_uv[slot] = in_index_order(parts.friction_uv(source), is_mirrored);
+      attributes.friction_uv[slot] = UvMap::over(
+          surface.index->triangle(slot), in_index_order(parts.friction_uv(source), is_mirrored));
     }
   }
   return attributes;

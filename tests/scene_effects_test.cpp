@@ -217,15 +217,17 @@ TEST(SceneEffects, SlotsKnowTheirMaterialAndCornersTheirCoordinates) {
         for (std::size_t i = 0; i < 3; ++i) {
           const Vec3 p = mesh_from_index * (corners[i] - object.map_body_mesh.translation_m);
           const Eigen::Vector2d uv = uv_of * p;
-          EXPECT_NEAR(attributes.texture_uv[slot][i][0], uv[0], 1e-12);
-          EXPECT_NEAR(attributes.texture_uv[slot][i][1], uv[1], 1e-12);
-          EXPECT_NEAR(attributes.friction_uv[slot][i][0], uv[1], 1e-12);
-          EXPECT_NEAR(attributes.friction_uv[slot][i][1], -uv[0], 1e-12);
+          const auto texture_uv = attributes.texture_uv[slot].at(corners[i]);
+          const auto friction_uv = attributes.friction_uv[slot].at(corners[i]);
+          EXPECT_NEAR(texture_uv[0], uv[0], 1e-12);
+          EXPECT_NEAR(texture_uv[1], uv[1], 1e-12);
+          EXPECT_NEAR(friction_uv[0], uv[1], 1e-12);
+          EXPECT_NEAR(friction_uv[1], -uv[0], 1e-12);
         }
       }
     }
     EXPECT_EQ(program_materials.size(), 3u);
-    EXPECT_GT(scene.statistics().memory.effects, 90 * 2 * sizeof(CornerCoordinates));
+    EXPECT_GT(scene.statistics().memory.effects, 90 * 2 * sizeof(UvMap));
   }
 }
 
