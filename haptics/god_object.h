@@ -117,6 +117,7 @@ class GodObject {
   std::span<const Vec3> path() const { return path_; }
   const SolverScale& scale() const { return tracer_.scale(); }
   const LiveWorld& world() const { return *world_; }
+  double radius_m() const { return settings_.radius_m; }
 
  private:
   enum class Progress : std::uint8_t {

@@ -34,9 +34,9 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   step_ = &HapticLoop::step<kNeedsNothing>;
+  feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
-    effects_ = std::make_unique<EffectRunner>(*world.effects, settings.coupling,
-                                              settings.measures_effects);
+    effects_ = std::make_unique<EffectRunner>(world, settings.coupling, settings.measures_effects);
     step_ = step_with_effects(world.effects->needs);
   }
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
@@ -54,11 +54,12 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
     record_.effects = 0;
     record_.rotation_rad = 0.0;
     coupling_.reset();
-    has_last_goal_ = false;
+    last_was_good_ = false;
     return record_;
   }
   move_bodies();
   (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
+  last_was_good_ = true;
   return record_;
 }
 
@@ -136,11 +137,9 @@ void HapticLoop::apply_user_motion() {
 
 // Of the device point in the scene, by backward difference: what a medium takes with it is then
 // exactly b |dx|^2 / T in each tick.
-void HapticLoop::find_velocity(double dt_s) {
+void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
   velocity_m_per_s_.setZero();
-  if (has_last_goal_) velocity_m_per_s_ = (record_.goal_m - last_goal_m_) / dt_s;
-  last_goal_m_ = record_.goal_m;
-  has_last_goal_ = true;
+  if (last_was_good_) velocity_m_per_s_ = (record_.goal_m - last_goal_m) / dt_s;
 }
 
 void HapticLoop::command(const Vec3& force_N) {

@@ -138,6 +138,8 @@ class HapticLoop {
   template <std::uint32_t kNeeds>
   void step(double dt_s);
   template <std::uint32_t kNeeds>
+  void feel(double dt_s);
+  template <std::uint32_t kNeeds>
   void detect_collision();
   template <std::uint32_t kNeeds>
   void find_contact_normal(double dt_s);
@@ -145,7 +147,7 @@ class HapticLoop {
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>
   Vec3 contact_force_N(double dt_s);
-  void find_velocity(double dt_s);
+  void find_velocity(const Vec3& last_goal_m, double dt_s);
 
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   bool jumps(const Vec3& p_device_m);
@@ -173,11 +175,11 @@ class HapticLoop {
   bool has_proxy_ = false;
 
   Step step_;
+  Step feel_bare_;  // what is left of a step where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null where there are none
   ContactFeel feel_;                       // of this tick
   EffectMotion motion_;                    // likewise
-  Vec3 last_goal_m_ = Vec3::Zero();        // scene frame
-  bool has_last_goal_ = false;
+  bool last_was_good_ = false;             // the last tick: its goal is where the hand was
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows

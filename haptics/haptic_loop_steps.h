@@ -10,9 +10,24 @@ namespace palpate {
 
 template <std::uint32_t kNeeds>
 void HapticLoop::step(double dt_s) {
-  apply_user_motion();  // action 2
-  if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(dt_s);
-  detect_collision<kNeeds>();     // action 3
+  if constexpr (kNeeds == kNeedsNothing) {
+    apply_user_motion();  // action 2
+    feel<kNeeds>(dt_s);
+  } else {
+    const Vec3 last_goal_m = record_.goal_m;
+    apply_user_motion();
+    record_.effects = 0;
+    const Vec3 goal_solver = world_->to_solver(record_.goal_m);
+    if (effects_->is_far_from_all(god_object_, goal_solver)) return (this->*feel_bare_)(dt_s);
+    if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
+    feel<kNeeds>(dt_s);
+    effects_->look_around(god_object_);
+  }
+}
+
+template <std::uint32_t kNeeds>
+void HapticLoop::feel(double dt_s) {
+  detect_collision<kNeeds>();         // action 3
   find_contact_normal<kNeeds>(dt_s);  // action 4
   render_force<kNeeds>(dt_s);
   const AxisAngle theoretical = find_theoretical_rotation();  // action 5

@@ -7,16 +7,52 @@
 #include "haptics/plane_projection.h"
 
 namespace palpate {
-EffectRunner::EffectRunner(const EffectProgram& program, const CouplingSettings& coupling,
+namespace {
+
+// So many bodies are looked at one by one, and so seldom, where it did not lead far.
+constexpr std::size_t kMostBoxes = 32;
+constexpr int kTicksBetweenLooks = 16;
+
+double distance_m(const Box& box, const Vec3& p) {
+  return (p - p.cwiseMax(box.low).cwiseMin(box.high)).norm();
+}
+
+}  // namespace
+
+EffectRunner::EffectRunner(const ContactWorld& world, const CouplingSettings& coupling,
                            bool measures_time)
-    : program_(&program),
+    : program_(world.effects.get()),
       coupling_(coupling),
       measures_time_(measures_time),
-      parameters_(program.parameters),
-      states_(program.state_bytes) {
-  for (const EffectCall& call : program.calls) {
+      parameters_(program_->parameters),
+      states_(program_->state_bytes) {
+  for (const EffectCall& call : program_->calls) {
     compiled_effects()[call.effect].begin_state(states_.data() + call.state);
   }
+  for (std::size_t b = 0; b < program_->bodies.size(); ++b) {
+    if (!program_->bodies[b].attributes) continue;
+    const Box box = world.bodies[b].box_solver();
+    if (boxes_.size() < kMostBoxes) {
+      boxes_.push_back(box);
+    } else {
+      boxes_.back() = boxes_.back().united(box);
+    }
+  }
+}
+
+void EffectRunner::look_around(const GodObject& god_object) noexcept {
+  if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
+  ticks_to_look_ = kTicksBetweenLooks;
+  const Vec3& proxy = god_object.proxy();
+  double reach_m = god_object.world().size_m();
+  if (program_->places.count != 0) {
+    reach_m = std::min(reach_m, quiet_radius_m_ - (proxy - quiet_centre_).norm());
+  }
+  for (const Box& box : boxes_) reach_m = std::min(reach_m, distance_m(box, proxy));
+  // What a proxy touches is its radius away, and a few stand-offs.
+  reach_m -= god_object.radius_m() + 4 * god_object.scale().stand_off_m;
+  far_centre_ = proxy;
+  far_reach_m_ = std::max(0.0, 0.5 * reach_m);
 }
 
 std::uint32_t EffectRunner::end_tick() noexcept {
@@ -196,6 +232,7 @@ void EffectRunner::set_parameters(std::uint32_t call,
   std::copy(parameters.begin(), parameters.end(),
             parameters_.begin() + program_->calls[call].parameters);
   quiet_radius_m_ = 0.0;
+  far_reach_m_ = 0.0;
 }
 
 }  // namespace palpate

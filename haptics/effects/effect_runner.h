@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/box.h"
 #include "haptics/effects/effect_program.h"
 #include "haptics/god_object.h"
 
@@ -43,9 +44,21 @@ struct EffectCounters {
 // No allocation, lock or exception after construction. One thread owns it.
 class EffectRunner {
  public:
-  // The program must outlive the runner. coupling: of surfaces that do not say otherwise.
-  EffectRunner(const EffectProgram& program, const CouplingSettings& coupling,
-               bool measures_time);
+  // The world, which must have effects, must outlive the runner. coupling: of surfaces that do not
+  // say otherwise.
+  EffectRunner(const ContactWorld& world, const CouplingSettings& coupling, bool measures_time);
+
+  // Whether nothing that has an effect can be met or felt on the way of the proxy to this goal: a
+  // tick is then as it is without effects. What look_around() saw tells, for as long as the proxy
+  // is not far from there.
+  bool is_far_from_all(const GodObject& god_object, const Vec3& goal) const noexcept {
+    const double reach_m2 = far_reach_m_ * far_reach_m_;
+    return (goal - far_centre_).squaredNorm() < reach_m2 &&
+           (god_object.proxy() - goal).squaredNorm() < reach_m2 &&
+           god_object.world().moving().empty();
+  }
+  // At the end of a tick in which that was not so.
+  void look_around(const GodObject& god_object) noexcept;
 
   void begin_tick() noexcept { felt_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.
@@ -102,6 +115,14 @@ class EffectRunner {
   std::size_t material_count_ = 0;
 
   EffectTick tick_;  // what effects are told, reused
+
+  // Around bodies that have effects; the last box around all that are too many to be asked.
+  std::vector<Box> boxes_;
+  // Within the first half of a ball about the centre: a proxy keeps as near to the goal as it was,
+  // so its way does not leave the ball if both ends are in that half.
+  Vec3 far_centre_ = Vec3::Zero();
+  double far_reach_m_ = 0.0;
+  int ticks_to_look_ = 0;
 
   // No effect with a place is felt within this ball.
   Vec3 quiet_centre_ = Vec3::Zero();

@@ -51,11 +51,17 @@ struct MagnetEffect {
     }
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
+    const bool may_come = tick.world->is_moving(surface.body);
+    const Box& box = surface.index->box();
+    const double to_box_m = (proxy_body - proxy_body.cwiseMax(box.low).cwiseMin(box.high)).norm();
+    if (to_box_m >= p.range_m) {
+      tick.quiet_m = may_come ? 0.0 : to_box_m - p.range_m;
+      return false;
+    }
     // Twice as far, so that what is seen to be out of range is out of it for a while.
     const auto nearest = surface.index->closest_point(proxy_body, 2.0 * p.range_m);
     const double distance_m = nearest ? nearest->distance_m : 2.0 * p.range_m;
     if (distance_m >= p.range_m || distance_m == 0.0) {
-      const bool may_come = tick.world->is_moving(surface.body);
       tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - p.range_m);
       return false;
     }
