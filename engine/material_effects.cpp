@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr EffectKeyName kKeyNames[] = {
-    {"stiffness", "stiffness"},          {"damping", "damping"},
+    {"stiffness", "stiffness", false},   {"damping", "damping", false},
     {"staticFriction", "friction"},      {"dynamicFriction", "friction"},
     {"textureHeight", "texture"},        {"creaseAngle", "shading"},
     {"vibrationFrequency", "vibration"}, {"vibrationAmplitude", "vibration"},
@@ -104,7 +104,7 @@ class Compiler {
       return std::nullopt;
     }
     const double* number = std::get_if<double>(&parameter.value);
-    if (number && *number == 0.0) {
+    if (known->zero_is_none && number && *number == 0.0) {
       result_.report.honoured.push_back(
           {parameter.key, parameter.value, "", source, parameter.element, true});
       return std::nullopt;

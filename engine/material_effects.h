@@ -95,6 +95,7 @@ std::optional<std::uint16_t> effect_number(std::string_view name);
 struct EffectKeyName {
   std::string_view key;
   std::string_view effect;
+  bool zero_is_none = true;  // 0 calls for nothing
 };
 std::span<const EffectKeyName> effect_key_names();
 
