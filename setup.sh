@@ -6,7 +6,8 @@ palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 palpate_packages=(
   build-essential cmake ninja-build
   libembree-dev libopenmesh-dev libtinygltf-dev libeigen3-dev
-  libcli11-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libpng-dev zlib1g-dev
+  libcli11-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libpng-dev
+  zlib1g-dev libspng-dev libturbojpeg0-dev
   libgtest-dev libboost-dev libbenchmark-dev libcgal-dev
   gnuplot-nox python3 valgrind
 )

@@ -95,7 +95,7 @@ int replay(const ReplayCommand& command) {
   if (!setup) return refuse(setup.error());
   const Result<std::vector<Vec3>> path = read_trajectory(command.trajectory);
   if (!path) return refuse(path.error());
-  const Result<Scene> scene = load_scene(command.scene, command.options.radius_m);
+  const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
   const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
   if (!result) return refuse(result.error());
@@ -108,7 +108,7 @@ int replay(const ReplayCommand& command) {
     print(summary_json(result->summary, *scene));
   } else {
     std::cout << command.scene.path << ", " << command.trajectory << "\n"
-              << summary_text(result->summary);
+              << summary_text(result->summary, *scene);
   }
   return finish_output();
 }
@@ -116,7 +116,7 @@ int replay(const ReplayCommand& command) {
 int run(const RunCommand& command) {
   const Result<RunSetup> base = make_setup(command.options);
   if (!base) return refuse(base.error());
-  const Result<Scene> scene = load_scene(command.scene, command.options.radius_m);
+  const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
   std::error_code failed;
   std::filesystem::create_directories(command.out_dir, failed);
@@ -151,7 +151,7 @@ int run(const RunCommand& command) {
     std::cout << command.scene.path << ": " << scene->statistics().cleaning.triangles
               << " triangles, " << base->actuation.sensors() << " sensors, "
               << base->actuation.actuators() << " actuators\n"
-              << runs_text(runs) << "traces" << (picture ? " and paths.svg" : "") << " in "
+              << runs_text(runs, *scene) << "traces" << (picture ? " and paths.svg" : "") << " in "
               << command.out_dir << "/\n";
   }
   return finish_output();

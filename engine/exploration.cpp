@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -138,6 +139,10 @@ std::optional<Error> check_settings(const ExplorationSettings& settings, double 
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress) {
   if (const auto error = check_settings(settings, setup.dt_s)) return *error;
+  if (scene.objects().empty()) {
+    return Error{ErrorCode::kEmptyScene, "", "scene",
+                 "has media and no surface that a hand could follow", "replay a path through it"};
+  }
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
                                                          : plan_walk(scene, settings);
   if (!hand) return hand.error();
@@ -164,6 +169,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   }
   progress(1.0);
   run.summary = recorder.finish();
+  const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
+  take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
   run.turn_fraction = hand->plan->turn_fraction();
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
   return run;

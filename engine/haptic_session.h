@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
+#include <vector>
 
 #include "engine/snapshot_ring.h"
 #include "haptics/haptic_loop.h"
@@ -31,10 +33,19 @@ class TickObserver {
                        std::int64_t step_ns) noexcept = 0;
 };
 
-// Moves bodies of the world: asked on the haptic thread before each tick, under the same rules.
-class WorldMover {
+// Changes something for the next tick: asked on the haptic thread before each, under the same
+// rules.
+class BeforeTick {
  public:
-  virtual ~WorldMover() = default;
+  virtual ~BeforeTick() = default;
+  // time_s: sum of the good dt of the ticks before this one.
+  virtual void before_tick(double time_s, HapticLoop& loop) noexcept = 0;
+};
+
+// Moves bodies of the world.
+class WorldMover : public BeforeTick {
+ public:
+  void before_tick(double time_s, HapticLoop& loop) noexcept final { move_bodies(time_s, loop); }
   // time_s: sum of the good dt of the ticks before this one. Calls loop.move_body() for what has
   // moved.
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
@@ -58,14 +69,20 @@ struct HapticSnapshot {
   }
 };
 
-// Runs ticks: read the device, move the bodies that move, run the loop, command the force, publish,
-// tell the observer. No allocation, lock, I/O or exception in tick(). All references must outlive
+// Runs ticks: read the device, change what changes, run the loop, command the force, publish, tell
+// the observer. No allocation, lock, I/O or exception in tick(). All references must outlive
 // the session.
 class HapticSession {
  public:
   HapticSession(HapticLoop& loop, Device& device, TickObserver* observer = nullptr,
-                WorldMover* mover = nullptr)
-      : loop_(loop), device_(device), observer_(observer), mover_(mover) {}
+                BeforeTick* before = nullptr)
+      : loop_(loop), device_(device), observer_(observer) {
+    if (before) before_.push_back(before);
+  }
+  // Several, asked in this order; none is null.
+  HapticSession(HapticLoop& loop, Device& device, TickObserver* observer,
+                std::initializer_list<BeforeTick*> before)
+      : loop_(loop), device_(device), observer_(observer), before_(before) {}
 
   void tick(double dt_s) noexcept;
 
@@ -76,7 +93,7 @@ class HapticSession {
   HapticLoop& loop_;
   Device& device_;
   TickObserver* observer_;
-  WorldMover* mover_;
+  std::vector<BeforeTick*> before_;
   double time_s_ = 0.0;
   SnapshotRing<HapticSnapshot> published_;
 };

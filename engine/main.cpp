@@ -20,6 +20,10 @@ void add_scene(CLI::App& app, palpate::SceneOptions& scene) {
                  "only this node and what is below it, by name or \"#number\" (info --list)");
   app.add_option("--scale", scene.scale, "times the size that the file has");
   app.add_option("--fit", scene.fit_size_m, "scale so that the largest extent becomes this, m");
+  app.add_option("--material", scene.materials,
+                 "NAME.key=value: goes before what the file says of this material; may be repeated")
+      ->expected(1)
+      ->take_all();
 }
 
 // Options that `run` and `replay` share. Defaults shown are those of `options`.
@@ -46,9 +50,11 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
       ->check(CLI::IsMember({"fast", "balanced", "exact"}))
       ->capture_default_str();
   app.add_option("--rate", options.rate_Hz, "ticks a second, Hz")->capture_default_str();
-  app.add_option("--stiffness", options.stiffness_N_per_m, "coupling spring, N/m")
+  app.add_option("--stiffness", options.stiffness_N_per_m,
+                 "coupling spring of surfaces without their own, N/m")
       ->capture_default_str();
-  app.add_option("--damping", options.damping_Ns_per_m, "coupling damper, N s/m")
+  app.add_option("--damping", options.damping_Ns_per_m,
+                 "coupling damper of surfaces without their own, N s/m")
       ->capture_default_str();
   app.add_option("--radius", options.radius_m, "radius of the proxy, m; 0 is a point")
       ->capture_default_str();
@@ -63,6 +69,8 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
          "the axes of the scene; may be repeated")
       ->expected(1)
       ->take_all();
+  app.add_flag("--effect-times", options.effect_times,
+               "measure each effect's share of the time of a tick, which takes some itself");
 }
 
 void add_run(CLI::App& program, palpate::RunCommand& command) {

@@ -56,9 +56,11 @@ std::uint32_t end_of_subtree(std::span<const TreeNode> tree, std::uint32_t node)
 
 void keep_subtree(SceneDescription& description, std::uint32_t node) {
   const std::uint32_t end = end_of_subtree(description.tree, node);
-  std::erase_if(description.nodes,
-                [&](const NodeDescription& n) { return n.tree_node < node || n.tree_node >= end; });
+  const auto is_outside = [&](const auto& n) { return n.tree_node < node || n.tree_node >= end; };
+  std::erase_if(description.nodes, is_outside);
+  std::erase_if(description.regions, is_outside);
   for (NodeDescription& n : description.nodes) n.tree_node -= node;
+  for (RegionDescription& r : description.regions) r.tree_node -= node;
   auto& tree = description.tree;
   tree.erase(tree.begin() + end, tree.end());
   tree.erase(tree.begin(), tree.begin() + node);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 namespace palpate {
 
@@ -11,6 +12,7 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
   result.records.resize(path_m.size());
   result.steps_ns.resize(path_m.size());
   SummaryAccumulator summary;
+  RunSummary of_first_pass;  // what it did, without the times that are kept of all passes
   for (int pass = 0; pass < passes; ++pass) {
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
     auto mover = SteadyMotions::create(scene, setup.moves);
@@ -28,8 +30,14 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
         result.steps_ns[n] = std::min<std::int64_t>(result.steps_ns[n], step.count());
       }
     }
+    if (pass > 0) continue;
+    const auto all_ns =
+        std::accumulate(result.steps_ns.begin(), result.steps_ns.end(), std::int64_t{0});
+    take_effects(loop, setup.haptics.measures_effects, all_ns, of_first_pass);
   }
   result.summary = summary.finish(result.steps_ns);
+  result.summary.effect_ticks = of_first_pass.effect_ticks;
+  result.summary.effect_time_shares = of_first_pass.effect_time_shares;
   return result;
 }
 

@@ -2,10 +2,12 @@
 
 #include <cstdio>
 #include <functional>
+#include <string_view>
 #include <utility>
-#include <variant>
 
 #include <nlohmann/json.hpp>
+
+#include "engine/effects_report.h"
 
 namespace palpate {
 namespace {
@@ -32,9 +34,9 @@ std::string memory_text(const SceneStatistics& s) {
              megabytes(m.total()),
              static_cast<double>(m.total() - m.places) / static_cast<double>(s.cleaning.triangles),
              megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
-         format("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f\n",
+         format("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f, effects %.1f\n",
                 megabytes(m.index_triangles), megabytes(m.index_packs), megabytes(m.index_boxes),
-                megabytes(m.places));
+                megabytes(m.places), megabytes(m.effects));
 }
 
 std::string faults_text(const RunSummary& s) {
@@ -47,49 +49,15 @@ std::string faults_text(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
-ordered_json materials_json(const std::vector<MaterialDescription>& materials) {
-  ordered_json list = ordered_json::array();
-  for (const MaterialDescription& material : materials) {
-    ordered_json parameters = ordered_json::object();
-    for (const MaterialParameter& parameter : material.parameters) {
-      parameters[parameter.key] =
-          std::visit([](const auto& value) { return ordered_json(value); }, parameter.value);
-    }
-    list.push_back({{"name", material.name}, {"parameters", std::move(parameters)}});
-  }
-  return list;
-}
-
-// On one line, whatever the bytes of a name are.
-std::string json_text(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
-
-// A line for each material that declares anything: its name, keys and values, as JSON writes them.
-std::string materials_text(const std::vector<MaterialDescription>& materials) {
-  std::string text;
-  for (const ordered_json& material : materials_json(materials)) {
-    if (material["parameters"].empty()) continue;
-    text += "  material " + json_text(material["name"]);
-    const char* separator = ": ";
-    for (const auto& [key, value] : material["parameters"].items()) {
-      text += separator + key + " " + json_text(value);
-      separator = ", ";
-    }
-    text += "\n";
-  }
-  return text;
-}
-
 // A line of a table: what it is called, and how a run's value is written.
 struct Line {
-  const char* name;
+  std::string name;
   std::function<std::string(const ExplorationRun&)> value;
 };
 
-std::vector<Line> run_lines() {
+std::vector<Line> run_lines(const Scene& scene) {
   using Run = ExplorationRun;
-  return {
+  std::vector<Line> lines = {
       {"mean contact angle",
        [](const Run& r) { return format("%.1f deg", r.summary.mean_contact_angle_deg); }},
       {"contact within 30 deg",
@@ -123,7 +91,16 @@ std::vector<Line> run_lines() {
                        1e-3 * static_cast<double>(s.p99_ns), 1e-3 * static_cast<double>(s.max_ns));
        }},
       {"faults", [](const Run& r) { return faults_text(r.summary); }},
+      {"A4 turned the scene in",
+       [](const Run& r) {
+         return format("%llu ticks", static_cast<unsigned long long>(r.summary.a4_ticks));
+       }},
   };
+  for (const std::string& effect : scene.effects().effects) {
+    lines.push_back({effect + " felt in",
+                     [effect](const Run& r) { return effect_use_text(r.summary, effect); }});
+  }
+  return lines;
 }
 
 }  // namespace
@@ -146,8 +123,10 @@ ordered_json scene_json(const Scene& scene) {
           {"boundary_edges", s.cleaning.boundary_edges},
           {"non_manifold_edges", s.cleaning.non_manifold_edges},
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
-          {"materials", materials_json(scene.materials())},
-          {"effects", ordered_json::array()},
+          {"materials", materials_json(scene)},
+          {"scene_parameters", declaration_json(scene.effects().scene)},
+          {"regions", regions_json(scene)},
+          {"effects", scene.effects().effects},
           {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
           {"memory_bytes", s.memory.total()},
           {"memory",
@@ -157,7 +136,8 @@ ordered_json scene_json(const Scene& scene) {
             {"index_triangles", s.memory.index_triangles},
             {"index_packs", s.memory.index_packs},
             {"index_boxes", s.memory.index_boxes},
-            {"places", s.memory.places}}},
+            {"places", s.memory.places},
+            {"effects", s.memory.effects}}},
           {"notes", s.notes},
           {"warnings", s.warnings}};
 }
@@ -188,6 +168,7 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
           {"work_lost_J", s.work_lost_J},
           {"port_work_J", s.port_work_J},
           {"faults", faults},
+          {"effects", effects_use_json(s, scene)},
           {"step_ns",
            {{"p50", s.step_ns.p50_ns},
             {"p99", s.step_ns.p99_ns},
@@ -222,8 +203,7 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
                  c.non_manifold_edges);
   text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
-  text += materials_text(scene.materials());
-  text += "  effects: none\n";
+  text += declarations_text(scene);
   text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s), s.parse_ms,
                  s.mesh_ms, s.index_ms);
   text += memory_text(s);
@@ -233,7 +213,7 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   return text;
 }
 
-std::string summary_text(const RunSummary& s) {
+std::string summary_text(const RunSummary& s, const Scene& scene) {
   std::string text;
   text += format("  ticks %llu, in contact %llu, losses of contact %llu\n",
                  static_cast<unsigned long long>(s.ticks),
@@ -249,10 +229,15 @@ std::string summary_text(const RunSummary& s) {
                  static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
                  static_cast<long long>(s.step_ns.max_ns));
   text += "  faults: " + faults_text(s) + "\n";
+  for (const std::string& effect : scene.effects().effects) {
+    text += "  " + effect + " felt in " + effect_use_text(s, effect) + "\n";
+  }
+  text +=
+      format("  A4 turned the scene in %llu ticks\n", static_cast<unsigned long long>(s.a4_ticks));
   return text;
 }
 
-std::string runs_text(const std::vector<ExplorationRun>& runs) {
+std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene) {
   constexpr int kNameWidth = 28;
   constexpr int kValueWidth = 26;
   std::string text = format("%-*s", kNameWidth, "");
@@ -260,8 +245,8 @@ std::string runs_text(const std::vector<ExplorationRun>& runs) {
     text += format("%*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
-  for (const Line& line : run_lines()) {
-    text += format("%-*s", kNameWidth, line.name);
+  for (const Line& line : run_lines(scene)) {
+    text += format("%-*s", kNameWidth, line.name.c_str());
     for (const ExplorationRun& run : runs) {
       text += format("%*s", kValueWidth, line.value(run).c_str());
     }

@@ -19,8 +19,8 @@ nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scen
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
 
 std::string scene_text(const std::string& path, const Scene& scene);
-std::string summary_text(const RunSummary& summary);
+std::string summary_text(const RunSummary& summary, const Scene& scene);
 // The runs side by side.
-std::string runs_text(const std::vector<ExplorationRun>& runs);
+std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene);
 
 }  // namespace palpate

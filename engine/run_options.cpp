@@ -96,6 +96,26 @@ Result<std::vector<SteadyMotion>> parse_moves(const std::vector<std::string>& te
   return motions;
 }
 
+// The name may hold dots, the key does not; neither does the value hold equals signs.
+Result<std::vector<MaterialOverride>> parse_overrides(const std::vector<std::string>& texts) {
+  std::vector<MaterialOverride> overrides;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.rfind('=');
+    const std::size_t dot = equals == std::string::npos || equals == 0
+                                ? std::string::npos
+                                : text.rfind('.', equals - 1);
+    const bool is_whole =
+        dot != std::string::npos && dot > 0 && dot + 1 < equals && equals + 1 < text.size();
+    if (!is_whole) {
+      return invalid("--material", "\"" + text + "\" is not NAME.key=value",
+                     "for example wood.stiffness=800");
+    }
+    overrides.push_back(
+        {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)});
+  }
+  return overrides;
+}
+
 Result<ActuationModel> make_actuation(const RunOptions& options) {
   if (options.actuated_axes.empty()) {
     return ActuationModel::from_counts(
@@ -157,6 +177,7 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   setup.haptics.a4.step = options.a4_step == "paper" ? StepRule::kSpeedByDt : StepRule::kExact;
   setup.haptics.plane_height_m = options.plane_height_m;
   setup.haptics.initial_pose = *pose;
+  setup.haptics.measures_effects = options.effect_times;
   return setup;
 }
 
@@ -175,7 +196,20 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
     if (auto error = check_number("--fit", *options.fit_size_m, false)) return *error;
     settings.fit_size_m = *options.fit_size_m;
   }
+  auto overrides = parse_overrides(options.materials);
+  if (!overrides) return overrides.error();
+  settings.overrides = std::move(*overrides);
   return Scene::load(options.path, settings);
+}
+
+Result<Scene> load_scene(const SceneOptions& options, const RunOptions& run) {
+  auto scene = load_scene(options, run.radius_m);
+  if (!scene) return scene;
+  if (auto error = check_tick_rate(scene->effects(), run.rate_Hz)) {
+    error->path = options.path;
+    return *error;
+  }
+  return scene;
 }
 
 }  // namespace palpate

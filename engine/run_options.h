@@ -34,6 +34,7 @@ struct RunOptions {
   double plane_height_m = 0.0;
   std::string place;               // "x y z qw qx qy qz": T_device_scene at the start
   std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each
+  bool effect_times = false;
 };
 
 // Which part of a file is loaded, and how large. As given on the command line.
@@ -42,6 +43,7 @@ struct SceneOptions {
   std::string node;
   std::optional<double> scale;
   std::optional<double> fit_size_m;
+  std::vector<std::string> materials;  // "NAME.key=value" each
 };
 
 struct RunSetup {
@@ -56,5 +58,8 @@ Result<RunSetup> make_setup(const RunOptions& options);
 
 // Checks likewise, and loads the scene.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
+
+// The same for a session: refuses what ticks at this rate cannot make felt.
+Result<Scene> load_scene(const SceneOptions& options, const RunOptions& run);
 
 }  // namespace palpate

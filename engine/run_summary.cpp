@@ -30,6 +30,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
   was_in_contact_ = record.contact;
   add_work(record);
+  if (record.rotation_rad > 0.0) ++sums_.a4_ticks;
   if (!record.contact) return;
   ++sums_.contact_ticks;
   const double penetration_m = (record.proxy_m - record.goal_m).norm();
@@ -68,6 +69,19 @@ RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const 
   summary.device_extent_m = highest_m_ - lowest_m_;
   summary.step_ns = StepTimes::of(std::move(steps_ns));
   return summary;
+}
+
+void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
+                  RunSummary& summary) {
+  const EffectCounters* counters = loop.effect_counters();
+  if (!counters) return;
+  summary.effect_ticks = counters->ticks;
+  if (!has_times) return;
+  auto& shares = summary.effect_time_shares.emplace();
+  if (all_steps_ns <= 0) return;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i] = static_cast<double>(counters->time_ns[i]) / static_cast<double>(all_steps_ns);
+  }
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "haptics/haptic_loop.h"
@@ -33,9 +34,17 @@ struct RunSummary {
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
   double port_work_J = 0.0;             // sum f_commanded . dx_device; > 0: the device gave energy
   std::array<std::uint64_t, kFaultCount> faults{};
+  std::uint64_t a4_ticks = 0;  // in which A4 turned the scene
+  // By the effect's number in compiled_effects().
+  std::array<std::uint64_t, kMostEffects> effect_ticks{};              // in which it was felt
+  std::optional<std::array<double, kMostEffects>> effect_time_shares;  // if it was measured
   Vec3 device_extent_m = Vec3::Zero();
   StepTimes step_ns;
 };
+
+// What a loop has counted of its effects, and of the time of all its ticks.
+void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
+                  RunSummary& summary);
 
 class SummaryAccumulator {
  public:

@@ -93,6 +93,10 @@ void scale_by(double scale, SceneDescription& description, std::vector<NodePlace
   }
   for (NodePlacement& placement : placements) placement.deformation *= scale;
   for (TreeNode& node : description.tree) node.origin_m *= scale;
+  for (RegionDescription& region : description.regions) {
+    region.linear_scene_node *= scale;
+    region.translation_m *= scale;
+  }
 }
 
 // A tree of those that carry meshes, where the description has none.
@@ -134,7 +138,7 @@ void add(CleaningReport& sum, const CleaningReport& report) {
 }  // namespace
 
 Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings) {
-  Result<SceneDescription> description = read_gltf(path);
+  Result<SceneDescription> description = read_gltf(path, {settings.overrides});
   if (!description) return description.error();
   return compile(std::move(*description), settings);
 }
@@ -217,11 +221,18 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
                  "its largest extent is not between 1e-60 and 1e60 m", "choose another scale"};
   }
   scene.tree_ = std::move(description.tree);
-  scene.add_objects(description.nodes, placements);
+  SceneEffects effects(
+      {scene.materials_, scene.physics_materials_, scene.haptic_materials_, description.images,
+       &description.scene_parameters, description.regions, statistics.scale},
+      scene.parts_);
+  if (auto error = scene.add_surfaces(description.nodes, placements, effects)) {
+    return with_path(*error, description.path);
+  }
   const auto index_start = std::chrono::steady_clock::now();
   if (auto error = scene.build_world(bounds, settings.proxy_radius_m)) {
     return with_path(*error, description.path);
   }
+  if (auto error = scene.compile_effects(effects)) return with_path(*error, description.path);
   statistics.index_ms = milliseconds_since(index_start);
   return scene;
 }
@@ -233,7 +244,7 @@ void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
     meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
     add(statistics_.cleaning, meshes_.back().report());
     statistics_.memory += meshes_.back().memory();
-    mesh_materials_.push_back({std::move(mesh.material_runs), mesh.haptic_material});
+    parts_.emplace_back(meshes_.back(), std::move(mesh));
     mesh = {};  // what is compiled need not be kept twice
   }
   statistics_.mesh_ms = milliseconds_since(start);
@@ -256,36 +267,46 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
   return placements;
 }
 
-void Scene::add_objects(const std::vector<NodeDescription>& nodes,
-                        const std::vector<NodePlacement>& placements) {
+std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nodes,
+                                         const std::vector<NodePlacement>& placements,
+                                         SceneEffects& effects) {
   ShapeFinder finder(shapes_, meshes_.size());
   objects_.reserve(nodes.size());
   shape_of_object_.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeDescription& node = nodes[i];
     const NodePlacement& placement = placements[i];
-    const SurfaceMesh& mesh = meshes_[node.mesh];
-    auto shape = finder.find(node.mesh, placement);
-    if (!shape) {
-      // The body frame has its origin in the middle of the surface.
-      const Box box = bounding_box(mesh.welded_positions(), placement.deformation);
-      shape = shapes_.size();
-      shapes_.push_back({node.mesh, {placement.deformation, -0.5 * (box.low + box.high)}, nullptr});
-      finder.add(*shape);
-    }
-    const AffineMap& map = shapes_[*shape].map_body_mesh;
+    const auto outfit = effects.outfit(node.name, node.mesh, node.physics_material);
+    if (!outfit) return outfit.error();
+    const std::size_t shape = add_shape(node, placement, finder);
+    const AffineMap& map = shapes_[shape].map_body_mesh;
     const Vec3 middle = -map.translation_m;
-    objects_.push_back({node.name,
-                        node.mesh,
-                        node.tree_node,
-                        map,
-                        {placement.rotation, node.translation_m + placement.rotation * middle},
-                        node.physics_material});
-    shape_of_object_.push_back(*shape);
-    statistics_.instanced_triangles += mesh.face_count();
+    const RigidTransform T_scene_body{placement.rotation,
+                                      node.translation_m + placement.rotation * middle};
+    statistics_.instanced_triangles += meshes_[node.mesh].face_count();
+    if (!effects.is_solid(*outfit)) {
+      media_.push_back({node.name, shape, *outfit, T_scene_body});
+      continue;
+    }
+    objects_.push_back(
+        {node.name, node.mesh, node.tree_node, map, T_scene_body, node.physics_material});
+    shape_of_object_.push_back(shape);
+    outfit_of_object_.push_back(*outfit);
   }
-  statistics_.instances = objects_.size();
+  statistics_.instances = objects_.size() + media_.size();
   statistics_.indices = shapes_.size();
+  return std::nullopt;
+}
+
+// That of an earlier node, or a new one.
+std::size_t Scene::add_shape(const NodeDescription& node, const NodePlacement& placement,
+                             ShapeFinder& finder) {
+  if (const auto shape = finder.find(node.mesh, placement)) return *shape;
+  // The body frame has its origin in the middle of the surface.
+  const Box box = bounding_box(meshes_[node.mesh].welded_positions(), placement.deformation);
+  shapes_.push_back({node.mesh, {placement.deformation, -0.5 * (box.low + box.high)}, nullptr});
+  finder.add(shapes_.size() - 1);
+  return shapes_.size() - 1;
 }
 
 std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_radius_m) {
@@ -338,14 +359,42 @@ std::optional<Error> Scene::build_indices(double sweep_radius_m) {
   return std::nullopt;
 }
 
+EffectSurface Scene::effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
+                                    const RigidTransform& T_scene_body) const {
+  const Shape& s = shapes_[shape];
+  return {node,
+          outfit,
+          shape,
+          {&meshes_[s.mesh], &parts_[s.mesh], s.map_body_mesh, s.index.get()},
+          {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)}};
+}
+
+std::optional<Error> Scene::compile_effects(SceneEffects& effects) {
+  std::vector<EffectSurface> bodies;
+  bodies.reserve(objects_.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    bodies.push_back(effect_surface(objects_[i].name, shape_of_object_[i], outfit_of_object_[i],
+                                    objects_[i].T_scene_body));
+  }
+  std::vector<EffectSurface> media;
+  for (const Medium& m : media_) {
+    media.push_back(effect_surface(m.name, m.shape, m.outfit, m.T_scene_body));
+  }
+  auto result = effects.compile(bodies, media, world_.anchor_scene_m);
+  if (!result) return result.error();
+  world_.effects = std::move(result->program);
+  effects_ = std::move(result->report);
+  material_calls_ = std::move(result->calls);
+  statistics_.memory.effects = result->memory_bytes;
+  for (MeshParts& parts : parts_) parts.drop_uv();
+  outfit_of_object_ = {};
+  media_ = {};
+  return std::nullopt;
+}
+
 std::optional<std::uint32_t> Scene::material(std::size_t object, std::size_t face) const {
-  const std::size_t mesh = objects_[object].mesh;
-  const std::vector<MaterialRun>& runs = mesh_materials_[mesh].runs;
-  const auto next = std::upper_bound(
-      runs.begin(), runs.end(), meshes_[mesh].source_triangle(face),
-      [](std::uint32_t triangle, const MaterialRun& run) { return triangle < run.first_triangle; });
-  if (next == runs.begin()) return std::nullopt;  // a description without runs
-  return std::prev(next)->material;
+  const MeshParts& parts = parts_[objects_[object].mesh];
+  return parts.materials()[parts.part_of_face(face)];
 }
 
 void Scene::append_triangles_scene(std::vector<Vec3>& positions_m,

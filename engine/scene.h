@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "engine/node_placement.h"
+#include "engine/scene_effects.h"
+#include "engine/surface_attributes.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/result.h"
 #include "geometry/surface_index.h"
@@ -24,6 +26,7 @@ struct SceneSettings {
   std::string node = {};        // only this node and what is below it (find_node); empty: all
   double scale = 1.0;           // of everything, about the origin of the scene; > 0
   double fit_size_m = 0.0;      // > 0: the scale is such that the largest extent becomes this
+  std::vector<MaterialOverride> overrides = {};  // when a file is loaded, beside what it says
 };
 
 // Memory that the indices of a scene may take: a mesh has one for every scale that nodes give it.
@@ -47,7 +50,8 @@ struct SceneStatistics {
   std::vector<std::string> warnings;
 };
 
-// One node of the scene that can be touched.
+// One node of the scene that can be touched. Nodes whose material is not solid are none: they are a
+// region with a medium, which stays where the file has it (NodeMotions does not move it).
 struct SceneObject {
   std::string name;
   std::size_t mesh;             // index for Scene::mesh()
@@ -66,8 +70,9 @@ class Scene {
   static Result<Scene> load(const std::string& path, const SceneSettings& settings = {});
 
   // Compiles a description. Nodes with a singular transform have no surface to touch; they are
-  // left out with a warning. An error if nothing is left, if the node is not to be found, or if the
-  // indices would take more than kMaxIndexBytes.
+  // left out with a warning. An error if nothing is left, if the node is not to be found, if the
+  // indices would take more than kMaxIndexBytes, or if what is declared about how it feels is wrong
+  // or contradictory (scene_effects.h).
   static Result<Scene> compile(SceneDescription description, const SceneSettings& settings = {});
 
   const ContactWorld& world() const { return world_; }
@@ -84,12 +89,15 @@ class Scene {
   const std::vector<HapticMaterialDescription>& haptic_materials() const {
     return haptic_materials_;
   }
+  // What became of it; and the calls of world().effects by material.
+  const SceneEffectsReport& effects() const { return effects_; }
+  const std::vector<MaterialCalls>& material_calls() const { return material_calls_; }
   // The material of a face of an object's mesh, index into materials(). Of triangles that were
   // merged, the first one's. Logarithmic in the primitives of the mesh.
   std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
   // Index into haptic_materials().
   std::optional<std::uint32_t> haptic_material(std::size_t object) const {
-    return mesh_materials_[objects_[object].mesh].haptic;
+    return parts_[objects_[object].mesh].haptic_material();
   }
 
   // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
@@ -104,29 +112,41 @@ class Scene {
     std::unique_ptr<SurfaceIndex> index;
   };
   class ShapeFinder;
+  // A surface that is no object.
+  struct Medium {
+    std::string name;
+    std::size_t shape;
+    std::size_t outfit;  // of SceneEffects
+    RigidTransform T_scene_body;
+  };
 
   Scene() = default;
   void build_meshes(std::vector<MeshDescription>& descriptions);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
-  void add_objects(const std::vector<NodeDescription>& nodes,
-                   const std::vector<NodePlacement>& placements);
+  std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,
+                                    const std::vector<NodePlacement>& placements,
+                                    SceneEffects& effects);
+  std::size_t add_shape(const NodeDescription& node, const NodePlacement& placement,
+                        ShapeFinder& finder);
   std::optional<Error> build_world(const Box& bounds_scene, double proxy_radius_m);
   std::optional<Error> build_indices(double sweep_radius_m);
-
-  struct MeshMaterials {
-    std::vector<MaterialRun> runs;  // of the triangles that the mesh was built from
-    std::optional<std::uint32_t> haptic;
-  };
+  std::optional<Error> compile_effects(SceneEffects& effects);
+  EffectSurface effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
+                               const RigidTransform& T_scene_body) const;
 
   std::vector<SurfaceMesh> meshes_;
-  std::vector<MeshMaterials> mesh_materials_;  // by mesh
+  std::vector<MeshParts> parts_;  // by mesh
   std::vector<Shape> shapes_;
   std::vector<SceneObject> objects_;
   std::vector<std::size_t> shape_of_object_;
+  std::vector<std::size_t> outfit_of_object_;  // while it is compiled
+  std::vector<Medium> media_;                  // likewise
   std::vector<TreeNode> tree_;
   std::vector<MaterialDescription> materials_;
   std::vector<PhysicsMaterialDescription> physics_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;
+  SceneEffectsReport effects_;
+  std::vector<MaterialCalls> material_calls_;
   ContactWorld world_;
   SceneStatistics statistics_;
 };

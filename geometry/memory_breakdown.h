@@ -15,10 +15,12 @@ struct MemoryBreakdown {
   std::size_t index_packs = 0;      // the same in float, sixteen at a time
   std::size_t index_boxes = 0;      // around packs, and Embree's tree over them
 
-  std::size_t places = 0;  // of a scene's nodes: names, poses, and the tree over them
+  std::size_t places = 0;   // of a scene's nodes: names, poses, and the tree over them
+  std::size_t effects = 0;  // of a scene: what surfaces keep for them, maps, and their parameters
 
   std::size_t total() const {
-    return adjacency + positions + maps + index_triangles + index_packs + index_boxes + places;
+    return adjacency + positions + maps + index_triangles + index_packs + index_boxes + places +
+           effects;
   }
   MemoryBreakdown& operator+=(const MemoryBreakdown& other) {
     adjacency += other.adjacency;
@@ -28,6 +30,7 @@ struct MemoryBreakdown {
     index_packs += other.index_packs;
     index_boxes += other.index_boxes;
     places += other.places;
+    effects += other.effects;
     return *this;
   }
 };

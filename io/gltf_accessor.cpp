@@ -305,6 +305,7 @@ unsigned kind_of_components(const tinygltf::Accessor& accessor) {
 
 int type_named(const std::string& name) {
   if (name == "SCALAR") return TINYGLTF_TYPE_SCALAR;
+  if (name == "VEC2") return TINYGLTF_TYPE_VEC2;
   if (name == "VEC3") return TINYGLTF_TYPE_VEC3;
   return name == "VEC4" ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_MAT4;
 }

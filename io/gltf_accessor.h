@@ -61,7 +61,7 @@ inline constexpr unsigned kGltfSigned = 8;              // of 8 or 16 bits, not 
 inline constexpr unsigned kGltfUnsigned = 16;           // of 8 or 16 bits, not normalised
 
 struct GltfNumberFormat {
-  const char* type;     // "SCALAR", "VEC3", "VEC4" or "MAT4"
+  const char* type;     // "SCALAR", "VEC2", "VEC3", "VEC4" or "MAT4"
   unsigned components;  // those of the kinds above that are allowed
   const char* what;     // for messages: "weights of a skin"
 };

@@ -27,7 +27,7 @@ Result<std::vector<std::uint8_t>> data_uri_bytes(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
     return gltf_invalid({}, "the data URI is not marked as base64",
-                        "expected data:application/octet-stream;base64,...");
+                        "expected data:MEDIA/TYPE;base64,...");
   }
   auto bytes = base64_decoded(uri.substr(comma + 1));
   if (!bytes) return gltf_invalid({}, "the data URI is not valid base64");
@@ -106,7 +106,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
                         "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
                             " bytes, the most that are read");
     }
-    auto loaded = uri_bytes(buffer.declaration);
+    auto loaded = read_uri(*uri, kMaxGltfFileBytes, buffer.declaration.byte_length);
     if (!loaded) {
       Error error = loaded.error();
       error.element = gltf_element("buffers", index, "uri");
@@ -119,16 +119,15 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
   return std::span<const std::uint8_t>(buffer.storage);
 }
 
-Result<std::vector<std::uint8_t>> GltfBuffers::uri_bytes(
-    const GltfBufferDeclaration& declaration) const {
-  const std::string& uri = *declaration.uri;
+Result<std::vector<std::uint8_t>> GltfBuffers::read_uri(const std::string& uri,
+                                                        std::uint64_t max_bytes,
+                                                        std::uint64_t wanted_bytes) const {
   if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
   const auto file = resolve_inside(folder_, uri);
   if (!file) return file.error();
-  // A pointer is told by its first line, also where the buffer is shorter.
-  const std::uint64_t wanted =
-      std::max<std::uint64_t>(declaration.byte_length, kLfsPointerStart.size());
-  auto bytes = read_regular_file(*file, kMaxGltfFileBytes, wanted);
+  // A pointer is told by its first line, also where less is wanted.
+  auto bytes = read_regular_file(*file, max_bytes,
+                                 std::max<std::uint64_t>(wanted_bytes, kLfsPointerStart.size()));
   if (bytes && is_lfs_pointer(*bytes)) {
     return gltf_error(ErrorCode::kFileUnreadable, {},
                       "the file " + gltf_quoted(uri) + " is a Git LFS pointer, not the data",

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -38,6 +39,13 @@ class GltfBuffers {
   // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
   bool take_unstored(std::size_t elements);
 
+  // What a URI of the asset holds, a data URI (base64, any media type) or a file in its folder of
+  // at most max_bytes, or its beginning if no more than wanted_bytes are called for. Not counted.
+  // Error::element is empty.
+  Result<std::vector<std::uint8_t>> read_uri(
+      const std::string& uri, std::uint64_t max_bytes,
+      std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const;
+
   // Counts bytes that are about to be decoded from a buffer like those of a buffer of their own:
   // the error if that makes more than kMaxGltfBufferBytes. element: for messages.
   std::optional<Error> count_decoded(std::uint64_t bytes, const std::string& element);
@@ -50,7 +58,6 @@ class GltfBuffers {
   };
 
   Result<std::span<const std::uint8_t>> source_bytes(std::size_t index);
-  Result<std::vector<std::uint8_t>> uri_bytes(const GltfBufferDeclaration& declaration) const;
 
   std::vector<Buffer> buffers_;
   std::optional<std::span<const std::uint8_t>> bin_chunk_;

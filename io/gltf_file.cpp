@@ -131,7 +131,7 @@ Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {
-  const std::string hint = "keep the buffers of an asset in its own folder, named relative to it";
+  const std::string hint = "keep the files of an asset in its own folder, named relative to it";
   if (has_scheme(uri)) {
     return gltf_error(ErrorCode::kUnsupported, {},
                       "the URI " + gltf_quoted(uri) + " is not relative", hint);

@@ -11,15 +11,19 @@
 //   sections of the JSON, in the      2 KiB an element, however       kMaxGltfElements
 //   model of tinygltf                 short its text
 //   positions, while decoded          2 x 24 bytes a vertex           kMaxGltfVertices
+//   texture coordinates, as they are  2 x 24 bytes a vertex and map   kMaxGltfVertices
 //   triangles, while decoded          2 x 12 bytes, and the indices   kMaxGltfTriangles
 //   zeros that no view holds          as positions or indices         kMaxGltfUnstored
 //   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
 //   joints                            250 bytes each                  kMaxGltfJoints
 //   instances                         300 bytes each                  kMaxGltfInstances
+//   images that are called for        their file, and 6 bytes a       kMaxGltfImageBytes,
+//                                     pixel, 16 while decoded         kMaxGltfPixels
+//   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
 //
 // A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
 // tests/corpus_test.py checks; tests/hostile_gltf_test.cpp checks the same of hostile ones, but for
-// elements and zeros, whose text is next to nothing.
+// elements, zeros and images of one colour, whose text is next to nothing.
 
 #include <algorithm>
 #include <cstddef>
@@ -46,6 +50,12 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all me
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
+inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   // per file or URI
+inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height
+inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 26;       // all images decoded
+inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
+// Of extras.palpate: used materials, the scene and its nodes together.
+inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
 // For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the

@@ -2,6 +2,7 @@
 
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,95 +24,9 @@ constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kPhysicsMaterials = "/extensions/KHR_physics_rigid_bodies/physicsMaterials";
 constexpr const char* kHapticNames[] = {"MPEG_haptic_material", "MPEG_material_haptic"};
 
-// --- extras.palpate ------------------------------------------------------------------------------
-
-// Far more than any material needs; they bound what a hostile file can make of a few bytes.
-constexpr std::size_t kMaxKeyLength = 32;
-constexpr std::size_t kMaxListLength = 16;
-constexpr std::size_t kMaxParameters = 256;
-
-MaybeError read_list(const Json& list, const std::string& element, MaterialValue& value) {
-  if (list.size() > kMaxListLength) {
-    return gltf_invalid(element, "has " + std::to_string(list.size()) +
-                                     " elements; expected a list of at most " +
-                                     std::to_string(kMaxListLength) + " numbers");
-  }
-  std::vector<double> numbers;
-  for (const Json& number : list) {
-    if (!number.is_number()) {
-      return gltf_expected(element + "/" + std::to_string(numbers.size()), number, "a number");
-    }
-    numbers.push_back(number.get<double>());
-  }
-  value = std::move(numbers);
-  return std::nullopt;
-}
-
-MaybeError read_value(const Json& json, const std::string& element, MaterialValue& value) {
-  if (json.is_number()) {
-    value = json.get<double>();
-  } else if (json.is_boolean()) {
-    value = json.get<bool>();
-  } else if (json.is_string()) {
-    value = json.get<std::string>();
-  } else if (json.is_array()) {
-    return read_list(json, element, value);
-  } else {
-    return gltf_expected(element, json, "a number, true or false, a text or a list of numbers");
-  }
-  return std::nullopt;
-}
-
-MaybeError check_key(const std::string& key, const std::string& parent_element) {
-  if (key.size() > kMaxKeyLength) {
-    return gltf_invalid(parent_element, "has a key of " + std::to_string(key.size()) + " bytes, " +
-                                            gltf_quoted(key) + "; expected at most " +
-                                            std::to_string(kMaxKeyLength));
-  }
-  if (key.find('.') != std::string::npos) {
-    return gltf_invalid(parent_element,
-                        "has the key " + gltf_quoted(key) + "; expected one without a dot",
-                        "write \"a\": {\"b\": 1} instead of \"a.b\": 1");
-  }
-  return std::nullopt;
-}
-
-// The entries of an object; an entry of an object inside it is "outer.inner", deeper it does not
-// go.
-MaybeError read_parameters(const Json& object, const std::string& element,
-                           const std::string& prefix, std::vector<MaterialParameter>& parameters) {
-  for (const auto& [key, json] : object.items()) {
-    if (auto error = check_key(key, element)) return error;
-    const std::string path = element + "/" + key;
-    if (json.is_object() && prefix.empty()) {
-      if (auto error = read_parameters(json, path, key + ".", parameters)) return error;
-      continue;
-    }
-    if (parameters.size() == kMaxParameters) {
-      return gltf_invalid(path, "is one entry too many; expected at most " +
-                                    std::to_string(kMaxParameters) + " for a material");
-    }
-    MaterialParameter parameter{prefix + key, {}};
-    if (auto error = read_value(json, path, parameter.value)) return error;
-    parameters.push_back(std::move(parameter));
-  }
-  return std::nullopt;
-}
-
-// Extras may be of any type; only those of an object can be meant for us.
-MaybeError read_extras(const Json& object, MaterialDescription& material) {
-  const auto extras = object.find("extras");
-  if (extras == object.end() || !extras->is_object()) return std::nullopt;
-  const auto palpate = extras->find("palpate");
-  if (palpate == extras->end()) return std::nullopt;
-  const std::string element = material.element + "/extras/palpate";
-  if (!palpate->is_object()) return gltf_expected(element, *palpate, "an object");
-  return read_parameters(*palpate, element, "", material.parameters);
-}
-
 // --- Materials -----------------------------------------------------------------------------------
 
-Result<MaterialDescription> read_material(const Json& root, std::size_t id) {
+Result<MaterialDescription> read_material(const Json& root, std::size_t id, PalpateExtras& extras) {
   MaterialDescription material;
   material.element = gltf_element("materials", id);
   const Json& object = root["materials"][id];
@@ -126,27 +41,8 @@ Result<MaterialDescription> read_material(const Json& root, std::size_t id) {
     if (auto error = read_number(*normal, element, "scale", reference->scale)) return *error;
     material.normal_texture = *reference;
   }
-  if (auto error = read_extras(object, material)) return *error;
+  if (auto error = extras.read(object, material.element, material.parameters)) return *error;
   return material;
-}
-
-// Turns the ids of the runs into indices of the scene.
-MaybeError read_used_materials(const Json& root, SceneDescription& scene) {
-  std::map<std::uint32_t, std::uint32_t> indices;  // by id
-  for (MeshDescription& mesh : scene.meshes) {
-    for (MaterialRun& run : mesh.material_runs) {
-      if (!run.material) continue;
-      const std::uint32_t id = *run.material;
-      const auto [known, is_new] =
-          indices.emplace(id, static_cast<std::uint32_t>(scene.materials.size()));
-      run.material = known->second;
-      if (!is_new) continue;
-      auto material = read_material(root, id);
-      if (!material) return material.error();
-      scene.materials.push_back(std::move(*material));
-    }
-  }
-  return std::nullopt;
 }
 
 // --- Lists of extensions -------------------------------------------------------------------------
@@ -195,7 +91,7 @@ MaybeError read_combine_mode(const Json& object, const std::string& element, con
                        "\"average\", \"minimum\", \"maximum\" or \"multiply\"");
 }
 
-MaybeError read_physics_materials(const Json& root, SceneDescription& scene) {
+MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
   const auto list = extension_list(root, kPhysics, "physicsMaterials");
   if (!list) return list.error();
   if (!*list) return std::nullopt;
@@ -335,6 +231,11 @@ Result<HapticMaterialDescription> read_haptic_material(const Json& root, const J
     if (maps == object.end()) continue;
     const std::string list_element = element + "/" + property;
     if (!maps->is_array()) return gltf_expected(list_element, *maps, "an array");
+    if (maps->size() > kMaxGltfHapticMaps - material.maps.size()) {
+      return gltf_error(ErrorCode::kLimitExceeded, list_element,
+                        "brings the maps of its material to more than " +
+                            std::to_string(kMaxGltfHapticMaps) + ", the most that are read");
+    }
     for (std::size_t i = 0; i < maps->size(); ++i) {
       auto map = read_map(root, (*maps)[i], list_element + "/" + std::to_string(i), property);
       if (!map) return map.error();
@@ -344,21 +245,54 @@ Result<HapticMaterialDescription> read_haptic_material(const Json& root, const J
   return material;
 }
 
-MaybeError read_haptic_materials(const Json& root, SceneDescription& scene) {
+Result<std::vector<HapticMaterialDescription>> read_haptic_materials(const Json& root) {
+  std::vector<HapticMaterialDescription> materials;
   const auto found = find_haptic_list(root);
   if (!found) return found.error();
-  if (!found->list) return std::nullopt;
+  if (!found->list) return materials;
   for (const Json& object : *found->list) {
-    const std::string index = std::to_string(scene.haptic_materials.size());
+    const std::string index = std::to_string(materials.size());
     auto material = read_haptic_material(root, object, found->element + "/" + index);
     if (!material) return material.error();
     if (material->name.empty()) material->name = "haptic material " + index;
-    scene.haptic_materials.push_back(std::move(*material));
+    materials.push_back(std::move(*material));
   }
-  return std::nullopt;
+  return materials;
+}
+
+// --- Overrides -----------------------------------------------------------------------------------
+
+bool any_without_material(const SceneDescription& scene) {
+  for (const MeshDescription& mesh : scene.meshes) {
+    for (const MaterialRun& run : mesh.material_runs) {
+      if (!run.material) return true;
+    }
+  }
+  return false;
+}
+
+// "no triangle has the material "x"; there are "a", "b" and 3 more"
+Error unknown_material(const std::string& name, const std::string& element,
+                       const std::set<std::string>& known) {
+  constexpr std::size_t kMaxNames = 8;
+  std::string names;
+  std::size_t count = 0;
+  for (const std::string& other : known) {
+    if (++count > kMaxNames) break;
+    names += (count == 1 ? "" : ", ") + gltf_quoted(other);
+  }
+  if (known.size() > kMaxNames) {
+    names += " and " + std::to_string(known.size() - kMaxNames) + " more";
+  }
+  return gltf_error(
+      ErrorCode::kInvalidArgument, element,
+      "no triangle of the scene has a material " + gltf_quoted(name) + "; there are " + names,
+      std::string(kDefaultMaterialName) + " is for triangles without a material");
 }
 
 // --- Variants ------------------------------------------------------------------------------------
+
+}  // namespace
 
 // They change looks, so what is wrong with them is no reason to refuse the file.
 void note_variants(const Json& root, std::vector<std::string>& notes) {
@@ -383,15 +317,122 @@ void note_variants(const Json& root, std::vector<std::string>& notes) {
                   ": triangles have their default materials, not those of the variants " + names);
 }
 
-}  // namespace
+// --- Interface -----------------------------------------------------------------------------------
 
-std::optional<Error> read_materials(const Json& root, SceneDescription& scene) {
-  if (auto error = read_used_materials(root, scene)) return error;
-  if (auto error = read_physics_materials(root, scene)) return error;
-  if (auto error = bind_physics_materials(root, scene)) return error;
-  if (auto error = read_haptic_materials(root, scene)) return error;
-  note_variants(root, scene.notes);
+MaybeError read_physics_materials(const Json& root, SceneDescription& scene) {
+  if (auto error = read_physics_list(root, scene)) return error;
+  return bind_physics_materials(root, scene);
+}
+
+Result<GltfMaterials> GltfMaterials::open(const Json& root, PalpateExtras& extras,
+                                          std::span<const MaterialOverride> overrides) {
+  GltfMaterials materials(root, extras);
+  for (const MaterialOverride& setting : overrides) {
+    auto parameter = parameter_of(setting);
+    if (!parameter) return parameter.error();
+    materials.overrides_.push_back({setting.material, std::move(*parameter)});
+  }
+  auto haptic_materials = read_haptic_materials(root);
+  if (!haptic_materials) return haptic_materials.error();
+  materials.haptic_materials_ = std::move(*haptic_materials);
+  materials.find_haptic_maps();
+  return materials;
+}
+
+void GltfMaterials::find_haptic_maps() {
+  for (HapticMaterialDescription& haptic : haptic_materials_) {
+    const TextureReference* texture = texture_map({}, &haptic);
+    const TextureReference* friction = friction_map(&haptic);
+    KnownHaptic known;
+    for (HapticMap& map : haptic.maps) {
+      if (&map.texture == texture) known.texture = &map.texture;
+      if (&map.texture == friction) known.friction = &map.texture;
+    }
+    known_haptics_.push_back(known);
+  }
+}
+
+Result<std::uint32_t> GltfMaterials::index_of(std::uint32_t id) {
+  const auto [known, is_new] = indices_.emplace(id, static_cast<std::uint32_t>(materials_.size()));
+  if (!is_new) return known->second;
+  auto material = read_material(*root_, id, *extras_);
+  if (!material) return material.error();
+  apply_overrides(*material);
+  known_materials_.push_back({texture_map(*material, nullptr) != nullptr});
+  materials_.push_back(std::move(*material));
+  return known->second;
+}
+
+GltfMaterials::Maps GltfMaterials::call_maps(std::optional<std::uint32_t> material,
+                                             std::optional<std::uint32_t> haptic) {
+  Maps maps;
+  if (haptic) {
+    KnownHaptic& known = known_haptics_[*haptic];
+    known.called = true;
+    maps = {known.texture, known.friction};
+  }
+  if (maps.texture == nullptr && material && known_materials_[*material].has_map) {
+    known_materials_[*material].called = true;
+    maps.texture = &*materials_[*material].normal_texture;
+  }
+  return maps;
+}
+
+MaybeError GltfMaterials::decode_maps(GltfImages& images) {
+  for (std::size_t i = 0; i < materials_.size(); ++i) {
+    if (!known_materials_[i].called) continue;
+    const std::string wanted_by = "the textureHeight of " + materials_[i].element;
+    if (auto error = images.decode(*materials_[i].normal_texture, wanted_by)) return error;
+  }
+  for (std::size_t i = 0; i < known_haptics_.size(); ++i) {
+    if (!known_haptics_[i].called) continue;
+    for (TextureReference* map : {known_haptics_[i].texture, known_haptics_[i].friction}) {
+      if (map == nullptr) continue;
+      const std::string wanted_by = "a map of haptic material " + std::to_string(i);
+      if (auto error = images.decode(*map, wanted_by)) return error;
+    }
+  }
   return std::nullopt;
+}
+
+void GltfMaterials::apply_overrides(MaterialDescription& material) {
+  for (Override& setting : overrides_) {
+    if (setting.material != material.name) continue;
+    set_parameter(setting.parameter, material.parameters);
+    setting.used = true;
+  }
+}
+
+MaybeError GltfMaterials::finish(SceneDescription& scene) {
+  scene.materials = std::move(materials_);
+  scene.haptic_materials = std::move(haptic_materials_);
+  if (overrides_.empty()) return std::nullopt;
+  const bool has_default = any_without_material(scene);
+  if (has_default) add_default(scene);
+  for (const Override& setting : overrides_) {
+    if (setting.used) continue;
+    std::set<std::string> known;
+    for (const MaterialDescription& material : scene.materials) known.insert(material.name);
+    if (has_default) known.insert(kDefaultMaterialName);
+    return unknown_material(setting.material, setting.parameter.element, known);
+  }
+  return std::nullopt;
+}
+
+void GltfMaterials::add_default(SceneDescription& scene) {
+  for (const MaterialDescription& material : scene.materials) {
+    if (material.name == kDefaultMaterialName) return;
+  }
+  MaterialDescription material{kDefaultMaterialName, "default material", {}, {}};
+  apply_overrides(material);
+  if (material.parameters.empty()) return;
+  const auto index = static_cast<std::uint32_t>(scene.materials.size());
+  scene.materials.push_back(std::move(material));
+  for (MeshDescription& mesh : scene.meshes) {
+    for (MaterialRun& run : mesh.material_runs) {
+      if (!run.material) run.material = index;
+    }
+  }
 }
 
 Result<std::optional<std::uint32_t>> haptic_material_of_mesh(const Json& root, std::size_t mesh) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_error.h"
+#include "io/gltf_extras.h"
 #include "io/gltf_limits.h"
 #include "io/tinygltf.h"
 
@@ -56,21 +57,24 @@ std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vecto
   return std::nullopt;
 }
 
+std::optional<std::size_t> scene_to_read(const tinygltf::Model& model) {
+  if (model.scenes.empty()) return std::nullopt;
+  return model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
+}
+
 // The nodes at which the scene that is read starts, in file order.
-std::vector<int> scene_roots(const tinygltf::Model& model, const std::vector<int>& parents,
-                             std::vector<std::string>& warnings) {
+std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::size_t> scene,
+                             const std::vector<int>& parents, std::vector<std::string>& warnings) {
   std::vector<int> roots;
-  if (model.scenes.empty()) {
+  if (!scene) {
     for (std::size_t i = 0; i < parents.size(); ++i) {
       if (parents[i] == kNoParent) roots.push_back(static_cast<int>(i));
     }
     return roots;
   }
-  const std::size_t scene =
-      model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
-  for (const int id : model.scenes[scene].nodes) {
+  for (const int id : model.scenes[*scene].nodes) {
     if (const int parent = parents[static_cast<std::size_t>(id)]; parent != kNoParent) {
-      warnings.push_back(gltf_element("scenes", scene, "nodes/" + std::to_string(roots.size())) +
+      warnings.push_back(gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) +
                          ": node " + std::to_string(id) + " is a child of node " +
                          std::to_string(parent) +
                          ", as no node of a scene may be; it is read without its parent");
@@ -132,11 +136,12 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animatio
   if (auto error = check_cycles(model, *parents)) return *error;
 
   GltfNodeWalk walk;
+  walk.scene = scene_to_read(model);
   const bool has_skins = asset.json.contains("skins");
   if (has_skins) walk.T_scene_nodes.resize(model.nodes.size());
   std::vector<bool> visited(model.nodes.size(), false);
   std::vector<PendingNode> pending;
-  push_all(scene_roots(model, *parents, warnings), {}, pending);
+  push_all(scene_roots(model, walk.scene, *parents, warnings), {}, pending);
   while (!pending.empty()) {
     const PendingNode next = std::move(pending.back());
     pending.pop_back();
@@ -150,6 +155,9 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animatio
                          static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
                          T_scene_node->translation_m});
     if (node.mesh >= 0) walk.mesh_nodes.push_back({next.node, tree_node, *T_scene_node});
+    if (find_palpate_extras(asset.json["nodes"][next.node]) != nullptr) {
+      walk.declaring_nodes.push_back({next.node, tree_node, *T_scene_node});
+    }
     if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
     push_all(node.children, {0, next.depth + 1, tree_node, *T_scene_node}, pending);
   }

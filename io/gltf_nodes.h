@@ -25,6 +25,9 @@ struct GltfNodeWalk {
   std::vector<PlacedNode> mesh_nodes;  // those that carry a mesh, depth first in file order
   std::vector<TreeNode> tree;          // all nodes of the scene, depth first in file order
 
+  std::optional<std::size_t> scene;         // in /scenes; none: all roots
+  std::vector<PlacedNode> declaring_nodes;  // those with extras.palpate, depth first
+
   std::vector<int> parents;  // of all nodes of the file; below 0: none
   // By node of the file, for scene_transform(): those of the scene if the file has skins.
   std::vector<std::optional<AffineTransform>> T_scene_nodes;

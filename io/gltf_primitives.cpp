@@ -1,15 +1,17 @@
 #include "io/gltf_primitives.h"
 
 #include <algorithm>
+#include <array>
+#include <compare>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
 
+#include "io/gltf_attributes.h"
 #include "io/gltf_draco.h"
 #include "io/gltf_error.h"
 #include "io/gltf_limits.h"
-#include "io/gltf_materials.h"
 #include "io/gltf_morph.h"
 #include "io/tinygltf.h"
 
@@ -47,9 +49,14 @@ std::optional<Error> check_index_count(TriangleMode mode, std::size_t count,
 // Reads the primitives of one mesh into one description.
 class MeshReader {
  public:
-  MeshReader(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose, GltfBudget& budget,
-             std::vector<std::string>& warnings)
-      : asset_(asset), mesh_id_(mesh), pose_(pose), budget_(budget), warnings_(warnings) {}
+  MeshReader(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
+             GltfMaterials& materials, GltfBudget& budget, std::vector<std::string>& warnings)
+      : asset_(asset),
+        mesh_id_(mesh),
+        pose_(pose),
+        materials_(materials),
+        budget_(budget),
+        warnings_(warnings) {}
 
   Result<MeshDescription> run() {
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_id_];
@@ -62,6 +69,9 @@ class MeshReader {
       const std::string element =
           gltf_element("meshes", mesh_id_, "primitives/" + std::to_string(i));
       if (auto error = read_primitive(i, element)) return *error;
+    }
+    for (auto* all : {&description_.texture_uv, &description_.friction_uv}) {
+      if (!all->empty()) all->resize(description_.positions.size());
     }
     return std::move(description_);
   }
@@ -99,7 +109,7 @@ class MeshReader {
     const auto compressed =
         read_draco_primitive(asset_, mesh_id_, primitive_id, budget_.vertices, budget_.triangles);
     if (!compressed) return compressed.error();
-    begin_run(primitive.material);
+    if (auto error = begin_run(primitive.material)) return error;
     const auto accessor = static_cast<std::size_t>(position->second);
     if (*compressed) return append_compressed(primitive, **compressed, accessor, element);
     const auto vertices = vertices_of(primitive, accessor, element);
@@ -126,16 +136,38 @@ class MeshReader {
     std::size_t count = 0;
   };
 
+  using Coordinates = std::vector<std::array<double, 2>>;
+
+  // What the coordinates in a map are made of.
+  struct MapSource {
+    int accessor = -1;
+    std::array<double, 2> offset;
+    double rotation_rad = 0.0;
+    std::array<double, 2> scale;
+
+    auto operator<=>(const MapSource&) const = default;
+  };
+
+  // What vertices are made of. Where it is equal, so are they.
+  struct VertexSource {
+    std::vector<int> positions;  // accessors, those of the pose included
+    std::optional<MapSource> texture;
+    std::optional<MapSource> friction;
+
+    auto operator<=>(const VertexSource&) const = default;
+  };
+
   // Decodes and poses the vertices, or finds it done.
   Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive, std::size_t accessor,
                                   const std::string& element) {
-    const std::vector<int> sources = sources_of(primitive);
-    if (const auto known = ranges_.find(sources); known != ranges_.end()) return known->second;
+    const VertexSource source{sources_of(primitive), map_source(primitive, maps_.texture),
+                              map_source(primitive, maps_.friction)};
+    if (const auto known = ranges_.find(source); known != ranges_.end()) return known->second;
     auto positions = read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
     if (auto error = pose_positions(primitive, nullptr, element, *positions)) return *error;
-    const VertexRange range = append_vertices(std::move(*positions));
-    ranges_.emplace(sources, range);
+    const auto range = append_vertices(primitive, nullptr, element, std::move(*positions));
+    if (range) ranges_.emplace(source, *range);
     return range;
   }
 
@@ -160,10 +192,22 @@ class MeshReader {
                               std::to_string(compressed.vertex_count()));
     }
     if (auto error = pose_positions(primitive, &compressed, element, *positions)) return *error;
-    return append_vertices(std::move(*positions));
+    return append_vertices(primitive, &compressed, element, std::move(*positions));
   }
 
-  VertexRange append_vertices(std::vector<Vec3> positions) {
+  // With their coordinates in the maps that are called for.
+  Result<VertexRange> append_vertices(const tinygltf::Primitive& primitive,
+                                      const DracoPrimitive* compressed, const std::string& element,
+                                      std::vector<Vec3> positions) {
+    for (const auto& [map, all] : {std::pair(maps_.texture, &description_.texture_uv),
+                                   std::pair(maps_.friction, &description_.friction_uv)}) {
+      if (map == nullptr) continue;
+      const auto coordinates =
+          read_texture_coordinates(asset_, primitive, compressed, element, *map, positions.size());
+      if (!coordinates) return coordinates.error();
+      all->resize(description_.positions.size());
+      all->insert(all->end(), coordinates->begin(), coordinates->end());
+    }
     budget_.vertices -= positions.size();
     auto& all = description_.positions;
     const VertexRange range{static_cast<std::uint32_t>(all.size()), positions.size()};
@@ -173,6 +217,15 @@ class MeshReader {
       all.insert(all.end(), positions.begin(), positions.end());
     }
     return range;
+  }
+
+  static std::optional<MapSource> map_source(const tinygltf::Primitive& primitive,
+                                             const TextureReference* map) {
+    if (map == nullptr) return std::nullopt;
+    const auto attribute = primitive.attributes.find("TEXCOORD_" + std::to_string(map->tex_coord));
+    const bool missing = attribute == primitive.attributes.end();  // found out when it is read
+    return MapSource{missing ? -1 : attribute->second, map->uv_offset, map->uv_rotation_rad,
+                     map->uv_scale};
   }
 
   // The accessors that the posed positions are made of.
@@ -260,12 +313,20 @@ class MeshReader {
   }
 
   // The triangles that follow have this material, by its id in the file; -1: none.
-  void begin_run(int file_material) {
+  // Finds the maps that they call for.
+  std::optional<Error> begin_run(int file_material) {
     std::optional<std::uint32_t> material;
-    if (file_material >= 0) material = static_cast<std::uint32_t>(file_material);
+    if (file_material >= 0) {
+      const auto index = materials_.index_of(static_cast<std::uint32_t>(file_material));
+      if (!index) return index.error();
+      material = *index;
+    }
+    maps_ = materials_.call_maps(material, description_.haptic_material);
     auto& runs = description_.material_runs;
-    if (!runs.empty() && runs.back().material == material) return;
-    runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
+    if (runs.empty() || runs.back().material != material) {
+      runs.push_back({static_cast<std::uint32_t>(description_.triangles.size()), material});
+    }
+    return std::nullopt;
   }
 
   void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
@@ -284,10 +345,12 @@ class MeshReader {
   const GltfAsset& asset_;
   std::size_t mesh_id_;
   const MeshPose& pose_;
+  GltfMaterials& materials_;
   GltfBudget& budget_;
   std::vector<std::string>& warnings_;
   MeshDescription description_;
-  std::map<std::vector<int>, VertexRange> ranges_;  // by accessors
+  GltfMaterials::Maps maps_;  // of the primitive that is being read
+  std::map<VertexSource, VertexRange> ranges_;
 };
 
 }  // namespace
@@ -315,8 +378,9 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
 }
 
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
-                                  GltfBudget& budget, std::vector<std::string>& warnings) {
-  return MeshReader(asset, mesh, pose, budget, warnings).run();
+                                  GltfMaterials& materials, GltfBudget& budget,
+                                  std::vector<std::string>& warnings) {
+  return MeshReader(asset, mesh, pose, materials, budget, warnings).run();
 }
 
 }  // namespace palpate

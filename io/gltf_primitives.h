@@ -11,6 +11,7 @@
 #include "geometry/result.h"
 #include "geometry/types.h"
 #include "io/gltf_accessor.h"
+#include "io/gltf_materials.h"
 #include "io/gltf_skin.h"
 #include "io/scene_description.h"
 
@@ -37,10 +38,11 @@ struct MeshPose {
 };
 
 // All triangles of one mesh, which may be none; its positions are in the scene frame if it has a
-// skin. Primitives that share their accessors share the vertices. Points, lines and primitives
-// without POSITION are passed over with a warning. The materials of the runs are ids of the
-// file. Takes from the budget what it uses.
+// skin. Primitives that share their accessors share the vertices, unless these lie elsewhere in
+// their maps. Points, lines and primitives without POSITION are passed over with a warning. Takes
+// from the budget what it uses.
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
-                                  GltfBudget& budget, std::vector<std::string>& warnings);
+                                  GltfMaterials& materials, GltfBudget& budget,
+                                  std::vector<std::string>& warnings);
 
 }  // namespace palpate

@@ -18,7 +18,9 @@
 #include "io/gltf_buffers.h"
 #include "io/gltf_error.h"
 #include "io/gltf_extensions.h"
+#include "io/gltf_extras.h"
 #include "io/gltf_file.h"
+#include "io/gltf_images.h"
 #include "io/gltf_instancing.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
@@ -150,7 +152,8 @@ std::string shortened(const std::string& name) {
 // Makes the description of the scene from a model whose JSON has been checked.
 class SceneReader {
  public:
-  SceneReader(const GltfAsset& asset, std::vector<std::string> warnings) : asset_(asset) {
+  SceneReader(const GltfAsset& asset, const ReadOptions& options, std::vector<std::string> warnings)
+      : asset_(asset), options_(options) {
     scene_.warnings = std::move(warnings);
   }
 
@@ -162,6 +165,10 @@ class SceneReader {
     if (!walk) return walk.error();
     walk_ = &*walk;
     scene_.tree = std::move(walk->tree);
+    if (auto error = read_extras()) return *error;
+    auto materials = GltfMaterials::open(asset_.json, extras_, options_.overrides);
+    if (!materials) return materials.error();
+    materials_ = &*materials;
     for (const PlacedNode& placed : walk->mesh_nodes) {
       if (auto error = add_node(placed)) return *error;
     }
@@ -169,7 +176,12 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.empty() ? "" : scene_.warnings.front());
     }
-    if (auto error = read_materials(asset_.json, scene_)) return *error;
+    GltfImages images(asset_);
+    if (auto error = materials->decode_maps(images)) return *error;
+    if (auto error = materials->finish(scene_)) return *error;
+    scene_.images = images.take();
+    if (auto error = read_physics_materials(asset_.json, scene_)) return *error;
+    note_variants(asset_.json, scene_.notes);
     add_notes();
     shorten_warnings();
     return std::move(scene_);
@@ -186,6 +198,42 @@ class SceneReader {
 
     auto operator<=>(const PosedMesh&) const = default;
   };
+
+  // What the scene and its nodes declare.
+  std::optional<Error> read_extras() {
+    MaterialDescription& ours = scene_.scene_parameters;
+    ours.name = "scene";
+    if (walk_->scene) {
+      const std::string element = gltf_element("scenes", *walk_->scene);
+      ours.element = element + "/extras/palpate";
+      const Json& object = asset_.json["scenes"][*walk_->scene];
+      if (auto error = extras_.read(object, element, ours.parameters)) return error;
+    }
+    for (const PlacedNode& placed : walk_->declaring_nodes) {
+      if (auto error = add_region(placed)) return error;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_region(const PlacedNode& placed) {
+    const std::string element = gltf_element("nodes", placed.node);
+    const Json& object = asset_.json["nodes"][placed.node];
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    RegionDescription region{name,
+                             element + "/extras/palpate",
+                             {},
+                             placed.tree_node,
+                             placed.T_scene_node.linear,
+                             placed.T_scene_node.translation_m};
+    if (auto error = extras_.read(object, element, region.parameters)) return error;
+    if (find_palpate_extras(object)->contains("medium")) {
+      scene_.regions.push_back(std::move(region));
+    } else {
+      warn(region.element, name,
+           "has no \"medium\" there, the only thing that is understood of a node; it is ignored");
+    }
+    return std::nullopt;
+  }
 
   std::optional<Error> add_node(const PlacedNode& placed) {
     const tinygltf::Node& node = asset_.model.nodes[placed.node];
@@ -284,7 +332,8 @@ class SceneReader {
     // What one skinned pose warns of, all do.
     std::vector<std::string> told;
     const bool is_new = warned_.emplace(posed.mesh, posed.skin.has_value()).second;
-    auto mesh = read_mesh(asset_, posed.mesh, pose, budget_, is_new ? scene_.warnings : told);
+    auto mesh =
+        read_mesh(asset_, posed.mesh, pose, *materials_, budget_, is_new ? scene_.warnings : told);
     if (!mesh) return mesh.error();
     std::optional<std::uint32_t> index;
     if (!mesh->triangles.empty()) {
@@ -367,15 +416,18 @@ class SceneReader {
   }
 
   const GltfAsset& asset_;
+  const ReadOptions& options_;
   SceneDescription scene_;
+  PalpateExtras extras_;
   GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
   std::set<Weights> weights_;
   std::map<std::size_t, const Weights*> default_weights_;  // by id of the mesh in the file
   std::set<std::pair<std::size_t, bool>> warned_;          // meshes that were read, with a skin?
   std::map<std::size_t, GltfSkin> skins_;                  // by id in the file
-  GltfAnimations* animations_ = nullptr;                   // these two: while run() runs
+  GltfAnimations* animations_ = nullptr;                   // these three: while run() runs
   GltfNodeWalk* walk_ = nullptr;
+  GltfMaterials* materials_ = nullptr;
   std::size_t joint_count_ = 0;     // of skins_
   std::size_t instance_count_ = 0;  // those left out included
   std::size_t skinned_meshes_ = 0;
@@ -383,8 +435,8 @@ class SceneReader {
 };
 
 // As read_gltf_bytes, but it may throw, and Error::path is empty.
-Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
-                                    const std::string& folder) {
+Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
+                                    const ReadOptions& options) {
   const auto container = split_container(bytes);
   if (!container) return container.error();
   const auto root = parse_json(container->json);
@@ -403,7 +455,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes,
   }
   GltfMeshoptViews compressed_views(*root, buffers);
   const GltfAsset asset{*model, *root, buffers, compressed_views, extensions->mesh_quantization};
-  return SceneReader(asset, std::move(warnings)).run();
+  return SceneReader(asset, options, std::move(warnings)).run();
 }
 
 Error with_path(Error error, const std::string& path) {
@@ -414,9 +466,10 @@ Error with_path(Error error, const std::string& path) {
 }  // namespace
 
 Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
-                                         const std::string& folder, const std::string& name) {
+                                         const std::string& folder, const std::string& name,
+                                         const ReadOptions& options) {
   try {
-    auto scene = read_asset(bytes, folder);
+    auto scene = read_asset(bytes, folder, options);
     if (!scene) return with_path(scene.error(), name);
     scene->path = name;
     return scene;
@@ -428,11 +481,12 @@ Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
   }
 }
 
-Result<SceneDescription> read_gltf(const std::string& path) {
+Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const auto file = read_regular_file(path, kMaxGltfFileBytes);
   if (!file) return with_path(file.error(), path);
-  auto scene = read_gltf_bytes(*file, std::filesystem::path(path).parent_path().string(), path);
+  auto scene =
+      read_gltf_bytes(*file, std::filesystem::path(path).parent_path().string(), path, options);
   if (!scene) return scene;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;

@@ -3,18 +3,25 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "geometry/result.h"
 #include "io/scene_description.h"
 
 namespace palpate {
 
+struct ReadOptions {
+  // What is set beside the file, in order: of two for one parameter the later one holds.
+  std::vector<MaterialOverride> overrides;
+};
+
 // Reads the triangle geometry of a glTF 2.0 asset (.gltf with embedded or external buffers, or
 // .glb; told apart by content): the default scene, else the first, else all root nodes; the full
 // node hierarchy; TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN; every index type; sparse and
 // normalised accessors; Draco and meshopt compression; EXT_mesh_gpu_instancing; and what materials
-// declare (gltf_materials.h). Images are not decoded. External buffers are read only from inside
-// the folder of the asset.
+// declare (gltf_materials.h). Of images only those are decoded that a haptic material or
+// textureHeight calls for (material_description.h). External files are read only from inside the
+// folder of the asset.
 //
 // Skins, morph targets and animated nodes are read in one pose, that of all animations at time 0
 // (see gltf_animation.h, gltf_skin.h, gltf_morph.h), of which a note tells. A skinned mesh is
@@ -24,11 +31,12 @@ namespace palpate {
 // Bad input is refused by an Error that names the file, the JSON path and what was expected; it is
 // never repaired. What is skipped without harm to the geometry (a camera, points and lines) is a
 // warning; what is beyond gltf_limits.h is refused. Not for the haptic thread. Thread-safe.
-Result<SceneDescription> read_gltf(const std::string& path);
+Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options = {});
 
 // The same for an asset in memory. folder: where external buffers may lie. name: what errors call
 // the asset. SceneDescription::parse_ms is not set.
 Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
-                                         const std::string& folder, const std::string& name);
+                                         const std::string& folder, const std::string& name,
+                                         const ReadOptions& options = {});
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "io/gltf_draco.h"
+#include "io/gltf_attributes.h"
 #include "io/gltf_error.h"
 #include "io/gltf_json.h"
 #include "io/gltf_limits.h"
@@ -98,26 +98,6 @@ struct InfluenceSet {
 // Numbers that a set decodes for a vertex.
 constexpr std::size_t kWorkPerVertex = 8;
 
-// The attribute of every vertex, from the compressed stream if that holds it.
-Result<std::vector<double>> vertex_numbers(const GltfAsset& asset, const DracoPrimitive* compressed,
-                                           const std::string& semantic, std::size_t accessor,
-                                           const GltfNumberFormat& format, std::size_t count) {
-  if (!compressed || !compressed->has(semantic)) {
-    return read_numbers(asset, accessor, format, count);
-  }
-  if (auto error = check_number_format(asset, accessor, format)) return *error;
-  auto attribute = compressed->attribute(semantic);
-  if (!attribute) return attribute.error();
-  for (std::size_t i = 0; i < attribute->values.size(); ++i) {
-    if (!std::isfinite(attribute->values[i])) {
-      return gltf_invalid(
-          gltf_element("accessors", accessor),
-          "element " + std::to_string(i / attribute->components) + " is not finite");
-    }
-  }
-  return std::move(attribute->values);
-}
-
 // Adds up what joints and weights say, set by set.
 class Skinning {
  public:
@@ -191,26 +171,6 @@ class Skinning {
   std::vector<double> weights_;
 };
 
-// The accessor of an attribute; fails if it is not there or not as long as the positions.
-Result<std::size_t> attribute_of(const GltfAsset& asset, const tinygltf::Primitive& primitive,
-                                 const DracoPrimitive* compressed, const std::string& element,
-                                 const std::string& name, std::size_t vertex_count) {
-  const std::string path = element + "/attributes/" + name;
-  const auto found = primitive.attributes.find(name);
-  if (found == primitive.attributes.end()) {
-    return gltf_invalid(path, "is missing, but a node gives the mesh a skin");
-  }
-  const auto accessor = static_cast<std::size_t>(found->second);
-  const std::size_t count = asset.model.accessors[accessor].count;
-  const bool is_compressed = compressed && compressed->has(name);  // then as long as the others
-  if (!is_compressed && count != vertex_count) {
-    return gltf_invalid(path, "accessor " + std::to_string(accessor) + " has " +
-                                  std::to_string(count) + " elements, but the primitive has " +
-                                  std::to_string(vertex_count) + " vertices");
-  }
-  return accessor;
-}
-
 }  // namespace
 
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin_id, std::size_t max_joints,
@@ -242,6 +202,7 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
                                 const DracoPrimitive* compressed, const std::string& element,
                                 const GltfSkin& skin, std::size_t& pose_work,
                                 std::span<Vec3> positions, std::vector<std::string>& warnings) {
+  constexpr const char* kWantedBy = "a node gives the mesh a skin";
   Skinning skinning(skin, positions);
   double rounding = 0.0;
   for (std::size_t n = 0;; ++n) {
@@ -251,11 +212,11 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
         !primitive.attributes.contains(weights_name)) {
       break;
     }
-    const auto joints =
-        attribute_of(asset, primitive, compressed, element, joints_name, positions.size());
+    const auto joints = attribute_accessor(asset, primitive, compressed, element, joints_name,
+                                           positions.size(), kWantedBy);
     if (!joints) return joints.error();
-    const auto weights =
-        attribute_of(asset, primitive, compressed, element, weights_name, positions.size());
+    const auto weights = attribute_accessor(asset, primitive, compressed, element, weights_name,
+                                            positions.size(), kWantedBy);
     if (!weights) return weights.error();
     const std::size_t work = kWorkPerVertex * positions.size();
     if (work > pose_work) {
@@ -265,10 +226,10 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
     }
     pose_work -= work;
     auto joint_numbers =
-        vertex_numbers(asset, compressed, joints_name, *joints, kJoints, positions.size());
+        attribute_numbers(asset, compressed, joints_name, *joints, kJoints, positions.size());
     if (!joint_numbers) return joint_numbers.error();
     auto weight_numbers =
-        vertex_numbers(asset, compressed, weights_name, *weights, kWeights, positions.size());
+        attribute_numbers(asset, compressed, weights_name, *weights, kWeights, positions.size());
     if (!weight_numbers) return weight_numbers.error();
     rounding += rounding_of(asset.model.accessors[*weights].componentType);
     const InfluenceSet set{element + "/attributes/" + joints_name, std::move(*joint_numbers),

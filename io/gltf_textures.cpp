@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -60,6 +61,35 @@ MaybeError read_transform(const Json& info, const std::string& info_element,
   return read_tex_coord(object, element, reference.tex_coord);
 }
 
+MaybeError read_wrap(const Json& sampler, const std::string& element, const char* name,
+                     TextureWrap& wrap) {
+  constexpr std::pair<std::uint64_t, TextureWrap> kWraps[] = {
+      {10497, TextureWrap::kRepeat}, {33071, TextureWrap::kClamp}, {33648, TextureWrap::kMirror}};
+  const auto found = sampler.find(name);
+  if (found == sampler.end()) return std::nullopt;
+  for (const auto& [number, value] : kWraps) {
+    if (whole_number(*found) != number) continue;
+    wrap = value;
+    return std::nullopt;
+  }
+  return gltf_expected(element + "/" + name, *found,
+                       "10497 (repeat), 33071 (clamp) or 33648 (mirror)");
+}
+
+// The sampler that a texture may have.
+MaybeError read_sampler(const Json& root, const Json& texture, const std::string& texture_element,
+                        TextureReference& reference) {
+  const auto id =
+      optional_id(texture, texture_element, "sampler", "/samplers", section_size(root, "samplers"));
+  if (!id) return id.error();
+  if (!*id) return std::nullopt;
+  const std::string element = gltf_element("samplers", **id);
+  const Json& sampler = root["samplers"][**id];
+  if (!sampler.is_object()) return gltf_expected(element, sampler, "an object");
+  if (auto error = read_wrap(sampler, element, "wrapS", reference.wrap_u)) return error;
+  return read_wrap(sampler, element, "wrapT", reference.wrap_v);
+}
+
 }  // namespace
 
 Result<TextureReference> read_texture_reference(const Json& root, const Json& info,
@@ -84,6 +114,7 @@ Result<TextureReference> read_texture_reference(const Json& root, const Json& in
     }
     reference.image = static_cast<std::uint32_t>(**image_id);
   }
+  if (auto error = read_sampler(root, texture, texture_element, reference)) return *error;
   if (auto error = read_tex_coord(info, element, reference.tex_coord)) return *error;
   if (auto error = read_transform(info, element, reference)) return *error;
   return reference;

@@ -11,7 +11,20 @@
 
 namespace palpate {
 
-// A texture as a material refers to it. Its image is not decoded.
+// The pixels of an image.
+struct ImageDescription {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  // Red, green and blue of each pixel, row by row from the top; 0 to 65535. Values of 8 bits are
+  // times 257.
+  std::vector<std::uint16_t> rgb;
+};
+
+// What lies beyond the edges of an image, in one direction: the sampler of glTF.
+enum class TextureWrap { kRepeat, kClamp, kMirror };
+
+// A texture as a material refers to it. Its image is decoded only if it is called for, see
+// texture_map() and friction_map().
 struct TextureReference {
   std::uint32_t texture = 0;           // in /textures of the file
   std::optional<std::uint32_t> image;  // in /images; none if only an extension knows the image
@@ -21,6 +34,9 @@ struct TextureReference {
   std::array<double, 2> uv_offset = {0.0, 0.0};
   double uv_rotation_rad = 0.0;
   std::array<double, 2> uv_scale = {1.0, 1.0};
+  TextureWrap wrap_u = TextureWrap::kRepeat;
+  TextureWrap wrap_v = TextureWrap::kRepeat;
+  std::optional<std::uint32_t> pixels = {};  // index into SceneDescription::images; if called for
 };
 
 // Numbers are in the units that the file means; nothing is known about the key here.
@@ -29,24 +45,27 @@ using MaterialValue = std::variant<double, bool, std::string, std::vector<double
 struct MaterialParameter {
   std::string key;  // "stiffness"; "texture.amplitude" for an entry of the object texture
   MaterialValue value;
+  std::string element;  // where it is from: its JSON path, or "--material NAME.key"
 };
 
-// A glTF material and its extras.palpate.
+// A parameter given beside the file, as --material NAME.key=value does. It goes before what the
+// file says.
+struct MaterialOverride {
+  std::string material;  // MaterialDescription::name, or kDefaultMaterialName
+  std::string key;
+  std::string value;  // JSON, else a plain text
+};
+
+// What an override calls the triangles without a material, if no material has this name.
+inline constexpr const char* kDefaultMaterialName = "default";
+
+// A glTF material and its extras.palpate; or another part of a file that has such extras.
 struct MaterialDescription {
   std::string name;                           // "material 3" when the file gives none
   std::string element;                        // its JSON path, "/materials/3"
   std::vector<MaterialParameter> parameters;  // in the order of their keys
   std::optional<TextureReference> normal_texture;
 };
-
-// The JSON path of a parameter, for messages.
-inline std::string parameter_element(const MaterialDescription& material, const std::string& key) {
-  std::string path = material.element + "/extras/palpate/" + key;
-  // No key of the file has a dot of its own, the reader refuses them.
-  const std::size_t dot = path.rfind('.');
-  if (dot != std::string::npos) path[dot] = '/';
-  return path;
-}
 
 // How a value is made of those of two bodies in contact. A device has no material, so this matters
 // only to whoever gives it one.
@@ -75,5 +94,16 @@ struct HapticMaterialDescription {
   std::string name;             // "haptic material 3" when the file gives none
   std::vector<HapticMap> maps;  // those of one property together, in file order
 };
+
+// The map whose values are the haptic texture of triangles of this material in a mesh of this
+// haptic material (null: of none). The first vibrotactileTexture of the haptic material goes before
+// the normal texture of the material, which counts only beside the parameter "textureHeight". Null
+// if there is neither. Thread-safe, as the next.
+const TextureReference* texture_map(const MaterialDescription& material,
+                                    const HapticMaterialDescription* haptic);
+
+// The map by which friction varies over a mesh of this haptic material: its first friction map, or
+// null.
+const TextureReference* friction_map(const HapticMaterialDescription* haptic);
 
 }  // namespace palpate

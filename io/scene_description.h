@@ -2,6 +2,7 @@
 
 // What a scene file says, free of its file format. Made by read_gltf(), consumed by the engine.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,11 @@ struct MeshDescription {
   std::vector<MaterialRun> material_runs = {};  // in rising order; each lasts until the next begins
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
+  // Where the positions lie in the maps of texture_map() and friction_map(), in fractions of their
+  // width and height from the left and the top, with the transform of the map applied; any number.
+  // One for each position; zeros at those of a primitive without a map; empty if none has one.
+  std::vector<std::array<double, 2>> texture_uv = {};
+  std::vector<std::array<double, 2>> friction_uv = {};
 };
 
 // A node of the scene that is read, with or without a mesh.
@@ -55,14 +61,33 @@ struct NodeDescription {
       {};  // index into SceneDescription::physics_materials
 };
 
+// A node that declares a region of the scene instead of a surface: its extras.palpate has the key
+// "medium".
+struct RegionDescription {
+  std::string name;                           // that of the node
+  std::string element;                        // "/nodes/7/extras/palpate"
+  std::vector<MaterialParameter> parameters;  // in the order of their keys
+  std::uint32_t tree_node = 0;                // index into SceneDescription::tree
+  // p_scene = linear * p_node + translation_m, as of a mesh; but it may be singular.
+  Mat3 linear_scene_node = Mat3::Identity();
+  Vec3 translation_m = Vec3::Zero();
+};
+
 struct SceneDescription {
-  std::string path;                            // the file, as the caller named it
-  std::vector<MeshDescription> meshes;         // those of the nodes below, each once, none empty
-  std::vector<NodeDescription> nodes;          // in depth-first file order
-  std::vector<TreeNode> tree;                  // all nodes of the scene, depth first in file order
-  std::vector<MaterialDescription> materials;  // those that triangles refer to
+  std::string path;                     // the file, as the caller named it
+  std::vector<MeshDescription> meshes;  // those of the nodes below, each once, none empty
+  std::vector<NodeDescription> nodes;   // in depth-first file order
+  std::vector<TreeNode> tree;           // all nodes of the scene, depth first in file order
+  // Those that triangles refer to. Behind them, if an override calls for it, that of the triangles
+  // without any: name "default", element "default material".
+  std::vector<MaterialDescription> materials;
   std::vector<PhysicsMaterialDescription> physics_materials;
   std::vector<HapticMaterialDescription> haptic_materials;
+  // The extras.palpate of the scene that is read: name "scene", element "/scenes/0/extras/palpate";
+  // no parameters if it has none.
+  MaterialDescription scene_parameters;
+  std::vector<RegionDescription> regions;  // in depth-first file order
+  std::vector<ImageDescription> images;    // those that TextureReference::pixels refer to
   std::vector<std::string> notes;     // what the reader decided, one line each: the pose it took
   std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;

@@ -168,6 +168,7 @@ const std::vector<std::string> kSummaryKeys{"ticks",
                                             "work_lost_J",
                                             "port_work_J",
                                             "faults",
+                                            "effects",
                                             "step_ns",
                                             "load_ms",
                                             "triangles"};
@@ -206,7 +207,9 @@ const std::vector<Told> kSharedOptions{{"--sensors", "2 or 3"},
                                        {"--table1", "corrected"},
                                        {"--a4-step", "exact"},
                                        {"--json", "JSON"},
-                                       {"--a4", "on,off"}};
+                                       {"--a4", "on,off"},
+                                       {"--material", "NAME.key=value"},
+                                       {"--effect-times", "share"}};
 
 // The part of a help text about an option: its line and the continuation of it.
 std::string help_of(const std::string& help, const std::string& option) {
@@ -510,6 +513,8 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
                                    "scale",
                                    "notes",
                                    "materials",
+                                   "scene_parameters",
+                                   "regions",
                                    "warnings"}));
   EXPECT_EQ(keys_of(info["dropped"]), sorted({"degenerate", "duplicate"}));
   EXPECT_EQ(keys_of(info["load_ms"]), sorted({"parse", "mesh", "index"}));
@@ -517,14 +522,18 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
   EXPECT_EQ(info["triangles"], 12);
   EXPECT_EQ(info["vertices"], 8);
   EXPECT_EQ(info["boundary_edges"], 0);
-  EXPECT_EQ(info["materials"], json::array({{{"name", "solid"}, {"parameters", json::object()}}}));
+  ASSERT_EQ(info["materials"].size(), 1u);
+  EXPECT_EQ(info["materials"][0]["name"], "solid");
+  EXPECT_EQ(info["materials"][0]["parameters"], json::object());
+  EXPECT_EQ(info["materials"][0]["effects"], json::array());
+  EXPECT_EQ(info["regions"], json::array());
   EXPECT_EQ(info["effects"], json::array());
   EXPECT_EQ(info["warnings"], json::array());
   EXPECT_EQ(info["extent_m"].size(), 3u);
   for (const json& extent : info["extent_m"]) EXPECT_EQ(extent, info["extent_m"][0]);
   EXPECT_GT(info["memory_bytes"], 1000);
   EXPECT_EQ(keys_of(info["memory"]), sorted({"adjacency", "positions", "maps", "index_triangles",
-                                             "index_packs", "index_boxes", "places"}));
+                                             "index_packs", "index_boxes", "places", "effects"}));
   std::size_t sum = 0;
   for (const json& part : info["memory"]) sum += part.get<std::size_t>();
   EXPECT_EQ(info["memory_bytes"], sum);
@@ -543,14 +552,127 @@ TEST_F(CommandLine, TellsWhatMaterialsDeclare) {
   const std::string path = gltf.write_glb(folder);
   const json info = json::parse(expect_done({"info", path, "--json"}).out);
   const json declared = {{"stiffness", 800}, {"texture.amplitude", 0.5}, {"on", true}};
-  EXPECT_EQ(info["materials"], json({{{"name", "a \"b\"\n"}, {"parameters", declared}},
-                                     {{"name", "paint"}, {"parameters", json::object()}}}));
+  ASSERT_EQ(info["materials"].size(), 2u);
+  EXPECT_EQ(info["materials"][0]["name"], "a \"b\"\n");
+  EXPECT_EQ(info["materials"][0]["parameters"], declared);
+  EXPECT_EQ(info["materials"][1]["name"], "paint");
+  EXPECT_EQ(info["materials"][1]["parameters"], json::object());
   const std::string text = expect_done({"info", path}).out;
   EXPECT_NE(text.find("\n  material \"a \\\"b\\\"\\n\": on true, stiffness 800.0, "
                       "texture.amplitude 0.5\n"),
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("paint"), std::string::npos) << text;
+}
+
+// A triangle in the plane z = 0 whose material has these extras.
+GltfBuilder triangle_of(const json& palpate) {
+  GltfBuilder gltf = GltfBuilder::one_triangle();
+  gltf.json["materials"] = {{{"name", "wood.1"}, {"extras", {{"palpate", palpate}}}}};
+  gltf.json["meshes"][0]["primitives"][0]["material"] = 0;
+  return gltf;
+}
+
+TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
+  GltfBuilder gltf = triangle_of({{"staticFriction", 0.5}, {"restitution", 0.0}, {"hue", 3}});
+  gltf.json["extensionsUsed"] = {"KHR_physics_rigid_bodies"};
+  gltf.json["extensions"]["KHR_physics_rigid_bodies"]["physicsMaterials"] = {
+      {{"staticFriction", 0.7}, {"dynamicFriction", 0.4}, {"restitution", 0.0}}};
+  gltf.json["nodes"][0]["extensions"]["KHR_physics_rigid_bodies"]["collider"] = {
+      {"physicsMaterial", 0}};
+  const std::string path = gltf.write_glb(folder);
+  const json info =
+      json::parse(expect_done({"info", path, "--json", "--material", "wood.1.stiffness=800"}).out);
+  EXPECT_EQ(info["effects"], json({"friction", "stiffness"}));
+  const json& wood = info["materials"][0];
+  EXPECT_EQ(wood["effects"], json({"friction", "stiffness"}));
+  EXPECT_EQ(wood["parameters"]["stiffness"], 800);
+  std::vector<std::string> told;
+  for (const json& h : wood["honoured"]) {
+    told.push_back(h["key"].get<std::string>() + " " + h["value"].dump() + " " +
+                   h["unit"].get<std::string>() + " " + h["source"].get<std::string>() +
+                   (h["off"] ? " off" : ""));
+  }
+  std::sort(told.begin(), told.end());
+  EXPECT_EQ(told, (std::vector<std::string>{"dynamicFriction 0.4  KHR_physics_rigid_bodies",
+                                            "restitution 0.0  extras.palpate off",
+                                            "staticFriction 0.5  extras.palpate",
+                                            "stiffness 800.0 N/m --material"}));
+  ASSERT_EQ(wood["not_understood"].size(), 1u);
+  EXPECT_EQ(wood["not_understood"][0]["element"], "/materials/0/extras/palpate/hue");
+  const std::string text = expect_done({"info", path}).out;
+  for (const char* line :
+       {"    honoured: ", "staticFriction 0.5 (extras.palpate)",
+        "restitution 0.0 (extras.palpate, off)", "dynamicFriction 0.4 (KHR_physics_rigid_bodies)",
+        "    not understood: hue 3.0", "  effects: friction\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << " is not in " << text;
+  }
+  EXPECT_GT(info["memory"]["effects"], 0);
+}
+
+TEST_F(CommandLine, TellsDefaultsThatItTook) {
+  const std::string path = triangle_of({{"restitution", 0.5}}).write_glb(folder);
+  const json info = json::parse(expect_done({"info", path, "--json"}).out);
+  EXPECT_EQ(info["materials"][0]["defaulted"],
+            json({{{"key", "impactMass"}, {"value", 0.05}, {"unit", "kg"}},
+                  {{"key", "impactDuration"}, {"value", 0.005}, {"unit", "s"}}}));
+}
+
+TEST_F(CommandLine, RefusesMaterialsThatMakeNoSense) {
+  const std::string good = triangle_of({{"stiffness", 500}}).write_glb(folder);
+  expect_refused({"info", good, "--material", "wood.1.stiffness=-1"},
+                 {"--material wood.1.stiffness", "wood.1", "stiffness is -1", "1e+06 N/m"});
+  expect_refused({"info", good, "--material", "wood.1.stiffness=hard"},
+                 {"wood.1", "stiffness is \"hard\"", "N/m"});
+  expect_refused({"info", good, "--material", "glass.stiffness=1"}, {"--material", "glass"});
+  for (const char* none : {"stiffness=1", "wood.1.stiffness", "=1", ".stiffness=1", "wood.1.=1",
+                           "wood.1.stiffness="}) {
+    expect_refused({"info", good, "--material", none}, {"--material", none});
+  }
+  write_path();
+  const std::vector<std::string> play = {"--trajectory", folder.path("path.txt")};
+  std::vector<std::string> hum = {"replay",     good,
+                                  "--material", "wood.1.vibrationAmplitude=1",
+                                  "--material", "wood.1.vibrationFrequency=600"};
+  hum.insert(hum.end(), play.begin(), play.end());
+  expect_refused(hum, {"wood.1", "vibrationFrequency is 600", "--rate", "500 Hz"});
+  hum.insert(hum.end(), {"--rate", "2000"});
+  expect_done(hum);
+
+  const std::string bad = triangle_of({{"magnetForce", 1}}).write_glb(folder);
+  expect_refused({"info", bad},
+                 {bad, "/materials/0/extras/palpate/magnetForce", "wood.1", "magnetRange"});
+}
+
+TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsFelt) {
+  const std::string scene =
+      triangle_of({{"stiffness", 500}, {"dynamicFriction", 0.2}, {"staticFriction", 0.3}})
+          .write_glb(folder);
+  std::ostringstream path;
+  for (int n = 0; n < 100; ++n) path << "0.3 0.3 " << 0.05 - 0.001 * n << "\n";
+  for (int n = 0; n < 50; ++n) path << 0.3 + 0.004 * n << " 0.3 -0.049\n";
+  const std::string file = folder.write("press.txt", path.str());
+  const json plain =
+      json::parse(expect_done({"replay", scene, "--trajectory", file, "--json"}).out);
+  EXPECT_EQ(keys_of(plain["effects"]), sorted({"friction", "stiffness", "a4"}));
+  EXPECT_EQ(plain["effects"]["stiffness"], json({{"ticks", plain["contact_ticks"]}}));
+  EXPECT_EQ(plain["effects"]["friction"]["ticks"], plain["contact_ticks"]);
+  EXPECT_EQ(plain["effects"]["a4"]["ticks"], 0);
+  EXPECT_GT(plain["contact_ticks"], 90);
+  const json timed = json::parse(
+      expect_done({"replay", scene, "--trajectory", file, "--json", "--effect-times", "--repeat",
+                   "3", "--sensors", "3", "--actuated-axes", "1 0 0", "--a4", "on"})
+          .out);
+  EXPECT_EQ(timed["effects"]["stiffness"]["ticks"], timed["contact_ticks"]);
+  EXPECT_GT(timed["effects"]["stiffness"]["time_share"], 0.0);
+  EXPECT_LT(timed["effects"]["stiffness"]["time_share"], 1.0);
+  EXPECT_GT(timed["effects"]["a4"]["ticks"], 0);
+  EXPECT_LE(timed["effects"]["a4"]["ticks"], timed["contact_ticks"]);
+  const std::string text = expect_done({"replay", scene, "--trajectory", file}).out;
+  EXPECT_NE(text.find("friction felt in " + plain["contact_ticks"].dump() + " ticks\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("A4 turned the scene in 0 ticks"), std::string::npos) << text;
 }
 
 TEST_F(CommandLine, CountsTheTrianglesOfEveryNode) {
@@ -688,6 +810,7 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_NEAR(summary["mean_penetration_m"], penetration_sum_m / contact_ticks, 1e-15);
   EXPECT_EQ(summary["work_lost_J"], 0.0) << "every axis pushes";
   EXPECT_EQ(summary["triangles"], 36);
+  EXPECT_EQ(summary["effects"], json({{"a4", {{"ticks", 0}}}}));
 }
 
 TEST_F(CommandLine, SumsAReplayUpForPeople) {

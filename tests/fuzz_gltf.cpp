@@ -3,6 +3,7 @@
 // PRESET=fuzz ./test.sh runs it.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -59,12 +60,38 @@ void check_materials(const SceneDescription& scene, const MeshDescription& mesh)
   }
 }
 
+// A map that is called for has its pixels, and every position of the mesh a place in it.
+void check_maps(const SceneDescription& scene, const MeshDescription& mesh) {
+  const auto* haptic =
+      mesh.haptic_material ? &scene.haptic_materials[*mesh.haptic_material] : nullptr;
+  const auto check_map = [&](const TextureReference* map, const auto& coordinates) {
+    require(coordinates.empty() || coordinates.size() == mesh.positions.size());
+    if (map == nullptr) return;
+    require(map->pixels && *map->pixels < scene.images.size() && !coordinates.empty());
+  };
+  for (const MaterialRun& run : mesh.material_runs) {
+    const MaterialDescription none;
+    check_map(texture_map(run.material ? scene.materials[*run.material] : none, haptic),
+              mesh.texture_uv);
+    check_map(friction_map(haptic), mesh.friction_uv);
+  }
+  for (const auto* all : {&mesh.texture_uv, &mesh.friction_uv}) {
+    for (const auto& uv : *all) require(std::isfinite(uv[0]) && std::isfinite(uv[1]));
+  }
+}
+
+void check_image(const ImageDescription& image) {
+  require(image.width > 0 && image.height > 0);
+  require(image.rgb.size() == std::size_t{3} * image.width * image.height);
+}
+
 // A description that the engine could not trust is a bug, whatever the file.
 void check(const SceneDescription& scene) {
   require(!scene.meshes.empty() && !scene.nodes.empty());
   for (const MeshDescription& mesh : scene.meshes) {
     require(!mesh.triangles.empty());
     check_materials(scene, mesh);
+    check_maps(scene, mesh);
     for (const Vec3& p : mesh.positions) require(p.allFinite());
     for (const Triangle& t : mesh.triangles) {
       for (const std::uint32_t vertex : t) require(vertex < mesh.positions.size());
@@ -74,6 +101,11 @@ void check(const SceneDescription& scene) {
     require(node.mesh < scene.meshes.size() && node.tree_node < scene.tree.size());
     require(node.linear_scene_mesh.allFinite() && node.translation_m.allFinite());
     require_below(node.physics_material, scene.physics_materials.size());
+  }
+  for (const ImageDescription& image : scene.images) check_image(image);
+  for (const RegionDescription& region : scene.regions) {
+    require(region.tree_node < scene.tree.size() && !region.parameters.empty());
+    require(region.linear_scene_node.allFinite() && region.translation_m.allFinite());
   }
 }
 

@@ -95,9 +95,8 @@ TEST(GltfMaterials, KeepEveryKindOfParameterAsWritten) {
     EXPECT_EQ(material.parameters[i].key, expected[i].first);
     EXPECT_EQ(material.parameters[i].value, expected[i].second) << expected[i].first;
   }
-  EXPECT_EQ(parameter_element(material, "stiffness"), "/materials/0/extras/palpate/stiffness");
-  EXPECT_EQ(parameter_element(material, "texture.amplitude"),
-            "/materials/0/extras/palpate/texture/amplitude");
+  EXPECT_EQ(material.parameters[5].element, "/materials/0/extras/palpate/stiffness");
+  EXPECT_EQ(material.parameters[6].element, "/materials/0/extras/palpate/texture/amplitude");
 }
 
 TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
@@ -166,6 +165,211 @@ TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
   GltfBuilder unused = GltfBuilder::one_triangle();
   unused.json["materials"] = {"steel", {{"extras", {{"palpate", 7}}}}};
   EXPECT_TRUE(read_glb(unused).materials.empty());
+}
+
+TEST(GltfMaterials, OfAllHaveABoundedNumberOfParameters) {
+  Json palpate;
+  for (int i = 0; i < 256; ++i) palpate["a" + std::to_string(i)] = i;
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  Json primitives = Json::array();
+  for (std::size_t i = 0; i < kMaxGltfParameters / 256; ++i) {
+    asset.json["materials"].push_back({{"extras", {{"palpate", palpate}}}});
+    primitives.push_back(triangle_primitive(i));
+  }
+  asset.json["meshes"][0]["primitives"] = primitives;
+  EXPECT_EQ(read_glb(asset).materials.size(), 256u);
+  asset.json["scenes"][0]["extras"]["palpate"]["gravity"] = {0, 0, -1};
+  expect_refused(asset, ErrorCode::kLimitExceeded, "/materials/255/extras/palpate/a99", "65536");
+}
+
+// --- Overrides -----------------------------------------------------------------------------------
+
+using Overrides = std::vector<MaterialOverride>;
+
+Result<SceneDescription> read_with(const GltfBuilder& asset, const Overrides& overrides) {
+  const TemporaryFolder folder;
+  return read_gltf(asset.write_glb(folder), {overrides});
+}
+
+// Refused by an argument, which the error names.
+void expect_wrong(const GltfBuilder& asset, const MaterialOverride& setting,
+                  const std::string& element, const std::string& text) {
+  const auto scene = read_with(asset, {setting});
+  ASSERT_FALSE(scene.ok()) << "accepted; expected an error at " << element;
+  EXPECT_EQ(scene.error().code, ErrorCode::kInvalidArgument) << scene.error().to_string();
+  EXPECT_EQ(scene.error().element, element);
+  EXPECT_NE(scene.error().to_string().find(text), std::string::npos) << scene.error().to_string();
+}
+
+TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["materials"] = {
+      {{"name", "skin"}, {"extras", {{"palpate", {{"damping", 3}, {"stiffness", 100}}}}}},
+      {{"name", "bone"}},
+      {{"name", "skin"}},
+      Json::object()};
+  asset.json["meshes"][0]["primitives"] = {triangle_primitive(0), triangle_primitive(1),
+                                           triangle_primitive(2), triangle_primitive(3)};
+  const auto scene = read_with(asset, {{"skin", "stiffness", "250.5"},
+                                       {"skin", "solid", "false"},
+                                       {"material 3", "texture.amplitude", "1"},
+                                       {"material 3", "texture.amplitude", "2"}});
+  ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+  ASSERT_EQ(scene->materials.size(), 4u);
+  const auto& changed = scene->materials[0].parameters;
+  ASSERT_EQ(changed.size(), 3u);
+  EXPECT_EQ(changed[0].key, "damping");
+  EXPECT_EQ(changed[0].element, "/materials/0/extras/palpate/damping");
+  EXPECT_EQ(changed[1].key, "solid");
+  EXPECT_EQ(changed[1].value, MaterialValue(false));
+  EXPECT_EQ(changed[2].key, "stiffness");
+  EXPECT_EQ(changed[2].value, MaterialValue(250.5));
+  EXPECT_EQ(changed[2].element, "--material skin.stiffness");
+  EXPECT_TRUE(scene->materials[1].parameters.empty());
+  EXPECT_EQ(scene->materials[2].parameters.size(), 2u);  // of the same name
+  ASSERT_EQ(scene->materials[3].parameters.size(), 1u);
+  EXPECT_EQ(scene->materials[3].parameters[0].key, "texture.amplitude");
+  EXPECT_EQ(scene->materials[3].parameters[0].value, MaterialValue(2.0));
+}
+
+TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
+  const std::vector<std::pair<std::string, MaterialValue>> expected = {
+      {"1e3", 1000.0},
+      {" -0.5 ", -0.5},
+      {"true", true},
+      {"\"1\"", std::string("1")},
+      {"[0, 1, 2.5]", std::vector<double>{0, 1, 2.5}},
+      {"[]", std::vector<double>{}},
+      {"sliding", std::string("sliding")},
+      {"", std::string()},
+      {"1 mm", std::string("1 mm")},
+      {"1e999", std::string("1e999")},
+      {"[1, 2", std::string("[1, 2")}};
+  for (const auto& [text, value] : expected) {
+    SCOPED_TRACE(text);
+    const auto scene = read_with(asset_of({{"name", "a"}}), {{"a", "key", text}});
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    EXPECT_EQ(scene->materials.at(0).parameters.at(0).value, value);
+  }
+}
+
+TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
+  const GltfBuilder asset = asset_of({{"name", "a"}});
+  expect_wrong(asset, {"a", "key", "null"}, "--material a.key", "null");
+  expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "--material a.key", "an object");
+  expect_wrong(asset, {"a", "key", "[1, \"2\"]"}, "--material a.key/1", "a number");
+  expect_wrong(asset, {"a", "key", "[1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1]"}, "--material a.key",
+               "17 elements");
+  expect_wrong(asset, {"a", "", "1"}, "--material a.", "NAME.key");
+  expect_wrong(asset, {"a", std::string(33, 'k'), "1"}, "--material a." + std::string(33, 'k'),
+               "33 bytes");
+}
+
+TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  Json primitives = Json::array();
+  for (std::size_t i = 0; i < 11; ++i) {
+    asset.json["materials"].push_back({{"name", std::string(1, static_cast<char>('k' - i))}});
+    if (i < 10) primitives.push_back(triangle_primitive(i));
+  }
+  asset.json["meshes"][0]["primitives"] = primitives;
+  const std::string listed = R"("b", "c", "d", "e", "f", "g", "h", "i" and 2 more)";
+  expect_wrong(asset, {"x", "key", "1"}, "--material x.key", listed);
+  expect_wrong(asset, {"a", "key", "1"}, "--material a.key", listed);  // no triangle has it
+  expect_wrong(asset, {"default", "key", "1"}, "--material default.key", listed);
+  expect_wrong(GltfBuilder::one_triangle(), {"x", "key", "1"}, "--material x.key",
+               "there are \"default\"");
+}
+
+TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["materials"] = Json::array({{{"name", "steel"}}});
+  asset.json["meshes"][0]["primitives"] = {triangle_primitive(), triangle_primitive(0),
+                                           triangle_primitive()};
+  asset.add_node({{"mesh", asset.add_mesh(Json::array({triangle_primitive()}))}});
+  const auto scene = read_with(asset, {{"default", "stiffness", "5"}, {"default", "damping", "1"}});
+  ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+  ASSERT_EQ(scene->materials.size(), 2u);
+  EXPECT_EQ(scene->materials[1].name, "default");
+  EXPECT_EQ(scene->materials[1].element, "default material");
+  ASSERT_EQ(scene->materials[1].parameters.size(), 2u);
+  EXPECT_EQ(scene->materials[1].parameters[1].element, "--material default.stiffness");
+  EXPECT_EQ(runs_of(scene->meshes[0]), (Runs{"0: 1", "1: 0", "2: 1"}));
+  EXPECT_EQ(runs_of(scene->meshes[1]), (Runs{"0: 1"}));
+
+  const auto other = read_with(asset, {{"steel", "stiffness", "5"}});
+  ASSERT_TRUE(other.ok());
+  EXPECT_EQ(runs_of(other->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
+
+  asset.json["materials"][0]["name"] = "default";  // so this is what the name means
+  const auto named = read_with(asset, {{"default", "stiffness", "5"}});
+  ASSERT_TRUE(named.ok());
+  EXPECT_EQ(runs_of(named->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
+  EXPECT_EQ(named->materials.at(0).parameters.size(), 1u);
+}
+
+// --- Scenes and nodes ----------------------------------------------------------------------------
+
+TEST(GltfMaterials, OfTheSceneAreThoseOfTheOneThatIsRead) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
+  asset.json["scenes"].push_back(asset.json["scenes"][0]);
+  asset.json["scenes"][0]["extras"]["palpate"] = {{"toolMass", 7}};
+  asset.json["scenes"][1]["extras"]["palpate"] = {{"gravity", {0, 0, -9.81}}, {"toolMass", 0.5}};
+  EXPECT_EQ(read_glb(asset).scene_parameters.parameters.size(), 1u);
+  asset.json["scene"] = 1;
+  const MaterialDescription parameters = read_glb(asset).scene_parameters;
+  EXPECT_EQ(parameters.name, "scene");
+  EXPECT_EQ(parameters.element, "/scenes/1/extras/palpate");
+  ASSERT_EQ(parameters.parameters.size(), 2u);
+  EXPECT_EQ(parameters.parameters[0].value, MaterialValue(std::vector<double>{0, 0, -9.81}));
+  EXPECT_EQ(parameters.parameters[1].element, "/scenes/1/extras/palpate/toolMass");
+  asset.json["scenes"][1]["extras"]["palpate"] = 3;
+  expect_invalid(asset, "/scenes/1/extras/palpate", "an object");
+  asset.json["scenes"][1]["extras"]["palpate"] = {{"gravity", nullptr}};
+  expect_invalid(asset, "/scenes/1/extras/palpate/gravity", "null");
+  asset.json.erase("scene");
+  asset.json.erase("scenes");
+  EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
+}
+
+TEST(GltfMaterials, OfANodeWithAMediumMakeARegion) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  const Json sphere = {{"medium", "sphere"}, {"radius", 0.5}, {"viscosity", 4}};
+  const auto child = asset.add_child(
+      {{"name", "honey"}, {"translation", {1, 2, 3}}, {"extras", {{"palpate", sphere}}}});
+  asset.add_node({{"children", {child}}, {"scale", {2, 2, 0}}, {"translation", {10, 0, 0}}});
+  asset.add_child({{"extras", {{"palpate", sphere}}}});  // outside the scene
+  asset.add_node({{"extras", {{"palpate", {{"medium", 5}}}, {"palpate_contour", 3}}}});
+  asset.add_node({{"extras", {{"palpate_contour", {{"medium", "box"}}}}}});
+  const auto scene = read_glb(asset);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.regions.size(), 2u);
+  const RegionDescription& region = scene.regions[0];
+  EXPECT_EQ(region.name, "honey");
+  EXPECT_EQ(region.element, "/nodes/1/extras/palpate");
+  EXPECT_EQ(scene.tree.at(region.tree_node).file_index, 1u);
+  EXPECT_EQ(region.translation_m, Vec3(12, 4, 0));
+  EXPECT_EQ(region.linear_scene_node, Mat3(Vec3(2, 2, 0).asDiagonal()));
+  ASSERT_EQ(region.parameters.size(), 3u);
+  EXPECT_EQ(region.parameters[0].value, MaterialValue(std::string("sphere")));
+  EXPECT_EQ(region.parameters[1].element, "/nodes/1/extras/palpate/radius");
+  EXPECT_EQ(scene.regions[1].name, "node 4");
+}
+
+TEST(GltfMaterials, OfANodeWithoutAMediumAreWarnedOf) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"][0]["name"] = "tip";
+  asset.json["nodes"][0]["extras"]["palpate"] = {{"stiffness", 100}};
+  const auto scene = read_glb(asset);
+  EXPECT_TRUE(scene.regions.empty());
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings[0].rfind("/nodes/0/extras/palpate: \"tip\" ", 0), 0u)
+      << scene.warnings[0];
+  asset.json["nodes"][0]["extras"]["palpate"] = "soft";
+  expect_invalid(asset, "/nodes/0/extras/palpate", "an object");
+  asset.json["nodes"][0]["extras"]["palpate"] = {{"medium", "box"}, {"a.b", 1}};
+  expect_invalid(asset, "/nodes/0/extras/palpate", "without a dot");
 }
 
 // --- Runs ----------------------------------------------------------------------------------------

@@ -39,7 +39,7 @@ inline void expect_invalid(const GltfBuilder& asset, const std::string& element,
 }
 
 constexpr std::size_t components_of(const std::string& type) {
-  return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 16;
+  return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 16;
 }
 
 // An accessor of tightly packed components.

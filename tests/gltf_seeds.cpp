@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/gltf_builder.h"
+#include "tests/png_writer.h"
 
 namespace palpate::test {
 namespace {
@@ -27,6 +28,11 @@ GltfBuilder tetrahedron(const std::vector<std::uint32_t>& indices = kFaces,
   asset.add_node(
       {{"mesh", asset.add_mesh(Json::array({primitive_of(positions, index_accessor, mode)}))}});
   return asset;
+}
+
+std::size_t add_coordinates(GltfBuilder& asset, const std::vector<float>& uv) {
+  return asset.add_accessor(asset.add_view(bytes_of(uv)), GltfBuilder::kFloat, uv.size() / 2,
+                            "VEC2");
 }
 
 GltfBuilder unindexed() {
@@ -203,7 +209,48 @@ GltfBuilder with_materials() {
       {"geometry", {{"node", 0}}}, {"physicsMaterial", 0}};
   asset.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
   asset.json["samplers"] = {{{"wrapS", 10497}}};
-  asset.json["images"] = {{{"uri", "grain.png"}}};
+  const std::string grain = png_of({2, 2, 16, 0}, {0, 20000, 40000, 65535});
+  asset.json["images"] = {{{"bufferView", asset.add_view(grain)}, {"mimeType", "image/png"}}};
+  asset.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+      add_coordinates(asset, {0, 0, 1, 0, 0, 1, 1, 1});
+  return asset;
+}
+
+// All that extras.palpate may say, and a texture by a data URI.
+GltfBuilder with_effects() {
+  GltfBuilder asset = tetrahedron();
+  const std::string grain = png_of({2, 1, 8, 2}, {0, 128, 255, 1, 2, 3});
+  Json& primitive = asset.json["meshes"][0]["primitives"][0];
+  primitive["material"] = 0;
+  primitive["attributes"]["TEXCOORD_1"] = add_coordinates(asset, {0, 0, 1, 0, 0, 1, 1, 1});
+  asset.json["images"] = {{{"uri", "data:image/png;base64," + base64_encoded(grain)}}};
+  asset.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  asset.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  asset.json["extensionsUsed"] = {"KHR_texture_transform"};
+  const Json transform = {{"offset", {0.5, 0}}, {"rotation", 0.5}, {"scale", {2, 3}}};
+  asset.json["materials"] = {
+      {{"normalTexture",
+        {{"index", 0}, {"texCoord", 1}, {"extensions", {{"KHR_texture_transform", transform}}}}},
+       {"extras",
+        {{"palpate",
+          {{"textureHeight", 0.001},
+           {"creaseAngle", 30.0},
+           {"solid", true},
+           {"viscosity", 2.0},
+           {"magnetForce", 1.0},
+           {"magnetRange", 0.01},
+           {"vibrationFrequency", 250.0},
+           {"vibrationAmplitude", 0.5},
+           {"vibrationWhen", "sliding"},
+           {"restitution", 0.5},
+           {"impactMass", 0.1},
+           {"impactDuration", 0.01}}}}}}};
+  asset.json["scenes"][0]["extras"]["palpate"] = {
+      {"gravity", {0, -9.81, 0}}, {"toolMass", 0.1}, {"constantForce", {0, 0, 1}}};
+  const Json box = {{"medium", "box"}, {"size", {1, 2, 3}}, {"viscosity", 5.0}};
+  const Json sphere = {{"medium", "sphere"}, {"radius", 0.5}, {"viscosity", 5.0}};
+  asset.add_node({{"translation", {5, 0, 0}}, {"extras", {{"palpate", box}}}});
+  asset.add_node({{"translation", {0, 5, 0}}, {"extras", {{"palpate", sphere}}}});
   return asset;
 }
 
@@ -257,6 +304,7 @@ std::vector<GltfSeed> gltf_seeds() {
       {"animation.glb", animated().glb_bytes()},
       {"instances.glb", instanced().glb_bytes()},
       {"materials.glb", with_materials().glb_bytes()},
+      {"effects.glb", with_effects().glb_bytes()},
       {"left_out.glb", left_out().glb_bytes()},
       {"hard_mesh.glb", hard_mesh().glb_bytes()},
   };

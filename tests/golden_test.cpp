@@ -36,10 +36,10 @@ struct Golden {
 };
 
 constexpr Golden kGolden[] = {
-    {"star", 0x9718d665b91a09c7, 0x5e41de5d3d2290e0},
-    {"labyrinth", 0x1f514031e703805a, 0xbd760fb8077a8047},
-    {"inverted_labyrinth", 0x5aed347082ac3aea, 0x1af9b330d5374b57},
-    {"lock", 0x34f2a63b99b5e7ce, 0x71a56d23e1e50f62},
+    {"star", 0x6ddb2678e4a0b58b, 0xfd7cf0b3fb4838d8},
+    {"labyrinth", 0x8b2de15375f4d21f, 0xbd760fb8077a8047},
+    {"inverted_labyrinth", 0x4f3dcc80b01c2000, 0x7175920a71f7e267},
+    {"lock", 0x5470d2c82c569984, 0x23cc914c014703f6},
 };
 
 void PrintTo(const Golden& golden, std::ostream* out) {

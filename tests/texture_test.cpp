@@ -52,7 +52,7 @@ class TexturedPlane {
       for (std::size_t i = 0; i < 3; ++i) {
         corners[i] = {points[i]->x() / period_m, points[i]->y() / period_m};
       }
-      attributes.texture_uv.push_back(corners);
+      attributes.texture_uv.push_back(UvMap::over(t, corners));
     });
     others.push_back(effect_entry<TextureEffect>({height_m, map_}));
     hand.effects.add_body(others, std::move(attributes));

@@ -57,13 +57,36 @@ FacePoint EffectRunner::face_point(const LiveWorld& world, const FaceContact& co
 FrictionCone EffectRunner::friction_cone(const LiveWorld& world, const FaceContact& contact,
                                          const Vec3& proxy) noexcept {
   const std::uint32_t m = program_->material(contact.face.body, contact.face.slot);
+  if (program_->materials[m].is_bare) return {};
   const auto table = program_->table(m, EffectStage::kProxy);
   if (table.empty()) return {};
-  EffectTick tick;
-  tick.face = face_point(world, contact, proxy);
-  tick.normal = contact.normal;
-  run(table, tick);
-  return tick.cone;
+  tick_.cone = {};
+  tick_.face = face_point(world, contact, proxy);
+  tick_.normal = contact.normal;
+  run(table, tick_);
+  return tick_.cone;
+}
+
+EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& motion) noexcept {
+  tick_.dt_s = motion.dt_s;
+  tick_.time_s = motion.time_s;
+  tick_.goal_m = motion.goal_m;
+  tick_.proxy_m = state.proxy;
+  tick_.velocity_m_per_s = motion.velocity_m_per_s;
+  tick_.slid = state.slid;
+  tick_.force_N.setZero();
+  return tick_;
+}
+
+// The short way where there is one face without effects, which is most of the ground.
+bool EffectRunner::touches_bare_face(std::span<const FaceContact> contacts) noexcept {
+  if (contacts.size() != 1) return false;
+  const FaceRef& face = contacts[0].face;
+  const std::uint32_t m = program_->material(face.body, face.slot);
+  if (!program_->materials[m].is_bare) return false;
+  touches_[0] = {face.body, m};
+  touch_count_ = 1;
+  return true;
 }
 
 void EffectRunner::find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept {
@@ -96,6 +119,7 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
   touch_count_ = 0;
   material_count_ = 0;
   if (!state.in_contact || god_object.contacts().empty()) return feel;
+  if (touches_bare_face(god_object.contacts())) return feel;
   find_touches(god_object, state.proxy - motion.goal_m);
   if (material_count_ == 1 && program_->materials[materials_[0].material].is_bare) return feel;
 
@@ -103,13 +127,7 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
   feel.coupling = {0.0, 0.0};
   Vec3 normals = Vec3::Zero();
   bool is_shaded = false;
-  EffectTick tick;
-  tick.dt_s = motion.dt_s;
-  tick.time_s = motion.time_s;
-  tick.goal_m = motion.goal_m;
-  tick.proxy_m = state.proxy;
-  tick.velocity_m_per_s = motion.velocity_m_per_s;
-  tick.slid = state.slid;
+  EffectTick& tick = prepared(state, motion);
   for (std::size_t i = 0; i < touch_count_; ++i) {
     const FaceContact& contact = god_object.contacts()[i];
     const double share = shares_[i];
@@ -138,16 +156,10 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
 
 Vec3 EffectRunner::contact_force_N(const ProxyState& state, const ContactFeel& feel,
                                    const EffectMotion& motion) noexcept {
-  EffectTick tick;
+  EffectTick& tick = prepared(state, motion);
   for (std::size_t i = 0; i < material_count_; ++i) {
     const auto table = program_->table(materials_[i].material, EffectStage::kForceAdd);
     if (table.empty()) continue;
-    tick.dt_s = motion.dt_s;
-    tick.time_s = motion.time_s;
-    tick.goal_m = motion.goal_m;
-    tick.proxy_m = state.proxy;
-    tick.velocity_m_per_s = motion.velocity_m_per_s;
-    tick.slid = state.slid;
     tick.normal = feel.normal;
     tick.share = materials_[i].share;
     run(table, tick);
@@ -163,13 +175,7 @@ Vec3 EffectRunner::surroundings_force_N(const LiveWorld& world, const ProxyState
                             quiet_radius_m_ * quiet_radius_m_ &&
                         world.moving().empty();
   if (everywhere.empty() && (places.empty() || is_quiet)) return Vec3::Zero();
-  EffectTick tick;
-  tick.dt_s = motion.dt_s;
-  tick.time_s = motion.time_s;
-  tick.goal_m = motion.goal_m;
-  tick.proxy_m = state.proxy;
-  tick.velocity_m_per_s = motion.velocity_m_per_s;
-  tick.slid = state.slid;
+  EffectTick& tick = prepared(state, motion);
   tick.normal = normal;
   tick.world = &world;
   tick.touches = std::span(touches_).first(touch_count_);

@@ -80,6 +80,8 @@ class EffectRunner {
 
   void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
+  EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
+  bool touches_bare_face(std::span<const FaceContact> contacts) noexcept;
   void find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept;
   FacePoint face_point(const LiveWorld& world, const FaceContact& contact,
                        const Vec3& proxy) const noexcept;
@@ -98,6 +100,8 @@ class EffectRunner {
   std::size_t touch_count_ = 0;
   std::array<TouchedMaterial, 3> materials_{};
   std::size_t material_count_ = 0;
+
+  EffectTick tick_;  // what effects are told, reused
 
   // No effect with a place is felt within this ball.
   Vec3 quiet_centre_ = Vec3::Zero();

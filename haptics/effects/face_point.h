@@ -2,6 +2,7 @@
 
 // A point on a triangle that is touched, and what a surface keeps of its triangles for effects.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -15,13 +16,42 @@ namespace palpate {
 // Texture coordinates of the three corners: u to the right, v down, 1 is the whole image.
 using CornerCoordinates = std::array<std::array<double, 2>, 3>;
 
+// Texture coordinates over a triangle: linear in the point, and beyond its edges as well.
+struct UvMap {
+  Vec3 origin = Vec3::Zero();  // body frame, m
+  std::array<double, 2> at_origin{};
+  std::array<Vec3, 2> gradient{Vec3::Zero(), Vec3::Zero()};  // 1/m, along the triangle
+
+  std::array<double, 2> at(const Vec3& p_body) const noexcept {
+    const Vec3 from_origin = p_body - origin;
+    return {at_origin[0] + gradient[0].dot(from_origin),
+            at_origin[1] + gradient[1].dot(from_origin)};
+  }
+
+  // Constant on a triangle whose area is lost to rounding.
+  static UvMap over(const TriangleGeometry& t, const CornerCoordinates& corners) noexcept {
+    UvMap map{t.a, corners[0]};
+    const Vec3 ab = t.b - t.a;
+    const Vec3 ac = t.c - t.a;
+    const double twice_area_m2 = triple_product(t.normal, ab, ac);
+    if (!(twice_area_m2 > 0.0)) return map;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double along_ab = corners[1][i] - corners[0][i];
+      const double along_ac = corners[2][i] - corners[0][i];
+      map.gradient[i] =
+          (along_ab * ac.cross(t.normal) + along_ac * t.normal.cross(ab)) / twice_area_m2;
+    }
+    return map;
+  }
+};
+
 // What effects want to know of the triangles of one surface, by slot of its index. Each is empty if
 // no effect asks for it.
 struct SurfaceAttributes {
   std::vector<std::uint16_t> part;  // of the mesh: those of one material; all 0 if empty
   std::vector<CornerNormals> corner_normals;
-  std::vector<CornerCoordinates> texture_uv;
-  std::vector<CornerCoordinates> friction_uv;
+  std::vector<UvMap> texture_uv;
+  std::vector<UvMap> friction_uv;
 
   std::uint16_t part_of(std::uint32_t slot) const { return part.empty() ? 0 : part[slot]; }
 };
@@ -48,12 +78,6 @@ struct FacePoint {
     if (!(sum > 0.0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};  // a sliver, seen from its end
     for (double& weight : w) weight /= sum;
     return w;
-  }
-
-  std::array<double, 2> coordinates(const CornerCoordinates& corners) const noexcept {
-    const auto w = barycentric();
-    return {w[0] * corners[0][0] + w[1] * corners[1][0] + w[2] * corners[2][0],
-            w[0] * corners[0][1] + w[1] * corners[1][1] + w[2] * corners[2][1]};
   }
 };
 

@@ -41,7 +41,7 @@ struct FrictionEffect {
   static bool apply(const Parameters& p, State&, EffectTick& tick) noexcept {
     tick.cone = {p.static_friction, p.dynamic_friction};
     if (p.map) {
-      const auto uv = tick.face.coordinates(tick.face.attributes->friction_uv[tick.face.slot]);
+      const auto uv = tick.face.attributes->friction_uv[tick.face.slot].at(tick.face.point_body);
       const double part = std::clamp(p.map->value(uv[0], uv[1], 0.0), 0.0, 1.0);
       tick.cone.static_friction *= part;
       tick.cone.dynamic_friction *= part;

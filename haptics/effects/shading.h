@@ -37,21 +37,20 @@ struct ShadingEffect {
     const auto w = tick.face.barycentric();
     const CornerNormals& normals = tick.face.attributes->corner_normals[tick.face.slot];
     const Vec3& facet_body = tick.face.triangle().normal;
-    Vec3 sum_body = Vec3::Zero();
-    bool is_flat = true;
+    Vec3 smooth_body = Vec3::Zero();
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 corner(normals[i][0], normals[i][1], normals[i][2]);
-      is_flat = is_flat && (corner - facet_body).squaredNorm() <= kFlat * kFlat;
-      sum_body += w[i] * corner;
+      smooth_body += w[i] * Vec3(normals[i][0], normals[i][1], normals[i][2]);
     }
-    if (is_flat) return false;
-    const Vec3 front = tick.face.body->direction_to_solver(sum_body);
+    const double length = smooth_body.norm();
+    if (!(length > 0.0)) return false;
+    smooth_body /= length;
+    if ((smooth_body - facet_body).squaredNorm() <= kFlat * kFlat) return false;
+    const Vec3 front = tick.face.body->direction_to_solver(smooth_body);
     // The proxy may be at the back of the face.
     const Vec3 facet = tick.face.body->direction_to_solver(facet_body);
     const Vec3 smooth = facet.dot(tick.normal) < 0.0 ? Vec3(-front) : front;
-    const double length = smooth.norm();
     if (!(smooth.dot(tick.normal) > 0.0)) return false;  // away from the proxy: no normal to feel
-    tick.felt_normal = smooth / length;
+    tick.felt_normal = smooth;
     return true;
   }
 };

@@ -1,0 +1,106 @@
+#pragma once
+
+// What surfaces keep of their triangles for effects: made from meshes, images and their indices.
+// Load time only.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "geometry/height_map.h"
+#include "geometry/result.h"
+#include "geometry/surface_index.h"
+#include "geometry/surface_mesh.h"
+#include "haptics/effects/face_point.h"
+#include "io/scene_description.h"
+
+namespace palpate {
+
+// The faces of a mesh by material. The description without its positions, which a mesh has.
+class MeshParts {
+ public:
+  // Takes what it needs of the description. Triangles are kept only beside texture coordinates.
+  MeshParts(const SurfaceMesh& mesh, MeshDescription&& description);
+
+  // The distinct materials of faces; without any face, or any declaration, one of them: none. A
+  // part is a place in here.
+  const std::vector<std::optional<std::uint32_t>>& materials() const { return materials_; }
+  std::size_t part_of_face(std::size_t face) const;  // logarithmic in the primitives
+  std::optional<std::uint32_t> haptic_material() const { return haptic_material_; }
+  std::size_t memory_bytes() const;
+
+  // Texture coordinates of a face's corners in its own order; see MeshDescription.
+  bool has_texture_uv() const { return !texture_uv_.empty(); }
+  bool has_friction_uv() const { return !friction_uv_.empty(); }
+  CornerCoordinates texture_uv(std::uint32_t source_triangle) const;
+  CornerCoordinates friction_uv(std::uint32_t source_triangle) const;
+  void drop_uv();  // once they are no longer needed
+
+ private:
+  struct FaceRun {
+    std::uint32_t first_face;
+    std::uint32_t part;
+  };
+
+  std::vector<std::optional<std::uint32_t>> materials_;
+  std::vector<FaceRun> runs_;  // in rising order; each lasts until the next begins
+  std::optional<std::uint32_t> haptic_material_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::array<double, 2>> texture_uv_;
+  std::vector<std::array<double, 2>> friction_uv_;
+};
+
+// A surface as effects see it.
+struct PartedSurface {
+  const SurfaceMesh* mesh;
+  const MeshParts* parts;
+  AffineMap map_index_mesh;
+  const SurfaceIndex* index;
+
+  std::size_t slot_count() const { return index->pack_count() * TrianglePack::kLanes; }
+};
+
+// What is asked for. crease_angles_rad: of each part; none where it is not shaded.
+struct AttributeNeeds {
+  std::vector<std::optional<double>> crease_angles_rad;
+  bool texture_uv = false;
+  bool friction_uv = false;
+};
+
+SurfaceAttributes surface_attributes(const PartedSurface& surface, const AttributeNeeds& needs);
+std::size_t memory_bytes(const SurfaceAttributes& attributes);
+
+// The faces of one part alone, in the same frame. At least one.
+SurfaceIndex part_index(const PartedSurface& surface, std::size_t part);
+
+// Height maps of the images of a scene, each made once. Values are from 0 to 1: of a grey map the
+// mean of red, green and blue; of a normal map the height that it is the slope of, 0 the lowest and
+// 1 the highest.
+class HeightMapMaker {
+ public:
+  // Maps go to the end of `maps`, which must outlive this.
+  HeightMapMaker(std::span<const ImageDescription> images, std::deque<HeightMap>& maps)
+      : images_(images), maps_(maps) {}
+
+  // An Error, without an element, if the reference has no pixels.
+  Result<const HeightMap*> grey(const TextureReference& reference);
+  Result<const HeightMap*> from_normals(const TextureReference& reference);
+
+ private:
+  Result<const HeightMap*> make(const TextureReference& reference, bool is_normal_map);
+
+  // Image, wraps, whether it is a normal map, and then its scale.
+  using Key = std::tuple<std::uint32_t, TextureWrap, TextureWrap, bool, double>;
+
+  std::span<const ImageDescription> images_;
+  std::deque<HeightMap>& maps_;
+  std::map<Key, const HeightMap*> made_;
+};
+
+}  // namespace palpate
