@@ -53,9 +53,10 @@ struct AllEffects {
     SurfaceAttributes attributes;
     for_each_slot(index, [&](std::uint32_t slot) {
       const TriangleGeometry& t = index.triangle(slot);
-      attributes.texture_uv.push_back(UvMap::over(t, {{{20 * t.a.x(), 20 * t.a.y()},
-                                        {20 * t.b.x(), 20 * t.b.y()},
-                                        {20 * t.c.x(), 20 * t.c.y()}}}));
+      const CornerCoordinates corners = {{{20 * t.a.x(), 20 * t.a.y()},
+                                          {20 * t.b.x(), 20 * t.b.y()},
+                                          {20 * t.c.x(), 20 * t.c.y()}}};
+      attributes.texture_uv.push_back(UvMap::over(t, corners));
       attributes.corner_normals.push_back(normals[index.face(slot)]);
     });
     attributes.friction_uv = attributes.texture_uv;
