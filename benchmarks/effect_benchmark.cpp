@@ -1,5 +1,5 @@
-// What each effect adds to a tick: the sliding proxy on a sphere that has it, beside the same sphere
-// without.
+// What each effect adds to a tick: the sliding proxy on a sphere that has it, beside the same
+// sphere without.
 
 #include <algorithm>
 #include <cmath>
@@ -115,8 +115,8 @@ void add_surroundings(SceneDescription& scene, const EffectCase& effect_case) {
     scene.regions.push_back(region);
   }
   if (is(effect_case, "gravity") || is(effect_case, "all")) {
-    scene.scene_parameters.parameters = {
-        parameter("gravity", std::vector<double>{0.0, 0.0, -9.81}), parameter("toolMass", 0.05)};
+    scene.scene_parameters.parameters = {parameter("gravity", std::vector<double>{0.0, 0.0, -9.81}),
+                                         parameter("toolMass", 0.05)};
   }
 }
 

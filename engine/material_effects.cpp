@@ -172,7 +172,7 @@ class Compiler {
     const bool has_friction = is_given("staticFriction") || is_given("dynamicFriction");
     if (!friction_map_ || has_friction || sources_.physics) return std::nullopt;
     for (const char* key : {"staticFriction", "dynamicFriction"}) {
-      if (auto error = take_default("friction", key, kDefaultFriction, *friction_map_)) {
+      if (auto error = take_default("friction", key, kMapFriction, *friction_map_)) {
         return error;
       }
     }

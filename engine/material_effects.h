@@ -72,8 +72,8 @@ struct MaterialEffects {
 // Of the sources of a value, material (whose overrides io has put in place already) goes before
 // physics, and both before the defaults. An effect is called for if one of its keys of the role
 // kCallsFor is given and not zero, or, if it has none, if that of the role kRequired is given.
-// Besides: one friction coefficient alone is the other one, too; a friction map without any makes
-// them those of KHR_physics_rigid_bodies; a vibrotactileTexture without textureHeight carves
+// Besides: one friction coefficient alone is the other one, too; a friction map without any
+// gives the coefficients itself; a vibrotactileTexture without textureHeight carves
 // kDefaultTextureHeight_m.
 //
 // An Error names the material, the element and what was expected: a value of the wrong type, out
@@ -82,7 +82,7 @@ struct MaterialEffects {
 // reported. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
-inline constexpr double kDefaultFriction = 0.6;  // KHR_physics_rigid_bodies
+inline constexpr double kMapFriction = 1.0;  // the map alone gives the coefficients
 inline constexpr double kDefaultTextureHeight_m = 1e-4;
 
 // The key that files may give and no effect has.

@@ -19,8 +19,9 @@ constexpr double kFarthestPerMotion = 64.0;
 // One body that moves, and what the proxy has met of it and of others.
 class PushedProxy {
  public:
-  PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed, const Vec3& start_body,
-       const Vec3& proxy, const std::optional<Vec3>& motion_plane_normal)
+  PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed,
+              const Vec3& start_body, const Vec3& proxy,
+              const std::optional<Vec3>& motion_plane_normal)
       : tracer_(tracer),
         body_(body),
         placed_(placed),

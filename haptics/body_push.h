@@ -11,8 +11,8 @@ namespace palpate {
 
 struct Push {
   std::uint32_t body = 0;
-  RigidTransform T_solver_body;                        // where it is to be
-  std::optional<Vec3> motion_plane_normal = {};        // as for GodObject::move_to()
+  RigidTransform T_solver_body;                  // where it is to be
+  std::optional<Vec3> motion_plane_normal = {};  // as for GodObject::move_to()
   bool carries = false;  // the proxy sticks to it, and is taken along as far as there is room
 };
 

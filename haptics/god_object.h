@@ -31,8 +31,8 @@ struct ProxyState {
   int active_planes = 0;       // that push
   // The unit direction in which two planes leave the proxy free; zero for any other number.
   Vec3 free_direction = Vec3::Zero();
-  bool slid = false;     // moved along what it touches
-  bool is_held = false;  // by friction: what it touches has some
+  bool slid = false;        // moved along what it touches
+  bool is_held = false;     // by friction: what it touches has some
   bool is_on_cone = false;  // it slid until dynamic friction stopped it
   FrictionCone cone;        // of what it touches
   int iterations = 0;
@@ -99,8 +99,7 @@ class GodObject {
   // certificates hold as they do without friction. At rest, the proxy keeps its place to the bit.
   //
   // Of several faces, each counts by what it bears. A sphere goes round edges along tangents.
-  ProxyState move_with_friction(const Vec3& goal,
-                                const std::optional<Vec3>& motion_plane_normal,
+  ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 
   const Vec3& proxy() const { return proxy_; }
@@ -183,8 +182,8 @@ class GodObject {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
 
-  bool settled_ = false;      // the last tick ended at a local minimum
-  bool confirmed_ = false;    // it was not cut short, and no body has pushed the proxy since
+  bool settled_ = false;       // the last tick ended at a local minimum
+  bool confirmed_ = false;     // it was not cut short, and no body has pushed the proxy since
   bool has_friction_ = false;  // what held the proxy then, held it sideways, too
   std::array<FaceContact, 3> last_active_{};
   int last_active_count_ = 0;

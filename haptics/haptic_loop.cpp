@@ -36,7 +36,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
-    effects_ = std::make_unique<EffectRunner>(world, settings.coupling, settings.measures_effects);
+    effects_ = std::make_unique<EffectRunner>(world, settings.god_object.radius_m,
+                                              settings.coupling, settings.measures_effects);
     step_ = step_with_effects(world.effects->needs);
   }
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));

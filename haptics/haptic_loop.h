@@ -40,8 +40,8 @@ struct HapticSettings {
   CouplingSettings coupling;
   ForceMode force = ForceMode::kActuated;
   A4Settings a4;
-  double plane_height_m = 0.0;  // 2 sensors: device and proxy keep to z_device = this
-  ScenePose initial_pose;       // T_device_scene at the first tick
+  double plane_height_m = 0.0;    // 2 sensors: device and proxy keep to z_device = this
+  ScenePose initial_pose;         // T_device_scene at the first tick
   bool measures_effects = false;  // the time of each effect, at the price of asking the clock
 };
 
@@ -74,7 +74,7 @@ struct TickRecord {
   Vec3 full_force_device_N = Vec3::Zero();
   Vec3 force_device_N = Vec3::Zero();  // commanded, acting on the hand
   ScenePose T_device_scene;
-  double alpha_rad = 0.0;  // normal to actuated axes, [0, pi/2]; 0 off contact
+  double alpha_rad = 0.0;     // normal to actuated axes, [0, pi/2]; 0 off contact
   double rotation_rad = 0.0;  // by which A4 turns the scene after this tick
   bool contact = false;
   std::uint32_t faults = kFaultNone;
@@ -175,12 +175,12 @@ class HapticLoop {
   bool has_proxy_ = false;
 
   Step step_;
-  Step feel_bare_;  // what is left of a step where no effect is near
+  Step feel_bare_;                         // what is left of a step where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null where there are none
   ContactFeel feel_;                       // of this tick
   EffectMotion motion_;                    // likewise
   bool last_was_good_ = false;             // the last tick: its goal is where the hand was
-  Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
+  Vec3 velocity_m_per_s_ = Vec3::Zero();   // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
   std::vector<std::uint32_t> motion_of_body_;  // index into them, or none

@@ -18,10 +18,11 @@ HapticLoop::Step HapticLoop::step_with_effects(std::uint32_t needs) {
       return &HapticLoop::step<kNeeds>;
     }
   };
-  static constexpr auto kSteps =
-      [=]<std::uint32_t... kNeeds>(std::integer_sequence<std::uint32_t, kNeeds...>) {
-        return std::array<Step, sizeof...(kNeeds)>{step_for.template operator()<kNeeds>()...};
-      }(std::make_integer_sequence<std::uint32_t, kStepNeeds + 1>());
+  static constexpr auto kSteps = [=
+  ]<std::uint32_t... kNeeds>(std::integer_sequence<std::uint32_t, kNeeds...>) {
+    return std::array<Step, sizeof...(kNeeds)>{step_for.template operator()<kNeeds>()...};
+  }
+  (std::make_integer_sequence<std::uint32_t, kStepNeeds + 1>());
   return kSteps[needs & kStepNeeds];
 }
 

@@ -40,8 +40,8 @@ class EffectBodies {
                 SurfaceAttributes attributes = {}) {
     EffectProgram& program = builder.program;
     program.attributes.push_back(std::move(attributes));
-    program.bodies.push_back({&program.attributes.back(),
-                              static_cast<std::uint32_t>(program.material_of_part.size())});
+    program.bodies.push_back(
+        {&program.attributes.back(), static_cast<std::uint32_t>(program.material_of_part.size())});
     program.material_of_part.push_back(builder.add_material(entries));
   }
   // The next body has none.

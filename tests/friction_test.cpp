@@ -189,9 +189,8 @@ TEST(Friction, DoesNotDriftAtRestInAMillionTicks) {
   world.set_effects(with_friction(0.5, 0.4));
   const RigidTransform pose{world.world().bodies[0].T_solver_body.rotation,
                             world.world().anchor_scene_m};
-  expect_no_drift(world, pose.point({0, 0, 0.001}), pose.point({0, 0, -0.002}), 1000000, [&] {
-    return Vec3(0.4e-3 * random.uniform(-1, 1) * random.unit_vector());
-  });
+  expect_no_drift(world, pose.point({0, 0, 0.001}), pose.point({0, 0, -0.002}), 1000000,
+                  [&] { return Vec3(0.4e-3 * random.uniform(-1, 1) * random.unit_vector()); });
 }
 
 TEST(Friction, DoesNotDriftInAGrooveOrACorner) {
@@ -244,8 +243,8 @@ TEST(Friction, ReversalsSlideTheLagFromEndToEndAndBack) {
   }
 }
 
-// 18 of the hard cases: A4 turns the scene while the proxy sticks to it. The hand stays where it is,
-// so that its lag turns towards the surface, by less than the cone is wide.
+// 18 of the hard cases: A4 turns the scene while the proxy sticks to it. The hand stays where it
+// is, so that its lag turns towards the surface, by less than the cone is wide.
 TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
   OwnedWorld world(plane_soup());
   world.set_effects(with_friction(5.0, 5.0));

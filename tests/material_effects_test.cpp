@@ -174,8 +174,9 @@ TEST(MaterialEffects, AreCalledForByWhatIsNotZero) {
 }
 
 TEST(MaterialEffects, RefuseHalfADeclaration) {
-  expect_names(refused({given("impactMass", 0.1)}), {"wood", "impactMass is given without restitution",
-                                                     "/materials/2/extras/palpate/impactMass"});
+  expect_names(refused({given("impactMass", 0.1)}),
+               {"wood", "impactMass is given without restitution",
+                "/materials/2/extras/palpate/impactMass"});
   expect_names(refused({given("magnetForce", 1.0)}),
                {"magnetForce is given without magnetRange", "1000 m", "/magnetForce"});
   expect_names(refused({given("magnetRange", 1.0)}), {"magnetRange is given without magnetForce"});
@@ -259,9 +260,9 @@ TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
       compiled(MaterialSources{&material, nullptr, "", &haptic, /*scale=*/10.0});
   EXPECT_EQ(effects.effect_names(), (Texts{"friction", "texture"}));
   EXPECT_EQ(parameters_of<TextureEffect>(effects).height_m, 10.0 * kDefaultTextureHeight_m);
-  EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kDefaultFriction);
+  EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kMapFriction);
   EXPECT_EQ(told(effects.report.defaulted),
-            (Texts{"dynamicFriction=0.6", "staticFriction=0.6", "textureHeight=1e-04m"}));
+            (Texts{"dynamicFriction=1.0", "staticFriction=1.0", "textureHeight=1e-04m"}));
   EXPECT_EQ(told(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material"}));

@@ -75,6 +75,7 @@ struct EffectTick {
   double time_s = 0.0;                   // sum of the good dt before this tick
   Vec3 goal_m = Vec3::Zero();            // the device point
   Vec3 proxy_m = Vec3::Zero();           // equals goal off contact
+  double radius_m = 0.0;                 // of the proxy
   Vec3 velocity_m_per_s = Vec3::Zero();  // of the goal; zero where it is not known
   bool slid = false;                     // the proxy moved along what it touches
   Vec3 normal = Vec3::Zero();            // unit, of the contact; as felt from kForceAdd on
@@ -109,13 +110,13 @@ struct ParameterKey {
     kRequired,  // must be given where the effect is called for
     kOptional,  // otherwise has the value that Parameters begin with
   };
-  std::string_view key;  // "staticFriction"
+  std::string_view key;   // "staticFriction"
   std::string_view unit;  // "N/m"; "" for none
   double least;
   double most;
   std::size_t offset;  // in bytes, of a double in Parameters
   Role role = Role::kOptional;
-  std::string_view what = "";  // it is, in a few words
+  std::string_view what = "";     // it is, in a few words
   bool scales_as_length = false;  // with the scene
   bool least_is_excluded = false;
   Kind kind = Kind::kNumber;

@@ -19,8 +19,7 @@ EffectProgramBuilder::EffectProgramBuilder() {
 
 EffectCall EffectProgramBuilder::call_of(const Entry& entry) {
   const EffectType& type = compiled_effects()[entry.effect];
-  EffectCall call{type.apply, entry.effect,
-                  static_cast<std::uint32_t>(program.parameters.size()),
+  EffectCall call{type.apply, entry.effect, static_cast<std::uint32_t>(program.parameters.size()),
                   static_cast<std::uint32_t>(program.state_bytes)};
   program.parameters.insert(program.parameters.end(), entry.parameters.begin(),
                             entry.parameters.end());
@@ -62,8 +61,8 @@ void EffectProgramBuilder::add_surroundings(const Entry& entry) {
 }
 
 EffectProgram EffectProgramBuilder::finish() && {
-  for (const auto& [calls, table] : {std::pair(&everywhere_, &program.everywhere),
-                                     std::pair(&places_, &program.places)}) {
+  for (const auto& [calls, table] :
+       {std::pair(&everywhere_, &program.everywhere), std::pair(&places_, &program.places)}) {
     *table = {static_cast<std::uint32_t>(program.calls.size()),
               static_cast<std::uint32_t>(calls->size())};
     program.calls.insert(program.calls.end(), calls->begin(), calls->end());

@@ -19,9 +19,9 @@ namespace palpate {
 // One line of a table.
 struct EffectCall {
   EffectFunction apply;
-  std::uint16_t effect;       // its number in compiled_effects()
-  std::uint32_t parameters;   // where they begin, in bytes
-  std::uint32_t state;        // likewise
+  std::uint16_t effect;      // its number in compiled_effects()
+  std::uint32_t parameters;  // where they begin, in bytes
+  std::uint32_t state;       // likewise
 };
 
 // A table: some consecutive calls.

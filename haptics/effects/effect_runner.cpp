@@ -19,13 +19,14 @@ double distance_m(const Box& box, const Vec3& p) {
 
 }  // namespace
 
-EffectRunner::EffectRunner(const ContactWorld& world, const CouplingSettings& coupling,
-                           bool measures_time)
+EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
+                           const CouplingSettings& coupling, bool measures_time)
     : program_(world.effects.get()),
       coupling_(coupling),
       measures_time_(measures_time),
       parameters_(program_->parameters),
       states_(program_->state_bytes) {
+  tick_.radius_m = radius_m;
   for (const EffectCall& call : program_->calls) {
     compiled_effects()[call.effect].begin_state(states_.data() + call.state);
   }
@@ -46,7 +47,13 @@ void EffectRunner::look_around(const GodObject& god_object) noexcept {
   const Vec3& proxy = god_object.proxy();
   double reach_m = god_object.world().size_m();
   if (program_->places.count != 0) {
-    reach_m = std::min(reach_m, quiet_radius_m_ - (proxy - quiet_centre_).norm());
+    const double left_m = quiet_radius_m_ - (proxy - quiet_centre_).norm();
+    if (left_m < 0.5 * quiet_radius_m_) {  // more is to be known by asking again
+      quiet_radius_m_ = 0.0;
+      ticks_to_look_ = 0;
+      return;
+    }
+    reach_m = std::min(reach_m, left_m);
   }
   for (const Box& box : boxes_) reach_m = std::min(reach_m, distance_m(box, proxy));
   // What a proxy touches is its radius away, and a few stand-offs.
@@ -157,7 +164,12 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
   if (!state.in_contact || god_object.contacts().empty()) return feel;
   if (touches_bare_face(god_object.contacts())) return feel;
   find_touches(god_object, state.proxy - motion.goal_m);
-  if (material_count_ == 1 && program_->materials[materials_[0].material].is_bare) return feel;
+  const auto touched = std::span(materials_).first(material_count_);
+  if (std::all_of(touched.begin(), touched.end(), [&](const TouchedMaterial& m) {
+        return program_->materials[m.material].is_bare;
+      })) {
+    return feel;
+  }
 
   feel.is_bare = false;
   feel.coupling = {0.0, 0.0};
@@ -207,9 +219,9 @@ Vec3 EffectRunner::surroundings_force_N(const LiveWorld& world, const ProxyState
                                         const Vec3& normal, const EffectMotion& motion) noexcept {
   const std::span<const EffectCall> everywhere = program_->table(program_->everywhere);
   const std::span<const EffectCall> places = program_->table(program_->places);
-  const bool is_quiet = (state.proxy - quiet_centre_).squaredNorm() <
-                            quiet_radius_m_ * quiet_radius_m_ &&
-                        world.moving().empty();
+  const bool is_quiet =
+      (state.proxy - quiet_centre_).squaredNorm() < quiet_radius_m_ * quiet_radius_m_ &&
+      world.moving().empty();
   if (everywhere.empty() && (places.empty() || is_quiet)) return Vec3::Zero();
   EffectTick& tick = prepared(state, motion);
   tick.normal = normal;

@@ -45,8 +45,9 @@ struct EffectCounters {
 class EffectRunner {
  public:
   // The world, which must have effects, must outlive the runner. coupling: of surfaces that do not
-  // say otherwise.
-  EffectRunner(const ContactWorld& world, const CouplingSettings& coupling, bool measures_time);
+  // say otherwise. radius_m: of the proxy.
+  EffectRunner(const ContactWorld& world, double radius_m, const CouplingSettings& coupling,
+               bool measures_time);
 
   // Whether nothing that has an effect can be met or felt on the way of the proxy to this goal: a
   // tick is then as it is without effects. What look_around() saw tells, for as long as the proxy

@@ -46,7 +46,7 @@ Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& 
   const double damped_axis = damped_m_per_s.dot(axis);
   double press_N = K * deep_m + B * damped_axis;
   const Vec3 tangential_m = lag_m - pressed_m;
-  Vec3 side_N = K * deep_m / depth_m * tangential_m + B * (damped_m_per_s - damped_axis * axis);
+  Vec3 side_N = K * tangential_m + B * (damped_m_per_s - damped_axis * axis);
   if (state.is_held) {
     press_N = std::max(0.0, press_N);  // friction has no cone for a pull
     side_N = held_side_N(state, tangential_m, side_N, press_N);

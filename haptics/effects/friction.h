@@ -33,9 +33,8 @@ struct FrictionEffect {
        ParameterKey::Role::kCallsFor, "tangential over normal force while sliding"}};
 
   static const char* contradiction(const Parameters& p) noexcept {
-    return p.dynamic_friction > p.static_friction
-               ? "dynamicFriction is larger than staticFriction"
-               : nullptr;
+    return p.dynamic_friction > p.static_friction ? "dynamicFriction is larger than staticFriction"
+                                                  : nullptr;
   }
 
   static bool apply(const Parameters& p, State&, EffectTick& tick) noexcept {

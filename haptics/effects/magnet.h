@@ -17,11 +17,11 @@ struct MagneticSurface {
 };
 
 // Attraction towards the nearest point of a surface within a range: F = F0 (1 - s / r)^2 at a
-// distance s, a gravity well (Hwang, Keates, Langdon and Clarkson 2003, "Multiple haptic targets
-// for motion-impaired computer users") with the potential -F0 r (1 - s / r)^3 / 3, so that force
-// and its slope vanish at the range's end and nothing is gained round a loop. In contact s is 0:
-// the proxy is held by F0, and rests at a depth of F0 / K. Where two points of one surface are
-// nearest, the direction jumps. Several surfaces add.
+// distance s from the proxy, a gravity well (Hwang, Keates, Langdon and Clarkson 2003, "Multiple
+// haptic targets for motion-impaired computer users") with the potential -F0 r (1 - s / r)^3 / 3,
+// so that force and its slope vanish at the range's end and nothing is gained round a loop. In
+// contact s is 0: the proxy is held by F0, and rests at a depth of F0 / K. Where two points of one
+// surface are nearest, the direction jumps. Several surfaces add.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -35,8 +35,8 @@ struct MagnetEffect {
   };
   struct State {};
   static constexpr ParameterKey kKeys[] = {
-      {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N),
-       ParameterKey::Role::kCallsFor, "at the surface"},
+      {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kCallsFor,
+       "at the surface"},
       {"magnetRange", "m", 0.0, 1000.0, offsetof(Parameters, range_m),
        ParameterKey::Role::kRequired, "where it ends, from the surface", true, true}};
 
@@ -54,18 +54,19 @@ struct MagnetEffect {
     const bool may_come = tick.world->is_moving(surface.body);
     const Box& box = surface.index->box();
     const double to_box_m = (proxy_body - proxy_body.cwiseMax(box.low).cwiseMin(box.high)).norm();
-    if (to_box_m >= p.range_m) {
-      tick.quiet_m = may_come ? 0.0 : to_box_m - p.range_m;
+    const double reach_m = p.range_m + tick.radius_m;
+    if (to_box_m >= reach_m) {
+      tick.quiet_m = may_come ? 0.0 : to_box_m - reach_m;
       return false;
     }
     // Twice as far, so that what is seen to be out of range is out of it for a while.
-    const auto nearest = surface.index->closest_point(proxy_body, 2.0 * p.range_m);
-    const double distance_m = nearest ? nearest->distance_m : 2.0 * p.range_m;
-    if (distance_m >= p.range_m || distance_m == 0.0) {
-      tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - p.range_m);
+    const auto nearest = surface.index->closest_point(proxy_body, 2.0 * reach_m);
+    const double distance_m = nearest ? nearest->distance_m : 2.0 * reach_m;
+    if (distance_m >= reach_m || distance_m == 0.0) {
+      tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - reach_m);
       return false;
     }
-    const double part = 1.0 - distance_m / p.range_m;
+    const double part = 1.0 - std::max(0.0, distance_m - tick.radius_m) / p.range_m;
     const Vec3 towards = body.direction_to_solver(nearest->point_m - proxy_body) / distance_m;
     tick.force_N += p.force_N * part * part * towards;
     return true;

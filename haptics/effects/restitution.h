@@ -28,8 +28,8 @@ struct RestitutionEffect {
     double duration_s = 0.005;
   };
   struct State {
-    double pulse_s = 0.0;       // since it began
-    double impulse_Ns = 0.0;    // of the whole pulse; 0: there is none
+    double pulse_s = 0.0;        // since it began
+    double impulse_Ns = 0.0;     // of the whole pulse; 0: there is none
     double last_touch_s = -1e9;  // long ago
   };
   static constexpr ParameterKey kKeys[] = {

@@ -10,17 +10,17 @@ namespace palpate {
 
 // Force shading (Morgenbesser and Srinivasan 1996, "Force shading for haptic shape perception"):
 // the force is turned from the facet's normal to one interpolated between the corners,
-// n = sum w_i n_i / |sum w_i n_i|, w the barycentric weights of the proxy, as Phong does with light.
-// The magnitude stays that of the facets. Corners on edges sharper than the crease angle keep the
-// normals of either side, so that creases stay. A force that is turned is no gradient of anything:
-// round a loop it can give K d^2 times the angle between the normals, about.
+// n = sum w_i n_i / |sum w_i n_i|, w the barycentric weights of the proxy, as Phong does with
+// light. The magnitude stays that of the facets. Corners on edges sharper than the crease angle
+// keep the normals of either side, so that creases stay. A force that is turned is no gradient of
+// anything: round a loop it can give K d^2 times the angle between the normals, about.
 struct ShadingEffect {
   static constexpr std::string_view kName = "shading";
   static constexpr EffectStage kStage = EffectStage::kSurface;
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsCornerNormals;
 
-  // Corner normals that differ from the facet's by no more than their rounding to float: a flat face
-  // is felt as without shading, to the bit.
+  // Corner normals that differ from the facet's by no more than their rounding to float: a flat
+  // face is felt as without shading, to the bit.
   static constexpr double kFlat = 2.0 * std::numeric_limits<float>::epsilon();
 
   struct Parameters {

@@ -27,7 +27,7 @@ struct TextureEffect {
 
   // Texels of the level that is felt are at least so many times the way of one tick: of a wave
   // that passes in a tick or two, averaging over a texel leaves nothing.
-  static constexpr double kTexelsPerStep = 2.0;
+  static constexpr double kTexelsPerStep = 4.0;
 
   struct Parameters {
     double height_m = 0.0;
@@ -61,8 +61,8 @@ struct TextureEffect {
     // Interpolation may overshoot the values of the map.
     tick.height_m = p.height_m * std::min(0.0, sample.value - 1.0);
     if (sample.value >= 1.0) return true;
-    tick.slope = face.body->direction_to_solver(
-        p.height_m * (sample.d_du * grad_u + sample.d_dv * grad_v));
+    tick.slope =
+        face.body->direction_to_solver(p.height_m * (sample.d_du * grad_u + sample.d_dv * grad_v));
     return true;
   }
 };

@@ -35,8 +35,17 @@ struct VibrationEffect {
        ParameterKey::Role::kRequired, "of the hum", false, true},
       {"vibrationAmplitude", "N", 0.0, 100.0, offsetof(Parameters, amplitude_N),
        ParameterKey::Role::kCallsFor, "of the force"},
-      {"vibrationWhen", "", 0.0, 1.0, offsetof(Parameters, when), ParameterKey::Role::kOptional,
-       "it is felt", false, false, ParameterKey::Kind::kChoice, {"contact", "sliding"}}};
+      {"vibrationWhen",
+       "",
+       0.0,
+       1.0,
+       offsetof(Parameters, when),
+       ParameterKey::Role::kOptional,
+       "it is felt",
+       false,
+       false,
+       ParameterKey::Kind::kChoice,
+       {"contact", "sliding"}}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
