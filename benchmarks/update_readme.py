@@ -77,6 +77,13 @@ INSTANCES = [
 ]
 INSTANCE_COUNTS = ["1x", "10000x"]
 
+# What of tick_sliding_with_<effect>, how, and what it says in the README.
+EFFECTS = [(effect, "marginal_ns", "{:+.0f}", effect + ", ns") for effect in (
+    "stiffness", "damping", "friction", "texture", "shading", "vibration", "restitution", "magnet",
+    "viscosity", "gravity")] + [
+    ("all", "vs_bare", "{:.2f}", "all of them / none"),
+    ("elsewhere", "vs_bare", "{:.2f}", "all of them on what is not touched / none")]
+
 SIDE_TESTS = [("side_test_float128", "113 bits in software"), ("side_test_adaptive", "expansions"),
               ("side_test_cgal", "CGAL's kernel")]
 SIDE_CLASSES = [("easy", "easy"), ("near", "double fails"), ("exact", "exactly zero"),
@@ -185,6 +192,20 @@ def loading_table(runs):
     return "\n".join(lines)
 
 
+def effect_table(runs):
+    sizes = sorted({size for name, size in runs if name.startswith("tick_sliding_with_")})
+    if not sizes:
+        return ""
+    lines = ["| what effects add to the mean sliding tick | " +
+             " | ".join(size_name(size) for size in sizes) + " |", "|---|" + "---:|" * len(sizes)]
+    for effect, counter, text, title in EFFECTS:
+        values = [runs.get(("tick_sliding_with_" + effect, size), {}).get(counter)
+                  for size in sizes]
+        cells = ["-" if value is None else text.format(value) for value in values]
+        lines.append(f"| {title} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def instance_table(runs):
     if ("load_instances", INSTANCE_COUNTS[-1]) not in runs:
         return ""
@@ -251,7 +272,7 @@ def generate(results_directory):
     for path in paths:
         context, runs = read_result(path)
         parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
-                 ratio_table(runs), loading_table(runs), instance_table(runs),
+                 ratio_table(runs), effect_table(runs), loading_table(runs), instance_table(runs),
                  side_test_table(runs)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)

@@ -52,7 +52,7 @@ inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each 
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
 inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   // per file or URI
 inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height
-inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 26;       // all images decoded
+inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 24;       // all images decoded
 inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
 // Of extras.palpate: used materials, the scene and its nodes together.
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;

@@ -262,7 +262,7 @@ TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
   EXPECT_EQ(parameters_of<TextureEffect>(effects).height_m, 10.0 * kDefaultTextureHeight_m);
   EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kMapFriction);
   EXPECT_EQ(told(effects.report.defaulted),
-            (Texts{"dynamicFriction=1.0", "staticFriction=1.0", "textureHeight=1e-04m"}));
+            (Texts{"dynamicFriction=1", "staticFriction=1", "textureHeight=1e-04m"}));
   EXPECT_EQ(told(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material"}));
