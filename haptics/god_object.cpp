@@ -125,9 +125,10 @@ bool GodObject::move_body(const BodyMotion& motion,
 
 // A face that holds the proxy sideways takes it along.
 bool GodObject::is_carried_by(std::uint32_t body) const {
-  return has_friction_ &&
-         std::any_of(contacts().begin(), contacts().end(),
-                     [&](const FaceContact& contact) { return contact.face.body == body; });
+  for (std::size_t i = 0; i < contacts().size(); ++i) {
+    if (last_holds_[i] && contacts()[i].face.body == body) return true;
+  }
+  return false;
 }
 
 void GodObject::place(const Vec3& p) noexcept {
@@ -175,7 +176,7 @@ void GodObject::seed_from_last_tick() {
     const FaceContact now = tracer_.contact_at(last.face, proxy_, last.normal);
     // A proxy that ended the last tick at its minimum is over its faces: nothing has moved since.
     // So did one that friction holds, if it was not cut short.
-    if (!settled_ && !(confirmed_ && has_friction_) &&
+    if (!settled_ && !(confirmed_ && has_friction()) &&
         (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_))) {
       continue;
     }

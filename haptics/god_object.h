@@ -98,7 +98,8 @@ class GodObject {
   // Part of a step is as free as the whole, and no farther from the goal than its start: the
   // certificates hold as they do without friction. At rest, the proxy keeps its place to the bit.
   //
-  // Of several faces, each counts by what it bears. A sphere goes round edges along tangents.
+  // Of several faces, each holds by what it bears: mu_1 d_1 + mu_2 d_2 + ... . A sphere goes round
+  // edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 
@@ -145,6 +146,7 @@ class GodObject {
   bool hold_by(Friction& friction);
   template <typename Friction>
   bool stays_at_rest(Friction& friction);
+  bool has_friction() const { return last_holds_[0] || last_holds_[1] || last_holds_[2]; }
   bool is_carried_by(std::uint32_t body) const;
   template <typename Friction>
   bool find_way_out(Friction& friction);
@@ -184,8 +186,8 @@ class GodObject {
 
   bool settled_ = false;       // the last tick ended at a local minimum
   bool confirmed_ = false;     // it was not cut short, and no body has pushed the proxy since
-  bool has_friction_ = false;  // what held the proxy then, held it sideways, too
   std::array<FaceContact, 3> last_active_{};
+  std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
   int last_active_count_ = 0;
 };
 

@@ -35,7 +35,10 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
+    [[maybe_unused]] Vec3 before;
+    if constexpr (Friction::kHolds) before = proxy_;
     const Progress progress = take_step(friction);
+    if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
     if (progress == Progress::kStopped) continue;
     // A round ends where its planes let the proxy go no nearer. That is the local minimum if the
     // face of the one plane is really there, or if a round from scratch ends where it began and
@@ -45,6 +48,9 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     const bool is_at_rest = began_empty && is_none(proxy_ - round_start);
     if (is_at_rest) capped = find_way_out(friction);
     if (!capped) break;
+    // Another round from scratch needs two steps to meet anything: a proxy that is cut short before
+    // keeps the planes that hold it.
+    if (settings_.accuracy.iterations - iteration < 2) break;
     if (!is_at_rest) plane_count_ = 0;
     began_empty = !is_at_rest;
     round_start = proxy_;
@@ -120,8 +126,13 @@ bool GodObject::slides_along(std::initializer_list<FaceContact> contacts, Fricti
   }
   const Vec3 before = proxy_;
   const std::size_t corners = path_.size();
+  const Friction friction_before = friction;
   take_step(friction);
-  if (!is_none(proxy_ - before)) return true;
+  if (!is_none(proxy_ - before)) {
+    if constexpr (Friction::kHolds) friction.end_step(true);
+    return true;
+  }
+  friction = friction_before;
   proxy_ = before;
   path_.resize(corners);
   return false;

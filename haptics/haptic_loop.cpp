@@ -61,6 +61,8 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   move_bodies();
   (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
   last_was_good_ = true;
+  last_dt_s_ = dt_s;
+  ++good_ticks_;
   return record_;
 }
 
@@ -68,7 +70,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
 std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   record_.device_m = p_device_m;
   if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
-  if (!std::isfinite(dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
+  if (!std::isfinite(record_.time_s + dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
   const double farthest_m = kFarthestPerSize * (world_->size_m + world_->anchor_scene_m.norm() +
                                                 T_device_scene_.translation_m.norm());
@@ -143,7 +145,23 @@ void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
   if (last_was_good_) velocity_m_per_s_ = (record_.goal_m - last_goal_m) / dt_s;
 }
 
+EffectMotion HapticLoop::motion(double dt_s) const {
+  return {dt_s, std::max(dt_s, last_dt_s_), static_cast<double>(good_ticks_),
+          world_->to_solver(record_.goal_m), velocity_m_per_s_};
+}
+
+// The last gate before the device: a force that is none (a dt so small that speeds overflow) is not
+// commanded, and nothing of it is kept.
+void HapticLoop::refuse_force() {
+  record_.faults |= kFaultNonFiniteForce;
+  record_.full_force_device_N.setZero();
+  record_.force_device_N.setZero();
+  coupling_.reset();
+  if (effects_) effects_->reset_states();
+}
+
 void HapticLoop::command(const Vec3& force_N) {
+  if (!std::isfinite(force_N.sum())) return refuse_force();
   record_.full_force_device_N = R_device_scene_ * force_N;
   switch (settings_.force) {
     case ForceMode::kNone:

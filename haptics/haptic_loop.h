@@ -49,15 +49,17 @@ struct HapticSettings {
 enum Fault : std::uint32_t {
   kFaultNone = 0,
   kFaultNonFiniteSample = 1u << 0,  // NaN, infinite, or out of all proportion: zero force
-  kFaultBadTimeStep = 1u << 1,      // dt zero, negative or not finite: zero force
+  kFaultBadTimeStep = 1u << 1,      // dt zero, negative, not finite or without end: zero force
   kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
   kFaultJump = 1u << 3,             // farther than the scene is large in one tick: zero force
   kFaultBodyHeld = 1u << 4,         // a body waits: the proxy is in its way and cannot give way
   kFaultBadBodyPose = 1u << 5,      // a pose was no pose, or far off, or one too many: not taken
+  kFaultNonFiniteForce = 1u << 6,   // what came out is no force: zero force
 };
-inline constexpr int kFaultCount = 6;
+inline constexpr int kFaultCount = 7;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
-    "non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held", "bad_body_pose"};
+    "non_finite_sample", "bad_time_step", "solver_capped",   "jump",
+    "body_held",         "bad_body_pose", "non_finite_force"};
 
 // Faults for which a tick holds the last state and commands no force.
 inline constexpr std::uint32_t kFaultsWithoutForce =
@@ -147,6 +149,7 @@ class HapticLoop {
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>
   Vec3 contact_force_N(double dt_s);
+  EffectMotion motion(double dt_s) const;
   void find_velocity(const Vec3& last_goal_m, double dt_s);
 
   std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
@@ -155,6 +158,7 @@ class HapticLoop {
   void move_bodies();
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
+  void refuse_force();
   AxisAngle find_theoretical_rotation();
   void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
 
@@ -180,6 +184,8 @@ class HapticLoop {
   ContactFeel feel_;                       // of this tick
   EffectMotion motion_;                    // likewise
   bool last_was_good_ = false;             // the last tick: its goal is where the hand was
+  double last_dt_s_ = 0.0;                 // of the last good tick
+  std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();   // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows

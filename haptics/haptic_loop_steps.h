@@ -69,7 +69,7 @@ void HapticLoop::find_contact_normal(double dt_s) {
   record_.alpha_rad = 0.0;
   normal_device_.setZero();
   if constexpr ((kNeeds & kNeedsContact) != 0) {
-    motion_ = {dt_s, record_.time_s, world_->to_solver(record_.goal_m), velocity_m_per_s_};
+    motion_ = motion(dt_s);
     feel_ = effects_->feel_contact(god_object_, proxy_state_, motion_);
   }
   if (!record_.contact) return;
@@ -95,7 +95,7 @@ void HapticLoop::render_force(double dt_s) {
     }
   }
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
-    motion_ = {dt_s, record_.time_s, world_->to_solver(record_.goal_m), velocity_m_per_s_};
+    motion_ = motion(dt_s);
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
                                               record_.normal_scene, motion_);
   }

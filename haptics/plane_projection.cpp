@@ -123,28 +123,37 @@ std::optional<ContactPlane> within_plane(const ContactPlane& plane,
   return ContactPlane{normal / in_plane, plane.offset_m / in_plane};
 }
 
-std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
-  std::array<double, 3> shares{};
+std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
+  std::array<double, 3> parts{};
   if (n.size() == 1) {
-    shares[0] = 1.0;
-    return shares;
+    parts[0] = std::max(0.0, n[0].dot(lag_m));
+    return parts;
   }
   Mat3 columns;
   columns.col(0) = n[0];
   columns.col(1) = n[1];
   const Vec3 across = n[0].cross(n[1]);
   columns.col(2) = n.size() == 3 ? n[2] : Vec3(across.normalized());
-  const double volume = columns.determinant();
-  double sum = 0.0;
-  if (std::abs(volume) > kDependentNormals) {
-    const Vec3 parts = columns.inverse() * lag_m;
+  if (std::abs(columns.determinant()) > kDependentNormals) {
+    const Vec3 along = columns.inverse() * lag_m;
     for (std::size_t i = 0; i < n.size(); ++i) {
-      shares[i] = std::max(0.0, parts[static_cast<Eigen::Index>(i)]);
-      sum += shares[i];
+      parts[i] = std::max(0.0, along[static_cast<Eigen::Index>(i)]);
     }
+    return parts;
   }
   for (std::size_t i = 0; i < n.size(); ++i) {
-    shares[i] = sum > 0.0 ? shares[i] / sum : 1.0 / static_cast<double>(n.size());
+    parts[i] = lag_m.norm() / static_cast<double>(n.size());
+  }
+  return parts;
+}
+
+std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
+  std::array<double, 3> shares{1.0};
+  if (n.size() == 1) return shares;
+  shares = bearing_parts(lag_m, n);
+  const double sum_m = shares[0] + shares[1] + shares[2];
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    shares[i] = sum_m > 0.0 ? shares[i] / sum_m : 1.0 / static_cast<double>(n.size());
   }
   return shares;
 }

@@ -37,7 +37,9 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
 inline constexpr int kMaxContactPlanes = 8;
 
 // How much of a lag (proxy minus goal) each of up to three unit normals bears: its part along them,
-// none below zero, in shares of the sum. Normals that lie in a line or plane bear equal shares.
+// none below zero. Normals that lie in a line or plane bear equal parts of its length. m.
+std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
+// The same in shares of the sum.
 std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
 
 // What a contact plane is for a proxy that keeps to a plane of motion with this unit normal.

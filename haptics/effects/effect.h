@@ -7,7 +7,7 @@
 //     struct DragEffect {
 //       static constexpr std::string_view kName = "drag";
 //       static constexpr EffectStage kStage = EffectStage::kForceAdd;
-//       static constexpr std::uint32_t kNeeds = kNeedsVelocity;
+//       static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsVelocity;
 //       struct Parameters { double drag_Ns_per_m = 0.0; };  // doubles and pointers
 //       struct State {};                                    // of one material in one loop
 //       static constexpr ParameterKey kKeys[] = {...};      // what files call the parameters
@@ -66,17 +66,20 @@ inline constexpr std::uint32_t kStepNeeds =
 struct Touch {
   std::uint32_t body = 0;
   std::uint32_t material = 0;  // of the effect program
+  Vec3 normal = Vec3::Zero();  // unit, of the face itself; solver frame
 };
 
 // What an effect reads and writes. Solver frame, SI units.
 struct EffectTick {
-  // Read. In the stages before kSurroundings, of one contact and its material.
+  // Read. In the stages before kSurroundings, of one contact and its material. In kProxy, `face` and
+  // `normal` alone: the proxy is still on its way.
   double dt_s = 0.0;
-  double time_s = 0.0;                   // sum of the good dt before this tick
+  double ticks = 0.0;                    // good ones before this one
   Vec3 goal_m = Vec3::Zero();            // the device point
   Vec3 proxy_m = Vec3::Zero();           // equals goal off contact
   double radius_m = 0.0;                 // of the proxy
   Vec3 velocity_m_per_s = Vec3::Zero();  // of the goal; zero where it is not known
+  double longest_dt_s = 0.0;             // of this tick and the one before
   bool slid = false;                     // the proxy moved along what it touches
   Vec3 normal = Vec3::Zero();            // unit, of the contact; as felt from kForceAdd on
   double share = 1.0;                    // of the contact force that this material bears, (0, 1]

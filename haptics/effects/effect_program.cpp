@@ -1,6 +1,7 @@
 #include "haptics/effects/effect_program.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpate {
 namespace {

@@ -27,9 +27,7 @@ EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
       parameters_(program_->parameters),
       states_(program_->state_bytes) {
   tick_.radius_m = radius_m;
-  for (const EffectCall& call : program_->calls) {
-    compiled_effects()[call.effect].begin_state(states_.data() + call.state);
-  }
+  reset_states();
   for (std::size_t b = 0; b < program_->bodies.size(); ++b) {
     if (!program_->bodies[b].attributes) continue;
     const Box box = world.bodies[b].box_solver();
@@ -60,6 +58,12 @@ void EffectRunner::look_around(const GodObject& god_object) noexcept {
   reach_m -= god_object.radius_m() + 4 * god_object.scale().stand_off_m;
   far_centre_ = proxy;
   far_reach_m_ = std::max(0.0, 0.5 * reach_m);
+}
+
+void EffectRunner::reset_states() noexcept {
+  for (const EffectCall& call : program_->calls) {
+    compiled_effects()[call.effect].begin_state(states_.data() + call.state);
+  }
 }
 
 std::uint32_t EffectRunner::end_tick() noexcept {
@@ -106,13 +110,17 @@ FrictionCone EffectRunner::friction_cone(const LiveWorld& world, const FaceConta
   tick_.cone = {};
   tick_.face = face_point(world, contact, proxy);
   tick_.normal = contact.normal;
+  const std::uint32_t felt = felt_;
   run(table, tick_);
+  held_ |= felt_;  // the solver tries faces that it does not end on
+  felt_ = felt;
   return tick_.cone;
 }
 
 EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& motion) noexcept {
   tick_.dt_s = motion.dt_s;
-  tick_.time_s = motion.time_s;
+  tick_.longest_dt_s = motion.longest_dt_s;
+  tick_.ticks = motion.ticks;
   tick_.goal_m = motion.goal_m;
   tick_.proxy_m = state.proxy;
   tick_.velocity_m_per_s = motion.velocity_m_per_s;
@@ -127,7 +135,7 @@ bool EffectRunner::touches_bare_face(std::span<const FaceContact> contacts) noex
   const FaceRef& face = contacts[0].face;
   const std::uint32_t m = program_->material(face.body, face.slot);
   if (!program_->materials[m].is_bare) return false;
-  touches_[0] = {face.body, m};
+  touches_[0] = {face.body, m, contacts[0].normal};
   touch_count_ = 1;
   return true;
 }
@@ -142,7 +150,7 @@ void EffectRunner::find_touches(const GodObject& god_object, const Vec3& lag_m) 
   for (std::size_t i = 0; i < touch_count_; ++i) {
     const FaceRef& face = contacts[i].face;
     const std::uint32_t m = program_->material(face.body, face.slot);
-    touches_[i] = {face.body, m};
+    touches_[i] = {face.body, m, contacts[i].normal};
     const auto known =
         std::find_if(materials_.begin(), materials_.begin() + material_count_,
                      [&](const TouchedMaterial& touched) { return touched.material == m; });
@@ -162,6 +170,7 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
   touch_count_ = 0;
   material_count_ = 0;
   if (!state.in_contact || god_object.contacts().empty()) return feel;
+  if (state.is_held) felt_ |= held_;
   if (touches_bare_face(god_object.contacts())) return feel;
   find_touches(god_object, state.proxy - motion.goal_m);
   const auto touched = std::span(materials_).first(material_count_);

@@ -26,7 +26,8 @@ struct ContactFeel {
 // What it takes of a tick. Solver frame.
 struct EffectMotion {
   double dt_s = 0.0;
-  double time_s = 0.0;
+  double longest_dt_s = 0.0;  // of this tick and the one before
+  double ticks = 0.0;         // good ones before this one
   Vec3 goal_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
@@ -61,7 +62,7 @@ class EffectRunner {
   // At the end of a tick in which that was not so.
   void look_around(const GodObject& god_object) noexcept;
 
-  void begin_tick() noexcept { felt_ = 0; }
+  void begin_tick() noexcept { felt_ = held_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.
   std::uint32_t end_tick() noexcept;
 
@@ -83,6 +84,9 @@ class EffectRunner {
   // The parameters of one effect of a material, as many bytes as they have: those of the call
   // `call` of the program. On the thread that ticks.
   void set_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept;
+
+  // Forgets what effects have going on.
+  void reset_states() noexcept;
 
   const EffectCounters& counters() const { return counters_; }
 
@@ -106,7 +110,8 @@ class EffectRunner {
   std::vector<std::byte> parameters_;
   std::vector<std::byte> states_;
   EffectCounters counters_;
-  std::uint32_t felt_ = 0;  // in this tick
+  std::uint32_t felt_ = 0;       // in this tick
+  std::uint32_t held_ = 0;       // those that held any face that the solver tried
 
   // What is touched: the faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};

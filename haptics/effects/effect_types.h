@@ -18,6 +18,11 @@ constexpr EffectType effect_type() {
   // They are moved about as bytes.
   static_assert(std::is_trivially_copyable_v<Parameters> && std::is_trivially_copyable_v<State>);
   static_assert(alignof(Parameters) <= alignof(double) && alignof(State) <= alignof(double));
+  // A table is run only where it is asked for.
+  constexpr std::uint32_t kStageNeed =
+      Effect::kStage == EffectStage::kSurroundings ? kNeedsSurroundings : kNeedsContact;
+  static_assert((Effect::kNeeds & kStageNeed) != 0);
+  static_assert(Effect::kStage != EffectStage::kProxy || (Effect::kNeeds & kNeedsStickSlip) != 0);
   return {Effect::kName,
           Effect::kStage,
           Effect::kNeeds,

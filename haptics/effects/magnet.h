@@ -46,7 +46,7 @@ struct MagnetEffect {
     const MagneticSurface& surface = *p.surface;
     for (const Touch& touch : tick.touches) {
       if (touch.body != surface.body || touch.material != surface.material) continue;
-      tick.force_N -= p.force_N * tick.normal;
+      tick.force_N -= p.force_N * touch.normal;
       return true;
     }
     const ContactBody& body = tick.world->body(surface.body);

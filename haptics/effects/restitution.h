@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "haptics/effects/effect.h"
@@ -16,7 +17,9 @@ namespace palpate {
 // rendering of rigid contacts using impulsive and penalty forces": J = m (1 + e) v). Of that the
 // spring gives the plastic part m v, so the pulse has J = e m v, as half a sine of the duration D:
 // in a tick from t0 to t1, F = J (cos(pi t0 / D) - cos(pi t1 / D)) / (2 (t1 - t0)), which adds up
-// to J whatever the ticks. It ends when the hand turns round: it only ever brakes.
+// to J whatever the ticks. It ends when the hand turns round: it only ever brakes. A material has one
+// pulse: who rests on it and taps it elsewhere feels none. Speeds are the hand's alone, whatever
+// the body does.
 struct RestitutionEffect {
   static constexpr std::string_view kName = "restitution";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -30,7 +33,7 @@ struct RestitutionEffect {
   struct State {
     double pulse_s = 0.0;        // since it began
     double impulse_Ns = 0.0;     // of the whole pulse; 0: there is none
-    double last_touch_s = -1e9;  // long ago
+    double next_tick = -std::numeric_limits<double>::infinity();  // after the last touch
   };
   static constexpr ParameterKey kKeys[] = {
       {"restitution", "", 0.0, 1.0, offsetof(Parameters, restitution),
@@ -45,11 +48,13 @@ struct RestitutionEffect {
   static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
     const double approach_m_per_s = -tick.velocity_m_per_s.dot(tick.normal);
     // Chatter is no tap: the surface must have been left for longer than a pulse.
-    const bool is_impact = tick.time_s - s.last_touch_s > p.duration_s + tick.dt_s;
-    s.last_touch_s = tick.time_s;
+    const bool is_impact = (tick.ticks - s.next_tick) * tick.dt_s > p.duration_s;
+    s.next_tick = tick.ticks + 1.0;
     if (is_impact) {
+      // A sample that comes early has gone its way in more time than its dt says.
+      const double speed_m_per_s = approach_m_per_s * tick.dt_s / tick.longest_dt_s;
       s.pulse_s = 0.0;
-      s.impulse_Ns = p.restitution * p.mass_kg * std::max(0.0, approach_m_per_s);
+      s.impulse_Ns = p.restitution * p.mass_kg * std::max(0.0, speed_m_per_s);
     }
     if (approach_m_per_s <= 0.0) s.impulse_Ns = 0.0;
     if (s.impulse_Ns == 0.0) return false;

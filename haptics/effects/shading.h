@@ -47,10 +47,9 @@ struct ShadingEffect {
     if ((smooth_body - facet_body).squaredNorm() <= kFlat * kFlat) return false;
     const Vec3 front = tick.face.body->direction_to_solver(smooth_body);
     // The proxy may be at the back of the face.
-    const Vec3 facet = tick.face.body->direction_to_solver(facet_body);
-    const Vec3 smooth = facet.dot(tick.normal) < 0.0 ? Vec3(-front) : front;
-    if (!(smooth.dot(tick.normal) > 0.0)) return false;  // away from the proxy: no normal to feel
-    tick.felt_normal = smooth;
+    const double along = front.dot(tick.normal);
+    if (along == 0.0) return false;
+    tick.felt_normal = along < 0.0 ? Vec3(-front) : front;
     return true;
   }
 };

@@ -19,7 +19,8 @@ namespace palpate {
 // a texture gives nothing round a loop but what sampling in time makes of it: waves that pass in a
 // few ticks are blended out by mip levels (Williams 1983, "Pyramidal parametrics") before they can
 // alias. Value 1 of the map is the surface of the mesh, 0 lies `height` below it: a texture carves,
-// so that contact begins where the proxy meets the mesh, and softly.
+// so that contact begins where the proxy meets the mesh, and softly. Speeds are the hand's alone: a
+// body that moves under it is not blended.
 struct TextureEffect {
   static constexpr std::string_view kName = "texture";
   static constexpr EffectStage kStage = EffectStage::kSurface;

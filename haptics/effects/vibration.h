@@ -28,7 +28,7 @@ struct VibrationEffect {
   struct State {
     double phase = 0.0;     // of a period, [0, 1)
     double strength = 0.0;  // [0, 1]
-    double last_s = 0.0;    // when it was felt
+    double last_tick = -2.0;  // in which it was called
   };
   static constexpr ParameterKey kKeys[] = {
       {"vibrationFrequency", "Hz", 0.0, 5000.0, offsetof(Parameters, frequency_Hz),
@@ -52,9 +52,8 @@ struct VibrationEffect {
   static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
     const double periods = p.frequency_Hz * tick.dt_s;
     if (periods >= 0.5) return false;
-    const bool is_new = !(tick.time_s - s.last_s <= 1.5 * tick.dt_s);
-    if (is_new) s = {};
-    s.last_s = tick.time_s;
+    if (tick.ticks != s.last_tick + 1.0) s = {};
+    s.last_tick = tick.ticks;
     const bool is_wanted = p.when == 0.0 || tick.slid;
     s.strength = std::clamp(s.strength + (is_wanted ? periods : -periods), 0.0, 1.0);
     if (s.strength == 0.0) {
