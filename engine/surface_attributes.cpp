@@ -66,19 +66,28 @@ std::vector<float> grey_values(const ImageDescription& image) {
   return values;
 }
 
-std::vector<float> normalised_heights(const ImageDescription& image, double scale) {
+std::vector<TexelSlope> slopes_of(const ImageDescription& image, double scale) {
   std::vector<std::array<std::uint16_t, 3>> pixels(std::size_t{image.width} * image.height);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     std::copy_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, pixels[i].begin());
   }
+  return slopes_from_normal_map(pixels, scale);
+}
+
+// Heights are proportional to the scale, so what is left of it is its sign: -1, 0 or 1.
+std::vector<float> normalised_heights(const ImageDescription& image, int scale_sign) {
   std::vector<float> heights =
-      heights_from_slopes(image.width, image.height, slopes_from_normal_map(pixels, scale));
+      heights_from_slopes(image.width, image.height, slopes_of(image, scale_sign));
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   const float lowest = *low;
   const float range = *high - lowest;
   // A flat map is all surface.
   for (float& h : heights) h = range > 0.0f ? (h - lowest) / range : 1.0f;
   return heights;
+}
+
+int sign_of(double value) {
+  return (value > 0.0) - (value < 0.0);
 }
 
 MapWrap map_wrap(TextureWrap wrap) {
@@ -220,17 +229,26 @@ Result<const HeightMap*> HeightMapMaker::make(const TextureReference& reference,
                      " has no image that is read; expected PNG or JPEG",
                  ""};
   }
-  const Key key{*reference.pixels, reference.wrap_u, reference.wrap_v, is_normal_map,
-                is_normal_map ? reference.scale : 1.0};
-  const HeightMap*& made = made_[key];
-  if (!made) {
-    maps_.push_back(HeightMap::build(
-        image->width, image->height,
-        is_normal_map ? normalised_heights(*image, reference.scale) : grey_values(*image),
-        map_wrap(reference.wrap_u), map_wrap(reference.wrap_v)));
-    made = &maps_.back();
+  const int sign = is_normal_map ? sign_of(reference.scale) : 1;
+  const Key key{*reference.pixels, reference.wrap_u, reference.wrap_v, is_normal_map, sign};
+  const auto known = made_.find(key);
+  if (known != made_.end()) return known->second;
+  const std::uint64_t texels = std::uint64_t{image->width} * image->height;
+  if (texels > most_texels_ - texels_) {
+    return Error{ErrorCode::kLimitExceeded, "", "",
+                 "with texture " + std::to_string(reference.texture) + " of " +
+                     std::to_string(image->width) + " x " + std::to_string(image->height) +
+                     " texels the height maps of the scene have more than " +
+                     std::to_string(most_texels_),
+                 "use smaller images, or each with one wrap mode"};
   }
-  return made;
+  texels_ += texels;
+  maps_.push_back(
+      HeightMap::build(image->width, image->height,
+                       is_normal_map ? normalised_heights(*image, sign) : grey_values(*image),
+                       map_wrap(reference.wrap_u), map_wrap(reference.wrap_v)));
+  made_.emplace(key, &maps_.back());
+  return &maps_.back();
 }
 
 }  // namespace palpate

@@ -79,27 +79,37 @@ std::size_t memory_bytes(const SurfaceAttributes& attributes);
 // The faces of one part alone, in the same frame. At least one.
 SurfaceIndex part_index(const PartedSurface& surface, std::size_t part);
 
+// Texels of all height maps of a scene, at most; their pyramids, a third more, are not counted. A
+// map takes 16/3 bytes a texel, and one of normals 28 while it is made. One image counts once for
+// each map that is made of it.
+inline constexpr std::uint64_t kMostMapTexels = std::uint64_t{1} << 25;
+
 // Height maps of the images of a scene, each made once. Values are from 0 to 1: of a grey map the
 // mean of red, green and blue; of a normal map the height that it is the slope of, 0 the lowest and
-// 1 the highest.
+// 1 the highest. So the scale of a normal texture does not set how deep it feels, which the
+// material's textureHeight does: a negative scale turns it inside out, 0 makes it flat.
 class HeightMapMaker {
  public:
   // Maps go to the end of `maps`, which must outlive this.
-  HeightMapMaker(std::span<const ImageDescription> images, std::deque<HeightMap>& maps)
-      : images_(images), maps_(maps) {}
+  HeightMapMaker(std::span<const ImageDescription> images, std::deque<HeightMap>& maps,
+                 std::uint64_t most_texels = kMostMapTexels)
+      : images_(images), maps_(maps), most_texels_(most_texels) {}
 
-  // An Error, without an element, if the reference has no pixels.
+  // An Error, without an element, if the reference has no pixels (kUnsupported), or if all maps
+  // would have more texels than they may (kLimitExceeded; nothing is made).
   Result<const HeightMap*> grey(const TextureReference& reference);
   Result<const HeightMap*> from_normals(const TextureReference& reference);
 
  private:
   Result<const HeightMap*> make(const TextureReference& reference, bool is_normal_map);
 
-  // Image, wraps, whether it is a normal map, and then its scale.
-  using Key = std::tuple<std::uint32_t, TextureWrap, TextureWrap, bool, double>;
+  // Image, wraps, whether it is a normal map, and then the sign of its scale.
+  using Key = std::tuple<std::uint32_t, TextureWrap, TextureWrap, bool, int>;
 
   std::span<const ImageDescription> images_;
   std::deque<HeightMap>& maps_;
+  std::uint64_t most_texels_;
+  std::uint64_t texels_ = 0;  // of those that are made
   std::map<Key, const HeightMap*> made_;
 };
 

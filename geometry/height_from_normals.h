@@ -35,11 +35,11 @@ std::vector<TexelSlope> slopes_from_normal_map(std::span<const std::array<std::u
 // trigonometric polynomial through the heights, not differences of neighbours: the map of a sampled
 // surface comes back exactly if it has no waves shorter than two texels. Of a wave of just two
 // texels, samples of the slope say nothing; it is left out, and so is the mean slope, which no
-// periodic map has.
+// periodic map has; the same slope everywhere gives zeros, without rounding.
 //
-// slopes: row by row, finite, width * height of them, width and height from 1 to 2^31 - 1 (checked
-// by asserts). n log n for sizes of small prime factors; a prime width or height costs as much as
-// that many multiplications a texel. Takes 16 bytes a texel meanwhile.
+// slopes: row by row, finite, width * height of them, width and height from 1 to 2^28 (checked by
+// asserts). Takes n log n time for n texels, whatever the factors of width and height, and 16 bytes
+// a texel meanwhile.
 std::vector<float> heights_from_slopes(std::uint32_t width, std::uint32_t height,
                                        std::span<const TexelSlope> slopes);
 

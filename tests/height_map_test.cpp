@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -353,14 +354,17 @@ std::vector<double> expected_heights(const Waves& waves) {
   return heights;
 }
 
-const std::array<Waves, 8> kWaves = {{{1.0, 1, 0, 32, 32},
-                                      {2.0, 0, 3, 32, 16},
-                                      {0.5, 3, 2, 48, 31},
-                                      {5.0, 2, 5, 45, 60},
-                                      {1e-3, 7, 1, 17, 23},
-                                      {1e3, 1, 1, 64, 7},
-                                      {1.0, 4, 0, 37, 1},
-                                      {1.0, 0, 4, 1, 50}}};
+const std::array<Waves, 11> kWaves = {{{1.0, 1, 0, 32, 32},
+                                       {2.0, 0, 3, 32, 16},
+                                       {0.5, 3, 2, 48, 31},
+                                       {5.0, 2, 5, 45, 60},
+                                       {1e-3, 7, 1, 17, 23},
+                                       {1e3, 1, 1, 64, 7},
+                                       {1.0, 4, 0, 37, 1},
+                                       {1.0, 0, 4, 1, 50},
+                                       {2.0, 5, 3, 127, 131},
+                                       {1.0, 2, 9, 2 * 37, 3 * 41},
+                                       {1.0, 1, 2, 1009, 1}}};
 
 TEST(HeightsFromSlopes, BringBackWavesFromTheirSlopes) {
   for (const Waves& waves : kWaves) {
@@ -373,6 +377,29 @@ TEST(HeightsFromSlopes, BringBackWavesFromTheirSlopes) {
     for (std::size_t i = 0; i < heights.size(); ++i) {
       ASSERT_NEAR(heights[i], expected[i], 1e-6 * waves.amplitude) << i << ' ' << waves.width;
     }
+  }
+}
+
+// A million texels on two primes: with a multiplication for each texel of the line, this would take
+// many times as long as the other tests together.
+TEST(HeightsFromSlopes, TakeLargePrimeSizes) {
+  const Waves waves{2.0, 3, 7, 1021, 1021};
+  const std::vector<float> heights = heights_from_slopes(
+      waves.width, waves.height,
+      per_texel(waves, [&](double column, double row) { return waves.slope(column, row); }));
+  const std::vector<double> expected = expected_heights(waves);
+  double error = 0.0;
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    error = std::max(error, std::abs(heights[i] - expected[i]));
+  }
+  EXPECT_LE(error, 1e-6 * waves.amplitude);
+}
+
+// Any rounding would be all that a map has whose heights are then stretched from 0 to 1.
+TEST(HeightsFromSlopes, OfOneSlopeEverywhereAreZero) {
+  for (const auto& [width, height] : {std::pair(64u, 64u), {127u, 131u}, {45u, 49u}, {1u, 61u}}) {
+    const std::vector<TexelSlope> slopes(std::size_t{width} * height, {0.0039215f, -0.7f});
+    for (const float h : heights_from_slopes(width, height, slopes)) ASSERT_EQ(h, 0.0f) << width;
   }
 }
 

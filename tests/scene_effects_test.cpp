@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/scene.h"
+#include "engine/surface_attributes.h"
 #include "geometry/crease_normals.h"
 #include "haptics/effects/friction.h"
 #include "haptics/effects/magnet.h"
@@ -319,6 +321,73 @@ TEST(SceneEffects, NormalMapsBecomeHeightsFromZeroToOne) {
   }
   EXPECT_NEAR(lowest, 0.0, 1e-6);
   EXPECT_NEAR(highest, 1.0, 1e-6);
+}
+
+ImageDescription random_image(Random& random, std::uint32_t width, std::uint32_t height) {
+  ImageDescription image{width, height, {}};
+  for (std::uint32_t i = 0; i < 3 * width * height; ++i) {
+    image.rgb.push_back(static_cast<std::uint16_t>(32768 + random.index(32768)));
+  }
+  return image;
+}
+
+// Of the scale only the sign is left once heights are from 0 to 1.
+TEST(SceneEffects, NormalMapsAreMadeOnceForAllScalesOfOneSign) {
+  Random random(20261103);
+  const std::vector<ImageDescription> images = {random_image(random, 7, 5)};
+  std::deque<HeightMap> maps;
+  HeightMapMaker maker(images, maps);
+  TextureReference texture;
+  texture.pixels = 0;
+  const auto of_scale = [&](double scale) {
+    texture.scale = scale;
+    const auto map = maker.from_normals(texture);
+    EXPECT_TRUE(map);
+    return *map;
+  };
+  const HeightMap* const raised = of_scale(1.0);
+  const HeightMap* const sunk = of_scale(-1.0);
+  const HeightMap* const flat = of_scale(0.0);
+  for (const double scale : {1e-300, 1e-3, 2.0, 1e300}) {
+    EXPECT_EQ(of_scale(scale), raised);
+    EXPECT_EQ(of_scale(-scale), sunk);
+  }
+  EXPECT_EQ(of_scale(-0.0), flat);
+  EXPECT_EQ(maps.size(), 3u);
+  for (int i = 0; i < 35; ++i) {
+    const double u = (i % 7 + 0.5) / 7;
+    const double v = (i / 7 + 0.5) / 5;
+    EXPECT_NEAR(raised->value(u, v, 0) + sunk->value(u, v, 0), 1.0, 1e-6);
+    EXPECT_EQ(flat->value(u, v, 0), 1.0);
+  }
+}
+
+TEST(SceneEffects, RefuseMoreTexelsThanMapsMayHave) {
+  Random random(20261104);
+  const std::vector<ImageDescription> images = {random_image(random, 6, 4),
+                                                random_image(random, 5, 5)};
+  std::deque<HeightMap> maps;
+  HeightMapMaker maker(images, maps, 2 * 24 + 24);
+  TextureReference texture;
+  texture.texture = 3;
+  texture.pixels = 0;
+  EXPECT_TRUE(maker.grey(texture));
+  texture.wrap_u = TextureWrap::kClamp;
+  EXPECT_TRUE(maker.from_normals(texture));
+  texture.pixels = 1;
+  const auto refused = maker.grey(texture);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimitExceeded);
+  EXPECT_NE(refused.error().problem.find("texture 3 of 5 x 5"), std::string::npos);
+  EXPECT_NE(refused.error().problem.find("72"), std::string::npos);
+  EXPECT_EQ(maps.size(), 2u);
+  texture.pixels = 0;
+  EXPECT_TRUE(maker.from_normals(texture)) << "made before";
+  texture.wrap_v = TextureWrap::kMirror;
+  EXPECT_TRUE(maker.grey(texture)) << "just as many";
+  texture.wrap_u = TextureWrap::kMirror;
+  EXPECT_FALSE(maker.grey(texture));
+  EXPECT_EQ(maps.size(), 3u);
 }
 
 TEST(SceneEffects, RefuseMapsThatAreNotThere) {
