@@ -68,9 +68,12 @@ Result<const Json*> extension_list(const Json& root, const char* extension, cons
 // --- Physics materials ---------------------------------------------------------------------------
 
 MaybeError read_coefficient(const Json& object, const std::string& element, const char* name,
-                            double& value) {
-  if (auto error = read_number(object, element, name, value)) return error;
-  if (value >= 0.0) return std::nullopt;
+                            std::optional<double>& value) {
+  if (!object.contains(name)) return std::nullopt;
+  double number = 0.0;
+  if (auto error = read_number(object, element, name, number)) return error;
+  value = number;
+  if (number >= 0.0) return std::nullopt;
   return gltf_expected(element + "/" + name, object[name], "a number that is not negative");
 }
 

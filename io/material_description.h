@@ -71,12 +71,15 @@ struct MaterialDescription {
 // only to whoever gives it one.
 enum class CombineMode { kAverage, kMinimum, kMaximum, kMultiply };
 
-// An entry of physicsMaterials of KHR_physics_rigid_bodies, with the defaults of its draft. The
-// values have no unit; they are finite and not negative.
+// What KHR_physics_rigid_bodies gives a coefficient of friction that is not written.
+inline constexpr double kPhysicsFriction = 0.6;
+
+// An entry of physicsMaterials of KHR_physics_rigid_bodies. The values have no unit; they are
+// finite and not negative; none: not written.
 struct PhysicsMaterialDescription {
-  double static_friction = 0.6;
-  double dynamic_friction = 0.6;
-  double restitution = 0.0;
+  std::optional<double> static_friction = {};
+  std::optional<double> dynamic_friction = {};
+  std::optional<double> restitution = {};
   CombineMode friction_combine = CombineMode::kAverage;
   CombineMode restitution_combine = CombineMode::kAverage;
 };

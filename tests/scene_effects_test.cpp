@@ -143,7 +143,7 @@ TEST(SceneEffects, OneMaterialOnTwoNodesHasThePhysicsOfEach) {
   EXPECT_EQ(coefficients, (std::vector<double>{0.1, 0.9}));
   EXPECT_EQ(program.material(2, 0), 0u);
   // The report has both.
-  EXPECT_EQ(scene.effects().materials[0].report.honoured.size(), 4u);
+  EXPECT_EQ(scene.effects().materials[0].report.honoured.size(), 6u);
   EXPECT_EQ(scene.material_calls().size(), 3u);
 }
 
