@@ -339,6 +339,7 @@ Result<GltfMaterials> GltfMaterials::open(const Json& root, PalpateExtras& extra
   if (!haptic_materials) return haptic_materials.error();
   materials.haptic_materials_ = std::move(*haptic_materials);
   materials.find_haptic_maps();
+  materials.is_default_flat_ = materials.is_default_flat();
   return materials;
 }
 
@@ -355,13 +356,29 @@ void GltfMaterials::find_haptic_maps() {
   }
 }
 
+// Whether the overrides make triangles without a material flat. Those of a material that has this
+// name in the file are not for them.
+bool GltfMaterials::is_default_flat() const {
+  const auto materials = root_->find("materials");
+  for (std::size_t i = 0; materials != root_->end() && i < materials->size(); ++i) {
+    const Json& material = (*materials)[i];
+    const auto name = material.is_object() ? material.find("name") : material.end();
+    if (name != material.end() && *name == kDefaultMaterialName) return false;
+  }
+  MaterialDescription none;
+  for (const Override& setting : overrides_) {
+    if (setting.material == kDefaultMaterialName) set_parameter(setting.parameter, none.parameters);
+  }
+  return is_flat(none);
+}
+
 Result<std::uint32_t> GltfMaterials::index_of(std::uint32_t id) {
   const auto [known, is_new] = indices_.emplace(id, static_cast<std::uint32_t>(materials_.size()));
   if (!is_new) return known->second;
   auto material = read_material(*root_, id, *extras_);
   if (!material) return material.error();
   apply_overrides(*material);
-  known_materials_.push_back({texture_map(*material, nullptr) != nullptr});
+  known_materials_.push_back({texture_map(*material, nullptr) != nullptr, is_flat(*material)});
   materials_.push_back(std::move(*material));
   return known->second;
 }
@@ -371,8 +388,10 @@ GltfMaterials::Maps GltfMaterials::call_maps(std::optional<std::uint32_t> materi
   Maps maps;
   if (haptic) {
     KnownHaptic& known = known_haptics_[*haptic];
-    known.called = true;
-    maps = {known.texture, known.friction};
+    const bool flat = material ? known_materials_[*material].is_flat : is_default_flat_;
+    maps = {flat ? nullptr : known.texture, known.friction};
+    known.texture_called = known.texture_called || maps.texture;
+    known.friction_called = known.friction_called || maps.friction;
   }
   if (maps.texture == nullptr && material && known_materials_[*material].has_map) {
     known_materials_[*material].called = true;
@@ -388,8 +407,9 @@ MaybeError GltfMaterials::decode_maps(GltfImages& images) {
     if (auto error = images.decode(*materials_[i].normal_texture, wanted_by)) return error;
   }
   for (std::size_t i = 0; i < known_haptics_.size(); ++i) {
-    if (!known_haptics_[i].called) continue;
-    for (TextureReference* map : {known_haptics_[i].texture, known_haptics_[i].friction}) {
+    const KnownHaptic& known = known_haptics_[i];
+    for (TextureReference* map : {known.texture_called ? known.texture : nullptr,
+                                  known.friction_called ? known.friction : nullptr}) {
       if (map == nullptr) continue;
       const std::string wanted_by = "a map of haptic material " + std::to_string(i);
       if (auto error = images.decode(*map, wanted_by)) return error;

@@ -67,15 +67,18 @@ class GltfMaterials {
   // Which maps are called for is asked for every primitive, so it is known for each material.
   struct KnownMaterial {
     bool has_map = false;
+    bool is_flat = false;
     bool called = false;
   };
   struct KnownHaptic {
     TextureReference* texture = nullptr;  // these two point into haptic_materials_
     TextureReference* friction = nullptr;
-    bool called = false;
+    bool texture_called = false;
+    bool friction_called = false;
   };
 
   void find_haptic_maps();
+  bool is_default_flat() const;
   void apply_overrides(MaterialDescription& material);
   void add_default(SceneDescription& scene);
 
@@ -87,6 +90,7 @@ class GltfMaterials {
   std::vector<KnownMaterial> known_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;
   std::vector<KnownHaptic> known_haptics_;
+  bool is_default_flat_ = false;
 };
 
 // Reads the physics materials, all of them, into a scene whose tree and nodes have been read, and

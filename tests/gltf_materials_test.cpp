@@ -750,6 +750,47 @@ TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
   }
 }
 
+// Nothing here calls for the image, which is not there.
+TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
+  const std::vector<Json> maps = {map_of(0, "Other")};
+  GltfBuilder felt = asset_with_haptics({{{"vibrotactileTexture", maps}}});
+  felt.json["materials"] = {{{"name", "felt"}}, {{"name", "lead"}}};
+  felt.json["meshes"][0]["primitives"][0]["material"] = 0;
+  felt.json["meshes"][0]["extensions"][kHaptic]["hapticMaterialIndex"] = 0;
+  GltfBuilder normal = asset_with_haptics(Json::array());
+  normal.json["materials"] = {{{"name", "felt"},
+                               {"normalTexture", {{"index", 0}}},
+                               {"extras", {{"palpate", {{"textureHeight", 0.001}}}}}}};
+  normal.json["meshes"][0]["primitives"][0]["material"] = 0;
+  GltfBuilder bare = felt;
+  bare.json["meshes"][0]["primitives"][0].erase("material");
+  const auto expect_flat = [](const GltfBuilder& asset, const std::string& name) {
+    EXPECT_FALSE(read_with(asset, {}).ok());
+    const auto scene = read_with(asset, {{name, "textureHeight", "0"}});
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    EXPECT_TRUE(scene->images.empty());
+    EXPECT_TRUE(scene->meshes.at(0).texture_uv.empty());
+    const auto* haptic =
+        scene->haptic_materials.empty() ? nullptr : &scene->haptic_materials.front();
+    EXPECT_EQ(texture_map(scene->materials.at(0), haptic), nullptr);
+    // The engine reports what is no number, so its map must be there.
+    for (const char* called : {"0.01", "flat", "false"}) {
+      EXPECT_FALSE(read_with(asset, {{name, "textureHeight", called}}).ok()) << called;
+    }
+  };
+  expect_flat(felt, "felt");
+  expect_flat(normal, "felt");
+  expect_flat(bare, "default");
+  // Here the name is of another material.
+  bare.json["materials"][1]["name"] = "default";
+  EXPECT_FALSE(read_with(bare, {{"default", "textureHeight", "0"}}).ok());
+  // One flat material leaves the map to the other one.
+  felt.json["meshes"][0]["primitives"] = {triangle_primitive(0), triangle_primitive(1)};
+  EXPECT_FALSE(read_with(felt, {{"felt", "textureHeight", "0"}}).ok());
+  EXPECT_TRUE(
+      read_with(felt, {{"felt", "textureHeight", "0"}, {"lead", "textureHeight", "0"}}).ok());
+}
+
 // --- Variants ------------------------------------------------------------------------------------
 
 TEST(GltfMaterials, OfVariantsAreNotedAndTheDefaultStays) {
