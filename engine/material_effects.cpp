@@ -28,6 +28,8 @@ constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kFrictionMap = "friction";
 constexpr const char* kTextureMap = "vibrotactileTexture";
+constexpr const char* kFile = "glTF";
+constexpr const char* kNormalMap = "normalTexture";
 
 using Role = ParameterKey::Role;
 
@@ -74,6 +76,7 @@ class Compiler {
     for (std::uint16_t effect = 0; effect < values_.size(); ++effect) {
       if (auto error = finish(effect)) return *error;
     }
+    tell_idle_maps();
     if (auto error = check_medium()) return *error;
     return std::move(result_);
   }
@@ -100,6 +103,7 @@ class Compiler {
     const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
                                     [&](const auto& k) { return k.key == parameter.key; });
     if (known == std::end(kKeyNames)) {
+      if (source == kCommandLine) return unknown_key(parameter);
       result_.report.not_understood.push_back(
           {parameter.key, parameter.value, parameter.element, "no such key is known"});
       return std::nullopt;
@@ -111,6 +115,14 @@ class Compiler {
       return std::nullopt;
     }
     return not_built(known->effect, parameter);
+  }
+
+  // A file may hold what other programs know; a command line is for this one.
+  Error unknown_key(const MaterialParameter& parameter) const {
+    std::string keys(kSolidKey);
+    for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
+    return error_at(owner_, parameter, quoted(parameter.key) + " is no key that is known",
+                    "the keys are " + keys);
   }
 
   Error not_built(std::string_view effect, const MaterialParameter& parameter) const {
@@ -351,22 +363,33 @@ class Compiler {
 
   // What a map gives is told with the effect that it gives it to.
   MaybeError check_maps(const EffectType& type, const std::vector<Value>& values) {
-    const HapticMap* map = nullptr;
-    if (type.needs & kNeedsTextureMap) {
-      map = texture_map_;
-      if (!map && !texture_map(*sources_.material, sources_.haptic)) {
-        return error_at(owner_, values.front().given,
-                        values.front().given.key +
-                            " is given without a map; expected a normalTexture of the material or "
-                            "a vibrotactileTexture of the mesh");
-      }
+    if (type.needs & kNeedsFrictionMap) tell(friction_map_);
+    if (!(type.needs & kNeedsTextureMap)) return std::nullopt;
+    tell(texture_map_);
+    if (texture_map_) return std::nullopt;
+    const TextureReference* normals = texture_map(*sources_.material, sources_.haptic);
+    if (!normals) {
+      return error_at(owner_, values.front().given,
+                      values.front().given.key +
+                          " is given without a map; expected a normalTexture of the material or "
+                          "a vibrotactileTexture of the mesh");
     }
-    if (type.needs & kNeedsFrictionMap) map = friction_map_;
-    if (map) {
-      result_.report.honoured.push_back(
-          {map->property, texture_text(map->texture), "", kHaptic, map->element});
-    }
+    result_.report.honoured.push_back({kNormalMap, texture_text(*normals), "", kFile,
+                                       sources_.material->element + "/" + kNormalMap});
     return std::nullopt;
+  }
+
+  // That a map is taken, or would be if its effect were not off. Null: there is none.
+  void tell(const HapticMap* map, bool is_off = false) {
+    if (!map) return;
+    result_.report.honoured.push_back(
+        {map->property, texture_text(map->texture), "", kHaptic, map->element, is_off});
+  }
+
+  // Of those maps whose effects are off.
+  void tell_idle_maps() {
+    if (!result_.entry("friction")) tell(friction_map_, /*is_off=*/true);
+    if (!result_.entry("texture")) tell(texture_map_, /*is_off=*/true);
   }
 
   // Without a surface, only what is inside can be felt.
@@ -393,7 +416,7 @@ class Compiler {
   // An effect that other parts of the file give a surface that there is not.
   void leave_out(std::uint16_t effect) {
     std::set<std::string> keys;
-    if (compiled_effects()[effect].needs & kNeedsTextureMap) keys.insert(kTextureMap);
+    if (compiled_effects()[effect].needs & kNeedsTextureMap) keys.insert({kTextureMap, kNormalMap});
     if (compiled_effects()[effect].needs & kNeedsFrictionMap) keys.insert(kFrictionMap);
     for (const ParameterKey& key : compiled_effects()[effect].keys) keys.emplace(key.key);
     std::erase_if(result_.entries, [&](const auto& entry) { return entry.effect == effect; });

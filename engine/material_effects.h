@@ -79,8 +79,9 @@ struct MaterialEffects {
 //
 // An Error names the material, the element and what was expected: a value of the wrong type, out
 // of range or no choice; values that contradict each other or lack another one; an effect that is
-// not in this build. Keys that are not known, and maps that nothing uses, are no error but
-// reported. Thread-safe.
+// not in this build; a key of --material that is not known. Other keys that are not known, and maps
+// that nothing uses, are no error but reported: those of an effect that is off as honoured, with
+// is_off. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
 inline constexpr double kMapFriction = 1.0;  // the map alone gives the coefficients

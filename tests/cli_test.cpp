@@ -643,6 +643,8 @@ TEST_F(CommandLine, RefusesMaterialsThatMakeNoSense) {
   expect_refused({"info", good, "--material", "wood.1.stiffness=hard"},
                  {"wood.1", "stiffness is \"hard\"", "N/m"});
   expect_refused({"info", good, "--material", "glass.stiffness=1"}, {"--material", "glass"});
+  expect_refused({"info", good, "--material", "wood.1.stiffnes=1"},
+                 {"--material wood.1.stiffnes", "wood.1", "the keys are solid, stiffness, "});
   for (const char* none : {"stiffness=1", "wood.1.stiffness", "=1", ".stiffness=1", "wood.1.=1",
                            "wood.1.stiffness="}) {
     expect_refused({"info", good, "--material", none}, {"--material", none});

@@ -346,8 +346,31 @@ TEST(MaterialEffects, CarveATextureOnlyWithAMap) {
                {"wood", "textureHeight", "without a map", "normalTexture"});
   MaterialDescription material = material_with({given("textureHeight", 0.001)});
   material.normal_texture = TextureReference{};
-  EXPECT_EQ(compiled(MaterialSources{&material}).effect_names(), Texts{"texture"});
+  const MaterialEffects carved = compiled(MaterialSources{&material});
+  EXPECT_EQ(carved.effect_names(), Texts{"texture"});
+  EXPECT_EQ(told(carved.report.honoured),
+            (Texts{"normalTexture=\"texture 0\" glTF", "textureHeight=0.001 extras.palpate"}));
+  EXPECT_EQ(carved.report.honoured.back().element, "/materials/2/normalTexture");
   EXPECT_TRUE(compiled({given("textureHeight", 0.0)}).entries.empty());
+}
+
+TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
+  const HapticMaterialDescription haptic = haptic_with({"vibrotactileTexture", "friction"});
+  const MaterialDescription material =
+      material_with({given("staticFriction", 0.0), given("textureHeight", 0.0)});
+  const MaterialEffects effects = compiled(MaterialSources{&material, nullptr, "", &haptic});
+  EXPECT_TRUE(effects.entries.empty());
+  EXPECT_EQ(told(effects.report.honoured),
+            (Texts{"friction=\"texture 1\" MPEG_haptic_material off",
+                   "staticFriction=0 extras.palpate off", "textureHeight=0 extras.palpate off",
+                   "vibrotactileTexture=\"texture 0\" MPEG_haptic_material off"}));
+  EXPECT_TRUE(effects.report.not_understood.empty());
+  // A physics material without friction, too.
+  const PhysicsMaterialDescription physics{0.0};
+  const MaterialDescription plain = material_with({});
+  const auto off = told(compiled({&plain, &physics, "/physics/1", &haptic}).report.honoured);
+  ASSERT_FALSE(off.empty());
+  EXPECT_EQ(off.front(), "friction=\"texture 1\" MPEG_haptic_material off");
 }
 
 TEST(MaterialEffects, MultiplyOnlyLengthsByTheScale) {
@@ -365,6 +388,16 @@ TEST(MaterialEffects, TellWhatTheyDoNotUnderstand) {
   EXPECT_EQ(told(effects.report.not_understood),
             (Texts{std::string("Stiffness ") + kExtras + "/Stiffness",
                    std::string("texture.amplitude ") + kExtras + "/texture.amplitude"}));
+}
+
+TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
+  const Error error = refused({{"Stiffness", 3.0, "--material wood.Stiffness"}});
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error.element, "--material wood.Stiffness");
+  expect_names(error, {"wood", "\"Stiffness\""});
+  for (const EffectKeyName& name : effect_key_names()) {
+    EXPECT_NE(error.hint.find(name.key), std::string::npos) << name.key;
+  }
 }
 
 TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
