@@ -1,5 +1,6 @@
 #include "io/gltf_materials.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <set>
@@ -43,6 +44,25 @@ Result<MaterialDescription> read_material(const Json& root, std::size_t id, Palp
   }
   if (auto error = extras.read(object, material.element, material.parameters)) return *error;
   return material;
+}
+
+// --- What is not known ---------------------------------------------------------------------------
+
+// One warning for all properties of an object that are not these and not of every glTF object.
+void warn_about_others(const Json& object, const std::string& element,
+                       std::span<const char* const> known, std::vector<std::string>& warnings) {
+  constexpr const char* kOfEvery[] = {"name", "extensions", "extras"};
+  std::size_t count = 0;
+  std::string first;
+  for (const auto& [name, value] : object.items()) {
+    const auto is_name = [&text = name](const char* k) { return text == k; };
+    if (std::any_of(known.begin(), known.end(), is_name)) continue;
+    if (std::any_of(std::begin(kOfEvery), std::end(kOfEvery), is_name)) continue;
+    if (++count == 1) first = gltf_quoted(name);
+  }
+  if (count == 0) return;
+  const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
+  warnings.push_back(element + ": has " + first + more + ", which nothing is made of");
 }
 
 // --- Lists of extensions -------------------------------------------------------------------------
@@ -98,6 +118,8 @@ MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
   const auto list = extension_list(root, kPhysics, "physicsMaterials");
   if (!list) return list.error();
   if (!*list) return std::nullopt;
+  constexpr const char* kKnown[] = {"staticFriction", "dynamicFriction", "restitution",
+                                    "frictionCombine", "restitutionCombine"};
   for (const Json& object : **list) {
     const std::string element =
         kPhysicsMaterials + ("/" + std::to_string(scene.physics_materials.size()));
@@ -112,6 +134,7 @@ MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
                                      std::pair("restitutionCombine", &m.restitution_combine)}) {
       if (auto error = read_combine_mode(object, element, name, *mode)) return error;
     }
+    warn_about_others(object, element, kKnown, scene.warnings);
     scene.physics_materials.push_back(m);
   }
   return std::nullopt;
@@ -223,7 +246,8 @@ Result<HapticMap> read_map(const Json& root, const Json& object, const std::stri
 }
 
 Result<HapticMaterialDescription> read_haptic_material(const Json& root, const Json& object,
-                                                       const std::string& element) {
+                                                       const std::string& element,
+                                                       std::vector<std::string>& warnings) {
   constexpr const char* kProperties[] = {"stiffness",   "friction",  "vibrotactileTexture",
                                          "temperature", "vibration", "custom"};
   if (!object.is_object()) return gltf_expected(element, object, "an object");
@@ -245,17 +269,19 @@ Result<HapticMaterialDescription> read_haptic_material(const Json& root, const J
       material.maps.push_back(std::move(*map));
     }
   }
+  warn_about_others(object, element, kProperties, warnings);
   return material;
 }
 
-Result<std::vector<HapticMaterialDescription>> read_haptic_materials(const Json& root) {
+Result<std::vector<HapticMaterialDescription>> read_haptic_materials(
+    const Json& root, std::vector<std::string>& warnings) {
   std::vector<HapticMaterialDescription> materials;
   const auto found = find_haptic_list(root);
   if (!found) return found.error();
   if (!found->list) return materials;
   for (const Json& object : *found->list) {
     const std::string index = std::to_string(materials.size());
-    auto material = read_haptic_material(root, object, found->element + "/" + index);
+    auto material = read_haptic_material(root, object, found->element + "/" + index, warnings);
     if (!material) return material.error();
     if (material->name.empty()) material->name = "haptic material " + index;
     materials.push_back(std::move(*material));
@@ -335,7 +361,7 @@ Result<GltfMaterials> GltfMaterials::open(const Json& root, PalpateExtras& extra
     if (!parameter) return parameter.error();
     materials.overrides_.push_back({setting.material, std::move(*parameter)});
   }
-  auto haptic_materials = read_haptic_materials(root);
+  auto haptic_materials = read_haptic_materials(root, materials.warnings_);
   if (!haptic_materials) return haptic_materials.error();
   materials.haptic_materials_ = std::move(*haptic_materials);
   materials.find_haptic_maps();
@@ -429,6 +455,7 @@ void GltfMaterials::apply_overrides(MaterialDescription& material) {
 MaybeError GltfMaterials::finish(SceneDescription& scene) {
   scene.materials = std::move(materials_);
   scene.haptic_materials = std::move(haptic_materials_);
+  std::move(warnings_.begin(), warnings_.end(), std::back_inserter(scene.warnings));
   if (overrides_.empty()) return std::nullopt;
   const bool has_default = any_without_material(scene);
   if (has_default) add_default(scene);

@@ -791,6 +791,33 @@ TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
       read_with(felt, {{"felt", "textureHeight", "0"}, {"lead", "textureHeight", "0"}}).ok());
 }
 
+// --- What is not known ---------------------------------------------------------------------------
+
+TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
+  const auto warnings_of = [](GltfBuilder asset, const char* extension, const char* list,
+                              const Json& entry) {
+    asset.json["extensions"][extension][list] = {Json::object(), entry};
+    return read_glb(asset).warnings;
+  };
+  const Json every = {{"name", "a"}, {"extras", 1}, {"extensions", Json::object()}};
+  Json physics = every;
+  physics.update({{"staticFriction", 1}, {"frictionCombine", "average"}});
+  Json haptic = every;
+  haptic.update({{"friction", Json::array()}, {"custom", Json::array()}});
+  EXPECT_TRUE(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics).empty());
+  EXPECT_TRUE(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic).empty());
+  physics["friction"] = 0.3;
+  haptic["roughness"] = 1;
+  haptic["smell"] = 2;
+  using Warnings = std::vector<std::string>;
+  EXPECT_EQ(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics),
+            Warnings{"/extensions/KHR_physics_rigid_bodies/physicsMaterials/1: has \"friction\", "
+                     "which nothing is made of"});
+  EXPECT_EQ(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic),
+            Warnings{"/extensions/MPEG_haptic_material/materials/1: has \"roughness\" and 1 more, "
+                     "which nothing is made of"});
+}
+
 // --- Variants ------------------------------------------------------------------------------------
 
 TEST(GltfMaterials, OfVariantsAreNotedAndTheDefaultStays) {
