@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <set>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -27,6 +28,8 @@ constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kFrictionMap = "friction";
 constexpr const char* kTextureMap = "vibrotactileTexture";
+constexpr const char* kFile = "glTF";
+constexpr const char* kNormalMap = "normalTexture";
 
 using Role = ParameterKey::Role;
 
@@ -73,6 +76,7 @@ class Compiler {
     for (std::uint16_t effect = 0; effect < values_.size(); ++effect) {
       if (auto error = finish(effect)) return *error;
     }
+    tell_idle_maps();
     if (auto error = check_medium()) return *error;
     return std::move(result_);
   }
@@ -99,6 +103,7 @@ class Compiler {
     const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
                                     [&](const auto& k) { return k.key == parameter.key; });
     if (known == std::end(kKeyNames)) {
+      if (source == kCommandLine) return unknown_key(parameter);
       result_.report.not_understood.push_back(
           {parameter.key, parameter.value, parameter.element, "no such key is known"});
       return std::nullopt;
@@ -110,6 +115,14 @@ class Compiler {
       return std::nullopt;
     }
     return not_built(known->effect, parameter);
+  }
+
+  // A file may hold what other programs know; a command line is for this one.
+  Error unknown_key(const MaterialParameter& parameter) const {
+    std::string keys(kSolidKey);
+    for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
+    return error_at(owner_, parameter, quoted(parameter.key) + " is no key that is known",
+                    "the keys are " + keys);
   }
 
   Error not_built(std::string_view effect, const MaterialParameter& parameter) const {
@@ -132,18 +145,37 @@ class Compiler {
   MaybeError take_physics() {
     const PhysicsMaterialDescription* physics = sources_.physics;
     if (!physics) return std::nullopt;
-    const auto take_one = [&](const char* key, double number) {
-      return take({key, number, sources_.physics_element + "/" + key}, kPhysics);
+    const std::pair<const char*, std::optional<double>> written[] = {
+        {"staticFriction", physics->static_friction},
+        {"dynamicFriction", physics->dynamic_friction},
+        {"restitution", physics->restitution}};
+    for (const auto& [key, number] : written) {
+      // What the material says of the same key goes before it, so it need not be any good.
+      if (!number || is_given(key)) continue;
+      const MaterialParameter parameter{key, *number, sources_.physics_element + "/" + key};
+      if (auto error = take(parameter, kPhysics)) return error;
+    }
+    return complete_physics(*physics);
+  }
+
+  // What the extension has for a coefficient that is not written never contradicts the other one.
+  MaybeError complete_physics(const PhysicsMaterialDescription& physics) {
+    const auto said = [&](const char* key, std::optional<double> written) {
+      const MaterialParameter* parameter = find_given(key);
+      const double* number = parameter ? std::get_if<double>(&parameter->value) : nullptr;
+      return number ? std::optional(*number) : written;
     };
-    // What the material says of the same key goes before it, so it need not be any good.
-    if (!is_given("staticFriction")) {
-      if (auto error = take_one("staticFriction", physics->static_friction)) return error;
+    const auto still = said("staticFriction", physics.static_friction);
+    const auto sliding = said("dynamicFriction", physics.dynamic_friction);
+    if (!physics.static_friction && !is_given("staticFriction")) {
+      const double number = std::max(kPhysicsFriction, sliding.value_or(kPhysicsFriction));
+      const MaterialParameter unwritten{"staticFriction", number, sources_.physics_element};
+      if (auto error = take_default("friction", unwritten)) return error;
     }
-    if (!is_given("dynamicFriction")) {
-      if (auto error = take_one("dynamicFriction", physics->dynamic_friction)) return error;
-    }
-    if (physics->restitution > 0.0 && !is_given("restitution")) {
-      return take_one("restitution", physics->restitution);
+    if (!physics.dynamic_friction && !is_given("dynamicFriction")) {
+      const double number = std::min(kPhysicsFriction, still.value_or(kPhysicsFriction));
+      const MaterialParameter unwritten{"dynamicFriction", number, sources_.physics_element};
+      return take_default("friction", unwritten);
     }
     return std::nullopt;
   }
@@ -164,17 +196,15 @@ class Compiler {
       taken = &map;
     }
     if (texture_map_ && !is_given("textureHeight")) {
-      if (auto error =
-              take_default("texture", "textureHeight", kDefaultTextureHeight_m, *texture_map_)) {
-        return error;
-      }
+      const MaterialParameter height{"textureHeight", kDefaultTextureHeight_m,
+                                     texture_map_->element};
+      if (auto error = take_default("texture", height, kTextureMap)) return error;
     }
     const bool has_friction = is_given("staticFriction") || is_given("dynamicFriction");
     if (!friction_map_ || has_friction || sources_.physics) return std::nullopt;
     for (const char* key : {"staticFriction", "dynamicFriction"}) {
-      if (auto error = take_default("friction", key, kMapFriction, *friction_map_)) {
-        return error;
-      }
+      const MaterialParameter coefficient{key, kMapFriction, friction_map_->element};
+      if (auto error = take_default("friction", coefficient, kFrictionMap)) return error;
     }
     return std::nullopt;
   }
@@ -188,14 +218,17 @@ class Compiler {
     return "texture " + std::to_string(texture.texture);
   }
 
-  // A value that a map calls for.
-  MaybeError take_default(std::string_view effect, std::string_view key, double number,
-                          const HapticMap& map) {
+  // A value that another part of the file calls for, which `cause` names if it is not the key.
+  MaybeError take_default(std::string_view effect, const MaterialParameter& parameter,
+                          const char* cause = nullptr) {
+    const double number = std::get<double>(parameter.value);
     const auto e = effect_number(effect);
-    const MaterialParameter parameter{std::string(key), number, map.element};
-    if (!e) return not_built(effect, {map.property, number, map.element});
+    if (!e) {
+      if (number == 0.0) return std::nullopt;
+      return not_built(effect, {cause ? cause : parameter.key, number, parameter.element});
+    }
     for (const ParameterKey& k : compiled_effects()[*e].keys) {
-      if (k.key == key) put(*e, {&k, number, parameter, ""});
+      if (k.key == parameter.key) put(*e, {&k, number, parameter, ""});
     }
     return std::nullopt;
   }
@@ -223,11 +256,14 @@ class Compiler {
     }
   }
 
-  bool is_given(std::string_view key) const {
+  // Null if the material does not say it.
+  const MaterialParameter* find_given(std::string_view key) const {
     const auto& parameters = sources_.material->parameters;
-    return std::any_of(parameters.begin(), parameters.end(),
-                       [&](const MaterialParameter& p) { return p.key == key; });
+    const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const MaterialParameter& p) { return p.key == key; });
+    return found == parameters.end() ? nullptr : &*found;
   }
+  bool is_given(std::string_view key) const { return find_given(key) != nullptr; }
 
   // Enters an effect if it is called for.
   MaybeError finish(std::uint16_t effect) {
@@ -327,22 +363,33 @@ class Compiler {
 
   // What a map gives is told with the effect that it gives it to.
   MaybeError check_maps(const EffectType& type, const std::vector<Value>& values) {
-    const HapticMap* map = nullptr;
-    if (type.needs & kNeedsTextureMap) {
-      map = texture_map_;
-      if (!map && !texture_map(*sources_.material, sources_.haptic)) {
-        return error_at(owner_, values.front().given,
-                        values.front().given.key +
-                            " is given without a map; expected a normalTexture of the material or "
-                            "a vibrotactileTexture of the mesh");
-      }
+    if (type.needs & kNeedsFrictionMap) tell(friction_map_);
+    if (!(type.needs & kNeedsTextureMap)) return std::nullopt;
+    tell(texture_map_);
+    if (texture_map_) return std::nullopt;
+    const TextureReference* normals = texture_map(*sources_.material, sources_.haptic);
+    if (!normals) {
+      return error_at(owner_, values.front().given,
+                      values.front().given.key +
+                          " is given without a map; expected a normalTexture of the material or "
+                          "a vibrotactileTexture of the mesh");
     }
-    if (type.needs & kNeedsFrictionMap) map = friction_map_;
-    if (map) {
-      result_.report.honoured.push_back(
-          {map->property, texture_text(map->texture), "", kHaptic, map->element});
-    }
+    result_.report.honoured.push_back({kNormalMap, texture_text(*normals), "", kFile,
+                                       sources_.material->element + "/" + kNormalMap});
     return std::nullopt;
+  }
+
+  // That a map is taken, or would be if its effect were not off. Null: there is none.
+  void tell(const HapticMap* map, bool is_off = false) {
+    if (!map) return;
+    result_.report.honoured.push_back(
+        {map->property, texture_text(map->texture), "", kHaptic, map->element, is_off});
+  }
+
+  // Of those maps whose effects are off.
+  void tell_idle_maps() {
+    if (!result_.entry("friction")) tell(friction_map_, /*is_off=*/true);
+    if (!result_.entry("texture")) tell(texture_map_, /*is_off=*/true);
   }
 
   // Without a surface, only what is inside can be felt.
@@ -369,7 +416,7 @@ class Compiler {
   // An effect that other parts of the file give a surface that there is not.
   void leave_out(std::uint16_t effect) {
     std::set<std::string> keys;
-    if (compiled_effects()[effect].needs & kNeedsTextureMap) keys.insert(kTextureMap);
+    if (compiled_effects()[effect].needs & kNeedsTextureMap) keys.insert({kTextureMap, kNormalMap});
     if (compiled_effects()[effect].needs & kNeedsFrictionMap) keys.insert(kFrictionMap);
     for (const ParameterKey& key : compiled_effects()[effect].keys) keys.emplace(key.key);
     std::erase_if(result_.entries, [&](const auto& entry) { return entry.effect == effect; });

@@ -21,8 +21,8 @@ struct HonouredParameter {
   std::string key;
   MaterialValue value;  // as given, in `unit`
   std::string unit;     // "" for none
-  std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material" or
-                        // "--material"
+  std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material",
+                        // "glTF" or "--material"
   std::string element;  // JSON path, or "--material NAME.key"
   bool is_off = false;  // it says that there is no such effect
 };
@@ -72,14 +72,16 @@ struct MaterialEffects {
 // Of the sources of a value, material (whose overrides io has put in place already) goes before
 // physics, and both before the defaults. An effect is called for if one of its keys of the role
 // kCallsFor is given and not zero, or, if it has none, if that of the role kRequired is given.
-// Besides: one friction coefficient alone is the other one, too; a friction map without any
-// gives the coefficients itself; a vibrotactileTexture without textureHeight carves
-// kDefaultTextureHeight_m.
+// Besides: a friction coefficient that a physics material does not write is kPhysicsFriction, or
+// that of the other one where the two would contradict each other. Without a physics material one
+// coefficient alone is the other one, too, and a friction map without any gives the coefficients
+// itself; a vibrotactileTexture without textureHeight carves kDefaultTextureHeight_m.
 //
 // An Error names the material, the element and what was expected: a value of the wrong type, out
 // of range or no choice; values that contradict each other or lack another one; an effect that is
-// not in this build. Keys that are not known, and maps that nothing uses, are no error but
-// reported. Thread-safe.
+// not in this build; a key of --material that is not known. Other keys that are not known, and maps
+// that nothing uses, are no error but reported: those of an effect that is off as honoured, with
+// is_off. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
 inline constexpr double kMapFriction = 1.0;  // the map alone gives the coefficients

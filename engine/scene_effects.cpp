@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <numbers>
 #include <set>
 
@@ -46,30 +47,45 @@ Error limit_error(std::string element, std::string problem) {
           "load a part of it with --node"};
 }
 
-bool is_same(const HonouredParameter& a, const HonouredParameter& b) {
-  return a.key == b.key && a.element == b.element && a.value == b.value && a.is_off == b.is_off;
-}
-bool is_same(const DefaultedParameter& a, const DefaultedParameter& b) {
-  return a.key == b.key && a.value == b.value;
-}
-bool is_same(const IgnoredParameter& a, const IgnoredParameter& b) {
-  return a.key == b.key && a.element == b.element && a.value == b.value && a.why == b.why;
+std::string joined(std::initializer_list<std::string_view> parts) {
+  std::string all;
+  for (const std::string_view part : parts) (all += part) += '\0';
+  return all;
 }
 
-template <typename T>
-void append_new(const std::vector<T>& more, std::vector<T>& list) {
-  for (const T& item : more) {
-    if (std::none_of(list.begin(), list.end(), [&](const T& t) { return is_same(t, item); })) {
-      list.push_back(item);
+// Equal for what is told once.
+std::string identity(const HonouredParameter& p) {
+  return joined({p.key, p.element, value_text(p.value), p.is_off ? "off" : "on"});
+}
+std::string identity(const DefaultedParameter& p) {
+  return joined({p.key, value_text(p.value)});
+}
+std::string identity(const IgnoredParameter& p) {
+  return joined({p.key, p.element, value_text(p.value), p.why});
+}
+
+// Gathers what is told of one material that is felt in several ways, each thing once. There may be
+// as many ways as physics materials, so what is known is looked up.
+class MergedReport {
+ public:
+  void append(const MaterialReport& more, MaterialReport& report) {
+    append_new(more.honoured, honoured_, report.honoured);
+    append_new(more.defaulted, defaulted_, report.defaulted);
+    append_new(more.not_understood, not_understood_, report.not_understood);
+  }
+
+ private:
+  using Known = std::set<std::string>;
+
+  template <typename T>
+  static void append_new(const std::vector<T>& more, Known& known, std::vector<T>& list) {
+    for (const T& item : more) {
+      if (known.insert(identity(item)).second) list.push_back(item);
     }
   }
-}
 
-void append(const MaterialReport& more, MaterialReport& report) {
-  append_new(more.honoured, report.honoured);
-  append_new(more.defaulted, report.defaulted);
-  append_new(more.not_understood, report.not_understood);
-}
+  Known honoured_, defaulted_, not_understood_;
+};
 
 void append(const std::vector<std::string>& more, std::vector<std::string>& sorted) {
   std::set<std::string> all(sorted.begin(), sorted.end());
@@ -374,6 +390,15 @@ Error SceneEffects::place_error(const EffectSurface& surface, const Combination&
           "material \"" + name_of(c) + "\", node \"" + surface.node + "\": " + problem, hint};
 }
 
+// The arguments by which a material has no medium; then it must be solid.
+std::string SceneEffects::without_medium(const Combination& c) const {
+  const auto argument = [&](std::string_view key, const char* value) {
+    return "--material \"" + name_of(c) + "." + std::string(key) + "=" + value + "\"";
+  };
+  const std::string none = argument(ViscosityEffect::kKeys[0].key, "0");
+  return c.effects.is_solid ? none : none + " " + argument(kSolidKey, "true");
+}
+
 SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface& surface,
                                                             const Combination& c) {
   const std::string_view key = ViscosityEffect::kKeys[0].key;
@@ -393,7 +418,7 @@ SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface&
                                " boundary edges; viscosity needs a closed one"
                          : std::string("its surface does not close: an edge has an odd number of "
                                        "faces; viscosity needs a closed one"),
-                     "palpate info tells the edges");
+                     "close the surface, or load it without the medium: " + without_medium(c));
 }
 
 SceneEffects::MaybeError SceneEffects::add_body_media(std::span<const EffectSurface> bodies) {
@@ -485,9 +510,10 @@ void SceneEffects::report_materials() {
     report_.materials.push_back({material.name, material.element, {}, {}});
   }
   DeclarationReport none{no_material_.name, no_material_.element, {}, {}};
+  std::map<DeclarationReport*, MergedReport> merged;
   for (const Combination& c : combinations_) {
     DeclarationReport& report = c.material ? report_.materials[*c.material] : none;
-    append(c.effects.report, report.report);
+    merged[&report].append(c.effects.report, report.report);
     append(c.effects.effect_names(), report.effects);
     append(c.effects.effect_names(), report_.effects);
   }

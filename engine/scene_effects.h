@@ -121,6 +121,8 @@ class SceneEffects {
   Error place_error(const EffectSurface& surface, const Combination& c, std::string_view key,
                     const std::string& problem, const std::string& hint) const;
 
+  std::string without_medium(const Combination& c) const;
+
   MaybeError add_materials(HeightMapMaker& maps);
   MaybeError set_maps(const Combination& c, HeightMapMaker& maps,
                       std::vector<EffectProgramBuilder::Entry>& entries) const;

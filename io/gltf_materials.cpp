@@ -1,5 +1,6 @@
 #include "io/gltf_materials.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <set>
@@ -45,6 +46,25 @@ Result<MaterialDescription> read_material(const Json& root, std::size_t id, Palp
   return material;
 }
 
+// --- What is not known ---------------------------------------------------------------------------
+
+// One warning for all properties of an object that are not these and not of every glTF object.
+void warn_about_others(const Json& object, const std::string& element,
+                       std::span<const char* const> known, std::vector<std::string>& warnings) {
+  constexpr const char* kOfEvery[] = {"name", "extensions", "extras"};
+  std::size_t count = 0;
+  std::string first;
+  for (const auto& [name, value] : object.items()) {
+    const auto is_name = [&text = name](const char* k) { return text == k; };
+    if (std::any_of(known.begin(), known.end(), is_name)) continue;
+    if (std::any_of(std::begin(kOfEvery), std::end(kOfEvery), is_name)) continue;
+    if (++count == 1) first = gltf_quoted(name);
+  }
+  if (count == 0) return;
+  const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
+  warnings.push_back(element + ": has " + first + more + ", which nothing is made of");
+}
+
 // --- Lists of extensions -------------------------------------------------------------------------
 
 // The array that an extension of the root has; null if the asset has none.
@@ -68,9 +88,12 @@ Result<const Json*> extension_list(const Json& root, const char* extension, cons
 // --- Physics materials ---------------------------------------------------------------------------
 
 MaybeError read_coefficient(const Json& object, const std::string& element, const char* name,
-                            double& value) {
-  if (auto error = read_number(object, element, name, value)) return error;
-  if (value >= 0.0) return std::nullopt;
+                            std::optional<double>& value) {
+  if (!object.contains(name)) return std::nullopt;
+  double number = 0.0;
+  if (auto error = read_number(object, element, name, number)) return error;
+  value = number;
+  if (number >= 0.0) return std::nullopt;
   return gltf_expected(element + "/" + name, object[name], "a number that is not negative");
 }
 
@@ -95,6 +118,8 @@ MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
   const auto list = extension_list(root, kPhysics, "physicsMaterials");
   if (!list) return list.error();
   if (!*list) return std::nullopt;
+  constexpr const char* kKnown[] = {"staticFriction", "dynamicFriction", "restitution",
+                                    "frictionCombine", "restitutionCombine"};
   for (const Json& object : **list) {
     const std::string element =
         kPhysicsMaterials + ("/" + std::to_string(scene.physics_materials.size()));
@@ -109,6 +134,7 @@ MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
                                      std::pair("restitutionCombine", &m.restitution_combine)}) {
       if (auto error = read_combine_mode(object, element, name, *mode)) return error;
     }
+    warn_about_others(object, element, kKnown, scene.warnings);
     scene.physics_materials.push_back(m);
   }
   return std::nullopt;
@@ -220,7 +246,8 @@ Result<HapticMap> read_map(const Json& root, const Json& object, const std::stri
 }
 
 Result<HapticMaterialDescription> read_haptic_material(const Json& root, const Json& object,
-                                                       const std::string& element) {
+                                                       const std::string& element,
+                                                       std::vector<std::string>& warnings) {
   constexpr const char* kProperties[] = {"stiffness",   "friction",  "vibrotactileTexture",
                                          "temperature", "vibration", "custom"};
   if (!object.is_object()) return gltf_expected(element, object, "an object");
@@ -242,17 +269,19 @@ Result<HapticMaterialDescription> read_haptic_material(const Json& root, const J
       material.maps.push_back(std::move(*map));
     }
   }
+  warn_about_others(object, element, kProperties, warnings);
   return material;
 }
 
-Result<std::vector<HapticMaterialDescription>> read_haptic_materials(const Json& root) {
+Result<std::vector<HapticMaterialDescription>> read_haptic_materials(
+    const Json& root, std::vector<std::string>& warnings) {
   std::vector<HapticMaterialDescription> materials;
   const auto found = find_haptic_list(root);
   if (!found) return found.error();
   if (!found->list) return materials;
   for (const Json& object : *found->list) {
     const std::string index = std::to_string(materials.size());
-    auto material = read_haptic_material(root, object, found->element + "/" + index);
+    auto material = read_haptic_material(root, object, found->element + "/" + index, warnings);
     if (!material) return material.error();
     if (material->name.empty()) material->name = "haptic material " + index;
     materials.push_back(std::move(*material));
@@ -332,10 +361,11 @@ Result<GltfMaterials> GltfMaterials::open(const Json& root, PalpateExtras& extra
     if (!parameter) return parameter.error();
     materials.overrides_.push_back({setting.material, std::move(*parameter)});
   }
-  auto haptic_materials = read_haptic_materials(root);
+  auto haptic_materials = read_haptic_materials(root, materials.warnings_);
   if (!haptic_materials) return haptic_materials.error();
   materials.haptic_materials_ = std::move(*haptic_materials);
   materials.find_haptic_maps();
+  materials.is_default_flat_ = materials.is_default_flat();
   return materials;
 }
 
@@ -352,13 +382,29 @@ void GltfMaterials::find_haptic_maps() {
   }
 }
 
+// Whether the overrides make triangles without a material flat. Those of a material that has this
+// name in the file are not for them.
+bool GltfMaterials::is_default_flat() const {
+  const auto materials = root_->find("materials");
+  for (std::size_t i = 0; materials != root_->end() && i < materials->size(); ++i) {
+    const Json& material = (*materials)[i];
+    const auto name = material.is_object() ? material.find("name") : material.end();
+    if (name != material.end() && *name == kDefaultMaterialName) return false;
+  }
+  MaterialDescription none;
+  for (const Override& setting : overrides_) {
+    if (setting.material == kDefaultMaterialName) set_parameter(setting.parameter, none.parameters);
+  }
+  return is_flat(none);
+}
+
 Result<std::uint32_t> GltfMaterials::index_of(std::uint32_t id) {
   const auto [known, is_new] = indices_.emplace(id, static_cast<std::uint32_t>(materials_.size()));
   if (!is_new) return known->second;
   auto material = read_material(*root_, id, *extras_);
   if (!material) return material.error();
   apply_overrides(*material);
-  known_materials_.push_back({texture_map(*material, nullptr) != nullptr});
+  known_materials_.push_back({texture_map(*material, nullptr) != nullptr, is_flat(*material)});
   materials_.push_back(std::move(*material));
   return known->second;
 }
@@ -368,8 +414,10 @@ GltfMaterials::Maps GltfMaterials::call_maps(std::optional<std::uint32_t> materi
   Maps maps;
   if (haptic) {
     KnownHaptic& known = known_haptics_[*haptic];
-    known.called = true;
-    maps = {known.texture, known.friction};
+    const bool flat = material ? known_materials_[*material].is_flat : is_default_flat_;
+    maps = {flat ? nullptr : known.texture, known.friction};
+    known.texture_called = known.texture_called || maps.texture;
+    known.friction_called = known.friction_called || maps.friction;
   }
   if (maps.texture == nullptr && material && known_materials_[*material].has_map) {
     known_materials_[*material].called = true;
@@ -385,8 +433,9 @@ MaybeError GltfMaterials::decode_maps(GltfImages& images) {
     if (auto error = images.decode(*materials_[i].normal_texture, wanted_by)) return error;
   }
   for (std::size_t i = 0; i < known_haptics_.size(); ++i) {
-    if (!known_haptics_[i].called) continue;
-    for (TextureReference* map : {known_haptics_[i].texture, known_haptics_[i].friction}) {
+    const KnownHaptic& known = known_haptics_[i];
+    for (TextureReference* map : {known.texture_called ? known.texture : nullptr,
+                                  known.friction_called ? known.friction : nullptr}) {
       if (map == nullptr) continue;
       const std::string wanted_by = "a map of haptic material " + std::to_string(i);
       if (auto error = images.decode(*map, wanted_by)) return error;
@@ -406,6 +455,7 @@ void GltfMaterials::apply_overrides(MaterialDescription& material) {
 MaybeError GltfMaterials::finish(SceneDescription& scene) {
   scene.materials = std::move(materials_);
   scene.haptic_materials = std::move(haptic_materials_);
+  std::move(warnings_.begin(), warnings_.end(), std::back_inserter(scene.warnings));
   if (overrides_.empty()) return std::nullopt;
   const bool has_default = any_without_material(scene);
   if (has_default) add_default(scene);

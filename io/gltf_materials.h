@@ -50,9 +50,9 @@ class GltfMaterials {
   // Decodes the images of the maps that were called for.
   std::optional<Error> decode_maps(GltfImages& images);
 
-  // Moves everything into a scene whose meshes have been read with index_of(). If an override is
-  // for "default" and no material has this name, the runs without material get one of their own.
-  // An error (kInvalidArgument) if an override is for a material that no triangle has.
+  // Moves everything, warnings too, into a scene whose meshes have been read with index_of(). If an
+  // override is for "default" and no material has this name, the runs without material get one of
+  // their own. An error (kInvalidArgument) if an override is for a material that no triangle has.
   std::optional<Error> finish(SceneDescription& scene);
 
  private:
@@ -67,15 +67,18 @@ class GltfMaterials {
   // Which maps are called for is asked for every primitive, so it is known for each material.
   struct KnownMaterial {
     bool has_map = false;
+    bool is_flat = false;
     bool called = false;
   };
   struct KnownHaptic {
     TextureReference* texture = nullptr;  // these two point into haptic_materials_
     TextureReference* friction = nullptr;
-    bool called = false;
+    bool texture_called = false;
+    bool friction_called = false;
   };
 
   void find_haptic_maps();
+  bool is_default_flat() const;
   void apply_overrides(MaterialDescription& material);
   void add_default(SceneDescription& scene);
 
@@ -87,6 +90,8 @@ class GltfMaterials {
   std::vector<KnownMaterial> known_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;
   std::vector<KnownHaptic> known_haptics_;
+  bool is_default_flat_ = false;
+  std::vector<std::string> warnings_;
 };
 
 // Reads the physics materials, all of them, into a scene whose tree and nodes have been read, and

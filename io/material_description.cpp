@@ -12,19 +12,33 @@ const TextureReference* first_map(const HapticMaterialDescription* haptic, const
   return map == haptic->maps.end() ? nullptr : &map->texture;
 }
 
+// Null if it is not given.
+const MaterialParameter* texture_height(const MaterialDescription& material) {
+  const auto& parameters = material.parameters;
+  const auto height =
+      std::find_if(parameters.begin(), parameters.end(),
+                   [](const MaterialParameter& p) { return p.key == "textureHeight"; });
+  return height == parameters.end() ? nullptr : &*height;
+}
+
 }  // namespace
 
 const TextureReference* texture_map(const MaterialDescription& material,
                                     const HapticMaterialDescription* haptic) {
+  if (is_flat(material)) return nullptr;
   if (const TextureReference* map = first_map(haptic, "vibrotactileTexture")) return map;
-  const bool wants_texture =
-      std::any_of(material.parameters.begin(), material.parameters.end(),
-                  [](const MaterialParameter& p) { return p.key == "textureHeight"; });
+  const bool wants_texture = texture_height(material) != nullptr;
   return wants_texture && material.normal_texture ? &*material.normal_texture : nullptr;
 }
 
 const TextureReference* friction_map(const HapticMaterialDescription* haptic) {
   return first_map(haptic, "friction");
+}
+
+bool is_flat(const MaterialDescription& material) {
+  const MaterialParameter* height = texture_height(material);
+  const double* number = height ? std::get_if<double>(&height->value) : nullptr;
+  return number && *number == 0.0;
 }
 
 }  // namespace palpate

@@ -71,12 +71,15 @@ struct MaterialDescription {
 // only to whoever gives it one.
 enum class CombineMode { kAverage, kMinimum, kMaximum, kMultiply };
 
-// An entry of physicsMaterials of KHR_physics_rigid_bodies, with the defaults of its draft. The
-// values have no unit; they are finite and not negative.
+// What KHR_physics_rigid_bodies gives a coefficient of friction that is not written.
+inline constexpr double kPhysicsFriction = 0.6;
+
+// An entry of physicsMaterials of KHR_physics_rigid_bodies. The values have no unit; they are
+// finite and not negative; none: not written.
 struct PhysicsMaterialDescription {
-  double static_friction = 0.6;
-  double dynamic_friction = 0.6;
-  double restitution = 0.0;
+  std::optional<double> static_friction = {};
+  std::optional<double> dynamic_friction = {};
+  std::optional<double> restitution = {};
   CombineMode friction_combine = CombineMode::kAverage;
   CombineMode restitution_combine = CombineMode::kAverage;
 };
@@ -98,12 +101,15 @@ struct HapticMaterialDescription {
 // The map whose values are the haptic texture of triangles of this material in a mesh of this
 // haptic material (null: of none). The first vibrotactileTexture of the haptic material goes before
 // the normal texture of the material, which counts only beside the parameter "textureHeight". Null
-// if there is neither. Thread-safe, as the next.
+// if there is neither, or if that parameter is the number 0. Thread-safe, as the next two.
 const TextureReference* texture_map(const MaterialDescription& material,
                                     const HapticMaterialDescription* haptic);
 
 // The map by which friction varies over a mesh of this haptic material: its first friction map, or
 // null.
 const TextureReference* friction_map(const HapticMaterialDescription* haptic);
+
+// True if the parameter "textureHeight" says that there is no haptic texture: it is the number 0.
+bool is_flat(const MaterialDescription& material);
 
 }  // namespace palpate

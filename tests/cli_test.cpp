@@ -610,6 +610,24 @@ TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
   EXPECT_GT(info["memory"]["effects"], 0);
 }
 
+TEST_F(CommandLine, TakesPhysicsMaterialsThatWriteOneCoefficient) {
+  GltfBuilder gltf = triangle_of(json::object());
+  gltf.json["extensionsUsed"] = {"KHR_physics_rigid_bodies"};
+  gltf.json["extensions"]["KHR_physics_rigid_bodies"]["physicsMaterials"] = {
+      {{"staticFriction", 0.3}}};
+  gltf.json["nodes"][0]["extensions"]["KHR_physics_rigid_bodies"]["collider"] = {
+      {"physicsMaterial", 0}};
+  const std::string path = gltf.write_glb(folder);
+  const json wood = json::parse(expect_done({"info", path, "--json"}).out)["materials"][0];
+  ASSERT_EQ(wood["honoured"].size(), 1u);
+  EXPECT_EQ(wood["honoured"][0]["element"],
+            "/extensions/KHR_physics_rigid_bodies/physicsMaterials/0/staticFriction");
+  EXPECT_EQ(wood["defaulted"], json({{{"key", "dynamicFriction"}, {"value", 0.3}, {"unit", ""}}}));
+  const json off = json::parse(
+      expect_done({"info", path, "--json", "--material", "wood.1.staticFriction=0"}).out);
+  EXPECT_EQ(off["effects"], json::array());
+}
+
 TEST_F(CommandLine, TellsDefaultsThatItTook) {
   const std::string path = triangle_of({{"restitution", 0.5}}).write_glb(folder);
   const json info = json::parse(expect_done({"info", path, "--json"}).out);
@@ -625,6 +643,8 @@ TEST_F(CommandLine, RefusesMaterialsThatMakeNoSense) {
   expect_refused({"info", good, "--material", "wood.1.stiffness=hard"},
                  {"wood.1", "stiffness is \"hard\"", "N/m"});
   expect_refused({"info", good, "--material", "glass.stiffness=1"}, {"--material", "glass"});
+  expect_refused({"info", good, "--material", "wood.1.stiffnes=1"},
+                 {"--material wood.1.stiffnes", "wood.1", "the keys are solid, stiffness, "});
   for (const char* none : {"stiffness=1", "wood.1.stiffness", "=1", ".stiffness=1", "wood.1.=1",
                            "wood.1.stiffness="}) {
     expect_refused({"info", good, "--material", none}, {"--material", none});

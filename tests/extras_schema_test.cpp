@@ -93,6 +93,42 @@ TEST(ExtrasSchema, HasTheKeysOfTheEffects) {
   }
 }
 
+// {"if": key is given and as `is`, "then": other is given}
+json demand(const std::string& key, const json& is, const std::string& other) {
+  return {{"if", {{"properties", {{key, is}}}, {"required", {key}}}},
+          {"then", {{"required", {other}}}}};
+}
+
+TEST(ExtrasSchema, DemandsWhatEffectsRequire) {
+  const json above_zero = {{"exclusiveMinimum", 0}};
+  std::vector<json> demands;
+  for (const EffectType& type : compiled_effects()) {
+    for (const ParameterKey& switching : type.keys) {
+      if (switching.role != ParameterKey::Role::kCallsFor) continue;
+      for (const ParameterKey& key : type.keys) {
+        if (key.role != ParameterKey::Role::kRequired) continue;
+        demands.push_back(demand(std::string(switching.key), above_zero, std::string(key.key)));
+      }
+    }
+  }
+  EXPECT_EQ(demands.size(), 2u);
+  json medium = demand("solid", {{"const", false}}, "viscosity");
+  medium["then"]["properties"]["viscosity"] = above_zero;
+  demands.push_back(medium);
+  const json stated = schema()["$defs"]["material"]["allOf"];
+  EXPECT_EQ(stated.size(), demands.size());
+  for (const json& d : demands) EXPECT_EQ(std::count(stated.begin(), stated.end(), d), 1) << d;
+}
+
+// As io/gltf_extras.cpp reads them.
+TEST(ExtrasSchema, HoldsKeysToTheirForm) {
+  const json defs = schema()["$defs"];
+  for (const char* part : {"material", "scene", "node"}) {
+    EXPECT_EQ(defs[part]["propertyNames"], json({{"maxLength", 32}, {"pattern", "^[^.]*$"}}))
+        << part;
+  }
+}
+
 TEST(ExtrasSchema, HasTheKeysOfScenesAndNodes) {
   const json scene = schema()["$defs"]["scene"]["properties"];
   EXPECT_EQ(keys_of(scene), (std::set<std::string>{"gravity", "toolMass", "constantForce"}));

@@ -522,7 +522,7 @@ Ids physics_materials_of(const SceneDescription& scene) {
   return ids;
 }
 
-TEST(GltfMaterials, OfPhysicsAreReadWithTheDefaultsOfTheDraft) {
+TEST(GltfMaterials, OfPhysicsAreReadAsWritten) {
   const auto scene = read_glb(
       asset_with_physics({Json::object(),
                           {{"staticFriction", 0.8},
@@ -533,9 +533,9 @@ TEST(GltfMaterials, OfPhysicsAreReadWithTheDefaultsOfTheDraft) {
                           {{"frictionCombine", "maximum"}, {"restitutionCombine", "average"}}}));
   ASSERT_EQ(scene.physics_materials.size(), 3u);
   const auto& materials = scene.physics_materials;
-  EXPECT_EQ(materials[0].static_friction, 0.6);
-  EXPECT_EQ(materials[0].dynamic_friction, 0.6);
-  EXPECT_EQ(materials[0].restitution, 0.0);
+  EXPECT_FALSE(materials[0].static_friction);
+  EXPECT_FALSE(materials[0].dynamic_friction);
+  EXPECT_FALSE(materials[0].restitution);
   EXPECT_TRUE(materials[0].friction_combine == CombineMode::kAverage);
   EXPECT_TRUE(materials[0].restitution_combine == CombineMode::kAverage);
   EXPECT_EQ(materials[1].static_friction, 0.8);
@@ -748,6 +748,74 @@ TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
     asset.json["meshes"][0]["extensions"][name] = 3;
     expect_invalid(asset, mesh);
   }
+}
+
+// Nothing here calls for the image, which is not there.
+TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
+  const std::vector<Json> maps = {map_of(0, "Other")};
+  GltfBuilder felt = asset_with_haptics({{{"vibrotactileTexture", maps}}});
+  felt.json["materials"] = {{{"name", "felt"}}, {{"name", "lead"}}};
+  felt.json["meshes"][0]["primitives"][0]["material"] = 0;
+  felt.json["meshes"][0]["extensions"][kHaptic]["hapticMaterialIndex"] = 0;
+  GltfBuilder normal = asset_with_haptics(Json::array());
+  normal.json["materials"] = {{{"name", "felt"},
+                               {"normalTexture", {{"index", 0}}},
+                               {"extras", {{"palpate", {{"textureHeight", 0.001}}}}}}};
+  normal.json["meshes"][0]["primitives"][0]["material"] = 0;
+  GltfBuilder bare = felt;
+  bare.json["meshes"][0]["primitives"][0].erase("material");
+  const auto expect_flat = [](const GltfBuilder& asset, const std::string& name) {
+    EXPECT_FALSE(read_with(asset, {}).ok());
+    const auto scene = read_with(asset, {{name, "textureHeight", "0"}});
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    EXPECT_TRUE(scene->images.empty());
+    EXPECT_TRUE(scene->meshes.at(0).texture_uv.empty());
+    const auto* haptic =
+        scene->haptic_materials.empty() ? nullptr : &scene->haptic_materials.front();
+    EXPECT_EQ(texture_map(scene->materials.at(0), haptic), nullptr);
+    // The engine reports what is no number, so its map must be there.
+    for (const char* called : {"0.01", "flat", "false"}) {
+      EXPECT_FALSE(read_with(asset, {{name, "textureHeight", called}}).ok()) << called;
+    }
+  };
+  expect_flat(felt, "felt");
+  expect_flat(normal, "felt");
+  expect_flat(bare, "default");
+  // Here the name is of another material.
+  bare.json["materials"][1]["name"] = "default";
+  EXPECT_FALSE(read_with(bare, {{"default", "textureHeight", "0"}}).ok());
+  // One flat material leaves the map to the other one.
+  felt.json["meshes"][0]["primitives"] = {triangle_primitive(0), triangle_primitive(1)};
+  EXPECT_FALSE(read_with(felt, {{"felt", "textureHeight", "0"}}).ok());
+  EXPECT_TRUE(
+      read_with(felt, {{"felt", "textureHeight", "0"}, {"lead", "textureHeight", "0"}}).ok());
+}
+
+// --- What is not known ---------------------------------------------------------------------------
+
+TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
+  const auto warnings_of = [](GltfBuilder asset, const char* extension, const char* list,
+                              const Json& entry) {
+    asset.json["extensions"][extension][list] = {Json::object(), entry};
+    return read_glb(asset).warnings;
+  };
+  const Json every = {{"name", "a"}, {"extras", 1}, {"extensions", Json::object()}};
+  Json physics = every;
+  physics.update({{"staticFriction", 1}, {"frictionCombine", "average"}});
+  Json haptic = every;
+  haptic.update({{"friction", Json::array()}, {"custom", Json::array()}});
+  EXPECT_TRUE(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics).empty());
+  EXPECT_TRUE(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic).empty());
+  physics["friction"] = 0.3;
+  haptic["roughness"] = 1;
+  haptic["smell"] = 2;
+  using Warnings = std::vector<std::string>;
+  EXPECT_EQ(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics),
+            Warnings{"/extensions/KHR_physics_rigid_bodies/physicsMaterials/1: has \"friction\", "
+                     "which nothing is made of"});
+  EXPECT_EQ(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic),
+            Warnings{"/extensions/MPEG_haptic_material/materials/1: has \"roughness\" and 1 more, "
+                     "which nothing is made of"});
 }
 
 // --- Variants ------------------------------------------------------------------------------------

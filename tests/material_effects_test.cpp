@@ -235,11 +235,83 @@ TEST(MaterialEffects, TakeNoRestitutionFromPhysicsThatHasNone) {
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_EQ(told(effects.report.honoured),
             (Texts{"dynamicFriction=0 KHR_physics_rigid_bodies off",
+                   "restitution=0 KHR_physics_rigid_bodies off",
                    "staticFriction=0 KHR_physics_rigid_bodies off"}));
 }
 
+// Of what KHR_physics_rigid_bodies has for a coefficient that is not written.
+TEST(MaterialEffects, UnwrittenPhysicsFollowsWhatIsWritten) {
+  constexpr std::nullopt_t kNone = std::nullopt;
+  const std::string physics_source = " KHR_physics_rigid_bodies";
+  const struct {
+    PhysicsMaterialDescription physics;
+    std::vector<MaterialParameter> parameters;
+    double still, sliding;
+    Texts honoured, defaulted;
+  } cases[] = {
+      {{}, {}, 0.6, 0.6, {}, {"dynamicFriction=0.6", "staticFriction=0.6"}},
+      {{kNone, kNone, 0.0},
+       {},
+       0.6,
+       0.6,
+       {"restitution=0" + physics_source + " off"},
+       {"dynamicFriction=0.6", "staticFriction=0.6"}},
+      {{0.3}, {}, 0.3, 0.3, {"staticFriction=0.3" + physics_source}, {"dynamicFriction=0.3"}},
+      {{0.9}, {}, 0.9, 0.6, {"staticFriction=0.9" + physics_source}, {"dynamicFriction=0.6"}},
+      {{kNone, 0.3},
+       {},
+       0.6,
+       0.3,
+       {"dynamicFriction=0.3" + physics_source},
+       {"staticFriction=0.6"}},
+      {{kNone, 0.9},
+       {},
+       0.9,
+       0.9,
+       {"dynamicFriction=0.9" + physics_source},
+       {"staticFriction=0.9"}},
+      {{},
+       {given("staticFriction", 0.2)},
+       0.2,
+       0.2,
+       {"staticFriction=0.2 extras.palpate"},
+       {"dynamicFriction=0.2"}},
+      {{0.3},
+       {given("staticFriction", 0.2)},
+       0.2,
+       0.2,
+       {"staticFriction=0.2 extras.palpate"},
+       {"dynamicFriction=0.2"}},
+      {{},
+       {given("dynamicFriction", 0.8)},
+       0.8,
+       0.8,
+       {"dynamicFriction=0.8 extras.palpate"},
+       {"staticFriction=0.8"}},
+  };
+  for (const auto& c : cases) {
+    const MaterialDescription material = material_with(c.parameters);
+    const MaterialEffects effects = compiled(MaterialSources{&material, &c.physics, "/physics/1"});
+    SCOPED_TRACE(testing::PrintToString(told(effects.report.honoured)));
+    const auto friction = parameters_of<FrictionEffect>(effects);
+    EXPECT_EQ(friction.static_friction, c.still);
+    EXPECT_EQ(friction.dynamic_friction, c.sliding);
+    EXPECT_EQ(told(effects.report.honoured), c.honoured);
+    EXPECT_EQ(told(effects.report.defaulted), c.defaulted);
+  }
+}
+
+TEST(MaterialEffects, NoStaticFrictionSwitchesUnwrittenPhysicsOff) {
+  const PhysicsMaterialDescription physics;
+  const MaterialDescription material = material_with({given("staticFriction", 0.0)});
+  const MaterialEffects effects = compiled(MaterialSources{&material, &physics, "/physics/1"});
+  EXPECT_TRUE(effects.entries.empty());
+  EXPECT_EQ(told(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
+  EXPECT_EQ(told(effects.report.defaulted), Texts{"dynamicFriction=0"});
+}
+
 TEST(MaterialEffects, NameBothSourcesThatContradictEachOther) {
-  const PhysicsMaterialDescription physics;  // 0.6, 0.6
+  const PhysicsMaterialDescription physics{0.6, 0.6};
   const MaterialDescription material = material_with({given("staticFriction", 0.3)});
   const Error error = refused(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_EQ(error.element, std::string(kExtras) + "/staticFriction");
@@ -274,8 +346,31 @@ TEST(MaterialEffects, CarveATextureOnlyWithAMap) {
                {"wood", "textureHeight", "without a map", "normalTexture"});
   MaterialDescription material = material_with({given("textureHeight", 0.001)});
   material.normal_texture = TextureReference{};
-  EXPECT_EQ(compiled(MaterialSources{&material}).effect_names(), Texts{"texture"});
+  const MaterialEffects carved = compiled(MaterialSources{&material});
+  EXPECT_EQ(carved.effect_names(), Texts{"texture"});
+  EXPECT_EQ(told(carved.report.honoured),
+            (Texts{"normalTexture=\"texture 0\" glTF", "textureHeight=0.001 extras.palpate"}));
+  EXPECT_EQ(carved.report.honoured.back().element, "/materials/2/normalTexture");
   EXPECT_TRUE(compiled({given("textureHeight", 0.0)}).entries.empty());
+}
+
+TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
+  const HapticMaterialDescription haptic = haptic_with({"vibrotactileTexture", "friction"});
+  const MaterialDescription material =
+      material_with({given("staticFriction", 0.0), given("textureHeight", 0.0)});
+  const MaterialEffects effects = compiled(MaterialSources{&material, nullptr, "", &haptic});
+  EXPECT_TRUE(effects.entries.empty());
+  EXPECT_EQ(told(effects.report.honoured),
+            (Texts{"friction=\"texture 1\" MPEG_haptic_material off",
+                   "staticFriction=0 extras.palpate off", "textureHeight=0 extras.palpate off",
+                   "vibrotactileTexture=\"texture 0\" MPEG_haptic_material off"}));
+  EXPECT_TRUE(effects.report.not_understood.empty());
+  // A physics material without friction, too.
+  const PhysicsMaterialDescription physics{0.0};
+  const MaterialDescription plain = material_with({});
+  const auto off = told(compiled({&plain, &physics, "/physics/1", &haptic}).report.honoured);
+  ASSERT_FALSE(off.empty());
+  EXPECT_EQ(off.front(), "friction=\"texture 1\" MPEG_haptic_material off");
 }
 
 TEST(MaterialEffects, MultiplyOnlyLengthsByTheScale) {
@@ -295,6 +390,16 @@ TEST(MaterialEffects, TellWhatTheyDoNotUnderstand) {
                    std::string("texture.amplitude ") + kExtras + "/texture.amplitude"}));
 }
 
+TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
+  const Error error = refused({{"Stiffness", 3.0, "--material wood.Stiffness"}});
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error.element, "--material wood.Stiffness");
+  expect_names(error, {"wood", "\"Stiffness\""});
+  for (const EffectKeyName& name : effect_key_names()) {
+    EXPECT_NE(error.hint.find(name.key), std::string::npos) << name.key;
+  }
+}
+
 TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
   const MaterialEffects medium = compiled({given("solid", false), given("viscosity", 2.0)});
   EXPECT_FALSE(medium.is_solid);
@@ -306,7 +411,7 @@ TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
   expect_names(refused({given("solid", false), given("viscosity", 2.0), given("stiffness", 2.0)}),
                {"stiffness", "solid is false"});
   // What the node gives all its colliders is no contradiction of the material.
-  const PhysicsMaterialDescription physics;
+  const PhysicsMaterialDescription physics{0.6, 0.6};
   const MaterialDescription material =
       material_with({given("solid", false), given("viscosity", 2.0)});
   const MaterialEffects beside = compiled(MaterialSources{&material, &physics, "/physics/1"});

@@ -145,8 +145,27 @@ TEST(SceneEffects, OneMaterialOnTwoNodesHasThePhysicsOfEach) {
   EXPECT_EQ(coefficients, (std::vector<double>{0.1, 0.9}));
   EXPECT_EQ(program.material(2, 0), 0u);
   // The report has both.
-  EXPECT_EQ(scene.effects().materials[0].report.honoured.size(), 4u);
+  EXPECT_EQ(scene.effects().materials[0].report.honoured.size(), 6u);
   EXPECT_EQ(scene.material_calls().size(), 3u);
+}
+
+// Each thing that is told of a material is told once, however many ways it is felt in.
+TEST(SceneEffects, OneMaterialWithManyPhysicsMaterialsIsToldOfOnce) {
+  constexpr std::uint32_t kCount = 100;
+  SceneDescription description = described(
+      {box_mesh({1, 1, 1}, 0)}, {},
+      {material("stone", {{"stiffness", 5.0}, {"solid", true}, {"hue", std::string("grey")}})});
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    description.nodes.push_back(node("n" + std::to_string(i), 0, {5.0 * i, 0, 0}));
+    description.nodes.back().physics_material = i;
+    description.physics_materials.push_back({0.5 + i, i % 2 ? 0.25 : 0.5});
+  }
+  const Scene scene = compiled(std::move(description));
+  const MaterialReport& report = scene.effects().materials[0].report;
+  // Two coefficients of each physics material, stiffness and solid.
+  EXPECT_EQ(report.honoured.size(), 2 * kCount + 2);
+  EXPECT_TRUE(report.defaulted.empty());
+  EXPECT_EQ(report.not_understood.size(), 1u);
 }
 
 // A soup of triangles with several materials, some without area, some twice.
@@ -471,7 +490,11 @@ TEST(SceneEffects, RefuseAMediumInWhatIsOpen) {
   open.triangles.pop_back();
   const std::vector<MaterialDescription> jelly = {material("jelly", {{"viscosity", 3.0}})};
   expect_refused(described({open}, {node("bowl", 0)}, jelly),
-                 {"bowl", "jelly", "open: 3 boundary edges", "/extras/palpate/viscosity"});
+                 {"bowl", "jelly", "open: 3 boundary edges", "/extras/palpate/viscosity",
+                  "close the surface", "--material \"jelly.viscosity=0\""});
+  const auto fog = material("fog", {{"viscosity", 3.0}, {"solid", false}});
+  expect_refused(described({open}, {node("bowl", 0)}, {fog}),
+                 {"--material \"fog.viscosity=0\" --material \"fog.solid=true\""});
   expect_refused(described({two_faced_box()}, {node("box", 0)}, {jelly[0], material("wood", {})}),
                  {"box", "jelly", "one for all faces"});
   expect_refused(
