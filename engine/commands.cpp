@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/effects_report.h"
 #include "engine/node_tree.h"
 #include "engine/path_picture.h"
 #include "engine/replay.h"
@@ -76,6 +77,13 @@ class ProgressBar {
   bool shown_;
 };
 
+// Nothing that a file or a user meant is lost without a word.
+void tell_what_was_not_understood(const Scene& scene) {
+  for (const std::string& line : not_understood_lines(scene)) {
+    std::cerr << "palpate: " << line << "\n";
+  }
+}
+
 }  // namespace
 
 int info(const InfoCommand& command) {
@@ -97,6 +105,7 @@ int replay(const ReplayCommand& command) {
   if (!path) return refuse(path.error());
   const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
+  tell_what_was_not_understood(*scene);
   const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
   if (!result) return refuse(result.error());
   if (!command.trace.empty()) {
@@ -118,6 +127,7 @@ int run(const RunCommand& command) {
   if (!base) return refuse(base.error());
   const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
+  tell_what_was_not_understood(*scene);
   std::error_code failed;
   std::filesystem::create_directories(command.out_dir, failed);
   if (failed) {
@@ -132,7 +142,11 @@ int run(const RunCommand& command) {
     const ProgressBar bar(a4 ? "with A4   " : "without A4");
     Result<ExplorationRun> run =
         explore(*scene, setup, command.exploration, [&](double share) { bar.show(share); });
-    if (!run) return refuse(run.error());
+    if (!run) {
+      Error error = run.error();
+      if (error.path.empty()) error.path = command.scene.path;
+      return refuse(error);
+    }
     const std::string trace = command.out_dir + (a4 ? "/trace-on.csv" : "/trace-off.csv");
     if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
     runs.push_back(std::move(*run));

@@ -165,4 +165,19 @@ std::string effect_use_text(const RunSummary& summary, std::string_view effect) 
   return text + share;
 }
 
+std::vector<std::string> not_understood_lines(const Scene& scene) {
+  std::vector<std::string> lines;
+  const auto add = [&](const DeclarationReport& declaration) {
+    for (const IgnoredParameter& p : declaration.report.not_understood) {
+      lines.push_back(p.element + ": " + p.key + " of \"" + declaration.name +
+                      "\" is not understood: " + p.why);
+    }
+  };
+  const SceneEffectsReport& report = scene.effects();
+  for (const DeclarationReport& material : report.materials) add(material);
+  add(report.scene);
+  for (const DeclarationReport& region : report.regions) add(region);
+  return lines;
+}
+
 }  // namespace palpate

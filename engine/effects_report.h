@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -21,6 +22,8 @@ nlohmann::ordered_json regions_json(const Scene& scene);
 // measured.
 nlohmann::ordered_json effects_use_json(const RunSummary& summary, const Scene& scene);
 
+// What nothing was made of, a line each: which part of the file, key, place and reason.
+std::vector<std::string> not_understood_lines(const Scene& scene);
 // Lines for all that declares anything, and one with the effects of the scene.
 std::string declarations_text(const Scene& scene);
 // "12 ticks, 3.4 % of the time"

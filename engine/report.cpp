@@ -169,6 +169,7 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
           {"port_work_J", s.port_work_J},
           {"faults", faults},
           {"effects", effects_use_json(s, scene)},
+          {"not_understood", not_understood_lines(scene)},
           {"step_ns",
            {{"p50", s.step_ns.p50_ns},
             {"p99", s.step_ns.p99_ns},
@@ -239,16 +240,16 @@ std::string summary_text(const RunSummary& s, const Scene& scene) {
 
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene) {
   constexpr int kNameWidth = 28;
-  constexpr int kValueWidth = 26;
+  constexpr int kValueWidth = 24;
   std::string text = format("%-*s", kNameWidth, "");
   for (const ExplorationRun& run : runs) {
-    text += format("%*s", kValueWidth, run.a4 ? "with A4" : "without A4");
+    text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
   for (const Line& line : run_lines(scene)) {
     text += format("%-*s", kNameWidth, line.name.c_str());
     for (const ExplorationRun& run : runs) {
-      text += format("%*s", kValueWidth, line.value(run).c_str());
+      text += format("  %*s", kValueWidth, line.value(run).c_str());
     }
     text += "\n";
   }

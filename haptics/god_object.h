@@ -184,8 +184,8 @@ class GodObject {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
 
-  bool settled_ = false;       // the last tick ended at a local minimum
-  bool confirmed_ = false;     // it was not cut short, and no body has pushed the proxy since
+  bool settled_ = false;    // the last tick ended at a local minimum
+  bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since
   std::array<FaceContact, 3> last_active_{};
   std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
   int last_active_count_ = 0;

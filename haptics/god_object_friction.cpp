@@ -18,7 +18,7 @@ struct CoulombFriction {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
-  FrictionCone cone = {};  // of the last step's planes
+  FrictionCone cone = {};          // of the last step's planes
   std::array<bool, 3> holds = {};  // which of these planes do
   bool slides = false;             // the step that was shortened last
   bool slid = false;               // an earlier one

@@ -186,7 +186,7 @@ class HapticLoop {
   bool last_was_good_ = false;             // the last tick: its goal is where the hand was
   double last_dt_s_ = 0.0;                 // of the last good tick
   std::uint64_t good_ticks_ = 0;
-  Vec3 velocity_m_per_s_ = Vec3::Zero();   // of the goal, scene frame
+  Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
   std::vector<std::uint32_t> motion_of_body_;  // index into them, or none

@@ -21,8 +21,8 @@
 //                                     pixel, 16 while decoded         kMaxGltfPixels
 //   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
 //
-// That is what reading costs. Height maps, which the engine makes of images afterwards, have a bound
-// of their own: kMostMapTexels (engine/surface_attributes.h).
+// That is what reading costs. Height maps, which the engine makes of images afterwards, have a
+// bound of their own: kMostMapTexels (engine/surface_attributes.h).
 //
 // A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
 // tests/corpus_test.py checks; tests/hostile_gltf_test.cpp checks the same of hostile ones, but for

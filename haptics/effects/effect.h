@@ -71,8 +71,8 @@ struct Touch {
 
 // What an effect reads and writes. Solver frame, SI units.
 struct EffectTick {
-  // Read. In the stages before kSurroundings, of one contact and its material. In kProxy, `face` and
-  // `normal` alone: the proxy is still on its way.
+  // Read. In the stages before kSurroundings, of one contact and its material. In kProxy, `face`
+  // and `normal` alone: the proxy is still on its way.
   double dt_s = 0.0;
   double ticks = 0.0;                    // good ones before this one
   Vec3 goal_m = Vec3::Zero();            // the device point

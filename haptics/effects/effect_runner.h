@@ -110,8 +110,8 @@ class EffectRunner {
   std::vector<std::byte> parameters_;
   std::vector<std::byte> states_;
   EffectCounters counters_;
-  std::uint32_t felt_ = 0;       // in this tick
-  std::uint32_t held_ = 0;       // those that held any face that the solver tried
+  std::uint32_t felt_ = 0;  // in this tick
+  std::uint32_t held_ = 0;  // those that held any face that the solver tried
 
   // What is touched: the faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};

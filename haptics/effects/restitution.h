@@ -17,9 +17,9 @@ namespace palpate {
 // rendering of rigid contacts using impulsive and penalty forces": J = m (1 + e) v). Of that the
 // spring gives the plastic part m v, so the pulse has J = e m v, as half a sine of the duration D:
 // in a tick from t0 to t1, F = J (cos(pi t0 / D) - cos(pi t1 / D)) / (2 (t1 - t0)), which adds up
-// to J whatever the ticks. It ends when the hand turns round: it only ever brakes. A material has one
-// pulse: who rests on it and taps it elsewhere feels none. Speeds are the hand's alone, whatever
-// the body does.
+// to J whatever the ticks. It ends when the hand turns round: it only ever brakes. A material has
+// one pulse: who rests on it and taps it elsewhere feels none. Speeds are the hand's alone,
+// whatever the body does.
 struct RestitutionEffect {
   static constexpr std::string_view kName = "restitution";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -31,8 +31,8 @@ struct RestitutionEffect {
     double duration_s = 0.005;
   };
   struct State {
-    double pulse_s = 0.0;        // since it began
-    double impulse_Ns = 0.0;     // of the whole pulse; 0: there is none
+    double pulse_s = 0.0;     // since it began
+    double impulse_Ns = 0.0;  // of the whole pulse; 0: there is none
     double next_tick = -std::numeric_limits<double>::infinity();  // after the last touch
   };
   static constexpr ParameterKey kKeys[] = {

@@ -26,8 +26,8 @@ struct VibrationEffect {
     double when = 0.0;  // 0: in contact, 1: while sliding
   };
   struct State {
-    double phase = 0.0;     // of a period, [0, 1)
-    double strength = 0.0;  // [0, 1]
+    double phase = 0.0;       // of a period, [0, 1)
+    double strength = 0.0;    // [0, 1]
     double last_tick = -2.0;  // in which it was called
   };
   static constexpr ParameterKey kKeys[] = {
