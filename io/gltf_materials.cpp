@@ -385,9 +385,11 @@ void GltfMaterials::find_haptic_maps() {
 // Whether the overrides make triangles without a material flat. Those of a material that has this
 // name in the file are not for them.
 bool GltfMaterials::is_default_flat() const {
-  const auto materials = root_->find("materials");
-  for (std::size_t i = 0; materials != root_->end() && i < materials->size(); ++i) {
-    const Json& material = (*materials)[i];
+  const auto found = root_->find("materials");
+  static const Json kNone = Json::array();
+  const bool is_list = found != root_->end() && found->is_array();
+  const Json& materials = is_list ? *found : kNone;
+  for (const Json& material : materials) {
     const auto name = material.is_object() ? material.find("name") : material.end();
     if (name != material.end() && *name == kDefaultMaterialName) return false;
   }

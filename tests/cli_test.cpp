@@ -169,6 +169,7 @@ const std::vector<std::string> kSummaryKeys{"ticks",
                                             "port_work_J",
                                             "faults",
                                             "effects",
+                                            "not_understood",
                                             "step_ns",
                                             "load_ms",
                                             "triangles"};
@@ -809,7 +810,7 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
-                    "bad_body_pose"}));
+                    "bad_body_pose", "non_finite_force"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;

@@ -328,6 +328,46 @@ TEST(Friction, TakesTheHandAlongWithAMovingPlate) {
   }
 }
 
+// A corner of a floor that holds the proxy and a wall that does not, which moves along itself.
+TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
+  const RigidTransform wall{Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY())),
+                            Vec3::Zero()};
+  OwnedBodies bodies({{plane_soup(), {}}, {plane_soup(), wall}});
+  test::EffectBodies effects;
+  effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
+  effects.add_bare_body();
+  bodies.set_effects(effects.finish());
+  HapticLoop loop(bodies.world(), three_axes(), settings());
+  loop.tick({0.01, 0, 0.01}, kDt_s);
+  const Vec3 pressed(-0.001, 0, -0.001);
+  loop.tick(pressed, kDt_s);
+  const Vec3 rest = loop.tick(pressed, kDt_s).proxy_m;
+  for (int tick = 1; tick <= 50; ++tick) {
+    loop.move_body(1, {wall.rotation, Vec3(0, 1e-4 * tick, 0)});
+    const TickRecord& record = loop.tick(pressed, kDt_s);
+    ASSERT_TRUE(record.contact);
+    ASSERT_LE((record.proxy_m - rest).norm(), 1e-11) << tick;
+    ASSERT_LE(std::abs(record.force_device_N.y()), 1e-8) << tick;
+  }
+}
+
+// A tremor of the body is no reason to slide: static friction still holds.
+TEST(Friction, HoldsInAGrooveThatMoves) {
+  OwnedBodies bodies({{groove_soup(0.25 * std::numbers::pi), {}}});
+  bodies.set_effects(with_friction(0.8, 0.2));
+  HapticLoop loop(bodies.world(), three_axes(), settings());
+  loop.tick({0, 0, 0.002}, kDt_s);
+  loop.tick({0, 0, -0.002}, kDt_s);
+  const double depth = 0.002;
+  for (int i = 1; i <= 10; ++i) loop.tick({0, 1e-4 * i, -depth}, kDt_s);
+  const Vec3 goal(0, 1e-3, -depth);  // half of the depth: between the two coefficients
+  for (int tick = 0; tick < 100; ++tick) {
+    loop.move_body(0, {Quat::Identity(), Vec3(0, 0, tick % 2 == 0 ? 1e-6 : 0.0)});
+    const TickRecord& record = loop.tick(goal, kDt_s);
+    ASSERT_LE(std::abs(record.proxy_m.y()), 1e-9) << tick;
+  }
+}
+
 TEST(Friction, HoldsOnlyAsLongAsItIsTouched) {
   PlaneHand hand({}, 10.0, 10.0);
   hand.tick({0, 0, 0.001});

@@ -340,5 +340,20 @@ TEST(HapticLoop, HoldsATwoSensorDeviceInItsPlane) {
   }
 }
 
+// So small a time step is a number, but the speed that it makes of a step is none.
+TEST(HapticLoop, CommandsNoForceThatIsNone) {
+  OwnedWorld world(square_plane());
+  HapticLoop loop(world.world(), device(3, 3), settings(false, 2.0));
+  loop.tick({0, 0, 0.001}, kDt);
+  loop.tick({0, 0, -0.001}, kDt);
+  const TickRecord& none = loop.tick({0, 0, -0.002}, 1e-312);
+  EXPECT_NE(none.faults & kFaultNonFiniteForce, 0u);
+  EXPECT_TRUE(none.force_device_N.isZero(0.0));
+  EXPECT_TRUE(none.full_force_device_N.isZero(0.0));
+  const TickRecord& next = loop.tick({0, 0, -0.002}, kDt);
+  EXPECT_EQ(next.faults, kFaultNone);
+  EXPECT_NEAR(next.force_device_N.z(), kStiffness * 0.002, 1e-6);
+}
+
 }  // namespace
 }  // namespace palpate
