@@ -114,7 +114,7 @@ class Compiler {
           {parameter.key, parameter.value, "", source, parameter.element, true});
       return std::nullopt;
     }
-    return not_built(known->effect, parameter);
+    return not_built_error(owner_, parameter, known->effect);
   }
 
   // A file may hold what other programs know; a command line is for this one.
@@ -123,13 +123,6 @@ class Compiler {
     for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
     return error_at(owner_, parameter, quoted(parameter.key) + " is no key that is known",
                     "the keys are " + keys);
-  }
-
-  Error not_built(std::string_view effect, const MaterialParameter& parameter) const {
-    return {ErrorCode::kUnsupported, "", parameter.element,
-            owner_ + ": " + parameter.key + " calls for the effect " + std::string(effect) +
-                ", which is not in this build",
-            "build with it in PALPATE_EFFECTS"};
   }
 
   MaybeError take_solid(const MaterialParameter& parameter) {
@@ -225,7 +218,8 @@ class Compiler {
     const auto e = effect_number(effect);
     if (!e) {
       if (number == 0.0) return std::nullopt;
-      return not_built(effect, {cause ? cause : parameter.key, number, parameter.element});
+      return not_built_error(owner_, {cause ? cause : parameter.key, number, parameter.element},
+                             effect);
     }
     for (const ParameterKey& k : compiled_effects()[*e].keys) {
       if (k.key == parameter.key) put(*e, {&k, number, parameter, ""});
@@ -483,6 +477,14 @@ std::string value_text(const MaterialValue& value) {
     list += (list.empty() ? "" : ", ") + number_text(x);
   }
   return "[" + list + "]";
+}
+
+Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
+                      std::string_view effect) {
+  return {ErrorCode::kUnsupported, "", parameter.element,
+          owner + ": " + parameter.key + " calls for the effect " + std::string(effect) +
+              ", which is not in this build",
+          "build with it in PALPATE_EFFECTS"};
 }
 
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,

@@ -113,6 +113,9 @@ std::string value_text(const MaterialValue& value);
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
                       const std::string& expected);
 
+// Of a parameter that calls for an effect which is not in this build.
+Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
+                      std::string_view effect);
 // The number that an effect keeps for a value: of a choice, its place. An Error as above.
 Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
                               const ParameterKey& key);

@@ -75,10 +75,7 @@ class Declaration {
             std::move(hint)};
   }
   Error not_built(const MaterialParameter& parameter, std::string_view effect) const {
-    return {ErrorCode::kUnsupported, "", parameter.element,
-            owner_ + ": " + parameter.key + " calls for the effect " + std::string(effect) +
-                ", which is not in this build",
-            "build with it in PALPATE_EFFECTS"};
+    return not_built_error(owner_, parameter, effect);
   }
 
  private:

@@ -144,7 +144,7 @@ class HapticLoop {
   template <std::uint32_t kNeeds>
   void detect_collision();
   template <std::uint32_t kNeeds>
-  void find_contact_normal(double dt_s);
+  void find_contact_normal();
   template <std::uint32_t kNeeds>
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>

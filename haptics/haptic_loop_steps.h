@@ -27,8 +27,9 @@ void HapticLoop::step(double dt_s) {
 
 template <std::uint32_t kNeeds>
 void HapticLoop::feel(double dt_s) {
-  detect_collision<kNeeds>();         // action 3
-  find_contact_normal<kNeeds>(dt_s);  // action 4
+  if constexpr (kNeeds != kNeedsNothing) motion_ = motion(dt_s);
+  detect_collision<kNeeds>();     // action 3
+  find_contact_normal<kNeeds>();  // action 4
   render_force<kNeeds>(dt_s);
   const AxisAngle theoretical = find_theoretical_rotation();  // action 5
   apply_elementary_rotation(theoretical, dt_s);               // action 6
@@ -64,12 +65,11 @@ void HapticLoop::detect_collision() {
 // Action 4: the normalised average of the normals in contact, as felt, and its angle to what can be
 // pushed.
 template <std::uint32_t kNeeds>
-void HapticLoop::find_contact_normal(double dt_s) {
+void HapticLoop::find_contact_normal() {
   record_.normal_scene.setZero();
   record_.alpha_rad = 0.0;
   normal_device_.setZero();
   if constexpr ((kNeeds & kNeedsContact) != 0) {
-    motion_ = motion(dt_s);
     feel_ = effects_->feel_contact(god_object_, proxy_state_, motion_);
   }
   if (!record_.contact) return;
@@ -87,15 +87,14 @@ void HapticLoop::render_force(double dt_s) {
     force_N = contact_force_N<kNeeds>(dt_s);
   } else {
     coupling_.reset();
-    record_.full_force_device_N.setZero();
-    record_.force_device_N.setZero();
     if constexpr ((kNeeds & kNeedsSurroundings) == 0) {
+      record_.full_force_device_N.setZero();
+      record_.force_device_N.setZero();
       if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
       return;
     }
   }
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
-    motion_ = motion(dt_s);
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
                                               record_.normal_scene, motion_);
   }

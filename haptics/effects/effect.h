@@ -75,10 +75,9 @@ struct EffectTick {
   // and `normal` alone: the proxy is still on its way.
   double dt_s = 0.0;
   double ticks = 0.0;                    // good ones before this one
-  Vec3 goal_m = Vec3::Zero();            // the device point
-  Vec3 proxy_m = Vec3::Zero();           // equals goal off contact
+  Vec3 proxy_m = Vec3::Zero();           // equals the device point off contact
   double radius_m = 0.0;                 // of the proxy
-  Vec3 velocity_m_per_s = Vec3::Zero();  // of the goal; zero where it is not known
+  Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero where it is not known
   double longest_dt_s = 0.0;             // of this tick and the one before
   bool slid = false;                     // the proxy moved along what it touches
   Vec3 normal = Vec3::Zero();            // unit, of the contact; as felt from kForceAdd on

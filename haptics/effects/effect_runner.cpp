@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 
 #include "haptics/plane_projection.h"
 
@@ -12,10 +13,6 @@ namespace {
 // So many bodies are looked at one by one, and so seldom, where it did not lead far.
 constexpr std::size_t kMostBoxes = 32;
 constexpr int kTicksBetweenLooks = 16;
-
-double distance_m(const Box& box, const Vec3& p) {
-  return (p - p.cwiseMax(box.low).cwiseMin(box.high)).norm();
-}
 
 }  // namespace
 
@@ -53,7 +50,9 @@ void EffectRunner::look_around(const GodObject& god_object) noexcept {
     }
     reach_m = std::min(reach_m, left_m);
   }
-  for (const Box& box : boxes_) reach_m = std::min(reach_m, distance_m(box, proxy));
+  for (const Box& box : boxes_) {
+    reach_m = std::min(reach_m, std::sqrt(box.squared_distance(proxy)));
+  }
   // What a proxy touches is its radius away, and a few stand-offs.
   reach_m -= god_object.radius_m() + 4 * god_object.scale().stand_off_m;
   far_centre_ = proxy;
@@ -121,7 +120,6 @@ EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& 
   tick_.dt_s = motion.dt_s;
   tick_.longest_dt_s = motion.longest_dt_s;
   tick_.ticks = motion.ticks;
-  tick_.goal_m = motion.goal_m;
   tick_.proxy_m = state.proxy;
   tick_.velocity_m_per_s = motion.velocity_m_per_s;
   tick_.slid = state.slid;

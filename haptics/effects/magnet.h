@@ -3,6 +3,7 @@
 // A surface that attracts.
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptics/effects/effect.h"
 #include "haptics/live_world.h"
@@ -52,8 +53,7 @@ struct MagnetEffect {
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
     const bool may_come = tick.world->is_moving(surface.body);
-    const Box& box = surface.index->box();
-    const double to_box_m = (proxy_body - proxy_body.cwiseMax(box.low).cwiseMin(box.high)).norm();
+    const double to_box_m = std::sqrt(surface.index->box().squared_distance(proxy_body));
     const double reach_m = p.range_m + tick.radius_m;
     if (to_box_m >= reach_m) {
       tick.quiet_m = may_come ? 0.0 : to_box_m - reach_m;

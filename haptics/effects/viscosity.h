@@ -90,8 +90,7 @@ struct ViscosityEffect {
                          EffectTick& tick) noexcept {
     const Box& box = region.index->box();
     if (!box.contains(p)) {
-      const Vec3 nearest = p.cwiseMax(box.low).cwiseMin(box.high);
-      tick.quiet_m = region.least_scale * (p - nearest).norm();
+      tick.quiet_m = region.least_scale * std::sqrt(box.squared_distance(p));
       s.is_known = 0.0;
       s.is_inside = 0.0;
       return false;
