@@ -355,5 +355,27 @@ TEST(HapticLoop, CommandsNoForceThatIsNone) {
   EXPECT_NEAR(next.force_device_N.z(), kStiffness * 0.002, 1e-6);
 }
 
+// What the counter of A4 counts: rotation_rad is 0 to the bit where nothing is to be turned.
+TEST(HapticLoop, TurnsNothingWhereAllIsActuatedOffContactOrAligned) {
+  Soup across_a1;  // facing along A1 exactly: no pose, no rounding
+  across_a1.add_quad({0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1});
+  const auto turned_ticks = [&](double tilt_rad, int actuators, double height_m) {
+    const Quat tilt(Eigen::AngleAxisd(tilt_rad, Vec3::UnitZ()));
+    OwnedWorld world(across_a1, {tilt, Vec3::Zero()});
+    HapticLoop loop(world.world(), device(3, actuators), settings(true));
+    const Vec3 normal = tilt * Vec3::UnitX();
+    loop.tick(0.001 * normal, kDt);
+    int turned = 0;
+    for (int i = 0; i < 100; ++i) {
+      turned += loop.tick(height_m * normal, kDt).rotation_rad != 0.0;
+    }
+    return turned;
+  };
+  EXPECT_EQ(turned_ticks(0.5, 3, -0.001), 0);  // all sensed axes actuated
+  EXPECT_EQ(turned_ticks(0.5, 1, 0.001), 0);   // free motion
+  EXPECT_EQ(turned_ticks(0.0, 1, -0.001), 0);  // no angle
+  EXPECT_GT(turned_ticks(0.5, 1, -0.001), 50);
+}
+
 }  // namespace
 }  // namespace palpate
