@@ -1,0 +1,23 @@
+#pragma once
+
+// Every knob there is, in the order of the report.
+
+#include <vector>
+
+#include "engine/scene.h"
+#include "engine/study/knob.h"
+
+namespace palpate {
+
+// Each group in a file of its own.
+std::vector<Knob> solver_knobs(const StudyEffort& effort);    // iterations, tolerance, arithmetic,
+                                                              // candidates, certificate
+std::vector<Knob> mesh_knobs(const StudyEffort& effort);      // resolution, sphere against point
+std::vector<Knob> servo_knobs(const StudyEffort& effort);     // rate, jitter, substeps, integrator
+std::vector<Knob> velocity_knobs(const StudyEffort& effort);  // estimator and window
+std::vector<Knob> a4_knobs(const StudyEffort& effort);        // elementary step
+std::vector<Knob> effect_knobs(const StudyEffort& effort);    // texture sampling, marginal cost
+
+std::vector<Knob> all_knobs(const StudyEffort& effort);
+
+}  // namespace palpate

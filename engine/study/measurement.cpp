@@ -1,0 +1,259 @@
+#include "engine/study/measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+// The samples of one level, gathered over the repeats.
+class Gathered {
+ public:
+  void add(Sample sample) {
+    ++repeats_;
+    if (!sample.failure.empty()) {
+      if (failures_++ == 0) failure_ = std::move(sample.failure);
+      return;
+    }
+    errors_.push_back(sample.error);
+    times_.push_back(sample.time);
+    iterations_.push_back(sample.iterations);
+    ticks_ += sample.ticks;
+  }
+
+  LevelResult result(double value, const std::string& label, double floor) const {
+    LevelResult r;
+    r.value = value;
+    r.label = label;
+    r.repeats = repeats_;
+    r.failures = failures_;
+    r.failure = failure_;
+    r.ticks = ticks_;
+    if (errors_.empty()) return r;
+    r.error = Spread::of(errors_);
+    r.time = Spread::of(times_);
+    r.iterations = Spread::of(iterations_).median;
+    r.raw_error = r.error.median;
+    r.at_floor = floor > 0.0 && r.raw_error <= floor;
+    for (double* e : {&r.error.low, &r.error.median, &r.error.high}) *e = std::max(*e, floor);
+    return r;
+  }
+
+ private:
+  std::vector<double> errors_, times_, iterations_;
+  std::uint64_t ticks_ = 0;
+  int repeats_ = 0;
+  int failures_ = 0;
+  std::string failure_;
+};
+
+// A run that cannot be repeated at will because it never ends would be a fault of ours; one that
+// gives no number is a failure of the level.
+Sample checked(Sample sample) {
+  if (!sample.failure.empty()) return sample;
+  if (!std::isfinite(sample.error) || !std::isfinite(sample.time)) {
+    sample.failure = "not finite";
+  } else if (sample.ticks == 0) {
+    sample.failure = "no tick in contact";
+  }
+  return sample;
+}
+
+bool is_no_worse(const LevelResult& a, const LevelResult& b) {
+  return a.time.median <= b.time.median && a.error.median <= b.error.median;
+}
+
+bool is_better(const LevelResult& a, const LevelResult& b) {
+  return is_no_worse(a, b) && (a.time.median < b.time.median || a.error.median < b.error.median);
+}
+
+// The levels that one at `place` competes with, itself among them.
+template <typename Visit>
+void for_each_rival(std::vector<MethodResult>& methods, bool levels_are_given, std::size_t level,
+                    Visit visit) {
+  for (MethodResult& method : methods) {
+    for (std::size_t l = 0; l < method.levels.size(); ++l) {
+      if (levels_are_given && l != level) continue;
+      if (method.levels[l].counts()) visit(method, method.levels[l]);
+    }
+  }
+}
+
+void mark_front(KnobResult& result) {
+  for (MethodResult& method : result.methods) {
+    for (std::size_t l = 0; l < method.levels.size(); ++l) {
+      LevelResult& candidate = method.levels[l];
+      candidate.on_front = candidate.counts();
+      for_each_rival(result.methods, result.knob.levels_are_given, l,
+                     [&](const MethodResult&, const LevelResult& rival) {
+                       if (is_better(rival, candidate)) candidate.on_front = false;
+                     });
+    }
+  }
+}
+
+// How many times better; of an error that vanishes altogether, without bound.
+double times_better(double better, double worse) {
+  if (worse <= better) return 1.0;
+  return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
+}
+
+void judge_default(KnobResult& result) {
+  const std::size_t level = result.knob.default_level;
+  const LevelResult& mine = result.methods[result.knob.default_method].levels[level];
+  if (!mine.counts()) {
+    result.default_behind = std::numeric_limits<double>::infinity();
+    result.better_than_default = "any: the default fails, " + mine.failure;
+    return;
+  }
+  for_each_rival(result.methods, result.knob.levels_are_given, level,
+                 [&](const MethodResult& method, const LevelResult& rival) {
+                   if (!is_better(rival, mine)) return;
+                   const double behind =
+                       std::max(times_better(rival.time.median, mine.time.median),
+                                times_better(rival.error.median, mine.error.median));
+                   if (behind <= result.default_behind) return;
+                   result.default_behind = behind;
+                   result.better_than_default = method.name + ", " + rival.label;
+                 });
+}
+
+// The quickest level whose error is small enough, or the one with the smallest error.
+std::optional<LevelPlace> recommend(const KnobResult& result) {
+  std::optional<LevelPlace> best;
+  const auto at = [&](const LevelPlace& p) -> const LevelResult& {
+    return result.methods[p.method].levels[p.level];
+  };
+  const auto beats = [&](const LevelResult& a, const LevelResult& b) {
+    const bool a_will_do = a.error.median <= result.knob.enough;
+    const bool b_will_do = b.error.median <= result.knob.enough;
+    if (a_will_do != b_will_do) return a_will_do;
+    return a_will_do ? a.time.median < b.time.median : a.error.median < b.error.median;
+  };
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      if (result.knob.levels_are_given && l != result.knob.default_level) continue;
+      const LevelResult& candidate = result.methods[m].levels[l];
+      if (!candidate.counts()) continue;
+      if (!best || beats(candidate, at(*best))) best = LevelPlace{m, l};
+    }
+  }
+  return best;
+}
+
+constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
+
+// Every level and every preset once. The order goes by the repeat, so that none always comes after
+// the same other one.
+class Round {
+ public:
+  explicit Round(const Knob& knob) : knob_(knob) {
+    for (std::size_t m = 0; m < knob.methods.size(); ++m) {
+      for (std::size_t l = 0; l < knob.methods[m].levels.size(); ++l) places_.push_back({m, l});
+    }
+    gathered_.resize(places_.size() + kPresets.size());
+  }
+
+  std::size_t size() const { return gathered_.size(); }
+
+  void run(std::size_t i, std::uint64_t seed) {
+    if (i < places_.size()) {
+      const LevelPlace& p = places_[i];
+      gathered_[i].add(checked(knob_.methods[p.method].levels[p.level].run(seed)));
+    } else {
+      gathered_[i].add(checked(knob_.run_preset(seed, kPresets[i - places_.size()])));
+    }
+  }
+
+  KnobResult result() const {
+    KnobResult result{knob_, {}, {}, {}, 1.0, ""};
+    std::size_t i = 0;
+    for (const Method& method : knob_.methods) {
+      MethodResult m{method.name, {}, method.expected_order, {}, method.floor};
+      for (const Level& level : method.levels) {
+        m.levels.push_back(gathered_[i++].result(level.value, level.label, method.floor));
+      }
+      m.order = fitted_order(m.levels);
+      result.methods.push_back(std::move(m));
+    }
+    const double floor = knob_.methods[knob_.default_method].floor;
+    for (std::size_t p = 0; p < kPresets.size(); ++p) {
+      result.presets[p] = gathered_[i++].result(static_cast<double>(p), kPresetNames[p], floor);
+    }
+    return result;
+  }
+
+ private:
+  const Knob& knob_;
+  std::vector<LevelPlace> places_;
+  std::vector<Gathered> gathered_;
+};
+
+}  // namespace
+
+Spread Spread::of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(place);
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  };
+  return {at(0.25), at(0.5), at(0.75)};
+}
+
+std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
+  return effort.seed + static_cast<std::uint64_t>(repeat);
+}
+
+std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
+  constexpr int kLeastLevels = 4;
+  double n = 0.0, x_sum = 0.0, y_sum = 0.0, xx_sum = 0.0, xy_sum = 0.0;
+  for (const LevelResult& level : levels) {
+    if (!level.counts() || level.at_floor || !(level.error.median > 0.0)) continue;
+    const double x = std::log(level.value);
+    const double y = std::log(level.error.median);
+    n += 1.0;
+    x_sum += x;
+    y_sum += y;
+    xx_sum += x * x;
+    xy_sum += x * y;
+  }
+  const double spread = n * xx_sum - x_sum * x_sum;
+  if (n < kLeastLevels || !(spread > 0.0)) return std::nullopt;
+  return (n * xy_sum - x_sum * y_sum) / spread;
+}
+
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress) {
+  Round round(knob);
+  // Once for nothing: scenes are built, caches and clocks warm up.
+  for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
+  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+    for (std::size_t i = 0; i < round.size(); ++i) {
+      const std::size_t turn = static_cast<std::size_t>(repeat) * 7;
+      round.run((i + turn) % round.size(), repeat_seed(effort, repeat));
+    }
+    if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
+  }
+  KnobResult result = round.result();
+  mark_front(result);
+  judge_default(result);
+  result.recommended = recommend(result);
+  return result;
+}
+
+LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort) {
+  const Method& method = knob.methods[place.method];
+  const Level& level = method.levels[place.level];
+  Gathered gathered;
+  level.run(repeat_seed(effort, 0));  // as in measure()
+  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+    gathered.add(checked(level.run(repeat_seed(effort, repeat))));
+  }
+  return gathered.result(level.value, level.label, method.floor);
+}
+
+}  // namespace palpate
