@@ -62,6 +62,8 @@ struct Knob {
   // Levels that nobody chooses (where the mesh is, how fast a hand): then methods are compared
   // level by level, and the front is that of each level.
   bool levels_are_given = false;
+  // Methods that nobody chooses (which object it is): then the front is that of each method.
+  bool methods_are_given = false;
 
   // What a program does that says nothing: methods[default_method].levels[default_level].
   std::size_t default_method = 0;

@@ -7,8 +7,8 @@ namespace palpate {
 
 std::vector<Knob> all_knobs(const StudyEffort& effort) {
   std::vector<Knob> all;
-  for (const auto group :
-       {solver_knobs, mesh_knobs, servo_knobs, velocity_knobs, a4_knobs, effect_knobs}) {
+  for (const auto group : {solver_knobs, +arithmetic, mesh_knobs, servo_knobs, velocity_knobs,
+                           a4_knobs, effect_knobs}) {
     std::vector<Knob> knobs = group(effort);
     all.insert(all.end(), std::make_move_iterator(knobs.begin()),
                std::make_move_iterator(knobs.end()));

@@ -10,8 +10,9 @@
 namespace palpate {
 
 // Each group in a file of its own.
-std::vector<Knob> solver_knobs(const StudyEffort& effort);    // iterations, tolerance, arithmetic,
-                                                              // candidates, certificate
+std::vector<Knob> solver_knobs(const StudyEffort& effort);  // iterations, tolerance, candidates
+Knob narrow_phase_knob(const StudyEffort& effort);          // float against double
+Knob certification_knob(const StudyEffort& effort);
 std::vector<Knob> mesh_knobs(const StudyEffort& effort);      // resolution, sphere against point
 std::vector<Knob> servo_knobs(const StudyEffort& effort);     // rate, jitter, substeps, integrator
 std::vector<Knob> velocity_knobs(const StudyEffort& effort);  // estimator and window

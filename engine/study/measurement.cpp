@@ -71,25 +71,25 @@ bool is_better(const LevelResult& a, const LevelResult& b) {
 
 // The levels that one at `place` competes with, itself among them.
 template <typename Visit>
-void for_each_rival(std::vector<MethodResult>& methods, bool levels_are_given, std::size_t level,
-                    Visit visit) {
-  for (MethodResult& method : methods) {
-    for (std::size_t l = 0; l < method.levels.size(); ++l) {
-      if (levels_are_given && l != level) continue;
-      if (method.levels[l].counts()) visit(method, method.levels[l]);
+void for_each_rival(const KnobResult& result, const LevelPlace& place, Visit visit) {
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    if (result.knob.methods_are_given && m != place.method) continue;
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      if (result.knob.levels_are_given && l != place.level) continue;
+      const LevelResult& rival = result.methods[m].levels[l];
+      if (rival.counts()) visit(LevelPlace{m, l}, rival);
     }
   }
 }
 
 void mark_front(KnobResult& result) {
-  for (MethodResult& method : result.methods) {
-    for (std::size_t l = 0; l < method.levels.size(); ++l) {
-      LevelResult& candidate = method.levels[l];
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      LevelResult& candidate = result.methods[m].levels[l];
       candidate.on_front = candidate.counts();
-      for_each_rival(result.methods, result.knob.levels_are_given, l,
-                     [&](const MethodResult&, const LevelResult& rival) {
-                       if (is_better(rival, candidate)) candidate.on_front = false;
-                     });
+      for_each_rival(result, {m, l}, [&](const LevelPlace&, const LevelResult& rival) {
+        if (is_better(rival, candidate)) candidate.on_front = false;
+      });
     }
   }
 }
@@ -100,47 +100,49 @@ double times_better(double better, double worse) {
   return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
 }
 
+LevelPlace default_place(const KnobResult& result) {
+  return {result.knob.default_method, result.knob.default_level};
+}
+
+const LevelResult& at(const KnobResult& result, const LevelPlace& place) {
+  return result.methods[place.method].levels[place.level];
+}
+
 void judge_default(KnobResult& result) {
-  const std::size_t level = result.knob.default_level;
-  const LevelResult& mine = result.methods[result.knob.default_method].levels[level];
+  const LevelResult& mine = at(result, default_place(result));
   if (!mine.counts()) {
     result.default_behind = std::numeric_limits<double>::infinity();
     result.better_than_default = "any: the default fails, " + mine.failure;
     return;
   }
-  for_each_rival(result.methods, result.knob.levels_are_given, level,
-                 [&](const MethodResult& method, const LevelResult& rival) {
-                   if (!is_better(rival, mine)) return;
-                   const double behind =
-                       std::max(times_better(rival.time.median, mine.time.median),
-                                times_better(rival.error.median, mine.error.median));
-                   if (behind <= result.default_behind) return;
-                   result.default_behind = behind;
-                   result.better_than_default = method.name + ", " + rival.label;
-                 });
+  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
+    if (!is_better(rival, mine)) return;
+    const double behind = std::max(times_better(rival.time.median, mine.time.median),
+                                   times_better(rival.error.median, mine.error.median));
+    if (behind <= result.default_behind) return;
+    result.default_behind = behind;
+    result.better_than_default = result.methods[p.method].name + ", " + rival.label;
+  });
 }
 
-// The quickest level whose error is small enough, or the one with the smallest error.
+// The quickest level whose error is small enough, or the one with the smallest error. Of levels
+// that are about as quick as that, the default.
 std::optional<LevelPlace> recommend(const KnobResult& result) {
   std::optional<LevelPlace> best;
-  const auto at = [&](const LevelPlace& p) -> const LevelResult& {
-    return result.methods[p.method].levels[p.level];
-  };
+  const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
   const auto beats = [&](const LevelResult& a, const LevelResult& b) {
-    const bool a_will_do = a.error.median <= result.knob.enough;
-    const bool b_will_do = b.error.median <= result.knob.enough;
-    if (a_will_do != b_will_do) return a_will_do;
-    return a_will_do ? a.time.median < b.time.median : a.error.median < b.error.median;
+    if (will_do(a) != will_do(b)) return will_do(a);
+    return will_do(a) ? a.time.median < b.time.median : a.error.median < b.error.median;
   };
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      if (result.knob.levels_are_given && l != result.knob.default_level) continue;
-      const LevelResult& candidate = result.methods[m].levels[l];
-      if (!candidate.counts()) continue;
-      if (!best || beats(candidate, at(*best))) best = LevelPlace{m, l};
-    }
-  }
-  return best;
+  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
+    if (!best || beats(rival, at(result, *best))) best = p;
+  });
+  if (!best) return best;
+  const LevelResult& usual = at(result, default_place(result));
+  const bool usual_will_do =
+      usual.counts() && will_do(usual) &&
+      usual.time.median <= KnobResult::kNearFront * at(result, *best).time.median;
+  return usual_will_do ? default_place(result) : best;
 }
 
 constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};

@@ -1,0 +1,38 @@
+#include "engine/study/study_scene.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace palpate {
+
+std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m,
+                                        const Vec3& place_m) {
+  SceneDescription description;
+  description.meshes.push_back({"mesh", std::move(mesh.positions_m), std::move(mesh.triangles)});
+  description.nodes.emplace_back();
+  description.nodes.back().name = "mesh";
+  description.nodes.back().translation_m = place_m;
+  description.tree.resize(1);
+  SceneSettings settings;
+  settings.proxy_radius_m = proxy_radius_m;
+  Result<Scene> scene = Scene::compile(std::move(description), settings);
+  if (!scene) {
+    // The meshes are our own: one that does not compile is a fault of this program.
+    std::fprintf(stderr, "palpate: %s\n", scene.error().to_string().c_str());
+    std::abort();
+  }
+  return std::make_shared<const Scene>(std::move(*scene));
+}
+
+double mean_edge_m(const TriangleMesh& mesh) {
+  double sum_m = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t e = 0; e < 3; ++e) {
+      sum_m += (mesh.positions_m[t[(e + 1) % 3]] - mesh.positions_m[t[e]]).norm();
+    }
+  }
+  return sum_m / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
+}  // namespace palpate
