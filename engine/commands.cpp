@@ -1,15 +1,13 @@
 #include "engine/commands.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <numbers>
 #include <optional>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
-#include "engine/effects_report.h"
+#include "engine/command_output.h"
 #include "engine/node_tree.h"
 #include "engine/path_picture.h"
 #include "engine/replay.h"
@@ -20,25 +18,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr int kBadInput = 2;
-
-int refuse(const Error& error) {
-  std::cerr << "palpate: " << error.to_string() << "\n";
-  return kBadInput;
-}
-
-// JSON for programs; a name in a file need not be UTF-8, and is then told with replacements.
-void print(const nlohmann::ordered_json& json) {
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
-}
-
-// The exit code once everything is told: output that got lost (a full disk) is no success.
-int finish_output() {
-  if (std::cout.flush()) return 0;
-  return refuse({ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
-                 "check where it goes and the space left"});
-}
 
 std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
                                  const std::vector<std::int64_t>& steps_ns) {
@@ -53,35 +32,6 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
   const Result<std::size_t> written = writer->finish();
   if (!written) return written.error();
   return std::nullopt;
-}
-
-// A bar on a terminal, nothing elsewhere.
-class ProgressBar {
- public:
-  explicit ProgressBar(std::string label)
-      : label_(std::move(label)), shown_(isatty(STDERR_FILENO)) {}
-  ~ProgressBar() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
-  }
-  void show(double share) const {
-    if (!shown_) return;
-    constexpr int kWidth = 40;
-    const int full = static_cast<int>(share * kWidth);
-    std::fprintf(stderr, "\r%s [%s%s] %3.0f %%", label_.c_str(), std::string(full, '#').c_str(),
-                 std::string(kWidth - full, ' ').c_str(), 100 * share);
-    std::fflush(stderr);
-  }
-
- private:
-  std::string label_;
-  bool shown_;
-};
-
-// Nothing that a file or a user meant is lost without a word.
-void tell_what_was_not_understood(const Scene& scene) {
-  for (const std::string& line : not_understood_lines(scene)) {
-    std::cerr << "palpate: " << line << "\n";
-  }
 }
 
 }  // namespace
@@ -128,12 +78,7 @@ int run(const RunCommand& command) {
   const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
   tell_what_was_not_understood(*scene);
-  std::error_code failed;
-  std::filesystem::create_directories(command.out_dir, failed);
-  if (failed) {
-    return refuse({ErrorCode::kFileUnwritable, command.out_dir, "--out", failed.message(),
-                   "name a folder that can be written to"});
-  }
+  if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
   std::vector<ExplorationRun> runs;
   for (const bool a4 : {false, true}) {
     if (command.options.a4 != "compare" && (command.options.a4 == "on") != a4) continue;

@@ -3,10 +3,13 @@
 // The subcommands of the program. Each returns the exit code: 0, 1 for a fault of ours, 2 for bad
 // arguments or bad input, which is told in one line on stderr.
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "engine/exploration.h"
 #include "engine/run_options.h"
+#include "engine/stability_limits.h"
 
 namespace palpate {
 
@@ -33,8 +36,19 @@ struct InfoCommand {
   bool json = false;
 };
 
+struct AccuracyCommand {
+  SceneOptions scene;  // of an empty path: none
+  RunOptions options;
+  DeviceMechanics device{0.1, 0.5, 20e-6, 0.02};  // as the simulated one
+  std::vector<std::string> knobs;                 // only these; empty: all
+  bool quick = false;
+  std::uint64_t seed = 1;
+  std::string out_dir = "accuracy";
+};
+
 int run(const RunCommand& command);
 int replay(const ReplayCommand& command);
 int info(const InfoCommand& command);
+int accuracy(const AccuracyCommand& command);
 
 }  // namespace palpate

@@ -14,8 +14,8 @@ namespace {
 constexpr int kOurFault = 1;
 constexpr int kBadArguments = 2;
 
-void add_scene(CLI::App& app, palpate::SceneOptions& scene) {
-  app.add_option("SCENE", scene.path, "glTF 2.0 file, .gltf or .glb")->required();
+void add_scene(CLI::App& app, palpate::SceneOptions& scene, bool is_required = true) {
+  app.add_option("SCENE", scene.path, "glTF 2.0 file, .gltf or .glb")->required(is_required);
   app.add_option("--node", scene.node,
                  "only this node and what is below it, by name or \"#number\" (info --list)");
   app.add_option("--scale", scene.scale, "times the size that the file has");
@@ -118,6 +118,50 @@ void add_replay(CLI::App& program, palpate::ReplayCommand& command) {
   app.add_flag("--json", command.json, "print the results as JSON");
 }
 
+void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
+  CLI::App& app = *program.add_subcommand(
+      "accuracy", "show what accuracy costs in time: a report of every knob, and of a scene");
+  command.options.damping_Ns_per_m = 0.0;
+  add_scene(app, command.scene, false);
+  app.add_flag("--quick", command.quick, "within a minute: coarser meshes, shorter paths");
+  app.add_option("--out", command.out_dir, "folder for report, tables and diagrams")
+      ->capture_default_str();
+  app.add_option("--knob", command.knobs, "only this knob; may be repeated")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--seed", command.seed, "of poses, paths and noise")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  palpate::RunOptions& run = command.options;
+  const char* of_scene = "With a SCENE";
+  app.add_option("--rate", run.rate_Hz, "servo rate, Hz")->capture_default_str()->group(of_scene);
+  app.add_option("--stiffness", run.stiffness_N_per_m,
+                 "coupling spring of surfaces without their own, N/m")
+      ->capture_default_str()
+      ->group(of_scene);
+  app.add_option("--damping", run.damping_Ns_per_m,
+                 "coupling damper of surfaces without their own, N s/m")
+      ->capture_default_str()
+      ->group(of_scene);
+  app.add_option("--radius", run.radius_m, "radius of the proxy, m; 0 is a point")
+      ->capture_default_str()
+      ->group(of_scene);
+  palpate::DeviceMechanics& device = command.device;
+  app.add_option("--device-mass", device.mass_kg, "of the device at its tip, kg")
+      ->capture_default_str()
+      ->group(of_scene);
+  app.add_option("--device-damping", device.damping_Ns_per_m, "viscous, of the device, N s/m")
+      ->capture_default_str()
+      ->group(of_scene);
+  app.add_option("--device-friction", device.coulomb_friction_N, "Coulomb, of the device, N")
+      ->capture_default_str()
+      ->group(of_scene);
+  app.add_option("--encoder-quantum", device.encoder_quantum_m,
+                 "step of the positions that are read, m; 0 for none")
+      ->capture_default_str()
+      ->group(of_scene);
+}
+
 // CLI11 takes an empty value for none and keeps the default: `--stiffness "$K"` with K not set.
 bool has_empty_argument(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
@@ -141,6 +185,8 @@ int run_program(int argc, char** argv) {
   palpate::InfoCommand info;
   add_run(program, run);
   add_replay(program, replay);
+  palpate::AccuracyCommand accuracy;
+  add_accuracy(program, accuracy);
   CLI::App& info_app = *program.add_subcommand("info", "tell what a scene is made of");
   add_scene(info_app, info.scene);
   info_app.add_flag("--list", info.list, "the tree of nodes instead");
@@ -152,13 +198,15 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     std::string problem = error.what();
     if (program.get_subcommands().empty() && !program.remaining().empty()) {
-      problem = program.remaining().front() + ": is no subcommand; expected run, replay or info";
+      problem = program.remaining().front() +
+                ": is no subcommand; expected run, replay, info or accuracy";
     }
     std::replace(problem.begin(), problem.end(), '\n', ' ');
     std::cerr << "palpate: " << problem << " (palpate --help tells more)\n";
     return kBadArguments;
   }
   if (program.got_subcommand("run")) return palpate::run(run);
+  if (program.got_subcommand("accuracy")) return palpate::accuracy(accuracy);
   if (program.got_subcommand("replay")) return palpate::replay(replay);
   return palpate::info(info);
 }

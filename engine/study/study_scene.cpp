@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m,
-                                        const Vec3& place_m) {
+Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m,
+                                                  const Vec3& place_m) {
   SceneDescription description;
   description.meshes.push_back({"mesh", std::move(mesh.positions_m), std::move(mesh.triangles)});
   description.nodes.emplace_back();
@@ -17,12 +17,18 @@ std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   Result<Scene> scene = Scene::compile(std::move(description), settings);
+  if (!scene) return scene.error();
+  return std::make_shared<const Scene>(std::move(*scene));
+}
+
+std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m,
+                                        const Vec3& place_m) {
+  const auto scene = compile_mesh(std::move(mesh), proxy_radius_m, place_m);
   if (!scene) {
-    // The meshes are our own: one that does not compile is a fault of this program.
     std::fprintf(stderr, "palpate: %s\n", scene.error().to_string().c_str());
     std::abort();
   }
-  return std::make_shared<const Scene>(std::move(*scene));
+  return *scene;
 }
 
 double mean_edge_m(const TriangleMesh& mesh) {

@@ -6,12 +6,17 @@
 #include <memory>
 
 #include "engine/scene.h"
+#include "geometry/result.h"
 #include "models/primitives.h"
 
 namespace palpate {
 
 // One node with this mesh at that place, without effects; compiled as a file's scene is.
 // place_m: translation of the node.
+Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m = 0.0,
+                                                  const Vec3& place_m = Vec3::Zero());
+
+// The same of a mesh that is the study's own: ends the program if it does not compile.
 std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                         const Vec3& place_m = Vec3::Zero());
 

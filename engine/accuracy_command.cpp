@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "engine/command_output.h"
+#include "engine/commands.h"
+#include "engine/study/build_facts.h"
+#include "engine/study/human_units.h"
+#include "engine/study/knobs.h"
+#include "engine/study/measurement.h"
+#include "engine/study/scene_section.h"
+#include "engine/study/study_csv.h"
+#include "engine/study/study_plots.h"
+#include "engine/study/study_report.h"
+#include "engine/text_file.h"
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string option, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
+}
+
+// The knobs that were asked for, in the order of the report.
+Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
+                                       const std::vector<std::string>& names) {
+  std::vector<Knob> all = all_knobs(effort);
+  if (names.empty()) return all;
+  std::string known;
+  for (const Knob& knob : all) known += (known.empty() ? "" : ", ") + knob.name;
+  std::vector<Knob> chosen;
+  for (const std::string& name : names) {
+    const bool is_known =
+        std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
+    if (!is_known) return invalid("--knob", "\"" + name + "\" is none of " + known);
+  }
+  for (Knob& knob : all) {
+    if (std::find(names.begin(), names.end(), knob.name) != names.end()) {
+      chosen.push_back(std::move(knob));
+    }
+  }
+  return chosen;
+}
+
+std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyEffort& effort) {
+  const ProgressBar bar("accuracy");
+  std::vector<KnobResult> results;
+  for (std::size_t i = 0; i < knobs.size(); ++i) {
+    const auto of_all = [&](double share) {
+      return (static_cast<double>(i) + share) / static_cast<double>(knobs.size());
+    };
+    bar.show(knobs[i].name, of_all(0.0));
+    results.push_back(
+        measure(knobs[i], effort, [&](double share) { bar.show(knobs[i].name, of_all(share)); }));
+  }
+  return results;
+}
+
+// The rates that the machine keeps, or that of the loop if it keeps none.
+std::vector<double> rates_kept_Hz(const SafeRate& safe, double rate_Hz) {
+  std::vector<double> rates;
+  for (const RateTrial& trial : safe.trials) {
+    if (trial.passed()) rates.push_back(trial.rate_Hz);
+  }
+  if (rates.empty()) rates.push_back(rate_Hz);
+  return rates;
+}
+
+Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& command,
+                               const RunSetup& setup, const StudyEffort& effort) {
+  SceneFindings findings;
+  findings.path = command.scene.path;
+  findings.device = command.device;
+  findings.rate_Hz = command.options.rate_Hz;
+  const auto verdicts =
+      judge_couplings(couplings_of(scene, setup.haptics.coupling), command.device, {setup.dt_s, 0});
+  if (!verdicts) return verdicts.error();
+  findings.verdicts = *verdicts;
+  const ProgressBar bar("scene");
+  Result<SceneStudy> study =
+      study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
+  if (!study) return study.error();
+  findings.study = std::move(*study);
+  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.options.rate_Hz)) {
+    const auto limits = stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m,
+                                         {1.0 / rate_Hz, 0});
+    if (!limits) return limits.error();
+    findings.by_rate.push_back({rate_Hz, *limits});
+  }
+  return findings;
+}
+
+StudyReport report_of(const std::vector<KnobResult>& results, const StudyEffort& effort) {
+  StudyReport report;
+  report.title = "What accuracy costs in time";
+  report.introduction =
+      "Each knob of the engine is turned from coarse to fine while a simulated hand or device does "
+      "the same. Errors are measured against a closed form where there is one, times on the path "
+      "that programs run. Points are medians of " +
+      std::to_string(StudyEffort::kRepeats) +
+      " repeats over ticks in contact, whiskers their quartiles; down and to the left is better.";
+  report.facts = build_facts();
+  report.facts.emplace_back("Seed", std::to_string(effort.seed));
+  report.facts.emplace_back("Repeats", std::to_string(StudyEffort::kRepeats));
+  report.facts.emplace_back("Effort", effort.quick ? "quick" : "full");
+  report.chapters = chapters_of(results);
+  return report;
+}
+
+// CSV, a diagram for each knob, and the page.
+std::optional<Error> write_results(const std::vector<KnobResult>& results,
+                                   const std::optional<SceneFindings>& findings,
+                                   const StudyEffort& effort, const std::string& folder) {
+  if (const auto csv = write_study_csv(results, folder + "/raw.csv"); !csv) return csv.error();
+  std::optional<Error> no_picture;
+  for (const KnobResult& result : results) {
+    const auto svg = work_precision_svg(result);
+    if (!svg) {
+      no_picture = svg.error();
+      continue;
+    }
+    const auto written = write_text_file(folder + "/" + result.knob.name + ".svg", *svg);
+    if (!written) return written.error();
+  }
+  if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
+  StudyReport report = report_of(results, effort);
+  if (findings) {
+    report.sections.push_back(scene_section(*findings));
+    const auto written = write_text_file(folder + "/scene.csv", scene_csv(*findings));
+    if (!written) return written.error();
+  }
+  const auto written = write_text_file(folder + "/report.html", report_html(report));
+  return written ? std::nullopt : std::optional<Error>(written.error());
+}
+
+std::string order_text(const KnobResult& result) {
+  std::ostringstream text;
+  for (const MethodResult& method : result.methods) {
+    if (!method.expected_order || !method.order) continue;
+    text << (text.tellp() > 0 ? "; " : "") << method.name << " " << short_number(*method.order)
+         << " (" << short_number(*method.expected_order) << ")";
+  }
+  return text.str();
+}
+
+std::string knob_text(const KnobResult& result) {
+  std::ostringstream text;
+  const LevelResult& usual =
+      result.methods[result.knob.default_method].levels[result.knob.default_level];
+  text << "  " << result.knob.name << ": default " << usual.label << ", error "
+       << human(usual.error.median, result.knob.error.unit) << ", "
+       << human(usual.time.median, result.knob.time.unit)
+       << (result.default_is_near_front() ? ", on the front" : ", off the front");
+  if (result.recommended) {
+    const MethodResult& method = result.methods[result.recommended->method];
+    text << "; recommended " << method.levels[result.recommended->level].label << " ("
+         << method.name << ")";
+  }
+  const std::string orders = order_text(result);
+  if (!orders.empty()) text << "; order " << orders;
+  return text.str() + "\n";
+}
+
+}  // namespace
+
+int accuracy(const AccuracyCommand& command) {
+  const Result<RunSetup> setup = make_setup(command.options);
+  if (!setup) return refuse(setup.error());
+  const StudyEffort effort{command.quick, command.seed};
+  Result<std::vector<Knob>> knobs = chosen_knobs(effort, command.knobs);
+  if (!knobs) return refuse(knobs.error());
+  if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
+
+  std::optional<Scene> scene;
+  std::optional<SceneFindings> findings;
+  if (!command.scene.path.empty()) {
+    Result<Scene> loaded = load_scene(command.scene, command.options);
+    if (!loaded) return refuse(loaded.error());
+    scene.emplace(std::move(*loaded));
+    tell_what_was_not_understood(*scene);
+    Result<SceneFindings> found = find_out(*scene, command, *setup, effort);
+    if (!found) {
+      Error error = found.error();
+      if (error.path.empty()) error.path = command.scene.path;
+      return refuse(error);
+    }
+    findings = std::move(*found);
+    auto resolution = simplification_knob(*scene, *setup, effort, findings->no_simplification);
+    if (resolution) knobs->push_back(std::move(*resolution));
+  }
+
+  const std::vector<KnobResult> results = measure_all(*knobs, effort);
+  if (const auto error = write_results(results, findings, effort, command.out_dir)) {
+    return refuse(*error);
+  }
+  for (const KnobResult& result : results) std::cout << knob_text(result);
+  if (findings) std::cout << scene_text(*findings);
+  std::cout << "report.html, raw.csv and a diagram a knob in " << command.out_dir << "/\n";
+  return finish_output();
+}
+
+}  // namespace palpate

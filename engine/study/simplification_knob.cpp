@@ -1,0 +1,192 @@
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <meshoptimizer.h>
+#include <utility>
+
+#include "engine/exploration.h"
+#include "engine/study/proxy_reference.h"
+#include "engine/study/scene_study.h"
+#include "engine/study/session_pass.h"
+#include "engine/study/study_scene.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kHalvings = 6;
+constexpr std::size_t kLeastTriangles = 64;  // fewer are no shape any more
+
+// All triangles of the scene; corners count from its middle, where single precision has the most
+// digits for the simplifier.
+struct Merged {
+  TriangleMesh mesh;
+  Vec3 middle_m;
+};
+
+Merged merged(const Scene& scene) {
+  Merged all;
+  scene.append_triangles_scene(all.mesh.positions_m, all.mesh.triangles);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : all.mesh.positions_m) box.extend(p);
+  all.middle_m = box.center();
+  return all;
+}
+
+// With about that many triangles, as near to the surface as it can be had. Corners that no triangle
+// has any more are left out.
+TriangleMesh simplified(const Merged& all, std::size_t triangles) {
+  std::vector<std::array<float, 3>> corners;
+  corners.reserve(all.mesh.positions_m.size());
+  for (const Vec3& p : all.mesh.positions_m) {
+    const Eigen::Vector3f c = (p - all.middle_m).cast<float>();
+    corners.push_back({c.x(), c.y(), c.z()});
+  }
+  std::vector<std::uint32_t> indices;
+  for (const Triangle& t : all.mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
+  std::vector<std::uint32_t> kept(indices.size());
+  constexpr float kAnyError = 1.0f;  // relative to the extent: the number of triangles decides
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), corners.front().data(),
+                               corners.size(), sizeof corners.front(), 3 * triangles, kAnyError));
+  TriangleMesh mesh;
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> place(corners.size(), kNone);
+  for (std::uint32_t& corner : kept) {
+    if (place[corner] == kNone) {
+      place[corner] = static_cast<std::uint32_t>(mesh.positions_m.size());
+      mesh.positions_m.push_back(all.mesh.positions_m[corner]);
+    }
+    corner = place[corner];
+  }
+  for (std::size_t i = 0; i + 2 < kept.size(); i += 3) {
+    mesh.triangles.push_back({kept[i], kept[i + 1], kept[i + 2]});
+  }
+  return mesh;
+}
+
+// The hands' paths, and the proxies on the whole mesh.
+class Hands {
+ public:
+  Hands(std::shared_ptr<const Scene> whole, const RunSetup& setup, double seconds)
+      : whole_(std::move(whole)), setup_(setup), seconds_(seconds) {
+    setup_.moves.clear();
+  }
+
+  Sample run(const Scene& scene, std::uint64_t seed, const Accuracy& accuracy) {
+    const std::vector<Vec3>& path_m =
+        paths_.get(seed % kHands, [&] { return path_of(seed % kHands); });
+    const std::vector<Vec3>& whole_m =
+        proxies_.get(seed % kHands, [&] { return proxies_on_whole(path_m); });
+    RootMeanSquare off_m;
+    const PassCost cost = run_path(scene.world(), setup_with(accuracy), path_m, setup_.dt_s, 0,
+                                   [&](const TickRecord& record) {
+                                     off_m.add((record.proxy_m - whole_m[record.tick]).norm());
+                                   });
+    return {off_m.value(), cost.tick_ns, cost.iterations, cost.ticks, failure_of(cost.faults)};
+  }
+
+ private:
+  static constexpr std::uint64_t kHands = 7;
+
+  PassSetup setup_with(const Accuracy& accuracy) const {
+    PassSetup setup{setup_.actuation, setup_.haptics};
+    setup.haptics.god_object.accuracy = accuracy;
+    return setup;
+  }
+  std::vector<Vec3> path_of(std::uint64_t seed) const {
+    ExplorationSettings exploration;
+    exploration.seconds = seconds_;
+    exploration.virtual_time = true;
+    exploration.seed = seed;
+    std::vector<Vec3> path_m;
+    const auto run = explore(*whole_, setup_, exploration, [](double) {});
+    if (run) {
+      for (const TickRecord& record : run->records) path_m.push_back(record.device_m);
+    }
+    return path_m;
+  }
+  // Of every tick, in contact or not.
+  std::vector<Vec3> proxies_on_whole(const std::vector<Vec3>& path_m) const {
+    const PassSetup setup = setup_with(Accuracy::exact());
+    HapticLoop loop(whole_->world(), setup.actuation, setup.haptics);
+    std::vector<Vec3> proxies_m;
+    for (const Vec3& p : path_m) proxies_m.push_back(loop.tick(p, setup_.dt_s).proxy_m);
+    return proxies_m;
+  }
+
+  std::shared_ptr<const Scene> whole_;
+  RunSetup setup_;
+  double seconds_;
+  ProxyReference paths_, proxies_;
+};
+
+std::string label_of(std::size_t triangles) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%zu triangles", triangles);
+  return text;
+}
+
+}  // namespace
+
+std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
+                                        const StudyEffort& effort, std::string& why) {
+  auto all = std::make_shared<Merged>(merged(scene));
+  const std::size_t triangles = all->mesh.triangles.size();
+  if (triangles > kMostSimplified || triangles < 4 * kLeastTriangles) {
+    why = "it has " + std::to_string(triangles) + " triangles; from " +
+          std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified) +
+          " are simplified";
+    return std::nullopt;
+  }
+  Knob knob;
+  knob.name = "scene_resolution";
+  knob.title = "Resolution of the scene's own mesh";
+  knob.level = {"mean edge", "m"};
+  knob.error = {"distance to the proxy on the whole mesh (rms)", "m"};
+  knob.time = {"time of a tick", "ns"};
+  knob.workload =
+      "A simulated hand that wanders over the scene, its effects left out, with the "
+      "device and the coupling given.";
+  knob.reference = "The same path on all triangles, preset exact.";
+  knob.floor_is = "the rounding of a file's coordinates to single precision";
+  knob.enough = 1e-4;
+  knob.enough_because = "0.1 mm is about what a hand on a desktop device can tell apart";
+  const double radius_m = setup.haptics.god_object.radius_m;
+  const auto whole_or_error = compile_mesh(all->mesh, radius_m);
+  if (!whole_or_error) {
+    why = whole_or_error.error().to_string();
+    return std::nullopt;
+  }
+  const std::shared_ptr<const Scene> whole = *whole_or_error;
+  const auto hands = std::make_shared<Hands>(whole, setup, effort.quick ? 2.5 : 5.0);
+  const double floor_m = float_floor_m(whole->world().size_m);
+  Method method{"simplified", {}, {}, floor_m};
+  const auto add = [&](const std::shared_ptr<const Scene>& level, double edge_m,
+                       std::size_t count) {
+    method.levels.push_back({edge_m, label_of(count), [=](std::uint64_t seed) {
+                               return hands->run(*level, seed, Accuracy::balanced());
+                             }});
+  };
+  std::size_t last = 0;
+  for (int halvings = kHalvings; halvings > 0; --halvings) {
+    const std::size_t target = triangles >> halvings;
+    if (target < kLeastTriangles) continue;
+    TriangleMesh coarse = simplified(*all, target);
+    // A mesh of many open edges cannot be simplified below them.
+    if (coarse.triangles.size() <= last || coarse.triangles.size() >= triangles) continue;
+    last = coarse.triangles.size();
+    const double edge_m = mean_edge_m(coarse);
+    // What is left of thin parts may have no area at all.
+    if (const auto level = compile_mesh(std::move(coarse), radius_m)) add(*level, edge_m, last);
+  }
+  add(whole, mean_edge_m(all->mesh), triangles);
+  knob.default_level = method.levels.size() - 1;
+  knob.methods.push_back(std::move(method));
+  knob.run_preset = [=](std::uint64_t seed, const Accuracy& preset) {
+    return hands->run(*whole, seed, preset);
+  };
+  return knob;
+}
+
+}  // namespace palpate
