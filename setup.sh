@@ -14,6 +14,8 @@ palpate_packages=(
 
 palpate_fuzz_packages=(clang libclang-rt-14-dev)  # for the preset fuzz alone
 
+palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
+
 say() { printf 'palpate: %s\n' "$*" >&2; }
 
 # install_missing_packages [PACKAGE...]: those of Palpate and the ones named, unless they are there;

@@ -1,9 +1,11 @@
 #include "engine/path_picture.h"
 
-#include <cstdio>
-#include <memory>
+#include <algorithm>
 #include <numbers>
 #include <sstream>
+
+#include "engine/gnuplot.h"
+#include "engine/text_file.h"
 
 namespace palpate {
 namespace {
@@ -14,6 +16,10 @@ constexpr std::size_t kPointsPerCurve = 2500;
 // Okabe and Ito's colour-blind-safe blue and vermillion.
 constexpr const char* kPathColour = "#0072B2";
 constexpr const char* kContourColour = "#D55E00";
+
+constexpr int kRunWidthPx = 480;
+constexpr int kHeightPx = 780;
+constexpr int kFontPx = 13;
 
 std::size_t stride_of(const ExplorationRun& run) {
   return std::max<std::size_t>(1, run.records.size() / kPointsPerCurve);
@@ -53,28 +59,16 @@ void write_angles(std::ostream& out, const std::string& name, const ExplorationR
   out << "EOD\n";
 }
 
-std::string quoted(const std::string& text) {
-  std::string safe = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') safe += '\\';
-    safe += c;
-  }
-  return safe + "\"";
-}
-
-std::string script(const std::vector<ExplorationRun>& runs, const std::string& scene_name,
-                   const std::string& svg_path) {
+std::string script(const std::vector<ExplorationRun>& runs, const std::string& scene_name) {
   std::ostringstream out;
-  out << "set terminal svg size " << 480 * runs.size() << ",780 font 'sans,13' background 'white'\n"
-      << "set output " << quoted(svg_path) << "\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string n = std::to_string(i);
     write_path(out, "$path" + n, runs[i]);
     write_contour(out, "$contour" + n, runs[i]);
     write_angles(out, "$angle" + n, runs[i]);
   }
-  out << "set multiplot layout 2," << runs.size() << " rowsfirst title " << quoted(scene_name)
-      << " noenhanced\n"
+  out << "set multiplot layout 2," << runs.size() << " rowsfirst title "
+      << gnuplot_quoted(scene_name) << "\n"
       << "set grid lc rgb '#dddddd'\nset key below spacing 1.3\n"
       << "set size ratio -1\nset xrange [] reverse\nset offsets graph 0.05,0.05,0.05,0.05\n"
       << "set xtics 0.1\nset ytics 0.1\n"
@@ -102,16 +96,13 @@ std::string script(const std::vector<ExplorationRun>& runs, const std::string& s
 
 Result<std::string> write_path_picture(const std::vector<ExplorationRun>& runs,
                                        const std::string& scene_name, const std::string& svg_path) {
-  const auto failed = [&](const std::string& why) {
-    return Error{ErrorCode::kFileUnwritable, svg_path, "picture", why,
-                 "install gnuplot-nox; the traces are complete without it"};
-  };
-  const std::string text = script(runs, scene_name, svg_path);
-  FILE* const gnuplot = popen("gnuplot 2>/dev/null", "w");
-  if (!gnuplot) return failed("gnuplot could not be started");
-  const bool written = std::fwrite(text.data(), 1, text.size(), gnuplot) == text.size();
-  if (pclose(gnuplot) != 0 || !written) return failed("gnuplot did not draw it");
-  return svg_path;
+  const int width_px = kRunWidthPx * static_cast<int>(runs.size());
+  const auto svg = gnuplot_svg(script(runs, scene_name), width_px, kHeightPx, kFontPx);
+  if (svg) return write_text_file(svg_path, *svg);
+  Error error = svg.error();
+  error.path = svg_path;
+  error.hint += "; the traces are complete without it";
+  return error;
 }
 
 }  // namespace palpate

@@ -1,0 +1,123 @@
+#include "engine/gnuplot.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/printable.h"
+
+extern char** environ;
+
+namespace palpate {
+namespace {
+
+constexpr const char* kHint = "install gnuplot-nox";
+constexpr int kNotFound = 127;  // what a process exits with that could not become a program
+
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+// A file that has no name, so that nothing is left behind whatever happens.
+using NamelessFile = std::unique_ptr<std::FILE, Close>;
+
+NamelessFile nameless_file() {
+  return NamelessFile(std::tmpfile());
+}
+
+Error gnuplot_error(const std::string& problem) {
+  return {ErrorCode::kUnsupported, "", "gnuplot", problem, kHint};
+}
+
+std::string content_of(std::FILE* file) {
+  std::string content;
+  std::rewind(file);
+  std::array<char, 1 << 16> buffer;
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file)) {
+    content.append(buffer.data(), count);
+  }
+  return content;
+}
+
+// Its complaints begin with a picture of where they are; the last line says what.
+std::string last_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  text.erase(0, text.rfind('\n') + 1);  // all of it if npos
+  text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
+  return printable(text);
+}
+
+// Standard input, output and error of a process to be.
+class Streams {
+ public:
+  Streams(std::FILE* in, std::FILE* out, std::FILE* err) {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawn_file_actions_adddup2(&actions_, fileno(in), STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions_, fileno(out), STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions_, fileno(err), STDERR_FILENO);
+  }
+  ~Streams() { posix_spawn_file_actions_destroy(&actions_); }
+  Streams(const Streams&) = delete;
+  Streams& operator=(const Streams&) = delete;
+
+  const posix_spawn_file_actions_t* get() const { return &actions_; }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+};
+
+// The exit code of gnuplot, kNotFound without one.
+int run_gnuplot(const Streams& streams) {
+  std::array<char, 8> name = {"gnuplot"};
+  std::array<char, 3> no_settings = {"-d"};
+  const std::array<char*, 3> arguments = {name.data(), no_settings.data(), nullptr};
+  pid_t process = 0;
+  if (posix_spawnp(&process, name.data(), streams.get(), nullptr, arguments.data(), environ) != 0) {
+    return kNotFound;
+  }
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0) {
+    if (errno != EINTR) return kNotFound;
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+}  // namespace
+
+Result<std::string> gnuplot_svg(const std::string& script, int width_px, int height_px,
+                                int font_px) {
+  const NamelessFile in = nameless_file(), out = nameless_file(), err = nameless_file();
+  if (!in || !out || !err) return gnuplot_error("there is no room for temporary files");
+  // `noenhanced`: an underscore in a name is no subscript.
+  const std::string all = "set encoding utf8\nset terminal svg noenhanced size " +
+                          std::to_string(width_px) + "," + std::to_string(height_px) +
+                          " font 'sans-serif," + std::to_string(font_px) +
+                          "' background 'white'\n" + script + "\nunset output\n";
+  if (std::fwrite(all.data(), 1, all.size(), in.get()) != all.size() ||
+      std::fflush(in.get()) != 0) {
+    return gnuplot_error("there is no room for temporary files");
+  }
+  std::rewind(in.get());
+  const int code = run_gnuplot(Streams(in.get(), out.get(), err.get()));
+  if (code == kNotFound) return gnuplot_error("could not be started");
+  std::string svg = content_of(out.get());
+  if (code != 0) return gnuplot_error("did not draw: " + last_line(content_of(err.get())));
+  if (svg.find("</svg>") == std::string::npos) return gnuplot_error("drew no complete picture");
+  return svg;
+}
+
+std::string gnuplot_quoted(std::string_view text) {
+  // Not in double quotes, between which gnuplot runs what stands in backquotes.
+  std::string quoted = "'";
+  for (const char c : printable(text)) {
+    if (c == '\'') quoted += '\'';
+    quoted += c;
+  }
+  return quoted + "'";
+}
+
+}  // namespace palpate
