@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "engine/mass_damper.h"
 #include "haptics/haptic_loop.h"
 #include "tests/hard_case_proxy.h"
 #include "tests/random.h"
@@ -49,34 +50,7 @@ inline std::string device_name(const testing::TestParamInfo<HardDevice>& c) {
          "Actuators" + (c.param.radius_m == 0.0 ? "_Point" : "_Sphere");
 }
 
-// A mass on a viscous damper under a force that is held: exact between ticks. Device frame, SI.
-class MassDamper {
- public:
-  MassDamper(double mass_kg, double damping_Ns_per_m)
-      : mass_kg_(mass_kg), damping_Ns_per_m_(damping_Ns_per_m) {}
-
-  void put(const Vec3& at_m, const Vec3& velocity_m_per_s) {
-    position_m = at_m;
-    velocity_m_per_s_ = velocity_m_per_s;
-  }
-  void advance(const Vec3& force_N, double dt_s) {
-    const double rate = damping_Ns_per_m_ / mass_kg_;
-    const Vec3 terminal = force_N / damping_Ns_per_m_;
-    const Vec3 excess = velocity_m_per_s_ - terminal;
-    position_m += terminal * dt_s - excess * std::expm1(-rate * dt_s) / rate;
-    velocity_m_per_s_ = terminal + excess * std::exp(-rate * dt_s);
-  }
-  double kinetic_J() const { return 0.5 * mass_kg_ * velocity_m_per_s_.squaredNorm(); }
-
-  Vec3 position_m = Vec3::Zero();
-
- private:
-  double mass_kg_;
-  double damping_Ns_per_m_;
-  Vec3 velocity_m_per_s_ = Vec3::Zero();
-};
-
-// One axis with Coulomb friction as well, which sticks; exact between ticks.
+// MassDamper on one axis with Coulomb friction as well, which sticks; exact between ticks.
 class RubbingMass {
  public:
   RubbingMass(double mass_kg, double damping_Ns_per_m, double friction_N)

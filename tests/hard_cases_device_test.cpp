@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "engine/stability_limits.h"
 #include "tests/hard_case_device.h"
 #include "tests/hard_case_shapes.h"
 
@@ -22,7 +22,6 @@ using test::HardDevice;
 using test::JudgedLoop;
 using test::kDeg;
 using test::kTick_s;
-using test::MassDamper;
 using test::OwnedWorld;
 using test::posed;
 using test::Random;
@@ -41,32 +40,6 @@ class HardCase15_StiffnessAtItsLimit : public testing::TestWithParam<double> {
   static constexpr double kMass_kg = 0.1;
   static constexpr double kDeviceDamping = 0.5;    // N s/m
   static constexpr double kCouplingDamping = 1.0;  // N s/m
-
-  // Largest eigenvalue of one tick against a wall: state (x, v, x before), the force of K and of a
-  // backward difference held for the tick.
-  static double spectral_radius(double stiffness_N_per_m) {
-    const double rate = kDeviceDamping / kMass_kg;
-    const double decay = std::exp(-rate * kTick_s);
-    const double coast_s = -std::expm1(-rate * kTick_s) / rate;
-    const double speed_per_N = (1 - decay) / kDeviceDamping;
-    const double way_per_N = (kTick_s - coast_s) / kDeviceDamping;
-    const double now = -stiffness_N_per_m - kCouplingDamping / kTick_s;
-    const double before = kCouplingDamping / kTick_s;
-    Mat3 tick;
-    tick << 1 + way_per_N * now, coast_s, way_per_N * before,  //
-        speed_per_N * now, decay, speed_per_N * before,        //
-        1, 0, 0;
-    return tick.eigenvalues().cwiseAbs().maxCoeff();
-  }
-  static double limit_N_per_m() {
-    double stable = 100.0;
-    double unstable = 10000.0;
-    for (int halving = 0; halving < 60; ++halving) {
-      const double middle = 0.5 * (stable + unstable);
-      (spectral_radius(middle) < 1.0 ? stable : unstable) = middle;
-    }
-    return stable;
-  }
 
   // The amplitude in each of five windows of 100 ms, of a device that a steady hand presses on a
   // wall and that was knocked by a micrometre. The first window, in which other modes die, is left
@@ -87,10 +60,10 @@ class HardCase15_StiffnessAtItsLimit : public testing::TestWithParam<double> {
     for (int window = 0; window < 6; ++window) {
       double amplitude = 0.0;
       for (int n = 0; n < 100; ++n) {
-        const TickRecord& felt = loop.tick(plant.position_m, kTick_s);
+        const TickRecord& felt = loop.tick(plant.position_m(), kTick_s);
         EXPECT_TRUE(felt.contact);
         plant.advance(felt.force_device_N + hand_N, kTick_s);
-        amplitude = std::max(amplitude, std::abs(normal.dot(plant.position_m - rest_m)));
+        amplitude = std::max(amplitude, std::abs(normal.dot(plant.position_m() - rest_m)));
       }
       if (window > 0) amplitudes.push_back(amplitude);
     }
@@ -100,10 +73,10 @@ class HardCase15_StiffnessAtItsLimit : public testing::TestWithParam<double> {
 };
 
 TEST_P(HardCase15_StiffnessAtItsLimit, DecaysBelowAndGrowsAbove) {
-  const double limit = limit_N_per_m();
-  // To first order in T it is (b + B) / (T / 2).
-  const double first_order = 2 * (kDeviceDamping + kCouplingDamping) / kTick_s;
-  ASSERT_NEAR(limit, first_order, 0.01 * first_order);
+  const Result<StabilityLimits> limits =
+      stability_limits({kMass_kg, kDeviceDamping}, kCouplingDamping, {kTick_s});
+  ASSERT_TRUE(limits.ok());
+  const double limit = limits->stable_N_per_m;
   const std::vector<double> below = amplitudes_m(0.95 * limit, GetParam());
   const std::vector<double> above = amplitudes_m(1.05 * limit, GetParam());
   for (std::size_t window = 1; window < below.size(); ++window) {
@@ -266,8 +239,8 @@ TEST_P(HardCase17_UnevenTicks, LetAPassiveDeviceCalmDown) {
   double end_J = begin_J;
   for (int n = 0; n < 3000; ++n) {
     const double dt_s = uneven_tick_s(random);
-    plant.advance(loop.tick(plant.position_m, dt_s).force_device_N + hand_N, dt_s);
-    const Vec3 off_m = plant.position_m - rest_m;
+    plant.advance(loop.tick(plant.position_m(), dt_s).force_device_N + hand_N, dt_s);
+    const Vec3 off_m = plant.position_m() - rest_m;
     end_J = plant.kinetic_J() + 0.5 * stiffness_N_per_m * off_m.squaredNorm();
     ASSERT_LE(end_J, begin_J);
   }

@@ -1,0 +1,25 @@
+#pragma once
+
+// A flat square to press on, anywhere and facing anywhere.
+
+#include "engine/scene.h"
+#include "geometry/random.h"
+#include "geometry/result.h"
+
+namespace palpate {
+
+// Sheet frame: origin in its middle, z its front. The scene frame is the device's.
+struct PosedSheet {
+  Scene scene;
+  RigidTransform T_scene_sheet;
+
+  Vec3 normal() const { return T_scene_sheet.direction(Vec3::UnitZ()); }
+};
+
+inline constexpr double kSheetSize_m = 0.2;
+
+// In a random pose. friction: its coefficient, static and dynamic; 0 for none. An Error only where
+// the build lacks friction. Not for the haptic thread.
+Result<PosedSheet> posed_sheet(SeededRandom& random, double friction = 0.0);
+
+}  // namespace palpate
