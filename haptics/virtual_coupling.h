@@ -45,9 +45,12 @@ class VirtualCoupling {
   // the difference of one tick, so that what they take stays exact. Zero on the first tick of a
   // contact, which has no difference to take. lag_m: proxy minus goal.
   Vec3 lag_rate_m_per_s(const Vec3& lag_m, double dt_s) noexcept {
-    if (!is_one_tick_) return estimator_.add(lag_m, dt_s);
     Vec3 rate = Vec3::Zero();
-    if (had_contact_) rate = (lag_m - last_lag_m_) / dt_s;
+    if (!is_one_tick_) [[unlikely]] {
+      rate = estimator_.add(lag_m, dt_s);
+    } else if (had_contact_) {
+      rate = (lag_m - last_lag_m_) / dt_s;
+    }
     had_contact_ = true;
     last_lag_m_ = lag_m;
     return rate;
