@@ -27,30 +27,28 @@ Vec3 VelocityEstimator::add(const Vec3& position_m, double dt_s) noexcept {
     count_ = 1;
     return Vec3::Zero();
   }
-  const Time time = back(0).time.plus(dt_s);
+  const Sample last{position_m, back(0).time.plus(dt_s)};
   ++newest_;
-  samples_[newest_ % kCapacity] = {position_m, time};
+  samples_[newest_ % kCapacity] = last;
   count_ = std::min(count_ + 1, window_ + 1);
   switch (method_) {
     case VelocityMethod::kLineFit:
-      return line_fit(count_ - 1);
+      return line_fit(last, count_ - 1);
     case VelocityMethod::kAdaptive:
-      return adaptive(count_ - 1);
+      return adaptive(last, count_ - 1);
     default:
-      return difference(count_ - 1);
+      return difference(last, count_ - 1);
   }
 }
 
-Vec3 VelocityEstimator::difference(std::size_t window) const noexcept {
+Vec3 VelocityEstimator::difference(const Sample& last, std::size_t window) const noexcept {
   const Sample& first = back(window);
-  const Sample& last = back(0);
   return (last.position_m - first.position_m) / first.time.seconds_to(last.time);
 }
 
 // With s and r the time and the way from a sample to the newest one, and m = w + 1 of them:
 // (m sum(s r) - sum(s) sum(r)) / (m sum(s s) - sum(s)^2).
-Vec3 VelocityEstimator::line_fit(std::size_t window) const noexcept {
-  const Sample& last = back(0);
+Vec3 VelocityEstimator::line_fit(const Sample& last, std::size_t window) const noexcept {
   double s_sum = 0.0;
   double ss_sum = 0.0;
   Vec3 r_sum = Vec3::Zero();
@@ -70,8 +68,7 @@ Vec3 VelocityEstimator::line_fit(std::size_t window) const noexcept {
 
 // From the newest sample back, each sample leaves less room for the slope of a line that passes it
 // closely enough: one pass finds all windows that will do.
-Vec3 VelocityEstimator::adaptive(std::size_t window) const noexcept {
-  const Sample& last = back(0);
+Vec3 VelocityEstimator::adaptive(const Sample& last, std::size_t window) const noexcept {
   const Vec3 near_m = Vec3::Constant(half_quantum_m_);
   Vec3 least = Vec3::Constant(-std::numeric_limits<double>::infinity());
   Vec3 most = -least;
@@ -80,12 +77,13 @@ Vec3 VelocityEstimator::adaptive(std::size_t window) const noexcept {
     const Sample& sample = back(k);
     const double s = sample.time.seconds_to(last.time);
     const Vec3 r = last.position_m - sample.position_m;
-    const Vec3 slope = r / s;
+    const double per_s = 1.0 / s;
+    const Vec3 slope = per_s * r;
     if ((slope.array() >= least.array()).all() && (slope.array() <= most.array()).all()) {
       velocity_m_per_s = slope;
     }
-    least = least.cwiseMax(Vec3((r - near_m) / s));
-    most = most.cwiseMin(Vec3((r + near_m) / s));
+    least = least.cwiseMax(Vec3(slope - per_s * near_m));
+    most = most.cwiseMin(Vec3(slope + per_s * near_m));
     if ((least.array() > most.array()).any()) break;
   }
   return velocity_m_per_s;

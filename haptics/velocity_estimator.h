@@ -71,9 +71,10 @@ class VelocityEstimator {
 
   // k = 0: the newest.
   const Sample& back(std::size_t k) const noexcept { return samples_[(newest_ - k) % kCapacity]; }
-  Vec3 difference(std::size_t window) const noexcept;
-  Vec3 line_fit(std::size_t window) const noexcept;
-  Vec3 adaptive(std::size_t window) const noexcept;
+  // last: the newest, not read back from where it was just stored.
+  Vec3 difference(const Sample& last, std::size_t window) const noexcept;
+  Vec3 line_fit(const Sample& last, std::size_t window) const noexcept;
+  Vec3 adaptive(const Sample& last, std::size_t window) const noexcept;
 
   VelocityMethod method_;
   std::size_t window_;
