@@ -56,6 +56,16 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
   app.add_option("--damping", options.damping_Ns_per_m,
                  "coupling damper of surfaces without their own, N s/m")
       ->capture_default_str();
+  app.add_option("--velocity-estimator", options.velocity_estimator,
+                 "of the damper: difference over the window, straight line fitted to it, or "
+                 "adaptive: the longest window that is straight to an encoder's step")
+      ->check(CLI::IsMember({"difference", "line", "adaptive"}))
+      ->capture_default_str();
+  app.add_option("--velocity-window", options.velocity_window_ticks,
+                 "window of the damper's velocity, 1 to 63 ticks: longer is less noisy, and later")
+      ->capture_default_str();
+  app.add_option("--encoder-quantum", options.encoder_quantum_m,
+                 "step of the device's encoders, m, for the adaptive estimator");
   app.add_option("--radius", options.radius_m, "radius of the proxy, m; 0 is a point")
       ->capture_default_str();
   app.add_option("--plane-height", options.plane_height_m,

@@ -150,6 +150,28 @@ std::optional<Error> check_numbers(const RunOptions& o) {
   return std::nullopt;
 }
 
+Result<VelocitySettings> make_velocity(const RunOptions& options) {
+  VelocitySettings velocity;
+  velocity.method = options.velocity_estimator == "line"       ? VelocityMethod::kLineFit
+                    : options.velocity_estimator == "adaptive" ? VelocityMethod::kAdaptive
+                                                               : VelocityMethod::kDifference;
+  velocity.window_ticks = options.velocity_window_ticks;
+  if (velocity.window_ticks < 1 || velocity.window_ticks > VelocityEstimator::kMostTicks) {
+    return invalid("--velocity-window", std::to_string(velocity.window_ticks) +
+                                            " ticks given, expected 1 to " +
+                                            std::to_string(VelocityEstimator::kMostTicks));
+  }
+  if (options.encoder_quantum_m) {
+    velocity.encoder_quantum_m = *options.encoder_quantum_m;
+    if (auto e = check_number("--encoder-quantum", velocity.encoder_quantum_m, false)) return *e;
+  } else if (velocity.method == VelocityMethod::kAdaptive) {
+    return invalid("--velocity-estimator",
+                   "adaptive given without --encoder-quantum, by which it chooses its window",
+                   "give the step of the device's encoders, such as --encoder-quantum 2e-5");
+  }
+  return velocity;
+}
+
 }  // namespace
 
 Result<RunSetup> make_setup(const RunOptions& options) {
@@ -162,12 +184,14 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!accuracy) {
     return invalid("--accuracy", "\"" + options.accuracy + "\" is none of fast, balanced, exact");
   }
+  const auto velocity = make_velocity(options);
+  if (!velocity) return velocity.error();
   auto moves = parse_moves(options.moves);
   if (!moves) return moves.error();
   RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz, std::move(*moves)};
   setup.haptics.god_object.radius_m = options.radius_m;
   setup.haptics.god_object.accuracy = *accuracy;
-  setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m};
+  setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m, *velocity};
   setup.haptics.force = options.force == "none"   ? ForceMode::kNone
                         : options.force == "full" ? ForceMode::kFull
                                                   : ForceMode::kActuated;

@@ -30,6 +30,9 @@ struct RunOptions {
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = 1000.0;
   double damping_Ns_per_m = 0.0;
+  std::string velocity_estimator = "difference";
+  int velocity_window_ticks = 1;
+  std::optional<double> encoder_quantum_m;
   double radius_m = 0.0;
   double plane_height_m = 0.0;
   std::string place;               // "x y z qw qx qy qz": T_device_scene at the start

@@ -360,6 +360,7 @@ TEST_P(SilentTick, NeitherAllocatesNorLocksAtAnyStageOfATouch) {
   settings.god_object.radius_m = stage.radius_m;
   settings.force = stage.force;
   settings.a4.table1 = stage.table1;
+  if (stage.radius_m > 0.0) settings.coupling.velocity = {VelocityMethod::kAdaptive, 63, 2e-5};
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 1);
   HapticLoop loop(scene->world(), *ActuationModel::from_counts(stage.sensors, stage.actuators),
                   settings);

@@ -202,6 +202,9 @@ const std::vector<Told> kSharedOptions{{"--sensors", "2 or 3"},
                                        {"--rate", "Hz"},
                                        {"--stiffness", "N/m"},
                                        {"--damping", "N s/m"},
+                                       {"--velocity-estimator", "difference,line,adaptive"},
+                                       {"--velocity-window", "ticks"},
+                                       {"--encoder-quantum", " m"},
                                        {"--radius", " m"},
                                        {"--plane-height", " m"},
                                        {"--place", "x y z qw qx qy qz"},
@@ -256,6 +259,8 @@ TEST_F(CommandLine, TellsTheDefaultsOfTheTwoCommands) {
   expect_default(run, "--actuators", "[1");
   expect_default(run, "--stiffness", "=1000");
   expect_default(run, "--damping", "=2");
+  expect_default(run, "--velocity-window", "=1");
+  expect_default(run, "--velocity-estimator", "=difference");
   expect_default(run, "--a4", "=compare");
   expect_default(run, "--force", "=actuated");
   expect_default(run, "--out", "=out");
@@ -339,6 +344,20 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
   expect_refused(replay({"--place", "0 0 0 0 0 0 0"}), {"--place"});
   expect_refused(replay({"--place", "0 0 0 1 1 0 0"}), {"--place"});
   expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});
+}
+
+TEST_F(CommandLine, RefusesVelocitiesThatMakeNoSense) {
+  write_path();
+  for (const char* window : {"0", "-1", "64", "2.5", "long", "99999999999"}) {
+    expect_refused(replay({"--velocity-window", window}), {"--velocity-window"});
+  }
+  expect_refused(replay({"--velocity-estimator", "kalman"}), {"--velocity-estimator", "kalman"});
+  expect_refused(replay({"--velocity-estimator", "adaptive"}), {"adaptive", "--encoder-quantum"});
+  for (const char* quantum : {"0", "-1e-5", "nan", "inf"}) {
+    expect_refused(replay({"--velocity-estimator", "adaptive", "--encoder-quantum", quantum}),
+                   {"--encoder-quantum"});
+  }
+  expect_refused({"run", kStar, "--virtual", "--velocity-window", "64"}, {"--velocity-window"});
 }
 
 TEST_F(CommandLine, RefusesRunsThatMakeNoSense) {
@@ -477,6 +496,27 @@ TEST_F(CommandLine, MovesNodesTheSameWayEveryTime) {
   EXPECT_NE(moving, resting);
   EXPECT_EQ(trace({"--move", "star=0.2 0 0 0 0 3"}), moving);
   EXPECT_EQ(trace({"--move", "star=0 0 0 0 0 0"}), resting);
+}
+
+TEST_F(CommandLine, DampsByTheVelocityThatIsAskedFor) {
+  write_path();
+  const auto trace = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments =
+        replay({"--damping", "5", "--out", folder.path("trace.csv")});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_done(arguments);
+    return without_last_column(content_of(folder.path("trace.csv")));
+  };
+  const std::string one_tick = trace({});
+  const std::string longer = trace({"--velocity-window", "8"});
+  const std::string fitted = trace({"--velocity-window", "8", "--velocity-estimator", "line"});
+  const std::string adaptive = trace(
+      {"--velocity-window", "8", "--velocity-estimator", "adaptive", "--encoder-quantum", "1e-6"});
+  EXPECT_NE(longer, one_tick);
+  EXPECT_NE(fitted, longer);
+  EXPECT_NE(adaptive, longer);
+  EXPECT_NE(adaptive, fitted);
+  EXPECT_EQ(trace({"--velocity-window", "1", "--velocity-estimator", "line"}), one_tick);
 }
 
 TEST_F(CommandLine, RefusesMotionsThatAreNone) {

@@ -94,7 +94,8 @@ TEST(StiffnessAndDamping, AreThoseOfTheMaterialUnderTheProxy) {
         continue;
       }
       const int part = Patchwork::part_at(goal.x());
-      const auto& [K, B] = patchwork.couplings[part];
+      const double K = patchwork.couplings[part].stiffness_N_per_m;
+      const double B = patchwork.couplings[part].damping_Ns_per_m;
       const double rate = last_depth > 0.0 ? (depth - last_depth) / kDt_s : 0.0;
       const double expected = std::max(0.0, K * depth + B * rate);
       last_depth = depth;

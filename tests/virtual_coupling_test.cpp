@@ -67,6 +67,39 @@ TEST(VirtualCoupling, DampsByTheBackwardDifferenceOfTheLag) {
   }
 }
 
+TEST(VirtualCoupling, AWindowOfOneTickIsThatDifferenceToTheBitWhateverTheMethod) {
+  Random random(3205);
+  for (const VelocityMethod method :
+       {VelocityMethod::kDifference, VelocityMethod::kLineFit, VelocityMethod::kAdaptive}) {
+    VirtualCoupling coupling({1000.0, 2.0, {method, 1, 1e-5}});
+    Vec3 last_m = random.in_box(0.01);
+    ASSERT_EQ(coupling.lag_rate_m_per_s(last_m, kTick_s), Vec3(Vec3::Zero()));
+    for (int tick = 0; tick < 1000; ++tick) {
+      const Vec3 lag_m = random.in_box(0.01);
+      const double dt_s = random.uniform(1e-4, 1e-2);
+      ASSERT_EQ(coupling.lag_rate_m_per_s(lag_m, dt_s), Vec3((lag_m - last_m) / dt_s));
+      last_m = lag_m;
+    }
+  }
+}
+
+TEST(VirtualCoupling, DampsByTheEstimateThatItsSettingsAskFor) {
+  Random random(3206);
+  for (const VelocityMethod method :
+       {VelocityMethod::kDifference, VelocityMethod::kLineFit, VelocityMethod::kAdaptive}) {
+    const VelocitySettings velocity{method, 8, 1e-3};
+    VirtualCoupling coupling({1000.0, 2.0, velocity});
+    for (int contact = 0; contact < 10; ++contact) {
+      VelocityEstimator estimator(velocity);
+      for (int tick = 0; tick < 30; ++tick) {
+        const Vec3 lag_m = random.in_box(0.01);
+        ASSERT_EQ(coupling.lag_rate_m_per_s(lag_m, kTick_s), estimator.add(lag_m, kTick_s));
+      }
+      coupling.reset();
+    }
+  }
+}
+
 TEST(VirtualCoupling, NeverPullsIntoTheSurface) {
   Random random(3203);
   int would_have_pulled = 0;

@@ -34,15 +34,16 @@ Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& 
                   const Vec3& damped_m_per_s) noexcept {
   if (!state.is_held && feel.height_m == 0.0) {
     // A spring and a damper: as in bare contact, to the bit.
-    const VirtualCoupling coupling(feel.coupling);
-    return turned(coupling.force_N(lag_m, damped_m_per_s, state.normal), state.normal, feel.normal);
+    return turned(coupling_force_N(feel.coupling, lag_m, damped_m_per_s, state.normal),
+                  state.normal, feel.normal);
   }
   const Vec3 pressed_m = state.pressed_part(lag_m);
   const double depth_m = pressed_m.norm();
   const double deep_m = std::max(0.0, depth_m + feel.height_m);
   if (deep_m == 0.0) return Vec3::Zero();
   const Vec3 axis = pressed_m / depth_m;
-  const auto& [K, B] = feel.coupling;
+  const double K = feel.coupling.stiffness_N_per_m;
+  const double B = feel.coupling.damping_Ns_per_m;
   const double damped_axis = damped_m_per_s.dot(axis);
   double press_N = K * deep_m + B * damped_axis;
   const Vec3 tangential_m = lag_m - pressed_m;
