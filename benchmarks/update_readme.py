@@ -1,15 +1,21 @@
 #!/usr/bin/env python3
-"""Writes the README's measured tables from benchmarks/results, between two marker lines.
+"""Writes the README's measured tables from benchmarks/results, between two marker lines, and draws
+the figures that they show.
 
 update_readme.py [--check] [--readme FILE] [--results DIR]
 
---check changes nothing and exits with 1 if the table is not what the results say.
+--check changes nothing, draws nothing, and exits with 1 if a table or a figure is not what the results
+say.
 """
 
 import argparse
 import json
+import os
 import pathlib
 import sys
+
+sys.dont_write_bytecode = True  # no folder beside the sources
+import accuracy_results  # noqa: E402
 
 BEGIN = "<!-- measured:begin -->"
 END = "<!-- measured:end -->"
@@ -95,18 +101,22 @@ class BadInput(Exception):
 
 
 def read_result(path):
-    """The context and {(workload, triangles or class of inputs): counters} of one file of Google
-    Benchmark."""
+    """The context, {(workload, triangles or class of inputs): counters} and {(knob, method, level):
+    counters} of one file of Google Benchmark."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         context = document["context"]
         for key in ("cpu", "compiler", "flags", "commit", "num_cpus", "mhz_per_cpu", "date"):
             context[key]
-        runs = {}
+        runs, knobs = {}, {}
         for run in document["benchmarks"]:
             workload, subject = run["name"].split("/")[:2]
             if run.get("error_occurred"):
                 raise BadInput(f"{path}: {workload} failed: {run.get('error_message')}")
+            place = accuracy_results.read_row(run)
+            if place:
+                knobs[place] = run
+                continue
             if subject.isdigit():
                 subject = int(subject)
                 is_loading = any(workload == name for name, _, _, _ in LOADING)
@@ -115,7 +125,7 @@ def read_result(path):
             runs[workload, subject] = run
         if not sizes_of(runs):
             raise BadInput(f"{path}: no workload on a sphere in it")
-        return context, runs
+        return context, runs, knobs
     except (OSError, ValueError, KeyError) as error:
         raise BadInput(f"{path}: not a result of benchmarks/run.sh ({error!r})") from error
 
@@ -264,16 +274,47 @@ def objects_table(path):
             "32.1 deg).\n\n" + "\n".join(lines))
 
 
-def generate(results_directory):
+def figure_of(result_path):
+    return result_path.parent / result_path.stem / "accuracy.svg"
+
+
+def figure_line(knobs, result_path, readme):
+    if not accuracy_results.script(knobs):
+        return ""
+    where = pathlib.Path(os.path.relpath(figure_of(result_path), readme.resolve().parent))
+    return f"![Error against time of the main knobs; rings mark defaults.]({where.as_posix()})"
+
+
+def update_figures(results_directory, check):
+    """Draws what is missing or was drawn from something else, and removes what is of nothing."""
+    for path in sorted(results_directory.glob("*.json")):
+        figure = figure_of(path)
+        script = accuracy_results.script(read_result(path)[2])
+        if accuracy_results.is_figure_of(script, figure) if script else not figure.exists():
+            continue
+        if check:
+            raise BadInput(f"{figure}: is not what {path.name} says; run benchmarks/update_readme.py")
+        try:
+            if script:
+                accuracy_results.draw(script, figure)
+            else:
+                figure.unlink()
+        except OSError as error:
+            raise BadInput(f"{figure}: {error}; is gnuplot-nox installed?") from error
+        print(f"{'drew' if script else 'removed'} {figure}")
+
+
+def generate(results_directory, readme):
     paths = sorted(results_directory.glob("*.json"))
     if not paths:
         raise BadInput(f"{results_directory}: no results; benchmarks/run.sh makes them")
     sections = [objects_table(results_directory / "paper_objects" / "objects.json")]
     for path in paths:
-        context, runs = read_result(path)
+        context, runs, knobs = read_result(path)
         parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
                  ratio_table(runs), effect_table(runs), loading_table(runs), instance_table(runs),
-                 side_test_table(runs)]
+                 side_test_table(runs), accuracy_results.table(knobs),
+                 figure_line(knobs, path, readme)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)
 
@@ -297,7 +338,9 @@ def main():
             text = options.readme.read_text(encoding="utf-8")
         except OSError as error:
             raise BadInput(f"{options.readme}: {error.strerror}") from error
-        fresh = replace_between_markers(text, generate(options.results), options.readme)
+        fresh = replace_between_markers(text, generate(options.results.resolve(), options.readme),
+                                        options.readme)
+        update_figures(options.results.resolve(), options.check)
         if fresh == text:
             return 0
         if options.check:

@@ -128,7 +128,8 @@ KnobResult sample_integrator() {
 
 KnobResult sample_iterations() {
   Knob knob = sample_knob("solver_iterations", "Solver iterations", {"cap on steps", ""},
-                          {"distance to the converged proxy", "m"}, {"time of a tick", "ns"});
+                          {"largest distance of the path to that of the converged proxy", "m"},
+                          {"time of a tick", "ns"});
   Method method{"projected steps", {}, -2.0, 0.0};
   for (int n = 0; n < 9; ++n) {
     const int cap = 1 << n;

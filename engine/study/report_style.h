@@ -32,6 +32,7 @@ th, td { padding: .3rem .6rem; border-bottom: 1px solid var(--line); text-align:
 thead th { border-bottom: 2px solid #8c959f; vertical-align: bottom; }
 td.number, th.number { text-align: right; }
 td.number { white-space: nowrap; }
+th.number span { display: inline-block; max-width: 15em; }
 td .spread { color: var(--quiet); }
 td.first { min-width: 9em; }
 td.order { min-width: 12em; }

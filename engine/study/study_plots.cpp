@@ -15,8 +15,8 @@ namespace palpate {
 namespace {
 
 // Pixels. A panel, and within it the area of data; what is below is for ticks, label and legend.
-constexpr double kPanelWidth = 500.0;
-constexpr PixelBox kArea = {78.0, 34.0, 486.0, 364.0};
+constexpr double kPanelWidth = 516.0;
+constexpr PixelBox kArea = {98.0, 34.0, 504.0, 364.0};
 constexpr double kLegendTop = kArea.bottom + 64.0;
 constexpr double kLegendRow = 23.0;
 constexpr double kBottomMargin = 8.0;
@@ -34,7 +34,7 @@ constexpr double kSlopeBelow = 0.06;  // of the axis
 constexpr std::size_t kLongestLegend = 44;
 constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
 constexpr std::size_t kLongestLabel = 24;
-constexpr std::size_t kLongestAxisName = 34;
+constexpr std::size_t kLongestAxisLine = 42;
 constexpr std::size_t kMostNamedLevels = 3;
 
 // Okabe and Ito's colours, which the colour-blind tell apart, and gnuplot's filled points; the open
@@ -314,8 +314,18 @@ class Panel {
     out_ << ")\n";
   }
 
-  static std::string axis_title(const std::string& name, const PlotAxis& axis) {
-    return gnuplot_quoted(with_unit(shortened(name, kLongestAxisName), axis.unit()));
+  // A label in gnuplot's language; along the upright axis in two lines if need be.
+  static std::string across_label(const std::string& name, const PlotAxis& axis) {
+    return gnuplot_quoted(with_unit(shortened(name, kLongestAxisLine), axis.unit())) +
+           " offset 0,0.4";
+  }
+  static std::string upright_label(const std::string& name, const PlotAxis& axis) {
+    const std::string text = with_unit(name, axis.unit());
+    if (text.size() <= kLongestAxisLine) return gnuplot_quoted(text) + " offset 0.5,0";
+    std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
+    if (middle == std::string::npos) middle = 0;
+    return gnuplot_quoted(shortened(text.substr(0, middle), kLongestAxisLine)) + ".\"\\n\"." +
+           gnuplot_quoted(shortened(text.substr(middle), kLongestAxisLine)) + " offset -1.2,0";
   }
 
   void put_axes() {
@@ -324,8 +334,8 @@ class Panel {
          << ":" << y().end() << "]\n";
     put_ticks("xtics", x());
     put_ticks("ytics", y());
-    out_ << "set xlabel " << axis_title(across.name, x()) << " offset 0,0.4\nset ylabel "
-         << axis_title(knob().error.name, y()) << " offset 1,0\nset title '"
+    out_ << "set xlabel " << across_label(across.name, x()) << "\nset ylabel "
+         << upright_label(knob().error.name, y()) << "\nset title '"
          << (against_ == Against::kTime ? "error against time" : "error against level")
          << "' offset 0,-0.4\n";
   }
@@ -560,7 +570,7 @@ class Panel {
   void put_legend() {
     const std::vector<LegendEntry> entries = legend_of(result(), against_);
     const int rows = legend_rows(entries);
-    out_ << "set key at " << placing_.screen(kArea.left - 56.0, kLegendTop)
+    out_ << "set key at " << placing_.screen(kArea.left - 78.0, kLegendTop)
          << " left top Left reverse vertical maxrows " << rows << " samplen 2.2 spacing 1.1\n";
     for (const LegendEntry& entry : entries) {
       plots_ << ", \\\n  keyentry with " << entry.style << " title " << gnuplot_quoted(entry.title);

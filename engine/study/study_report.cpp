@@ -92,18 +92,19 @@ std::string order_summary(const KnobResult& result) {
     if (!text.empty()) text += "<br>";
     if (result.methods.size() > 1) text += html_escaped(method.name) + ": ";
     text += method.order ? order_number(*method.order) : "not fitted";
-    if (method.expected_order) text += " / " + short_number(*method.expected_order);
+    if (method.expected_order) text += "&nbsp;/&nbsp;" + short_number(*method.expected_order);
   }
   return text.empty() ? "-" : text;
 }
 
 std::string verdict_summary(const KnobResult& result) {
   if (result.default_behind <= 1.0) return element("span class=\"good\"", "on the front");
-  const std::string behind = factor_text(result.default_behind) + " behind";
+  const std::string behind =
+      factor_text(result.default_behind) + " behind " + html_escaped(result.better_than_default);
   if (result.default_is_near_front()) {
     return element("span class=\"good\"", "near it, " + behind);
   }
-  return element("span class=\"bad\"", behind);
+  return element("span class=\"bad\"", behind) + "<br>" + html_escaped(result.knob.default_because);
 }
 
 std::string preset_summary(const KnobResult& result, const LevelResult& preset) {
@@ -154,8 +155,12 @@ bool any_level(const KnobResult& result, bool (*is)(const LevelResult&)) {
   return false;
 }
 
-bool is_exact(const LevelResult& level) {
-  return level.counts() && level.error.median == 0.0;
+// Something that is in a grey band of its diagrams.
+bool has_zero(const LevelResult& level) {
+  return level.counts() && (!(level.error.median > 0.0) || !(level.time.median > 0.0));
+}
+bool is_at_zero(const LevelResult& level) {
+  return level.counts() && !(level.value > 0.0);
 }
 
 std::string caption(const KnobResult& result) {
@@ -168,8 +173,9 @@ std::string caption(const KnobResult& result) {
   }
   if (!any_level(result, [](const LevelResult& l) { return l.counts() && l.error.median > 0.0; })) {
     text += "No level has any error. ";
-  } else if (any_level(result, is_exact)) {
-    text += "The grey band holds errors of exactly 0, which a logarithmic axis has no place for. ";
+  } else if (any_level(result, has_zero) || any_level(result, is_at_zero) ||
+             std::any_of(result.presets.begin(), result.presets.end(), has_zero)) {
+    text += "A grey band holds what is exactly 0, which a logarithmic axis has no place for. ";
   }
   if (any_level(result, [](const LevelResult& l) { return !l.counts(); })) {
     text += "Levels that failed are not drawn; they are listed below. ";
@@ -259,15 +265,17 @@ std::string preset_rows(const KnobResult& result) {
   return rows;
 }
 
+std::string column(const std::string& name, const char* below) {
+  return element("th class=\"number\"", element("span", html_escaped(name)) + below);
+}
+
 std::string level_table(const KnobResult& result) {
   const Knob& knob = result.knob;
-  std::string out =
-      "<h3>Levels</h3>\n<div class=\"wide\"><table>\n<thead><tr><th>level</th>"
-      "<th class=\"number\">" +
-      html_escaped(knob.level.name) + "</th><th class=\"number\">" + html_escaped(knob.error.name) +
-      "<br>median [quartiles]</th><th class=\"number\">" + html_escaped(knob.time.name) +
-      "<br>median [quartiles]</th><th class=\"number\">iterations<br>a tick</th>"
-      "<th>marks</th></tr></thead>\n<tbody>\n";
+  constexpr const char* kStatistics = "<br>median [quartiles]";
+  std::string out = "<h3>Levels</h3>\n<div class=\"wide\"><table>\n<thead><tr><th>level</th>" +
+                    column(knob.level.name, "") + column(knob.error.name, kStatistics) +
+                    column(knob.time.name, kStatistics) + column("iterations", "<br>a tick") +
+                    "<th>marks</th></tr></thead>\n<tbody>\n";
   for (std::size_t m = 0; m < result.methods.size(); ++m) out += method_rows(result, m);
   return out + preset_rows(result) + "</tbody></table></div>\n";
 }
