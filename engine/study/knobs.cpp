@@ -7,12 +7,16 @@ namespace palpate {
 
 std::vector<Knob> all_knobs(const StudyEffort& effort) {
   std::vector<Knob> all;
-  for (const auto group : {solver_knobs, +arithmetic, mesh_knobs, servo_knobs, velocity_knobs,
-                           a4_knobs, effect_knobs}) {
-    std::vector<Knob> knobs = group(effort);
+  const auto add = [&](std::vector<Knob> knobs) {
     all.insert(all.end(), std::make_move_iterator(knobs.begin()),
                std::make_move_iterator(knobs.end()));
-  }
+  };
+  add(mesh_knobs(effort));
+  add(solver_knobs(effort));
+  add({narrow_phase_knob(effort), certification_knob(effort)});
+  add(servo_knobs(effort));
+  add(velocity_knobs(effort));
+  add(a4_knobs(effort));
   return all;
 }
 

@@ -126,8 +126,8 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
     knob.methods.push_back(std::move(method));
   };
   const int coarser = effort.quick ? 1 : 0;
-  add(
-      "sphere", [](int s) { return meshed_sphere(s); }, 2, 8 - coarser);
+  const auto sphere = [](int s) { return meshed_sphere(s); };
+  add("sphere", sphere, 3, 8 - coarser);
   add("torus", meshed_torus, 2, 7 - coarser);
   knob.default_method = 0;
   knob.default_level = 2;  // 20 thousand triangles
