@@ -42,6 +42,11 @@ std::string shown(const Spread& spread, const char* unit) {
          shown(spread.high, unit) + "]</span>";
 }
 
+// An error, or the floor that it is below.
+std::string error_text(double error_m, double floor_m) {
+  return error_m > floor_m ? human(error_m, "m") : "\u2264 " + human(floor_m, "m");
+}
+
 std::string flag(bool is_good, const char* good, const char* bad) {
   return is_good ? "<span class=\"good\">" + std::string(good) + "</span>"
                  : "<span class=\"bad\">" + std::string(bad) + "</span>";
@@ -57,16 +62,18 @@ std::string presets_html(const SceneStudy& study) {
   for (const PresetOnScene& p : study.presets) {
     table.row({html_escaped(p.name), shown(p.p50_ns, "ns"), shown(p.p99_ns, "ns"),
                shown(p.worst_ns, "ns"), short_number(p.iterations), std::to_string(p.capped_ticks),
-               shown(p.rms_error_m, "m"), shown(p.p99_error_m, "m"), shown(p.worst_error_m, "m"),
-               shown(p.worst_force_error_N, "N")});
+               error_text(p.rms_error_m, study.floor_m), error_text(p.p99_error_m, study.floor_m),
+               error_text(p.worst_error_m, study.floor_m), shown(p.worst_force_error_N, "N")});
   }
   std::ostringstream html;
   html << "<p>" << study.hands << " simulated hands wander over it for " << study.seconds
        << " s each, in contact for " << percent(study.contact_share)
        << " of that; each preset replays what they did " << study.repeats
        << " times. Times are those of ticks in contact: the median of the replays, and in brackets "
-          "their quartiles. Errors are distances to the proxy of <em>exact</em> in the same "
-          "tick.</p>\n"
+          "their quartiles. Errors are distances to the proxy of <em>exact</em> in the same tick; "
+          "below "
+       << shown(study.floor_m, "m")
+       << ", which is what a file rounds its coordinates to, they say nothing.</p>\n"
        << table.html();
   return html.str();
 }
@@ -210,17 +217,18 @@ std::string scene_text(const SceneFindings& f) {
   for (const PresetOnScene& p : f.study.presets) {
     text << "  " << p.name << std::string(10 - p.name.size(), ' ') << "tick "
          << human(p.p50_ns.median, "ns") << " / 99 % " << human(p.p99_ns.median, "ns")
-         << " / worst " << human(p.worst_ns.median, "ns") << ", error " << human(p.rms_error_m, "m")
-         << " rms, " << human(p.worst_error_m, "m") << " at worst\n";
+         << " / worst " << human(p.worst_ns.median, "ns") << ", error "
+         << error_text(p.rms_error_m, f.study.floor_m) << " rms, "
+         << error_text(p.worst_error_m, f.study.floor_m) << " at worst\n";
   }
   const double rate_Hz = f.study.safe_rate.rate_Hz();
   text << "  highest safe servo rate here: "
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
     text << "  " << v.surface.name << ": K " << human(v.surface.coupling.stiffness_N_per_m, "N/m")
-         << (v.is_passive ? " is passive" : " is not passive") << " (below "
-         << human(v.limits.passive_N_per_m, "N/m") << ") and "
-         << (v.is_stable ? "stable" : "not stable") << " (below "
+         << ", " << (v.is_passive ? "passive" : "not passive") << " (limit "
+         << human(v.limits.passive_N_per_m, "N/m") << "), "
+         << (v.is_stable ? "stable" : "not stable") << " (limit "
          << human(v.limits.stable_N_per_m, "N/m") << ")\n";
   }
   return text.str();

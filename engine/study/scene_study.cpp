@@ -179,6 +179,10 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
                                const StudyProgress& progress) {
   SceneStudy study;
   study.hands = kHands;
+  const Box& bounds = scene.world().bounds_solver;
+  const Vec3 farthest_m = bounds.low.cwiseAbs().cwiseMax(bounds.high.cwiseAbs()) +
+                          scene.world().anchor_scene_m.cwiseAbs();
+  study.floor_m = float_floor_m(farthest_m.maxCoeff());
   study.seconds = effort.quick ? 3.0 : 12.0;
   std::vector<Hand> hands;
   std::uint64_t ticks = 0;
