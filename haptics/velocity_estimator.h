@@ -18,7 +18,9 @@ enum class VelocityMethod : std::uint8_t {
   // longest window, no longer than w, in which the straight line between its ends is within half an
   // encoder quantum of each sample between them. Slow and steady motion gets a long window, a jerk
   // a short one. One window for all three axes, so that the velocity is that between two samples;
-  // half a quantum on each axis. It is the longest such window, though a shorter one may fail.
+  // half a quantum on each axis. It is the longest such window, though a shorter one may fail. The
+  // ends are rounded, too: even steady motion is up to a whole quantum off the line, so that this
+  // errs towards short windows. A quantum given twice as large rarely cuts steady motion short.
   kAdaptive
 };
 
