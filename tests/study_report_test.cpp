@@ -435,6 +435,18 @@ TEST(WorkPrecision, FloorOrderPresetsAndFailuresAreNamed) {
   EXPECT_TRUE(contains(panels->error_against_level, ">floor<"));
 }
 
+TEST(WorkPrecision, TheSlopeOfEachExpectedOrderIsDrawn) {
+  const auto dashed_lines = [](const KnobResult& result) {
+    const std::string svg = work_precision_panels(result)->error_against_level;
+    static const std::regex kDashed("stroke-dasharray");
+    return std::distance(std::sregex_iterator(svg.begin(), svg.end(), kDashed), {});
+  };
+  KnobResult result = test::sample_integrator();
+  const auto with_orders = dashed_lines(result);
+  for (MethodResult& method : result.methods) method.expected_order.reset();
+  EXPECT_EQ(with_orders - dashed_lines(result), 3) << "two methods and the legend";
+}
+
 TEST(WorkPrecision, APicturePerKnobEvenIfNothingCounts) {
   KnobResult result = test::sample_integrator();
   for (MethodResult& method : result.methods) {
