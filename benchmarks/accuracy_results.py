@@ -211,7 +211,9 @@ class Axis:
 
 
 def quoted(text):
-    return "'" + text.replace("'", "''") + "'"
+    """A string of gnuplot's language; what means anything in it is written as octal."""
+    escaped = re.sub("[\\\\\"'`@]", lambda m: f"\\{ord(m[0]):03o}", text)
+    return f'"{escaped}"'
 
 
 def block(name, lines):

@@ -111,13 +111,40 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
 }
 
 std::string gnuplot_quoted(std::string_view text) {
-  // Not in double quotes, between which gnuplot runs what stands in backquotes.
-  std::string quoted = "'";
+  // In single quotes gnuplot mistakes a quote that comes first, and two together; in double quotes
+  // it runs what stands in backquotes. So what means anything to it is written as octal.
+  std::string quoted = "\"";
   for (const char c : printable(text)) {
-    if (c == '\'') quoted += '\'';
-    quoted += c;
+    switch (c) {
+      case '\'':
+        quoted += "\\047";
+        break;
+      case '"':
+        quoted += "\\042";
+        break;
+      case '\\':
+        quoted += "\\134";
+        break;
+      case '`':
+        quoted += "\\140";
+        break;
+      case '@':
+        quoted += "\\100";
+        break;
+      default:
+        quoted += c;
+    }
   }
-  return quoted + "'";
+  return quoted + "\"";
+}
+
+std::string gnuplot_tick(std::string_view text) {
+  std::string doubled;
+  for (const char c : text) {
+    if (c == '%') doubled += '%';
+    doubled += c;
+  }
+  return gnuplot_quoted(doubled);
 }
 
 }  // namespace palpate

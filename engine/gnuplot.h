@@ -22,4 +22,7 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
 // become spaces, bytes that are no UTF-8 "?".
 std::string gnuplot_quoted(std::string_view text);
 
+// The same for the label of a tick, in which a percent sign would be a format.
+std::string gnuplot_tick(std::string_view text);
+
 }  // namespace palpate

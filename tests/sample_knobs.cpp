@@ -94,7 +94,8 @@ KnobResult sample_mesh() {
 
 KnobResult sample_integrator() {
   Knob knob = sample_knob("integrator", "Integrator", {"servo period", "s"},
-                          {"position error", "m"}, {"computing for a second of contact", "us"});
+                          {"largest distance of the path to the one that is exact", "m"},
+                          {"computing for a second of contact", "us"});
   knob.floor_is = "round-off";
   struct Kind {
     const char* name;

@@ -189,6 +189,16 @@ class Xml {
   std::map<std::string, int> counts_;
 };
 
+std::string unescaped(std::string text) {
+  for (const auto& [entity, character] : std::vector<std::pair<std::string, std::string>>{
+           {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}}) {
+    for (std::size_t at = 0; (at = text.find(entity, at)) != std::string::npos; ++at) {
+      text.replace(at, entity.size(), character);
+    }
+  }
+  return text;
+}
+
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
@@ -327,15 +337,25 @@ TEST(TextFile, AFullDiskIsNoticed) {
 
 TEST(Gnuplot, DrawsWhateverATextSays) {
   const Folder folder;
-  const std::string nasty =
-      "<b>&amp; `touch '" + folder.file("oops") + "'` $(touch x) \\n @a 'b' \"c\\";
-  const auto svg =
-      gnuplot_svg("set title " + gnuplot_quoted(nasty) + "\nplot x title 'a_b'\n", 400, 300, 14);
-  ASSERT_TRUE(svg.ok()) << svg.error().to_string();
-  EXPECT_EQ(Xml(*svg).problem(), "");
+  for (const std::string& text :
+       {"`touch '" + folder.file("oops") + "'` $(touch x)", std::string(R"('a''b''')"),
+        std::string(R"(""c\)"), std::string(R"(\n\047 @a a_b^{c} 9)"), std::string("<b>&amp;</b>"),
+        std::string("50 % %g %%"), std::string("µ 10⁻⁶")}) {
+    SCOPED_TRACE(text);
+    const std::string quoted = gnuplot_quoted(text);
+    const auto svg =
+        gnuplot_svg("a = 'macro'\nset title " + quoted + "\nset xtics (" + gnuplot_tick(text) +
+                        " 0)\nset label " + quoted + " at 0,0\nplot [-1:1] x title " + quoted,
+                    400, 300, 14);
+    ASSERT_TRUE(svg.ok()) << svg.error().to_string();
+    const Xml xml(*svg);
+    EXPECT_EQ(xml.problem(), "");
+    const std::string drawn = unescaped(xml.text());
+    int found = 0;
+    for (std::size_t at = 0; (at = drawn.find(text, at)) != std::string::npos; ++at) ++found;
+    EXPECT_EQ(found, 4);  // title, tick, label, legend
+  }
   EXPECT_EQ(folder.count(), 0);
-  EXPECT_TRUE(contains(*svg, "`touch '"));
-  EXPECT_TRUE(contains(*svg, ">a_b<")) << "markup in a title";
 }
 
 TEST(Gnuplot, TextsThatAreNoUtf8StayValidXml) {
@@ -413,6 +433,18 @@ TEST(WorkPrecision, FloorOrderPresetsAndFailuresAreNamed) {
   EXPECT_TRUE(contains(panels->error_against_time, ">recommended<"));
   EXPECT_TRUE(contains(panels->error_against_level, "Runge-Kutta 4: order 4.00 (theory 4)"));
   EXPECT_TRUE(contains(panels->error_against_level, ">floor<"));
+}
+
+TEST(WorkPrecision, TheSlopeOfEachExpectedOrderIsDrawn) {
+  const auto dashed_lines = [](const KnobResult& result) {
+    const std::string svg = work_precision_panels(result)->error_against_level;
+    static const std::regex kDashed("stroke-dasharray");
+    return std::distance(std::sregex_iterator(svg.begin(), svg.end(), kDashed), {});
+  };
+  KnobResult result = test::sample_integrator();
+  const auto with_orders = dashed_lines(result);
+  for (MethodResult& method : result.methods) method.expected_order.reset();
+  EXPECT_EQ(with_orders - dashed_lines(result), 3) << "two methods and the legend";
 }
 
 TEST(WorkPrecision, APicturePerKnobEvenIfNothingCounts) {

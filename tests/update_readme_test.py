@@ -87,7 +87,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         copy = Copy(sys.argv[1], sys.argv[2], pathlib.Path(name))
         copy.put([])
-        copy.run()
+        code, said = copy.run()
+        expect(code == 0, f"it runs: {said}")
         without = copy.readme.read_text()
         expect("accuracy costs" not in without and not copy.figure.exists(),
                "without rows there is neither table nor figure")

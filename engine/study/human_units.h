@@ -18,7 +18,7 @@ struct DisplayUnit {
 // kept. So is the plain unit for what is too small for a prefix, and for 0.
 DisplayUnit display_unit(double typical, std::string_view unit);
 
-// Three digits: "0.0123", "134", "12300", "1.2e-7".
+// Three digits, or all before the point: "0.0123", "134", "20480", "1.2e-7".
 std::string short_number(double value);
 
 // Of a fitted order: "1.98".

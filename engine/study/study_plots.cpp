@@ -31,7 +31,7 @@ constexpr double kLabelGap = 3.0;
 constexpr double kSlopeBelow = 0.06;  // of the axis
 
 // Longer ones are cut; the report has them in full.
-constexpr std::size_t kLongestLegend = 44;
+constexpr std::size_t kLongestLegend = 56;
 constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
 constexpr std::size_t kLongestLabel = 24;
 constexpr std::size_t kLongestAxisLine = 42;
@@ -307,25 +307,27 @@ class Panel {
     out_ << "set " << axis << " (";
     const char* separator = "";
     for (const PlotAxis::Tick& tick : of.ticks()) {
-      out_ << separator << gnuplot_quoted(tick.label) << " " << tick.position
+      out_ << separator << gnuplot_tick(tick.label) << " " << tick.position
            << (tick.label.empty() ? " 1" : "");
       separator = ", ";
     }
     out_ << ")\n";
   }
 
-  // A label in gnuplot's language; along the upright axis in two lines if need be.
-  static std::string across_label(const std::string& name, const PlotAxis& axis) {
-    return gnuplot_quoted(with_unit(shortened(name, kLongestAxisLine), axis.unit())) +
-           " offset 0,0.4";
-  }
-  static std::string upright_label(const std::string& name, const PlotAxis& axis) {
-    const std::string text = with_unit(name, axis.unit());
-    if (text.size() <= kLongestAxisLine) return gnuplot_quoted(text) + " offset 0.5,0";
-    std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
-    if (middle == std::string::npos) middle = 0;
-    return gnuplot_quoted(shortened(text.substr(0, middle), kLongestAxisLine)) + ".\"\\n\"." +
-           gnuplot_quoted(shortened(text.substr(middle), kLongestAxisLine)) + " offset -1.2,0";
+  // gnuplot would put it where the widest tick leaves room, which can be outside of the panel.
+  void put_upright_label() {
+    const std::string text = with_unit(knob().error.name, y().unit());
+    constexpr double kLinePx = 17.0, kRightPx = 34.0;
+    std::vector<std::string> lines = {text};
+    const std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
+    if (text.size() > kLongestAxisLine && middle != std::string::npos) {
+      lines = {text.substr(0, middle), text.substr(middle + 1)};
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const double px = kRightPx - kLinePx * static_cast<double>(lines.size() - 1 - i);
+      out_ << "set label " << gnuplot_quoted(shortened(lines[i], kLongestAxisLine)) << " at "
+           << placing_.screen(px, 0.5 * (kArea.top + kArea.bottom)) << " center rotate\n";
+    }
   }
 
   void put_axes() {
@@ -334,10 +336,12 @@ class Panel {
          << ":" << y().end() << "]\n";
     put_ticks("xtics", x());
     put_ticks("ytics", y());
-    out_ << "set xlabel " << across_label(across.name, x()) << "\nset ylabel "
-         << upright_label(knob().error.name, y()) << "\nset title '"
+    out_ << "set xlabel "
+         << gnuplot_quoted(with_unit(shortened(across.name, kLongestAxisLine), x().unit()))
+         << " offset 0,0.4\nset title '"
          << (against_ == Against::kTime ? "error against time" : "error against level")
          << "' offset 0,-0.4\n";
+    put_upright_label();
   }
 
   void put_zero_bands() {
@@ -453,13 +457,15 @@ class Panel {
     });
     std::stable_sort(wishes.begin(), wishes.end(),
                      [](const Wish& a, const Wish& b) { return a.urgency < b.urgency; });
+    // Where levels are given, points crowd: a label that is not near says nothing.
+    const int farthest = knob().levels_are_given ? 1 : 2;
     for (const Wish& wish : wishes) {
       const double radius = wish.urgency == 0  ? kRecommendedRadius
                             : wish.is_on_front ? kRingRadius
                                                : kPointRadius;
       const auto box = places_.take_beside(
           x_px(wish.dot.x), y_px(wish.dot.y), text_width_px(wish.text, kSmallFontPx),
-          kSmallFontPx + 2.0, radius + kLabelGap, wish.urgency <= 1);
+          kSmallFontPx + 2.0, radius + kLabelGap, wish.urgency <= farthest);
       if (box) put_label(wish.text, *box, "#303030");
     }
   }
