@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <sstream>
+#include <string>
 #include <utility>
 
 #include "engine/command_output.h"
@@ -136,32 +136,65 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results,
   return written ? std::nullopt : std::optional<Error>(written.error());
 }
 
+// Orders that theory has, "fitted (theory)".
 std::string order_text(const KnobResult& result) {
-  std::ostringstream text;
+  std::string text;
   for (const MethodResult& method : result.methods) {
     if (!method.expected_order || !method.order) continue;
-    text << (text.tellp() > 0 ? "; " : "") << method.name << " " << short_number(*method.order)
-         << " (" << short_number(*method.expected_order) << ")";
+    text += (text.empty() ? "" : ", ") + short_number(*method.order) + " (" +
+            short_number(*method.expected_order) + ")";
   }
-  return text.str();
+  return text;
 }
 
-std::string knob_text(const KnobResult& result) {
-  std::ostringstream text;
-  const LevelResult& usual =
-      result.methods[result.knob.default_method].levels[result.knob.default_level];
-  text << "  " << result.knob.name << ": default " << usual.label << ", error "
-       << human(usual.error.median, result.knob.error.unit) << ", "
-       << human(usual.time.median, result.knob.time.unit)
-       << (result.default_is_near_front() ? ", on the front" : ", off the front");
-  if (result.recommended) {
-    const MethodResult& method = result.methods[result.recommended->method];
-    text << "; recommended " << method.levels[result.recommended->level].label << " ("
-         << method.name << ")";
+std::string place_text(const KnobResult& result, const LevelPlace& place) {
+  const MethodResult& method = result.methods[place.method];
+  const std::string& label = method.levels[place.level].label;
+  return result.methods.size() == 1 ? label : label + ", " + method.name;
+}
+
+using Row = std::vector<std::string>;
+
+Row row_of(const KnobResult& result) {
+  const LevelPlace usual{result.knob.default_method, result.knob.default_level};
+  const LevelResult& level = result.methods[usual.method].levels[usual.level];
+  return {result.knob.name,
+          place_text(result, usual),
+          human(level.error.median, result.knob.error.unit),
+          human(level.time.median, result.knob.time.unit),
+          result.default_is_near_front() ? "yes" : "no, see report",
+          result.recommended ? place_text(result, *result.recommended) : "none",
+          order_text(result)};
+}
+
+// What a terminal shows of it: bytes that go on with a character take no room.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+}
+
+std::string table_text(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(row[i]));
   }
-  const std::string orders = order_text(result);
-  if (!orders.empty()) text << "; order " << orders;
-  return text.str() + "\n";
+  std::string text;
+  for (const Row& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i] + std::string(widths[i] - width_of(row[i]) + 2, ' ');
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+std::string knobs_text(const std::vector<KnobResult>& results) {
+  std::vector<Row> rows{
+      {"knob", "default", "error", "time", "on the front", "recommended", "order (theory)"}};
+  for (const KnobResult& result : results) rows.push_back(row_of(result));
+  return table_text(rows);
 }
 
 }  // namespace
@@ -196,7 +229,7 @@ int accuracy(const AccuracyCommand& command) {
   if (const auto error = write_results(results, findings, effort, command.out_dir)) {
     return refuse(*error);
   }
-  for (const KnobResult& result : results) std::cout << knob_text(result);
+  std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
   std::cout << "report.html, raw.csv and a diagram a knob in " << command.out_dir << "/\n";
   return finish_output();

@@ -75,6 +75,16 @@ TEST(FittedOrder, LeavesOutWhatFailedAndWhatIsAtTheFloor) {
   EXPECT_FALSE(fitted_order(levels).has_value()) << "three levels are too few";
 }
 
+TEST(FittedOrder, IsNoneWhereThereIsNoPowerLaw) {
+  std::vector<LevelResult> levels(7);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double x = std::exp2(static_cast<double>(i));
+    levels[i].value = x;
+    levels[i].error.median = 8.0 / x + x / 8.0;  // noise and lag
+  }
+  EXPECT_FALSE(fitted_order(levels).has_value());
+}
+
 TEST(Measure, RepeatsEveryLevelWithTheSameSeeds) {
   std::vector<std::vector<std::uint64_t>> seeds(2);
   Method method{"m", {}};
@@ -177,6 +187,12 @@ TEST(Measure, RecommendsTheQuickestThatIsGoodEnough) {
   EXPECT_EQ(measured(k).recommended->level, 1u);
   k.enough = 1e-6;
   EXPECT_EQ(measured(k).recommended->level, 2u) << "none will do: the most exact";
+  // Times that cannot be told apart: the smaller error.
+  Knob tie = knob({{"a",
+                    {level(1.0, sample(9.0, 0.0)), level(2.0, sample(1.0, 0.1)),
+                     level(3.0, sample(1.01, 0.01))}}});
+  tie.enough = 0.2;
+  EXPECT_EQ(measured(tie).recommended->level, 2u);
   // About as quick as the quickest: no reason to leave the default.
   Knob close = knob({{"a", {level(1.0, sample(1.0, 0.1)), level(2.0, sample(1.05, 0.1))}}});
   close.enough = 1.0;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Core>
+
 namespace palpate {
 namespace {
 
@@ -125,24 +127,29 @@ void judge_default(KnobResult& result) {
   });
 }
 
-// The quickest level whose error is small enough, or the one with the smallest error. Of levels
-// that are about as quick as that, the default.
+// The quickest level whose error is small enough; of those that are about as quick, the default, or
+// the one with the smallest error. If none is small enough, the one with the smallest error.
 std::optional<LevelPlace> recommend(const KnobResult& result) {
-  std::optional<LevelPlace> best;
   const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
-  const auto beats = [&](const LevelResult& a, const LevelResult& b) {
-    if (will_do(a) != will_do(b)) return will_do(a);
-    return will_do(a) ? a.time.median < b.time.median : a.error.median < b.error.median;
-  };
-  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
-    if (!best || beats(rival, at(result, *best))) best = p;
+  double least_time = std::numeric_limits<double>::infinity();
+  for_each_rival(result, default_place(result), [&](const LevelPlace&, const LevelResult& rival) {
+    if (will_do(rival)) least_time = std::min(least_time, rival.time.median);
   });
-  if (!best) return best;
+  // With none that will do, all are.
+  const auto is_candidate = [&](const LevelResult& a) {
+    return !std::isfinite(least_time) ||
+           (will_do(a) && a.time.median <= KnobResult::kNearFront * least_time);
+  };
   const LevelResult& usual = at(result, default_place(result));
-  const bool usual_will_do =
-      usual.counts() && will_do(usual) &&
-      usual.time.median <= KnobResult::kNearFront * at(result, *best).time.median;
-  return usual_will_do ? default_place(result) : best;
+  if (usual.counts() && std::isfinite(least_time) && is_candidate(usual)) {
+    return default_place(result);
+  }
+  std::optional<LevelPlace> best;
+  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
+    if (!is_candidate(rival)) return;
+    if (!best || rival.error.median < at(result, *best).error.median) best = p;
+  });
+  return best;
 }
 
 constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
@@ -212,21 +219,31 @@ std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
 }
 
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
-  constexpr int kLeastLevels = 4;
-  double n = 0.0, x_sum = 0.0, y_sum = 0.0, xx_sum = 0.0, xy_sum = 0.0;
+  constexpr std::size_t kLeastLevels = 4;
+  // A median that is farther from the line by this factor is of no power law: noise is a few per
+  // cent, and the curvature of an asymptotic law at its coarsest level some tens.
+  constexpr double kMostOffLine = 1.5;
+  std::vector<Eigen::Vector2d> points;  // log(value), log(error)
   for (const LevelResult& level : levels) {
     if (!level.counts() || level.at_floor || !(level.error.median > 0.0)) continue;
-    const double x = std::log(level.value);
-    const double y = std::log(level.error.median);
-    n += 1.0;
-    x_sum += x;
-    y_sum += y;
-    xx_sum += x * x;
-    xy_sum += x * y;
+    points.emplace_back(std::log(level.value), std::log(level.error.median));
   }
-  const double spread = n * xx_sum - x_sum * x_sum;
-  if (n < kLeastLevels || !(spread > 0.0)) return std::nullopt;
-  return (n * xy_sum - x_sum * y_sum) / spread;
+  if (points.size() < kLeastLevels) return std::nullopt;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : points) mean += p / static_cast<double>(points.size());
+  double xx = 0.0;
+  double xy = 0.0;
+  for (const Eigen::Vector2d& p : points) {
+    xx += (p - mean).x() * (p - mean).x();
+    xy += (p - mean).x() * (p - mean).y();
+  }
+  if (!(xx > 0.0)) return std::nullopt;
+  const double order = xy / xx;
+  for (const Eigen::Vector2d& p : points) {
+    const double off = (p - mean).y() - order * (p - mean).x();
+    if (std::abs(off) > std::log(kMostOffLine)) return std::nullopt;
+  }
+  return order;
 }
 
 KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress) {

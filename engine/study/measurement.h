@@ -43,7 +43,7 @@ struct MethodResult {
   std::string name;
   std::vector<LevelResult> levels;
   std::optional<double> expected_order;
-  std::optional<double> order;  // fitted; none with fewer than four levels above the floor
+  std::optional<double> order;  // as of fitted_order()
   double floor = 0.0;
 };
 
@@ -83,7 +83,7 @@ std::uint64_t repeat_seed(const StudyEffort& effort, int repeat);
 LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort);
 
 // Least squares of log(error) over log(value), of levels that count and are above the floor; none
-// with fewer than four.
+// with fewer than four, or where they are on no line.
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels);
 
 }  // namespace palpate
