@@ -160,7 +160,7 @@ Row row_of(const KnobResult& result) {
   const LevelResult& level = result.methods[usual.method].levels[usual.level];
   return {result.knob.name,
           place_text(result, usual),
-          human(level.error.median, result.knob.error.unit),
+          (level.at_floor ? "\u2264 " : "") + human(level.error.median, result.knob.error.unit),
           human(level.time.median, result.knob.time.unit),
           result.default_is_near_front() ? "yes" : "no, see report",
           result.recommended ? place_text(result, *result.recommended) : "none",
