@@ -7,6 +7,7 @@
 
 #include "tests/hard_case_device.h"
 #include "tests/hard_case_shapes.h"
+#include "tests/soak.h"
 
 namespace palpate {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 using test::device;
 using test::device_name;
 using test::HardDevice;
+using test::in_soak_or_else;
 using test::kTick_s;
 using test::OwnedWorld;
 using test::Random;
@@ -28,11 +30,7 @@ class HardCase20_Soak : public testing::TestWithParam<HardDevice> {};
 // most of the time; what is looked at here is what could wear off: the quaternion and the
 // clearance.
 TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
-#ifdef PALPATE_SOAK
-  constexpr int kTicks = 10000000;
-#else
-  constexpr int kTicks = trials(100000);
-#endif
+  const int ticks = in_soak_or_else(10000000, trials(100000));
   const auto [sensors, actuators, radius] = GetParam();
   Random random(311);
   const OwnedWorld world(test::paper_object_soup(paper_objects().front()), {}, radius);
@@ -47,7 +45,7 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   double least_m = 1.0;
   double worst_norm = 0.0;
   bool finite = true;
-  for (int n = 0; n < kTicks; ++n) {
+  for (int n = 0; n < ticks; ++n) {
     const Vec3 step =
         random.index(1000) == 0 ? Vec3(0.1 * random.unit_vector()) : Vec3(random.in_box(1e-3));
     // Mostly within the star, so that it presses from wherever it came; and with the star, which A4
@@ -63,7 +61,7 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   }
   EXPECT_TRUE(finite);
   EXPECT_LE(worst_norm, 4 * 0x1p-52);
-  EXPECT_GT(contact_ticks, static_cast<std::uint64_t>(kTicks / 10));
+  EXPECT_GT(contact_ticks, static_cast<std::uint64_t>(ticks / 10));
   // The proxy in the scene frame is rounded once more.
   EXPECT_GE(least_m, kept_m - 8 * 0x1p-52 * world.world().size_m);
 }

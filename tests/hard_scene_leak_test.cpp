@@ -19,6 +19,7 @@
 #include "haptics/god_object.h"
 #include "tests/exact_judge.h"
 #include "tests/hard_scenes.h"
+#include "tests/soak.h"
 
 namespace palpate {
 namespace {
@@ -29,18 +30,19 @@ using test::ExactJudge;
 using test::hard_scene;
 using test::HardKind;
 using test::HardScene;
+using test::in_soak_or_else;
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
 using test::Violation;
 
-#ifdef PALPATE_SOAK
-constexpr int kTicksPerKind = 920'000;  // 1e7 over all kinds
-constexpr int kTicksPerScene = 4'000;
-#else
-constexpr int kTicksPerKind = 10'000;
-constexpr int kTicksPerScene = 500;
-#endif
+// In a soak 1e7 over all kinds.
+int ticks_per_kind() {
+  return in_soak_or_else(920'000, 10'000);
+}
+int ticks_per_scene() {
+  return in_soak_or_else(4'000, 500);
+}
 
 constexpr std::uint64_t kFirstScene = 1;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -239,12 +241,13 @@ void expect_no_leak(HardKind kind, bool with_friction) {
   constexpr int kEnoughFailures = 5;
   Totals totals;
   int failures = 0;
-  for (std::uint64_t scene = first_scene(); totals.ticks < kTicksPerKind; ++scene) {
+  const int ticks = ticks_per_scene();
+  for (std::uint64_t scene = first_scene(); totals.ticks < ticks_per_kind(); ++scene) {
     Random random(scene);
     Feeling feeling(kind, random, with_friction);
     totals.triangles += feeling.judge().triangles().size();
     ++totals.scenes;
-    for (int tick = 0; tick < kTicksPerScene; ++tick) {
+    for (int tick = 0; tick < ticks; ++tick) {
       if (feeling.tick(totals)) continue;
       ++failures;
       break;

@@ -10,6 +10,7 @@
 #include "haptics/god_object.h"
 #include "models/primitives.h"
 #include "tests/random.h"
+#include "tests/soak.h"
 #include "tests/worlds.h"
 
 namespace palpate {
@@ -71,11 +72,7 @@ Vec3 next_goal(const Soup& soup, const Vec3& at, Random& random) {
 class ClosedSurface : public testing::TestWithParam<LeakCase> {};
 
 TEST_P(ClosedSurface, KeepsThePointOnItsSide) {
-#ifdef PALPATE_SOAK
-  constexpr int kTicks = 200000;
-#else
-  constexpr int kTicks = 20000;
-#endif
+  const int ticks = test::in_soak_or_else(200000, 20000);
   Random random(51);
   const Soup soup = soup_of(GetParam(), random);
   const OwnedWorld world(soup);
@@ -84,7 +81,7 @@ TEST_P(ClosedSurface, KeepsThePointOnItsSide) {
     Vec3 at = start_in(soup, inside, GetParam().squeeze, random);
     Vec3 proxy = world.world().to_solver(at);
     god_object.place(proxy);
-    for (int tick = 0; tick < kTicks; ++tick) {
+    for (int tick = 0; tick < ticks; ++tick) {
       at = next_goal(soup, at, random);
       const Vec3 goal = world.world().to_solver(at);
       const ProxyState state = god_object.move_to(goal);

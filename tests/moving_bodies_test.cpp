@@ -14,6 +14,7 @@
 #include "tests/hard_scenes.h"
 #include "tests/owned_bodies.h"
 #include "tests/random.h"
+#include "tests/soak.h"
 
 namespace palpate {
 namespace {
@@ -25,11 +26,10 @@ using test::Soup;
 
 constexpr double kTick_s = 1e-3;
 
-#ifdef PALPATE_SOAK
-constexpr std::uint64_t kRandomScenes = 6000;  // 1.2 million ticks
-#else
-constexpr std::uint64_t kRandomScenes = 100;
-#endif
+// In a soak 1.2 million ticks.
+std::uint64_t random_scenes() {
+  return test::in_soak_or_else<std::uint64_t>(6000, 100);
+}
 
 RigidTransform moved(const RigidTransform& T, const Vec3& by_m, const Vec3& turn_rad) {
   RigidTransform to = T;
@@ -303,7 +303,8 @@ TEST(MovingBodies, ThatMoveTogetherTakeTheHandBetweenThemAlong) {
 // Everything moves anyhow, the hand as well; nothing is ever passed.
 TEST(MovingBodies, NeverPassTheHandWhateverTheyDo) {
   int contacts = 0;
-  for (std::uint64_t seed = 1; seed <= kRandomScenes; ++seed) {
+  const std::uint64_t scenes = random_scenes();
+  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     Random random(seed);
     const double radius_m = random.index(2) ? 0.0 : random.uniform(1e-4, 5e-3);
     std::vector<OwnedBodies::Placed> placed;
