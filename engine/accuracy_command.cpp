@@ -45,6 +45,23 @@ Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
   return chosen;
 }
 
+// Of numbers that no device has, the error names the option.
+std::optional<Error> check_device(const AccuracyCommand& command, const RunSetup& setup) {
+  const auto limits =
+      stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
+  if (limits) return std::nullopt;
+  Error error = limits.error();
+  constexpr std::pair<const char*, const char*> kOptions[] = {
+      {"mass", "--device-mass"},
+      {"damping", "--device-damping"},
+      {"Coulomb friction", "--device-friction"},
+      {"encoder quantum", "--encoder-quantum"}};
+  for (const auto& [name, option] : kOptions) {
+    if (error.element == name) error.element = option;
+  }
+  return error;
+}
+
 std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyEffort& effort) {
   const ProgressBar bar("accuracy");
   std::vector<KnobResult> results;
@@ -202,6 +219,7 @@ std::string knobs_text(const std::vector<KnobResult>& results) {
 int accuracy(const AccuracyCommand& command) {
   const Result<RunSetup> setup = make_setup(command.options);
   if (!setup) return refuse(setup.error());
+  if (const auto error = check_device(command, *setup)) return refuse(*error);
   const StudyEffort effort{command.quick, command.seed};
   Result<std::vector<Knob>> knobs = chosen_knobs(effort, command.knobs);
   if (!knobs) return refuse(knobs.error());

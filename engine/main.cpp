@@ -142,34 +142,23 @@ void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
   app.add_option("--seed", command.seed, "of poses, paths and noise")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  CLI::Option* scene = app.get_option("SCENE");
+  const auto of_scene = [&](const char* name, double& value, const char* what) {
+    app.add_option(name, value, what)->capture_default_str()->needs(scene)->group("With a SCENE");
+  };
   palpate::RunOptions& run = command.options;
-  const char* of_scene = "With a SCENE";
-  app.add_option("--rate", run.rate_Hz, "servo rate, Hz")->capture_default_str()->group(of_scene);
-  app.add_option("--stiffness", run.stiffness_N_per_m,
-                 "coupling spring of surfaces without their own, N/m")
-      ->capture_default_str()
-      ->group(of_scene);
-  app.add_option("--damping", run.damping_Ns_per_m,
-                 "coupling damper of surfaces without their own, N s/m")
-      ->capture_default_str()
-      ->group(of_scene);
-  app.add_option("--radius", run.radius_m, "radius of the proxy, m; 0 is a point")
-      ->capture_default_str()
-      ->group(of_scene);
+  of_scene("--rate", run.rate_Hz, "servo rate, Hz");
+  of_scene("--stiffness", run.stiffness_N_per_m,
+           "coupling spring of surfaces without their own, N/m");
+  of_scene("--damping", run.damping_Ns_per_m,
+           "coupling damper of surfaces without their own, N s/m");
+  of_scene("--radius", run.radius_m, "radius of the proxy, m; 0 is a point");
   palpate::DeviceMechanics& device = command.device;
-  app.add_option("--device-mass", device.mass_kg, "of the device at its tip, kg")
-      ->capture_default_str()
-      ->group(of_scene);
-  app.add_option("--device-damping", device.damping_Ns_per_m, "viscous, of the device, N s/m")
-      ->capture_default_str()
-      ->group(of_scene);
-  app.add_option("--device-friction", device.coulomb_friction_N, "Coulomb, of the device, N")
-      ->capture_default_str()
-      ->group(of_scene);
-  app.add_option("--encoder-quantum", device.encoder_quantum_m,
-                 "step of the positions that are read, m; 0 for none")
-      ->capture_default_str()
-      ->group(of_scene);
+  of_scene("--device-mass", device.mass_kg, "of the device at its tip, kg");
+  of_scene("--device-damping", device.damping_Ns_per_m, "viscous, of the device, N s/m");
+  of_scene("--device-friction", device.coulomb_friction_N, "Coulomb, of the device, N");
+  of_scene("--encoder-quantum", device.encoder_quantum_m,
+           "step of the positions that are read, m; 0 for none");
 }
 
 // CLI11 takes an empty value for none and keeps the default: `--stiffness "$K"` with K not set.

@@ -1059,5 +1059,51 @@ TEST_F(CommandLine, WalksWithThreeSensorsAndRunsWithoutActuators) {
   }
 }
 
+// ---- accuracy ----------------------------------------------------------------------------------
+
+TEST_F(CommandLine, AccuracyWritesAPageATableAndADiagramAKnob) {
+  const Outcome done =
+      call({"accuracy", "--quick", "--knob", "a4_step", "--knob", "mesh_depth", "--out", "it's"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("mesh_depth"), std::string::npos);
+  EXPECT_EQ(done.out.find("servo_rate"), std::string::npos) << "only what was asked for";
+  const std::string page = content_of(folder.path("it's/report.html"));
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("Your scene"), std::string::npos);
+  for (const char* knob : {"a4_step", "mesh_depth"}) {
+    const std::string svg = content_of(folder.path(std::string("it's/") + knob + ".svg"));
+    EXPECT_NE(svg.find("<svg"), std::string::npos) << knob;
+  }
+  const std::vector<std::string> rows = lines_of(content_of(folder.path("it's/raw.csv")));
+  ASSERT_GT(rows.size(), 20u);
+  EXPECT_EQ(rows.front().rfind("knob,method,level,", 0), 0u);
+  EXPECT_EQ(done.err, "") << "no progress bar where there is no terminal";
+}
+
+TEST_F(CommandLine, AccuracyTellsOfAScene) {
+  const Outcome done = call({"accuracy", kStar, "--quick", "--knob", "a4_step", "--stiffness",
+                             "900", "--device-damping", "0.4", "--encoder-quantum", "0"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("highest safe servo rate"), std::string::npos);
+  EXPECT_NE(done.out.find("K 900 N/m, not passive (limit 800 N/m)"), std::string::npos) << done.out;
+  EXPECT_NE(content_of(folder.path("accuracy/report.html")).find("Your scene"), std::string::npos);
+  const std::string csv = content_of(folder.path("accuracy/scene.csv"));
+  for (const char* quantity :
+       {"preset,\"fast\",p50", "preset,\"exact\",worst", "preset,\"balanced\",error_rms",
+        "rate,\"safe\"", "passive_below,800,N/m", "is_stable"}) {
+    EXPECT_NE(csv.find(quantity), std::string::npos) << quantity;
+  }
+}
+
+TEST_F(CommandLine, AccuracyRefusesWhatItCannotMeasure) {
+  expect_refused({"accuracy", "--knob", "speed"}, {"--knob", "speed", "mesh_depth", "a4_step"});
+  expect_refused({"accuracy", "none.glb"}, {"none.glb"});
+  expect_refused({"accuracy", kStar, "--quick", "--device-mass", "0"}, {"--device-mass"});
+  expect_refused({"accuracy", kStar, "--quick", "--device-damping", "-1"}, {"--device-damping"});
+  expect_refused({"accuracy", "--quick", "--out", "/dev/null/x"}, {"--out"});
+  expect_refused({"accuracy", kStar, "--rate", "0"}, {"--rate"});
+  expect_refused({"accuracy", "--device-mass", "0.2"}, {"--device-mass", "SCENE"});
+}
+
 }  // namespace
 }  // namespace palpate

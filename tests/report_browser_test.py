@@ -2,7 +2,8 @@
 """The report of what accuracy costs, in a browser.
 
 report_browser_test.py REPORT.html
-report_browser_test.py --make PROGRAM    PROGRAM FOLDER writes FOLDER/report.html
+report_browser_test.py --make PROGRAM ARGUMENT...
+                                         PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
 
 Opens the page in headless Chromium: nothing may be said on its console. Then measures it in frames as
 wide as a screen and as a phone: every diagram has a size, none of its texts is cut, and the page is no
@@ -95,7 +96,7 @@ def problems_of(browser, page, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", type=pathlib.Path, metavar="PROGRAM")
+    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
     options = parser.parse_args()
     if (options.report is None) == (options.make is None):
         parser.error("either a report or a program that makes one")
@@ -106,7 +107,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if options.make:
-            subprocess.run([options.make, name], check=True, timeout=TIMEOUT_S)
+            subprocess.run(options.make + [name], check=True, timeout=TIMEOUT_S)
         page = (options.report or folder / "report.html").read_text(encoding="utf-8")
         # What is to be noticed is noticed.
         noisy = folder / "noisy.html"
