@@ -111,7 +111,7 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   knob.reference = "The smooth surface, in closed form: a sphere of 0.2 m, a torus of 0.28 m.";
   knob.floor_is = kFloat;
   knob.enough = is_depth ? 1e-5 : 3.0;
-  knob.enough_because = is_depth ? "10 um is 10 mN at 1000 N/m, about what a hand can tell"
+  knob.enough_because = is_depth ? "10 µm is 10 mN at 1000 N/m, about what a hand can tell"
                                  : "a tenth of the 30 degrees at which a hand tells directions";
   knob.default_because = "the mesh is the user's; there is no default but what a file has";
   const std::size_t ticks = effort.quick ? 1000 : 2000;

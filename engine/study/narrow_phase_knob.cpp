@@ -83,12 +83,14 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
   knob.time = {"time of a tick", "ns"};
   knob.workload =
       "A hand at 0.1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m and 20 thousand triangles that "
-      "a file puts somewhere by its node, or by its vertices; K = 1000 N/m, B = 2 N s/m, 1 kHz.";
+      "a file puts somewhere by its node, or by its vertices. The narrow phase, which moves the "
+      "proxy "
+      "among the triangles near it, computes in float or double. K = 1000 N/m, B = 2 N s/m, 1 kHz.";
   knob.reference = "The same hand on the same sphere at the origin, preset exact.";
   knob.floor_is = "the rounding of a file's coordinates to single precision, at the origin";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 um is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
   struct Way {
     const char* name;
     NarrowPhase arithmetic;
