@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -100,6 +101,7 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
     double distance_m;
     const char* label;
   };
+  std::optional<Displaced> near;  // that of the default: a copy has caches of its own
   for (const Way& way : {Way{"double, by the node", NarrowPhase::kDouble, PlacedBy::kNode},
                          Way{"float, by the node", NarrowPhase::kFloat, PlacedBy::kNode},
                          Way{"double, by the vertices", NarrowPhase::kDouble, PlacedBy::kVertices},
@@ -115,14 +117,14 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
     for (const Rung& rung : {Rung{1.0, "1 m"}, Rung{10.0, "10 m"}, Rung{100.0, "100 m"},
                              Rung{1000.0, "1 km"}, Rung{4000.0, "4 km"}}) {
       const Displaced displaced(effort, rung.distance_m, way.placed_by);
+      if (!near) near = displaced;
       method.levels.push_back(
           {rung.distance_m, rung.label,
            [displaced, accuracy](std::uint64_t seed) { return displaced.run(seed, accuracy); }});
     }
     knob.methods.push_back(std::move(method));
   }
-  const Displaced near(effort, 1.0, PlacedBy::kNode);
-  knob.run_preset = [near](std::uint64_t seed, const Accuracy& preset) {
+  knob.run_preset = [near = *near](std::uint64_t seed, const Accuracy& preset) {
     return near.run(seed, preset);
   };
   return knob;
