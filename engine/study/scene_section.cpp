@@ -229,10 +229,15 @@ std::string scene_text(const SceneFindings& f) {
   text << "  highest safe servo rate here: "
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
-    text << "  " << v.surface.name << ": K " << human(v.surface.coupling.stiffness_N_per_m, "N/m")
-         << ", " << (v.is_passive ? "passive" : "not passive") << " (passive below "
-         << human(v.limits.passive_N_per_m, "N/m") << "), "
-         << (v.is_stable ? "stable" : "not stable") << " (stable below "
+    const CouplingSettings& c = v.surface.coupling;
+    text << "  " << v.surface.name << ": K " << human(c.stiffness_N_per_m, "N/m") << ", "
+         << (v.is_passive ? "passive" : "not passive");
+    if (v.limits.passive_N_per_m > 0.0) {
+      text << " (passive below " << human(v.limits.passive_N_per_m, "N/m") << "), ";
+    } else {
+      text << " (with its damper of " << human(c.damping_Ns_per_m, "N s/m") << " at no K), ";
+    }
+    text << (v.is_stable ? "stable" : "not stable") << " (stable below "
          << human(v.limits.stable_N_per_m, "N/m") << ")\n";
   }
   return text.str();
