@@ -24,23 +24,30 @@ Error invalid(std::string option, std::string problem, std::string hint = "") {
   return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
 }
 
-// The knobs that were asked for, in the order of the report.
+// The knob of a scene's own mesh.
+constexpr const char* kSceneKnob = "scene_resolution";
+
+bool is_chosen(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// The knobs that were asked for, in the order of the report, without that of a scene.
 Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
-                                       const std::vector<std::string>& names) {
+                                       const std::vector<std::string>& names, bool has_scene) {
   std::vector<Knob> all = all_knobs(effort);
   if (names.empty()) return all;
   std::string known;
   for (const Knob& knob : all) known += (known.empty() ? "" : ", ") + knob.name;
+  known += std::string(", and with a SCENE ") + kSceneKnob;
   std::vector<Knob> chosen;
   for (const std::string& name : names) {
     const bool is_known =
+        (has_scene && name == kSceneKnob) ||
         std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
     if (!is_known) return invalid("--knob", "\"" + name + "\" is none of " + known);
   }
   for (Knob& knob : all) {
-    if (std::find(names.begin(), names.end(), knob.name) != names.end()) {
-      chosen.push_back(std::move(knob));
-    }
+    if (is_chosen(names, knob.name)) chosen.push_back(std::move(knob));
   }
   return chosen;
 }
@@ -221,7 +228,8 @@ int accuracy(const AccuracyCommand& command) {
   if (!setup) return refuse(setup.error());
   if (const auto error = check_device(command, *setup)) return refuse(*error);
   const StudyEffort effort{command.quick, command.seed};
-  Result<std::vector<Knob>> knobs = chosen_knobs(effort, command.knobs);
+  Result<std::vector<Knob>> knobs =
+      chosen_knobs(effort, command.knobs, !command.scene.path.empty());
   if (!knobs) return refuse(knobs.error());
   if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
 
@@ -239,17 +247,20 @@ int accuracy(const AccuracyCommand& command) {
       return refuse(error);
     }
     findings = std::move(*found);
-    auto resolution = simplification_knob(*scene, *setup, effort, findings->no_simplification);
-    if (resolution) knobs->push_back(std::move(*resolution));
+    if (is_chosen(command.knobs, kSceneKnob)) {
+      auto resolution = simplification_knob(*scene, *setup, effort, findings->no_simplification);
+      if (resolution) knobs->push_back(std::move(*resolution));
+    }
   }
 
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
   if (const auto error = write_results(results, findings, effort, command.out_dir)) {
     return refuse(*error);
   }
-  std::cout << knobs_text(results);
+  if (!results.empty()) std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
-  std::cout << "report.html, raw.csv and a diagram a knob in " << command.out_dir << "/\n";
+  std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
+            << " and a diagram a knob in " << command.out_dir << "/\n";
   return finish_output();
 }
 

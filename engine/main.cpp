@@ -136,13 +136,17 @@ void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
   app.add_flag("--quick", command.quick, "within a minute: coarser meshes, shorter paths");
   app.add_option("--out", command.out_dir, "folder for report, tables and diagrams")
       ->capture_default_str();
-  app.add_option("--knob", command.knobs, "only this knob; may be repeated")
+  app.add_option("--knob", command.knobs,
+                 "only this knob, by the name of its diagram; may be repeated")
       ->expected(1)
       ->take_all();
   app.add_option("--seed", command.seed, "of poses, paths and noise")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   CLI::Option* scene = app.get_option("SCENE");
+  for (const char* name : {"--node", "--scale", "--fit", "--material"}) {
+    app.get_option(name)->needs(scene)->group("With a SCENE");
+  }
   const auto of_scene = [&](const char* name, double& value, const char* what) {
     app.add_option(name, value, what)->capture_default_str()->needs(scene)->group("With a SCENE");
   };

@@ -652,7 +652,7 @@ TEST(StudyReport, FloorAndOrdersAreInTheTable) {
   const std::string html = report_html(report_of({test::sample_integrator()}));
   EXPECT_TRUE(contains(html, "explicit Euler, order 1.00 (theory 1), floor 1e-15 m"));
   EXPECT_TRUE(contains(html, "<span class=\"mark floor\">floor</span>"));
-  EXPECT_TRUE(contains(html, "<strong>Floor:</strong> round-off"));
+  EXPECT_TRUE(contains(html, "<strong>Floor:</strong> Round-off"));
   EXPECT_TRUE(contains(html, "Open points are at the floor."));
 }
 

@@ -129,15 +129,17 @@ Knob step_knob() {
   knob.time = {"computing for a second of contact", "us"};
   knob.workload =
       "a device with three sensors and one actuator, held 5 mm deep in a flat sheet whose normal "
-      "is "
-      "60 to 89 deg from what it can push, until A4 has turned the scene to 1 deg; K = 1000 N/m, "
+      "is 60 to 89 deg from what it can push, until A4 has turned the scene to 1 deg; K = 1000 "
+      "N/m, "
       "B = 2 N s/m";
   knob.reference =
-      "the time that the profile of Figure 3 takes: max(a - 30, 0) / 90 + "
-      "6/17 ln((5 + 17/6 min(a, 30)) / (5 + 17/6)) s from a deg to 1 deg";
+      "the time that the profile of the paper's Figure 3 takes from an angle of a degrees to 1 "
+      "degree: "
+      "max(a - 30, 0) / 90 + 6/17 ln((5 + 17/6 min(a, 30)) / (5 + 17/6)) s";
   knob.floor_is = "round-off of double in as many ticks as it takes at 10 kHz";
   knob.methods = {method("speed times dt (paper)", StepRule::kSpeedByDt, 1.0, 0.0),
                   method("exact solution", StepRule::kExact, {}, time_roundoff_s())};
+  knob.levels_are_given = true;  // the tick is that of the force
   knob.default_method = 1;
   knob.default_level = kDefaultRate;
   knob.run_preset = [](std::uint64_t seed, const Accuracy& preset) {
@@ -145,11 +147,7 @@ Knob step_knob() {
   };
   knob.enough = 10e-3;
   knob.enough_because =
-      "it is less than a hundredth of the second and more that the turn takes, and less than one "
-      "image of a display";
-  knob.default_because =
-      "the tick is that of the force, which needs 1 kHz; the rotation comes with it, and is the "
-      "same motion at any rate";
+      "less than a hundredth of what the turn takes, and less than one image of a display";
   return knob;
 }
 

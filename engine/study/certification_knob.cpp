@@ -129,12 +129,13 @@ Knob certification_knob(const StudyEffort& effort) {
   knob.time = {"time of a tick", "ns"};
   knob.workload =
       "A hand that trembles below the bottom of a V-shaped groove and goes along it, the hardest "
-      "place for a proxy; K = 1000 N/m, B = 2 N s/m, 1 kHz.";
+      "place for a proxy. Certified: each of its steps is proven to pass no surface. K = 1000 N/m, "
+      "B = 2 N s/m, 1 kHz.";
   knob.reference = "The point of the bottom beside the device, in closed form.";
   knob.floor_is = "the rounding of a file's coordinates to single precision";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 um is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
   knob.default_because =
       "what it buys is no smaller error but the proof, every tick, that the proxy is in front of "
       "every triangle";

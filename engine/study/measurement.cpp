@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
@@ -154,8 +155,16 @@ std::optional<LevelPlace> recommend(const KnobResult& result) {
 
 constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
 
-// Every level and every preset once. The order goes by the repeat, so that none always comes after
-// the same other one.
+// How far on the next level is in the order of a repeat: by another number each, so that none
+// always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
+// that each level has its turn.
+std::size_t stride_of(std::size_t repeat, std::size_t size) {
+  std::size_t stride = 1 + repeat % size;
+  while (std::gcd(stride, size) != 1) ++stride;
+  return stride;
+}
+
+// Every level and every preset once.
 class Round {
  public:
   explicit Round(const Knob& knob) : knob_(knob) {
@@ -251,9 +260,10 @@ KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgr
   // Once for nothing: scenes are built, caches and clocks warm up.
   for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
   for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+    const auto turn = static_cast<std::size_t>(repeat);
+    const std::size_t stride = stride_of(turn, round.size());
     for (std::size_t i = 0; i < round.size(); ++i) {
-      const std::size_t turn = static_cast<std::size_t>(repeat) * 7;
-      round.run((i + turn) % round.size(), repeat_seed(effort, repeat));
+      round.run((i * stride + 7 * turn) % round.size(), repeat_seed(effort, repeat));
     }
     if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
   }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -111,14 +112,20 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   knob.reference = "The smooth surface, in closed form: a sphere of 0.2 m, a torus of 0.28 m.";
   knob.floor_is = kFloat;
   knob.enough = is_depth ? 1e-5 : 3.0;
-  knob.enough_because = is_depth ? "10 um is 10 mN at 1000 N/m, about what a hand can tell"
+  knob.enough_because = is_depth ? "10 µm is 10 mN at 1000 N/m, about what a hand can tell"
                                  : "a tenth of the 30 degrees at which a hand tells directions";
   knob.default_because = "the mesh is the user's; there is no default but what a file has";
   const std::size_t ticks = effort.quick ? 1000 : 2000;
+  constexpr int kUsual = 5;            // 20 thousand triangles
+  std::optional<Meshed> default_mesh;  // presets run on the same one: a copy has caches of its own
   const auto add = [&](const char* name, Meshed (*make)(int), int first, int last) {
     Method method{name, {}, is_depth ? 2.0 : 1.0, is_depth ? float_floor_m(kRadius_m) : 0.0};
     for (int s = first; s <= last; ++s) {
       const Meshed meshed = make(s);
+      if (knob.methods.empty() && s == kUsual) {
+        default_mesh = meshed;
+        knob.default_level = method.levels.size();
+      }
       method.levels.push_back(
           {meshed.edge_m, triangles_label(meshed.triangles),
            [=](std::uint64_t seed) { return sample_of(feel(meshed, seed, ticks, {}), measure); }});
@@ -130,9 +137,7 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   add("sphere", sphere, 3, 8 - coarser);
   add("torus", meshed_torus, 2, 7 - coarser);
   knob.default_method = 0;
-  knob.default_level = 2;  // 20 thousand triangles
-  const Meshed usual = meshed_sphere(5);
-  knob.run_preset = [=](std::uint64_t seed, const Accuracy& preset) {
+  knob.run_preset = [=, usual = *default_mesh](std::uint64_t seed, const Accuracy& preset) {
     return sample_of(feel(usual, seed, ticks, {0.0, preset}), measure);
   };
   return knob;

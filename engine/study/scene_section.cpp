@@ -38,8 +38,8 @@ std::string shown(double value, const char* unit) {
 }
 
 std::string shown(const Spread& spread, const char* unit) {
-  return shown(spread.median, unit) + " <span class=\"spread\">[" + shown(spread.low, unit) + ", " +
-         shown(spread.high, unit) + "]</span>";
+  return shown(spread.median, unit) + "<br><span class=\"spread\">[" + shown(spread.low, unit) +
+         ", " + shown(spread.high, unit) + "]</span>";
 }
 
 // An error, or the floor that it is below.
@@ -73,7 +73,8 @@ std::string presets_html(const SceneStudy& study) {
           "their quartiles. Errors are distances to the proxy of <em>exact</em> in the same tick; "
           "below "
        << shown(study.floor_m, "m")
-       << ", which is what a file rounds its coordinates to, they say nothing.</p>\n"
+       << ", which is what a file rounds its coordinates to, they say nothing. Capped are the "
+          "ticks in which the solver ran out of steps.</p>\n"
        << table.html();
   return html.str();
 }
@@ -86,16 +87,15 @@ std::string rate_html(const SafeRate& safe) {
                flag(trial.passed(), "kept", "not kept")});
   }
   std::ostringstream html;
-  html
-      << "<h3>Servo rate</h3>\n<p>Highest safe rate on this machine: <strong>"
-      << (safe.rate_Hz() > 0.0 ? shown(safe.rate_Hz(), "Hz") : "none of those tried")
-      << "</strong>. The haptic thread kept "
-      << (safe.by_trial_Hz > 0.0 ? shown(safe.by_trial_Hz, "Hz") : "no rate")
-      << " (at most one deadline in a thousand missed), trying each rate for a moment up to the "
-         "first that it did not keep; one tick in a thousand is too long for half a period at more "
-         "than "
-      << shown(safe.by_computing_Hz, "Hz") << ". The smaller of the two counts.</p>\n"
-      << table.html();
+  html << "<h3>Servo rate</h3>\n<p>Highest safe rate on this machine: <strong>"
+       << (safe.rate_Hz() > 0.0 ? shown(safe.rate_Hz(), "Hz") : "none of those tried")
+       << "</strong>, the smaller of two. Run for a moment at each rate, the haptic thread kept "
+       << (safe.by_trial_Hz > 0.0 ? shown(safe.by_trial_Hz, "Hz") : "none of them")
+       << ": at most one deadline in a thousand missed there and at all lower rates. By computing "
+          "alone, 999 of 1000 ticks fit into half a period up to "
+       << shown(safe.by_computing_Hz, "Hz")
+       << ". The first depends on what else this machine does: repeat it on an idle one.</p>\n"
+       << table.html();
   if (!safe.realtime_note.empty()) {
     html << "<p class=\"note\">" << html_escaped(safe.realtime_note) << "</p>\n";
   }
@@ -116,7 +116,10 @@ std::string stiffness_html(const SceneFindings& f) {
       << "<h3>Stiffness</h3>\n<p>Device: " << html_escaped(device_text(f.device))
       << ". Passive means that no hand ever gets more energy out of a wall than it put in (Colgate "
          "and Schenkel; Abbott and Okamura for the encoder); stable, which is wider, that the "
-         "device comes to rest where it is pressed. Texture and shading add to the stiffness that "
+         "device comes to rest where it is pressed. K is the spring of a surface, B its damper; K "
+         "has to be below the limit, which depends on B, the device and the rate. Sampling, the "
+         "damper or the encoder sets the limit of passivity; it is 0 where B alone gives out as "
+         "much as the damping of the device takes. Texture and shading add to the stiffness that "
          "is felt and are not counted.</p>\n";
   Table table({"surface", "K", "B", "passive below", "bound by", "stable below", "", ""});
   for (const CouplingVerdict& v : f.verdicts) {
@@ -133,7 +136,8 @@ std::string stiffness_html(const SceneFindings& f) {
     rates.row({shown(at.rate_Hz, "Hz"), shown(at.limits.passive_N_per_m, "N/m"),
                shown(at.limits.stable_N_per_m, "N/m")});
   }
-  html << "<p>The same for surfaces without their own, at the rates that this machine keeps:</p>\n"
+  html << "<p>The limits of surfaces that have no stiffness of their own, at the rates that this "
+          "machine keeps:</p>\n"
        << rates.html();
   return html.str();
 }
@@ -225,10 +229,15 @@ std::string scene_text(const SceneFindings& f) {
   text << "  highest safe servo rate here: "
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
-    text << "  " << v.surface.name << ": K " << human(v.surface.coupling.stiffness_N_per_m, "N/m")
-         << ", " << (v.is_passive ? "passive" : "not passive") << " (limit "
-         << human(v.limits.passive_N_per_m, "N/m") << "), "
-         << (v.is_stable ? "stable" : "not stable") << " (limit "
+    const CouplingSettings& c = v.surface.coupling;
+    text << "  " << v.surface.name << ": K " << human(c.stiffness_N_per_m, "N/m") << ", "
+         << (v.is_passive ? "passive" : "not passive");
+    if (v.limits.passive_N_per_m > 0.0) {
+      text << " (passive below " << human(v.limits.passive_N_per_m, "N/m") << "), ";
+    } else {
+      text << " (with its damper of " << human(c.damping_Ns_per_m, "N s/m") << " at no K), ";
+    }
+    text << (v.is_stable ? "stable" : "not stable") << " (stable below "
          << human(v.limits.stable_N_per_m, "N/m") << ")\n";
   }
   return text.str();

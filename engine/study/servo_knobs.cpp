@@ -81,12 +81,12 @@ Knob jitter_knob() {
   Knob knob = bounce_knob();
   knob.name = "jitter";
   knob.title = "Uneven ticks";
-  knob.level = {"effective period, E[T^2] / E[T]", "s"};
+  knob.level = {"effective period, mean T² / mean T", "s"};
   knob.workload =
       "The bounce of the servo rate, K = 1000 N/m and B = 0, with ticks that come early, late or "
       "not at all.";
   knob.methods = {bounces_at_rates("even", 0.0, 0.0),
-                  bounces_at_rates("uniform +-50 %", kHalfWidth, 0.0),
+                  bounces_at_rates("uniform ±50 %", kHalfWidth, 0.0),
                   bounces_at_rates("one tick in ten left out", 0.0, kLeftOut),
                   bounces_at_rates("both", kHalfWidth, kLeftOut)};
   knob.levels_are_given = true;  // the rate is the matter of servo_rate
@@ -131,7 +131,9 @@ Knob substeps_knob() {
   knob.workload =
       "A proxy under friction of 0.5 is dragged on a plane by a device that goes round a circle of "
       "5 mm twice a second, 2 mm deep, and is read in every tick; K = 1000 N/m, B = 2 N s/m.";
-  knob.reference = "the circle of the continuous law, sqrt(rho^2 - L^2) with L = mu d";
+  knob.reference =
+      "the circle of the continuous law, √(r² - L²): r that of the device, L the coefficient of "
+      "friction times the depth";
   Method ticks{"ticks of 1/n ms", {}, 1.0};
   for (const int n : {1, 2, 4, 8, 16, 32}) {
     const double step_s = kSamplePeriod_s / n;
@@ -144,7 +146,7 @@ Knob substeps_knob() {
     return go_round({}, kSamplePeriod_s, preset, seed);
   };
   knob.enough = 10e-6;
-  knob.enough_because = "half a step of a usual encoder, 20 um: the device knows it no better";
+  knob.enough_because = "half a step of a usual encoder, 20 µm: the device knows it no better";
   return knob;
 }
 

@@ -95,7 +95,7 @@ Knob common(const char* name, const char* title, const Bumps& bumps) {
     return bumps.run(seed, kFast_m_per_s, preset);
   };
   knob.enough = 1e-6;
-  knob.enough_because = "1 um is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
   return knob;
 }
 
@@ -118,6 +118,9 @@ Knob iterations_knob(const Bumps& bumps) {
 
 Knob tolerance_knob(const Bumps& bumps) {
   Knob knob = common("solver_tolerance", "Solver: tolerance", bumps);
+  knob.workload +=
+      " A stand-off is the hair's breadth that the proxy keeps from surfaces; the solver stops "
+      "when a step is shorter than that many of them.";
   knob.level = {"shortest step, in stand-offs", ""};
   Method method{"tolerance", {}, {}, float_floor_m(kRadius_m)};
   struct Rung {
@@ -144,10 +147,12 @@ Knob tolerance_knob(const Bumps& bumps) {
 Knob candidates_knob(const Bumps& bumps) {
   Knob knob = common("candidate_reuse", "Candidates from tick to tick", bumps);
   knob.level = {"speed of the hand", "m/s"};
-  knob.workload = std::string(
-                      "A hand pressed 1 to 3 mm into a sphere of 0.2 m with bumps of "
-                      "6 mm; ") +
-                  kCouplingText + ".";
+  knob.workload =
+      std::string(
+          "A hand pressed 1 to 3 mm into a sphere of 0.2 m with bumps of "
+          "6 mm; ") +
+      kCouplingText +
+      ". Candidates are the triangles near the proxy: kept while they hold, or sought anew.";
   knob.levels_are_given = true;
   knob.default_level = 2;
   constexpr double kUsual_m_per_s = 0.1;

@@ -117,7 +117,8 @@ std::vector<LegendEntry> legend_of(const KnobResult& result, Against against) {
     return entries;
   }
   const bool given = result.knob.levels_are_given;
-  if (!given) entries.push_back({"Pareto front", std::string("lines ") + kFrontLine});
+  if (!given && !result.knob.methods_are_given)
+    entries.push_back({"Pareto front", std::string("lines ") + kFrontLine});
   entries.push_back(
       {given ? "best at its level" : "on the front", std::string("points ") + kFrontRing});
   if (result.recommended)
@@ -511,10 +512,10 @@ class Panel {
   }
 
   // The corners of the Pareto front, from the quickest to the most accurate; none where each level
-  // has a front of its own.
+  // or each curve has a front of its own.
   std::vector<Dot> front_line() const {
     std::vector<Dot> front;
-    if (knob().levels_are_given) return front;
+    if (knob().levels_are_given || knob().methods_are_given) return front;
     diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
       if (level.on_front) front.push_back(diagram_.dot(level, against_));
     });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "engine/study/html.h"
 #include "engine/study/human_units.h"
@@ -31,6 +32,13 @@ std::string sentence(const std::string& text) {
   return html_escaped(text) + (ends ? "" : ".");
 }
 
+// A text of the caller's as a sentence of its own.
+std::string whole_sentence(std::string text) {
+  if (text.empty()) return "";
+  if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return sentence(text);
+}
+
 std::string paragraph(const std::string& label, const std::string& text) {
   if (text.empty()) return "";
   return element("p", element("strong", label + ":") + " " + text) + "\n";
@@ -50,6 +58,10 @@ bool was_measured(const LevelResult& level) {
 std::string error_text(const Knob& knob, double error) {
   return html_escaped(human(error, knob.error.unit));
 }
+// One at the floor is no more than that.
+std::string error_text(const Knob& knob, const LevelResult& level) {
+  return (level.at_floor ? "\u2264 " : "") + error_text(knob, level.error.median);
+}
 std::string time_text(const Knob& knob, double time) {
   return html_escaped(human(time, knob.time.unit));
 }
@@ -64,8 +76,14 @@ std::string spread_text(const Spread& spread, const std::string& unit) {
          "]</span>";
 }
 
+// How much worse, of which nobody needs more than two digits.
 std::string factor_text(double factor) {
-  return std::isfinite(factor) ? short_number(factor) + " times" : "without bound";
+  if (!std::isfinite(factor)) return "without bound";
+  const double percent = std::round(100.0 * (factor - 1.0));
+  if (percent < 1.0) return "less than 1 %";
+  if (percent < 100.0) return short_number(percent) + " %";
+  const double digit = std::pow(10.0, std::floor(std::log10(factor)) - 1.0);
+  return short_number(std::round(factor / digit) * digit) + " times";
 }
 
 const LevelResult& level_at(const KnobResult& result, const LevelPlace& place) {
@@ -109,8 +127,7 @@ std::string verdict_summary(const KnobResult& result) {
 
 std::string preset_summary(const KnobResult& result, const LevelResult& preset) {
   if (!preset.counts()) return element("span class=\"bad\"", "failed");
-  return error_text(result.knob, preset.error.median) + "<br>" +
-         time_text(result.knob, preset.time.median);
+  return error_text(result.knob, preset) + "<br>" + time_text(result.knob, preset.time.median);
 }
 
 std::string summary_row(const KnobResult& result, std::size_t chapter) {
@@ -165,11 +182,18 @@ bool is_at_zero(const LevelResult& level) {
 
 std::string caption(const KnobResult& result) {
   std::string text = "Points are medians, whiskers quartiles. ";
-  text += result.knob.levels_are_given
-              ? "Levels are given, not chosen: grey rings mark what is best at its own level. "
-              : "Grey: the Pareto front, and what is on it. ";
+  if (result.knob.levels_are_given) {
+    text += "Levels are given, not chosen: grey rings mark what is best at its own level. ";
+  } else if (result.knob.methods_are_given) {
+    text += "Curves are given, not chosen: grey rings mark the Pareto front of each. ";
+  } else {
+    text += "Grey: the Pareto front, and what is on it. ";
+  }
   if (any_level(result, [](const LevelResult& l) { return l.at_floor; })) {
     text += "Open points are at the floor. ";
+    if (!any_level(result, [](const LevelResult& l) { return l.counts() && !l.at_floor; })) {
+      text += "All levels are: they differ in time alone. ";
+    }
   }
   if (!any_level(result, [](const LevelResult& l) { return l.counts() && l.error.median > 0.0; })) {
     text += "No level has any error. ";
@@ -222,7 +246,8 @@ std::string marks(const KnobResult& result, const LevelPlace& place) {
 
 std::string measured_cells(const Knob& knob, const LevelResult& level) {
   if (!was_measured(level)) return number_cell("-") + number_cell("-") + number_cell("-");
-  return number_cell(spread_text(level.error, knob.error.unit)) +
+  return number_cell((level.at_floor ? "\u2264 " : "") +
+                     spread_text(level.error, knob.error.unit)) +
          number_cell(spread_text(level.time, knob.time.unit)) +
          number_cell(short_number(level.iterations));
 }
@@ -301,15 +326,38 @@ std::string failures(const KnobResult& result) {
   return "<h3>What failed</h3>\n<ul class=\"failures\">\n" + items + "</ul>\n";
 }
 
+// Whether another level that may be chosen instead is small enough, too, and quicker.
+bool is_beaten_in_time(const KnobResult& result, const LevelPlace& place) {
+  const Knob& knob = result.knob;
+  const LevelResult& mine = level_at(result, place);
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    if (knob.methods_are_given && m != place.method) continue;
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      if (knob.levels_are_given && l != place.level) continue;
+      const LevelResult& other = result.methods[m].levels[l];
+      if (other.counts() && other.error.median <= knob.enough &&
+          other.time.median < mine.time.median) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::string recommendation(const KnobResult& result) {
   const Knob& knob = result.knob;
   if (!result.recommended) return paragraph("Recommended", "none: every level failed");
   const LevelResult& level = level_at(result, *result.recommended);
-  std::string text = place_name(result, *result.recommended) + " (" +
-                     error_text(knob, level.error.median) + ", " +
-                     time_text(knob, level.time.median) + "). ";
-  text += level.error.median <= knob.enough ? "It is the quickest with an error of no more than "
-                                            : "It has the smallest error; none is down to ";
+  std::string text = place_name(result, *result.recommended) + " (" + error_text(knob, level) +
+                     ", " + time_text(knob, level.time.median) + "). ";
+  text += knob.levels_are_given ? "Of the methods at this level it" : "It";
+  if (level.error.median > knob.enough) {
+    text += " has the smallest error; none is down to ";
+  } else if (is_beaten_in_time(result, *result.recommended)) {
+    text += " is as quick, to within 10 %, as any with an error of no more than ";
+  } else {
+    text += " is the quickest with an error of no more than ";
+  }
   text += error_text(knob, knob.enough);
   if (!knob.enough_because.empty()) {
     text += ": " + sentence(knob.enough_because);
@@ -325,8 +373,7 @@ std::string default_verdict(const KnobResult& result) {
   text +=
       (result.default_is_near_front() ? "near the front: " : "not on the front: ") +
       html_escaped(result.better_than_default) + " is better in time or error, by " +
-      (std::isfinite(result.default_behind) ? "a factor of " + short_number(result.default_behind)
-                                            : "any factor") +
+      (std::isfinite(result.default_behind) ? factor_text(result.default_behind) : "any factor") +
       ", and worse in neither.";
   if (!result.default_is_near_front() && !result.knob.default_because.empty()) {
     text += " Why it is the default: " + sentence(result.knob.default_because);
@@ -338,9 +385,9 @@ std::string chapter_html(const KnobChapter& chapter, std::size_t index) {
   const KnobResult& result = chapter.result;
   const Knob& knob = result.knob;
   return "<section id=\"" + anchor_of(index) + "\">\n" + element("h2", html_escaped(knob.title)) +
-         "\n" + paragraph("Workload", html_escaped(knob.workload)) +
-         paragraph("Errors are against", html_escaped(knob.reference)) +
-         paragraph("Floor", html_escaped(knob.floor_is)) + figure(chapter, index) +
+         "\n" + paragraph("Workload", whole_sentence(knob.workload)) +
+         paragraph("Errors are against", whole_sentence(knob.reference)) +
+         paragraph("Floor", whole_sentence(knob.floor_is)) + figure(chapter, index) +
          recommendation(result) + default_verdict(result) + failures(result) + level_table(result) +
          "</section>\n";
 }
@@ -350,6 +397,39 @@ std::string facts(const StudyReport& report) {
   std::string out = "<dl class=\"facts\">\n";
   for (const auto& [name, value] : report.facts) {
     out += element("dt", html_escaped(name)) + element("dd", html_escaped(value)) + "\n";
+  }
+  return out + "</dl>\n";
+}
+
+// The words that a reader of one diagram needs.
+std::string words() {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"tick", "One turn of the haptic thread, a thousandth of a second unless told otherwise."},
+      {"proxy",
+       "What stays on the surface while the device is inside it. The force pulls the "
+       "device to it by a spring K and a damper B."},
+      {"knob, level", "What is turned, and how far. Lines connect the levels of one method."},
+      {"order",
+       "How fast the error falls with the level: of order 2, half the level leaves a "
+       "quarter of the error. Fitted to the points, beside that of theory."},
+      {"floor",
+       "The error that the number format has anyway; \u2264 says that an error is no "
+       "more than that."},
+      {"Pareto front",
+       "The levels that no other beats in error or time without being worse in "
+       "the other. Whoever chooses one off it gives something away."},
+      {"recommended",
+       "The quickest level whose error is small enough for a hand; each knob says "
+       "how small that is, and why."},
+      {"default", "What programs get that say nothing."},
+      {"presets",
+       "<code>--accuracy fast</code>, <code>balanced</code> and <code>exact</code>, at "
+       "the default level. They set how far the proxy is iterated and whether its path "
+       "is certified; where neither matters they differ by the noise of the clock."},
+      {"rms", "Root mean square."}};
+  std::string out = "<h2 id=\"words\">How to read it</h2>\n<dl class=\"facts\">\n";
+  for (const auto& [name, meaning] : kWords) {
+    out += element("dt", name) + element("dd", meaning) + "\n";
   }
   return out + "</dl>\n";
 }
@@ -369,13 +449,16 @@ std::string report_html(const StudyReport& report) {
   std::string out =
       head(report) + "<body>\n<header>\n" + element("h1", html_escaped(report.title)) + "\n";
   if (!report.introduction.empty()) out += element("p", html_escaped(report.introduction)) + "\n";
-  out += facts(report) + "</header>\n<main>\n" + summary(report);
-  for (std::size_t i = 0; i < report.chapters.size(); ++i) {
-    out += chapter_html(report.chapters[i], i);
-  }
+  out += facts(report) + "</header>\n<main>\n";
+  // The reader's own scene comes first.
   for (const ReportSection& section : report.sections) {
     out += "<section>\n" + element("h2", html_escaped(section.title)) + "\n" + section.html +
            "\n</section>\n";
+  }
+  out += summary(report);
+  if (!report.chapters.empty()) out += words();
+  for (std::size_t i = 0; i < report.chapters.size(); ++i) {
+    out += chapter_html(report.chapters[i], i);
   }
   return out + "</main>\n</body>\n</html>\n";
 }

@@ -83,7 +83,7 @@ Hand accelerating_hand(SeededRandom& random, double seconds) {
   };
 }
 
-// 10 mm to either side, twice a second: 1.1 m/s^2 rms.
+// 10 mm to either side, twice a second: 1.1 m/s² rms.
 Hand swinging_hand(SeededRandom& random, double) {
   constexpr double kSwing_m = 10e-3;
   constexpr double kSwing_rad_per_s = 2.0 * kPi * 2.0;
@@ -188,10 +188,12 @@ Knob noise_knob(std::size_t ticks) {
   knob.title = "Velocity window: noise";
   knob.workload =
       "a hand presses into a flat sheet in any pose at a steady 4 to 6 mm/s while it stirs along "
-      "it, sensed in steps of q = 20 um on each axis; K = 1000 N/m, B = 2 N s/m, T = 1 ms";
+      "it, sensed in steps of q = 20 µm on each axis; K = 1000 N/m, B = 2 N s/m, T = 1 ms";
   knob.reference =
       "the speed of the hand; rms over the ticks. Theory for a difference over w ticks: "
-      "q / (sqrt(6) w T), for a line fit q / (T sqrt(w (w + 1) (w + 2)))";
+      "q / (√6 w T), for a line fit q / (T √(w (w + 1) (w + 2)))";
+  knob.enough_because +=
+      ". This is noise alone, and a longer window lags more: choose by \"noise and lag\"";
   // A line fit's order goes from -0.9 at one tick to -1.5 at many.
   knob.methods = methods(workload, ticks, -1.0, {});
   return knob;
@@ -203,12 +205,14 @@ Knob lag_knob(std::size_t ticks) {
   knob.name = "velocity_lag";
   knob.title = "Velocity window: lag";
   knob.workload =
-      "a hand in a flat sheet in any pose, at a steady acceleration of a = 0.5 m/s^2 into it, "
-      "sensed exactly (the adaptive estimator is told q = 20 um); K = 1000 N/m, B = 2 N s/m, "
+      "a hand in a flat sheet in any pose, at a steady acceleration of a = 0.5 m/s² into it, "
+      "sensed exactly (the adaptive estimator is told q = 20 µm); K = 1000 N/m, B = 2 N s/m, "
       "T = 1 ms";
   knob.reference =
       "the speed of the hand; size of the mean over the ticks. Theory for a difference and a line "
       "fit over w ticks: a w T / 2";
+  knob.enough_because +=
+      ". This is lag alone, and a shorter window is noisier: choose by \"noise and lag\"";
   knob.methods = methods(workload, ticks, 1.0, 1.0);
   return knob;
 }
@@ -220,7 +224,7 @@ Knob total_knob(std::size_t ticks) {
   knob.title = "Velocity window: noise and lag";
   knob.workload =
       "a hand in a flat sheet in any pose goes in and out by 10 mm to either side at 2 Hz, sensed "
-      "in steps of q = 20 um on each axis; K = 1000 N/m, B = 2 N s/m, T = 1 ms";
+      "in steps of q = 20 µm on each axis; K = 1000 N/m, B = 2 N s/m, T = 1 ms";
   knob.reference = "the speed of the hand; rms over the ticks";
   knob.methods = methods(workload, ticks, {}, {});
   return knob;
