@@ -50,8 +50,8 @@ KNOBS = {
     "velocity_lag": Knob("velocity window: lag", "velocity error", "m/s", *TICK, "ticks"),
     "velocity_total": Knob("velocity window", "velocity error", "m/s", *TICK, "ticks"),
     "a4_step": Knob("period of A4's rotation", "error of the time to align", "s", *SECOND, "s"),
-    "texture_sampling": Knob("texture samples", "force error", "N", *TICK),
-    "effects": Knob("effects", "force error", "N", *TICK, named_levels=True),
+    "texture_sampling": Knob("relief: texel", "normal force over K H", "", *TICK, "m"),
+    "effects": Knob("effects left out: triangles", "force that is missing", "N", *TICK),
 }
 
 # Those of the figure, as far as they were measured.

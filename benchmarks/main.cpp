@@ -1,10 +1,14 @@
-// palpate_benchmarks [--subdivisions=5,7,8,9] [--ticks=10000] [Google Benchmark's options]
+// palpate_benchmarks [--subdivisions=5,7,8,9] [--ticks=10000] [--accuracy=full] [--seed=1]
+//                    [Google Benchmark's options]
 //
 // subdivisions: sizes of the sphere, 5 for 20,480 triangles and four times as many with each
 // further one (8: 1.3 million, 9: 5.2 million). ticks: length of the paths, in samples of 1 ms; a
-// quarter of it where caches are evicted or the input is meant to be slow.
+// quarter of it where caches are evicted or the input is meant to be slow. accuracy: full, quick or
+// off: how much work goes into what accuracy costs, as `palpate accuracy` measures it from the same
+// seed.
 
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <string_view>
@@ -14,6 +18,7 @@
 
 #include "benchmarks/cgal_surface.h"
 #include "benchmarks/registration.h"
+#include "engine/study/build_facts.h"
 
 namespace {
 
@@ -45,6 +50,8 @@ std::vector<int> parse_list(std::string_view text, int most) {
 struct Options {
   std::vector<int> subdivisions{5, 7, 8, 9};
   int ticks = 10000;
+  std::optional<palpate::StudyEffort> accuracy = palpate::StudyEffort{};  // none: off
+  std::uint64_t seed = palpate::StudyEffort{}.seed;
 };
 
 // Each takes what follows its name and says whether that made sense.
@@ -57,6 +64,17 @@ bool set_ticks(std::string_view value, Options& options) {
   options.ticks = ticks.value_or(options.ticks);
   return ticks.has_value();
 }
+bool set_accuracy(std::string_view value, Options& options) {
+  options.accuracy.reset();
+  if (value == "off") return true;
+  options.accuracy = palpate::StudyEffort{.quick = value == "quick"};
+  return value == "quick" || value == "full";
+}
+bool set_seed(std::string_view value, Options& options) {
+  const char* end = value.data() + value.size();
+  const auto [stop, error] = std::from_chars(value.data(), end, options.seed);
+  return error == std::errc() && stop == end;
+}
 
 struct OptionRule {
   std::string_view prefix;
@@ -65,6 +83,8 @@ struct OptionRule {
 constexpr OptionRule kOptionRules[] = {
     {"--subdivisions=", set_subdivisions},
     {"--ticks=", set_ticks},
+    {"--accuracy=", set_accuracy},
+    {"--seed=", set_seed},
 };
 
 bool parse_option(std::string_view argument, Options& options) {
@@ -83,12 +103,13 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (parse_option(argv[i], options)) continue;
     std::fprintf(stderr,
-                 "palpate_benchmarks: cannot use %s (see --help, --subdivisions, --ticks)\n",
+                 "palpate_benchmarks: cannot use %s (see --help, --subdivisions, --ticks, "
+                 "--accuracy, --seed)\n",
                  argv[i]);
     return 2;
   }
-  benchmark::AddCustomContext("compiler", PALPATE_COMPILER);
-  benchmark::AddCustomContext("flags", PALPATE_COMPILE_FLAGS);
+  benchmark::AddCustomContext("compiler", palpate::compiler_name());
+  benchmark::AddCustomContext("flags", palpate::compiler_flags());
   benchmark::AddCustomContext("cgal", palpate::bench::kHaveCgal ? "yes" : "no");
   const palpate::bench::SampleCounts counts{static_cast<std::size_t>(options.ticks)};
   for (const int subdivisions : options.subdivisions) {
@@ -99,6 +120,10 @@ int main(int argc, char** argv) {
   }
   palpate::bench::register_instance_benchmarks(counts);
   palpate::bench::register_side_test_benchmarks();
+  if (options.accuracy) {
+    options.accuracy->seed = options.seed;
+    palpate::bench::register_accuracy_benchmarks(*options.accuracy);
+  }
   const std::size_t run = benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return run > 0 ? 0 : 2;

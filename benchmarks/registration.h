@@ -6,6 +6,7 @@
 
 #include "benchmarks/caches.h"
 #include "benchmarks/sphere.h"
+#include "engine/study/knob.h"
 
 namespace palpate::bench {
 
@@ -29,6 +30,10 @@ void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 // tick_sliding_with_<effect>/<triangles>.
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
+
+// Of no size: accuracy_<knob>/<method>/<level>, every level of every knob. Adds to the context how
+// they were measured.
+void register_accuracy_benchmarks(const StudyEffort& effort);
 
 // Of no size: load_instances/<count>x, instances_sliding/<count>x and the same
 // _searched.

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds the release preset, runs the benchmarks and keeps the result under the name of this
 # processor; update_readme.py then brings the table of the README up to date. Arguments go to
-# palpate_benchmarks, which by itself measures spheres of 20 thousand to 5.2 million triangles in a
-# minute or two and 3 GB of memory; --subdivisions=5,7 is the quick way. Measure on an idle machine:
-# whatever else runs is measured as well.
+# palpate_benchmarks, which by itself measures spheres of 20 thousand to 5.2 million triangles, and
+# what accuracy costs, in a minute or two and 3 GB of memory; --subdivisions=5,7 --accuracy=quick is
+# the quick way. Measure on an idle machine: whatever else runs is measured as well.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"
 install_missing_packages

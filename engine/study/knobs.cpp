@@ -17,6 +17,7 @@ std::vector<Knob> all_knobs(const StudyEffort& effort) {
   add(servo_knobs(effort));
   add(velocity_knobs(effort));
   add(a4_knobs(effort));
+  add(effect_knobs(effort));
   return all;
 }
 

@@ -1,0 +1,250 @@
+// What the texels of a relief buy, and what each effect costs.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/study/effect_cases.h"
+#include "engine/study/knobs.h"
+#include "engine/study/proxy_reference.h"
+#include "engine/study/session_pass.h"
+#include "engine/study/sine_relief.h"
+#include "engine/study/sphere_paths.h"
+#include "geometry/random.h"
+#include "models/haptic_maps.h"
+
+namespace palpate {
+namespace {
+
+// ---- texels ------------------------------------------------------------------------------------
+
+constexpr int kTexelsPerWave[] = {4, 8, 16, 32, 64, 128};
+constexpr int kModelTexelsPerWave = kMapSide / kMapWaves;  // of the models' own maps
+
+Method sampled(const std::string& name, const SineRelief& relief, ImageDepth depth) {
+  // Keys' interpolant is of third order, but with few texels a wave its error of the fourth is as
+  // large, and with many the image's steps are larger: no order fits the ladder.
+  Method method{name, {}, {}, image_floor(depth)};
+  for (const int texels : kTexelsPerWave) {
+    method.levels.push_back(
+        {relief.texel_m(texels), std::to_string(texels) + " texels a wave",
+         [=](std::uint64_t seed) { return feel_sine(relief, texels, depth, Accuracy{}, seed); }});
+  }
+  return method;
+}
+
+Knob texture_knob(const StudyEffort& effort) {
+  SineRelief relief;
+  if (!effort.quick) relief.waves = 3;
+  Knob knob;
+  knob.name = "texture_sampling";
+  knob.title = "Texels of a relief";
+  knob.level = {"texel", "m"};
+  knob.error = {"error of the normal force (rms) over K H", ""};
+  knob.time = {"time of a tick", "ns"};
+  knob.workload =
+      "A hand slides at 7 mm/s, 0.9 to 1.5 mm deep, over a relief of waves of 3.9 mm, H = 0.3 mm "
+      "from the lowest to the highest, that is an image of n texels a wave; K = 1000 N/m, B = 0, T "
+      "= 1 ms.";
+  knob.reference =
+      "K (d + h) with the sine h in closed form; the interpolant is of third order where a wave "
+      "has "
+      "many texels, and between third and fourth where it has few.";
+  knob.floor_is = "half a step of the image's whole numbers, over the height of the relief";
+  knob.methods = {sampled("16 bits", relief, ImageDepth::k16Bit),
+                  sampled("8 bits", relief, ImageDepth::k8Bit)};
+  const auto* usual =
+      std::find(std::begin(kTexelsPerWave), std::end(kTexelsPerWave), kModelTexelsPerWave);
+  knob.default_level = static_cast<std::size_t>(usual - std::begin(kTexelsPerWave));
+  knob.run_preset = [=](std::uint64_t seed, const Accuracy& preset) {
+    return feel_sine(relief, kModelTexelsPerWave, ImageDepth::k16Bit, preset, seed);
+  };
+  knob.enough = 0.01;
+  knob.enough_because = "far below the 7 % by which people tell forces apart";
+  knob.default_because =
+      "more texels take no more time but more memory, in a file as well, and 16 a wave are enough";
+  return knob;
+}
+
+// ---- effects -----------------------------------------------------------------------------------
+
+constexpr double kRadius_m = 0.1;
+constexpr HeightSwing kTaps{-3e-3, 1e-3, 0.25};
+constexpr CouplingSettings kCoupling{1000.0, 2.0};
+
+// Passes with and without the effects, in turn, of which the shortest count: whatever else the
+// machine does makes a pass longer.
+constexpr int kPairs = 3;
+
+// What a clock that counts in such steps does not see in a mean over the ticks. A difference of two
+// times may come out below it, even negative, where effects cost nothing.
+double least_time_ns(std::uint64_t ticks) {
+  using Step = std::chrono::steady_clock::period;
+  return 1e9 * Step::num / Step::den / static_cast<double>(std::max<std::uint64_t>(ticks, 1));
+}
+
+// Sphere of one size, compiled for a case when first asked for.
+class EffectScenes {
+ public:
+  explicit EffectScenes(int subdivisions) : subdivisions_(subdivisions) {}
+
+  const Result<Scene>& get(const EffectCase& effect_case) {
+    const std::string key = effect_case.name;
+    auto place = scenes_.find(key);
+    if (place == scenes_.end()) {
+      place = scenes_.emplace(key, effect_scene(subdivisions_, kRadius_m, effect_case)).first;
+    }
+    return place->second;
+  }
+
+ private:
+  int subdivisions_;
+  std::map<std::string, Result<Scene>> scenes_;
+};
+
+// Forces by tick, of those in contact.
+using Forces = std::map<std::uint64_t, Vec3>;
+
+double rms_difference_N(const Forces& a, const Forces& b) {
+  RootMeanSquare off_N;
+  for (const auto& [tick, force_N] : a) {
+    const auto other = b.find(tick);
+    if (other != b.end()) off_N.add((force_N - other->second).norm());
+  }
+  return off_N.value();
+}
+
+// A hand that taps and slides over a sphere of one size.
+class TappedSphere {
+ public:
+  TappedSphere(int subdivisions, std::size_t ticks) : scenes_(subdivisions), ticks_(ticks) {}
+
+  Sample run(std::uint64_t seed, const EffectCase& effect_case, const Accuracy& accuracy) {
+    const Result<Scene>& with = scenes_.get(effect_case);
+    const Result<Scene>& without = scenes_.get(bare(effect_case));
+    const Result<Scene>& all = scenes_.get(all_effects());
+    for (const Result<Scene>* scene : {&with, &without, &all}) {
+      if (!*scene) return Sample{.failure = scene->error().to_string()};
+    }
+    const std::vector<Vec3> path_m = path(seed);
+    const Forces& full = forces_of_all(seed, *all, path_m);
+    Forces felt;
+    PassCost cost = pass(*with, path_m, accuracy, &felt);
+    double without_ns = pass(*without, path_m, accuracy, nullptr).tick_ns;
+    for (int i = 1; i < kPairs; ++i) {
+      cost.tick_ns = std::min(cost.tick_ns, pass(*with, path_m, accuracy, nullptr).tick_ns);
+      without_ns = std::min(without_ns, pass(*without, path_m, accuracy, nullptr).tick_ns);
+    }
+    return {rms_difference_N(full, felt),
+            std::max(cost.tick_ns - without_ns, least_time_ns(cost.ticks)), cost.iterations,
+            cost.ticks, failure_of(cost.faults)};
+  }
+
+ private:
+  // One for all that have the same geometry.
+  static EffectCase bare(const EffectCase& effect_case) {
+    EffectCase bare = without_effects(effect_case);
+    bare.name = effect_case.is_elsewhere ? "bare, beside another" : "bare";
+    return bare;
+  }
+  std::vector<Vec3> path(std::uint64_t seed) const {
+    const Quat turn = SeededRandom(seed).rotation();
+    std::vector<Vec3> path_m = path_over_sphere(kRadius_m, kTaps, ticks_);
+    for (Vec3& p_m : path_m) p_m = turn * p_m;
+    return path_m;
+  }
+  static PassCost pass(const Scene& scene, const std::vector<Vec3>& path_m,
+                       const Accuracy& accuracy, Forces* forces) {
+    const auto keep = [&](const TickRecord& record) {
+      if (forces) forces->emplace(record.tick, record.force_device_N);
+    };
+    return run_path(scene.world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m,
+                    kSpherePathPeriod_s, 0, keep);
+  }
+  const Forces& forces_of_all(std::uint64_t seed, const Scene& all,
+                              const std::vector<Vec3>& path_m) {
+    const auto [place, is_new] = full_.try_emplace(seed);
+    if (is_new) pass(all, path_m, Accuracy{}, &place->second);
+    return place->second;
+  }
+
+  EffectScenes scenes_;
+  std::size_t ticks_;
+  std::map<std::uint64_t, Forces> full_;
+};
+
+std::string triangles_text(int subdivisions) {
+  char text[32];
+  const double thousands = 0.02 * std::pow(4.0, subdivisions);
+  std::snprintf(text, sizeof text, thousands < 2.0 ? "%.1fk triangles" : "%.0fk triangles",
+                thousands);
+  return text;
+}
+
+// What is simulated, from everything to nothing.
+std::vector<EffectCase> choices() {
+  std::vector<EffectCase> choices{all_effects()};
+  for (const std::string_view effect : studied_effects()) choices.push_back(all_but(effect));
+  choices.push_back(effects_elsewhere());
+  choices.back().name = "none: all on what is not touched";
+  return choices;
+}
+
+Knob effects_knob(const StudyEffort& effort) {
+  Knob knob;
+  knob.name = "effects";
+  knob.title = "Effects";
+  knob.level = {"triangles", ""};
+  knob.error = {"force that is missing (rms)", "N"};
+  knob.time = {"time that effects add to a tick", "ns"};
+  knob.workload =
+      "A hand at 0.1 m/s slides over a sphere of 0.2 m that has all ten effects, 3 mm deep, and "
+      "taps it four times a second; K = 800 N/m and B = 1.5 N s/m, without these two effects 1000 "
+      "N/m and 2 N s/m; T = 1 ms. One effect is left out at a time: what it adds to a tick is what "
+      "\"all but\" it lacks to \"all\", and what it adds to the force is what is missing then.";
+  knob.reference =
+      "The same hand on the sphere with all effects; times are against the sphere without any.";
+  knob.floor_is = "the rounding of a file's coordinates to single precision, times K";
+  knob.levels_are_given = true;
+  std::vector<std::pair<int, std::shared_ptr<TappedSphere>>> spheres;
+  for (int subdivisions = 3; subdivisions <= (effort.quick ? 6 : 7); ++subdivisions) {
+    spheres.emplace_back(subdivisions,
+                         std::make_shared<TappedSphere>(subdivisions, effort.quick ? 500 : 1000));
+  }
+  for (const EffectCase& choice : choices()) {
+    Method method{choice.name, {}, {}, kCoupling.stiffness_N_per_m * float_floor_m(kRadius_m)};
+    for (const auto& [subdivisions, sphere] : spheres) {
+      method.levels.push_back({20.0 * std::pow(4.0, subdivisions), triangles_text(subdivisions),
+                               [sphere = sphere, choice](std::uint64_t seed) {
+                                 return sphere->run(seed, choice, Accuracy{});
+                               }});
+    }
+    knob.methods.push_back(std::move(method));
+  }
+  knob.default_level = 2;
+  knob.run_preset = [sphere = spheres[knob.default_level].second](std::uint64_t seed,
+                                                                  const Accuracy& preset) {
+    return sphere->run(seed, all_effects(), preset);
+  };
+  knob.enough = 0.08;
+  knob.enough_because =
+      "7 % of the 1.1 N that push this hand on the mean: people tell no less apart";
+  knob.default_because = "a scene feels as it was declared; who wants less declares less";
+  return knob;
+}
+
+}  // namespace
+
+std::vector<Knob> effect_knobs(const StudyEffort& effort) {
+  return {texture_knob(effort), effects_knob(effort)};
+}
+
+}  // namespace palpate
