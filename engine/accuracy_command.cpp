@@ -182,10 +182,14 @@ using Row = std::vector<std::string>;
 Row row_of(const KnobResult& result) {
   const LevelPlace usual{result.knob.default_method, result.knob.default_level};
   const LevelResult& level = result.methods[usual.method].levels[usual.level];
+  // Of no repeat that counts there are no figures.
+  const bool was_measured = level.repeats > level.failures;
   return {result.knob.name,
           place_text(result, usual),
-          (level.at_floor ? "\u2264 " : "") + human(level.error.median, result.knob.error.unit),
-          human(level.time.median, result.knob.time.unit),
+          was_measured ? (level.at_floor ? "\u2264 " : "") +
+                             human(level.error.median, result.knob.error.unit)
+                       : "failed",
+          was_measured ? human(level.time.median, result.knob.time.unit) : "-",
           result.default_is_near_front() ? "yes" : "no, see report",
           result.recommended ? place_text(result, *result.recommended) : "none",
           order_text(result)};

@@ -19,6 +19,10 @@ constexpr double kStride = 1.1;
 // Halvings that take a stride down to the digits of double.
 constexpr int kHalvings = 52;
 
+// A plant whose damper stops it within less than this part of a period is no device, and the
+// exponential of its matrix loses as many digits as that has: here half of them.
+constexpr double kLeastPart = 0x1p-26;
+
 struct Plant {
   double mass_kg, damping_Ns_per_m, stiffness_N_per_m;
 };
@@ -72,7 +76,11 @@ class SampledLoop {
       for (int d = 1; d < delay_ticks_; ++d) tick(3 + d, 2 + d) = 1.0;
       tick.block<2, 1>(0, 2 + delay_ticks_) = step_.block<2, 1>(0, 2);
     }
-    return tick.eigenvalues().cwiseAbs().maxCoeff();
+    // Of numbers that overflow there are no eigenvalues, and what is said to be them is anything.
+    if (!tick.allFinite()) return std::numeric_limits<double>::infinity();
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(tick, /* computeEigenvectors = */ false);
+    if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+    return solver.eigenvalues().cwiseAbs().maxCoeff();
   }
   bool is_stable(const CouplingSettings& coupling) const { return spectral_radius(coupling) < 1.0; }
 
@@ -178,12 +186,17 @@ Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
                                          double coupling_damping_Ns_per_m,
                                          const ServoTiming& timing) {
   if (const auto error = check_all(device, coupling_damping_Ns_per_m, timing)) return *error;
+  const Plant plant = plant_of(device);
+  if (!(plant.mass_kg >= kLeastPart * plant.damping_Ns_per_m * timing.period_s)) {
+    return Error{ErrorCode::kInvalidArgument, "", "mass",
+                 "is too little for the damping: it is stopped within 2^-26 of a period",
+                 "give the mass and the damping of the device at its tip, in SI units"};
+  }
   // How old a held force is on average.
   const double held_s = (0.5 + timing.delay_ticks) * timing.period_s;
   StabilityLimits limits;
   find_passive(device, coupling_damping_Ns_per_m, held_s, limits);
-  limits.stable_first_order_N_per_m =
-      (plant_of(device).damping_Ns_per_m + coupling_damping_Ns_per_m) / held_s;
+  limits.stable_first_order_N_per_m = (plant.damping_Ns_per_m + coupling_damping_Ns_per_m) / held_s;
   if (limits.stable_first_order_N_per_m > 0.0) {
     limits.stable_N_per_m = stable_limit(SampledLoop(device, timing), coupling_damping_Ns_per_m,
                                          limits.stable_first_order_N_per_m);

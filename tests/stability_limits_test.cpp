@@ -300,5 +300,25 @@ TEST(StabilityLimits, RefuseNumbersThatAreNone) {
   EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 64}), "");
 }
 
+// Without an answer a search would never end: numbers overflow, or have no digits left.
+TEST(StabilityLimits, RefuseAPlantThatIsAllDamping) {
+  for (const DeviceMechanics& device :
+       {DeviceMechanics{1e-300, 0.5}, DeviceMechanics{0.1, 1e300}, DeviceMechanics{1e-20, 0.5}}) {
+    const auto limits = stability_limits(device, 0.0, {1e-3, 0});
+    ASSERT_FALSE(limits.ok()) << device.mass_kg << " kg, " << device.damping_Ns_per_m << " N s/m";
+    EXPECT_EQ(limits.error().element, "mass");
+  }
+}
+
+// x += T f / b, all that is left of a plant with next to no mass: with f = -K x it is stable below
+// 2 b / T, and the mass makes that 1 / (1 - 2 m / (b T)) times as much.
+TEST(StabilityLimits, AreThoseOfADamperWhereTheMassIsLittle) {
+  for (const double mass_kg : {1e-6, 1e-8, 1e-10}) {
+    const double limit = stability_limits({mass_kg, 0.5}, 0.0, {1e-3, 0}).value().stable_N_per_m;
+    const double expected = 2.0 * 0.5 / 1e-3 / (1.0 - 2.0 * mass_kg / (0.5 * 1e-3));
+    EXPECT_NEAR(limit, expected, 0x1p-26 * expected) << mass_kg;  // half the digits of double
+  }
+}
+
 }  // namespace
 }  // namespace palpate

@@ -55,15 +55,12 @@ class PresetTally {
     for (std::size_t n = 0; n < run.records.size(); ++n) {
       const TickRecord& record = run.records[n];
       all_ns_.push_back(run.steps_ns[n]);
+      add_errors(record, hand.exact[n]);
       if (!record.contact) continue;
       contact_ns.push_back(run.steps_ns[n]);
       iterations_ += record.solver_iterations;
       capped_ += (record.faults & kFaultSolverCapped) != 0;
       ++ticks_;
-      const Vec3 off_m = record.proxy_m - hand.exact[n].proxy_m;
-      errors_m_.push_back(off_m.norm());
-      const Vec3 off_N = record.full_force_device_N - hand.exact[n].full_force_device_N;
-      worst_force_N_ = std::max(worst_force_N_, off_N.norm());
     }
     if (contact_ns.empty()) return;
     const StepTimes times = StepTimes::of(std::move(contact_ns));
@@ -81,8 +78,8 @@ class PresetTally {
     preset.ticks = ticks_;
     preset.capped_ticks = capped_;
     preset.worst_force_error_N = worst_force_N_;
-    if (ticks_ == 0) return preset;
-    preset.iterations = iterations_ / static_cast<double>(ticks_);
+    if (ticks_ > 0) preset.iterations = iterations_ / static_cast<double>(ticks_);
+    if (errors_m_.empty()) return preset;
     RootMeanSquare rms_m;
     for (const double error_m : errors_m_) rms_m.add(error_m);
     preset.rms_error_m = rms_m.value();
@@ -95,6 +92,15 @@ class PresetTally {
   double p999_ns() const { return static_cast<double>(StepTimes::of(all_ns_).p999_ns); }
 
  private:
+  // Wherever one of the two is in contact: a preset that has lost what exact still touches is off
+  // by that much.
+  void add_errors(const TickRecord& record, const TickRecord& exact) {
+    if (!record.contact && !exact.contact) return;
+    errors_m_.push_back((record.proxy_m - exact.proxy_m).norm());
+    const Vec3 off_N = record.full_force_device_N - exact.full_force_device_N;
+    worst_force_N_ = std::max(worst_force_N_, off_N.norm());
+  }
+
   std::vector<double> p50_ns_, p99_ns_, worst_ns_, errors_m_;
   std::vector<std::int64_t> all_ns_;
   double iterations_ = 0.0;
@@ -206,7 +212,9 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
   for (int repeat = 0; repeat < study.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
     for (std::size_t p = 0; p < kPresets.size(); ++p) {
-      const std::size_t turn = (p + static_cast<std::size_t>(repeat)) % kPresets.size();
+      // Another preset begins each time, and not always the same one on the same hand.
+      const auto r = static_cast<std::size_t>(repeat);
+      const std::size_t turn = (p + r + r / hands.size()) % kPresets.size();
       const auto run = replay(scene, with(setup, kPresets[turn]), hand.path_m, 1);
       if (!run) return run.error();
       tallies[turn].add(*run, hand);

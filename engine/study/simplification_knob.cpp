@@ -145,14 +145,18 @@ std::string label_of(std::size_t triangles) {
 
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const StudyEffort& effort, std::string& why) {
-  auto all = std::make_shared<Merged>(merged(scene));
-  const std::size_t triangles = all->mesh.triangles.size();
+  // Before they are gathered: nodes that share a mesh may make any number of them.
+  std::size_t triangles = 0;
+  for (const SceneObject& object : scene.objects()) {
+    triangles += scene.mesh(object.mesh).face_count();
+  }
   if (triangles > kMostSimplified || triangles < 4 * kLeastTriangles) {
     why = "it has " + std::to_string(triangles) + " triangles; from " +
           std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified) +
           " are simplified";
     return std::nullopt;
   }
+  const auto all = std::make_shared<const Merged>(merged(scene));
   Knob knob;
   knob.name = "scene_resolution";
   knob.title = "Resolution of the scene's own mesh";
