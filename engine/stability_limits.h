@@ -67,7 +67,10 @@ struct StabilityLimits {
   // The same to first order in T: (b + B) / (T / 2 + d T), b with the hand's.
   double stable_first_order_N_per_m = 0.0;
 
-  bool is_passive(double stiffness_N_per_m) const { return stiffness_N_per_m < passive_N_per_m; }
+  // At the limit itself a tick gives away K |dx|^2 / 2, and the device takes b |dx|^2 / T: as much.
+  bool is_passive(double stiffness_N_per_m) const {
+    return passivity_bound != PassivityBound::kDamper && stiffness_N_per_m <= passive_N_per_m;
+  }
   bool is_stable(double stiffness_N_per_m) const { return stiffness_N_per_m < stable_N_per_m; }
 };
 

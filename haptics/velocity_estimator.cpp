@@ -43,7 +43,9 @@ Vec3 VelocityEstimator::add(const Vec3& position_m, double dt_s) noexcept {
 
 Vec3 VelocityEstimator::difference(const Sample& last, std::size_t window) const noexcept {
   const Sample& first = back(window);
-  return (last.position_m - first.position_m) / first.time.seconds_to(last.time);
+  const double span_s = first.time.seconds_to(last.time);
+  if (!(span_s > 0.0)) return Vec3::Zero();  // so short that the sum of the times lost it
+  return (last.position_m - first.position_m) / span_s;
 }
 
 // With s and r the time and the way from a sample to the newest one, and m = w + 1 of them:
@@ -63,7 +65,9 @@ Vec3 VelocityEstimator::line_fit(const Sample& last, std::size_t window) const n
     sr_sum += s * r;
   }
   const auto m = static_cast<double>(window + 1);
-  return (m * sr_sum - s_sum * r_sum) / (m * ss_sum - s_sum * s_sum);
+  const double spread_s2 = m * ss_sum - s_sum * s_sum;
+  if (!(spread_s2 > 0.0)) return Vec3::Zero();  // so short that squares of times vanish
+  return (m * sr_sum - s_sum * r_sum) / spread_s2;
 }
 
 // From the newest sample back, each sample leaves less room for the slope of a line that passes it
@@ -77,6 +81,7 @@ Vec3 VelocityEstimator::adaptive(const Sample& last, std::size_t window) const n
     const Sample& sample = back(k);
     const double s = sample.time.seconds_to(last.time);
     const Vec3 r = last.position_m - sample.position_m;
+    if (!(s > 0.0)) continue;  // as in difference()
     const double per_s = 1.0 / s;
     const Vec3 slope = per_s * r;
     if ((slope.array() >= least.array()).all() && (slope.array() <= most.array()).all()) {

@@ -106,8 +106,8 @@ std::string short_number(double value) {
 std::string order_number(double order) {
   std::array<char, 32> text;
   if (std::abs(order) < 0.005) order = 0.0;  // no "-0.00"
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), order,
-                                 std::chars_format::fixed, 2);
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), order, std::chars_format::fixed, 2);
   return std::string(text.data(), end.ptr);
 }
 

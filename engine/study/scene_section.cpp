@@ -1,6 +1,7 @@
 #include "engine/study/scene_section.h"
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include "engine/study/html.h"
@@ -80,19 +81,22 @@ std::string presets_html(const SceneStudy& study) {
 }
 
 std::string rate_html(const SafeRate& safe) {
-  Table table({"servo rate", "ticks", "missed deadlines", "longest tick", ""});
+  Table table({"servo rate", "trials", "ticks", "missed deadlines", "longest tick", ""});
   for (const RateTrial& trial : safe.trials) {
-    table.row({shown(trial.rate_Hz, "Hz"), std::to_string(trial.ticks),
+    const std::string trials = std::to_string(trial.kept) + " of " + std::to_string(trial.trials);
+    table.row({shown(trial.rate_Hz, "Hz"), trials, std::to_string(trial.ticks),
                std::to_string(trial.missed), shown(static_cast<double>(trial.worst_ns), "ns"),
                flag(trial.passed(), "kept", "not kept")});
   }
   std::ostringstream html;
   html << "<h3>Servo rate</h3>\n<p>Highest safe rate on this machine: <strong>"
        << (safe.rate_Hz() > 0.0 ? shown(safe.rate_Hz(), "Hz") : "none of those tried")
-       << "</strong>, the smaller of two. Run for a moment at each rate, the haptic thread kept "
+       << "</strong>, the smaller of two. Run at each rate for up to three moments, the haptic "
+          "thread kept "
        << (safe.by_trial_Hz > 0.0 ? shown(safe.by_trial_Hz, "Hz") : "none of them")
-       << ": at most one deadline in a thousand missed there and at all lower rates. By computing "
-          "alone, 999 of 1000 ticks fit into half a period up to "
+       << ": at most one deadline in a thousand missed in most of the trials there, and at the "
+          "lower rates that were tried. By computing alone, 999 of 1000 ticks fit into half a "
+          "period up to "
        << shown(safe.by_computing_Hz, "Hz")
        << ". The first depends on what else this machine does: repeat it on an idle one.</p>\n"
        << table.html();
@@ -177,7 +181,7 @@ ReportSection scene_section(const SceneFindings& findings) {
     html += "<p class=\"note\">The mesh was not simplified: " +
             html_escaped(findings.no_simplification) + ".</p>\n";
   }
-  return {"Your scene: " + findings.path, html};
+  return {"Your scene: " + std::filesystem::path(findings.path).filename().string(), html};
 }
 
 std::string scene_csv(const SceneFindings& f) {

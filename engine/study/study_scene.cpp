@@ -1,8 +1,11 @@
 #include "engine/study/study_scene.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
+
+#include "engine/study/proxy_reference.h"
 
 namespace palpate {
 
@@ -29,6 +32,17 @@ std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m
     std::abort();
   }
   return *scene;
+}
+
+double file_floor_m(const Scene& scene) {
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < scene.objects().size(); ++i) {
+    const Box& box = scene.world().bodies[i].index->box();
+    const Vec3& origin = scene.objects()[i].map_body_mesh.translation_m;  // of the mesh frame
+    const Vec3 reach_m = (box.low - origin).cwiseAbs().cwiseMax((box.high - origin).cwiseAbs());
+    farthest_m = std::max(farthest_m, reach_m.maxCoeff());
+  }
+  return float_floor_m(farthest_m);
 }
 
 double mean_edge_m(const TriangleMesh& mesh) {

@@ -40,6 +40,11 @@ class LazyScene {
   std::shared_ptr<Held> held_;
 };
 
+// What the scene's file rounds positions on its surfaces to: float_floor_m() of the farthest
+// coordinate of a mesh in its own frame, at the size that its node gives it. Where nodes are costs
+// no digits. Scene frame.
+double file_floor_m(const Scene& scene);
+
 // Mean length of the edges of the triangles.
 double mean_edge_m(const TriangleMesh& mesh);
 
