@@ -51,7 +51,10 @@ KNOBS = {
     "velocity_total": Knob("velocity window", "velocity error", "m/s", *TICK, "ticks"),
     "a4_step": Knob("period of A4's rotation", "error of the time to align", "s", *SECOND, "s"),
     "texture_sampling": Knob("relief: texel", "normal force over K H", "", *TICK, "m"),
-    "effects": Knob("effects left out: triangles", "force that is missing", "N", *TICK),
+    "effect_costs": Knob("each effect alone: triangles", "force that it changes", "N",
+                         "time that it adds", "ns"),
+    "effects": Knob("effects left out: triangles", "force that is missing", "N",
+                    "time that the others add", "ns"),
 }
 
 # Those of the figure, as far as they were measured.

@@ -53,7 +53,7 @@ void expect_all_count(const KnobResult& result) {
 
 TEST(EffectKnobs, AreComplete) {
   const std::vector<Knob> knobs = effect_knobs(kEffort);
-  ASSERT_EQ(knobs.size(), 2u);
+  ASSERT_EQ(knobs.size(), 3u);
   for (const Knob& knob : knobs) {
     for (const std::string* text : {&knob.name, &knob.title, &knob.level.name, &knob.error.name,
                                     &knob.time.name, &knob.workload, &knob.reference,
@@ -179,6 +179,20 @@ TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
   EXPECT_EQ(result.knob.methods[result.knob.default_method].name, "all");
   EXPECT_TRUE(result.methods[result.knob.default_method].levels[result.knob.default_level].on_front)
       << "nothing else lacks nothing";
+}
+
+TEST(Effects, AloneChangeTheForceByTheirModel) {
+  const KnobResult result = measured("effect_costs");
+  expect_all_count(result);
+  ASSERT_EQ(result.methods.size(), studied_effects().size() + 1);
+  const auto changed_N = [&](const std::string& effect) {
+    return method(result, effect).levels.back().error.median;
+  };
+  for (const MethodResult& m : result.methods) EXPECT_FALSE(m.levels.back().at_floor) << m.name;
+  EXPECT_NEAR(changed_N("magnet"), 1.0, 1e-3);
+  EXPECT_NEAR(changed_N("gravity"), 0.05 * 9.81, 1e-4);
+  EXPECT_NEAR(changed_N("viscosity"), 2.0 * kSpeed_m_per_s, 1e-3 * 2.0 * kSpeed_m_per_s);
+  EXPECT_NEAR(changed_N("vibration"), 0.3 / std::numbers::sqrt2, 0.02);
 }
 
 std::vector<Vec3> forces_N(const Scene& scene, const std::vector<Vec3>& path_m) {

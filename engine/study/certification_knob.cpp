@@ -129,7 +129,8 @@ Knob certification_knob(const StudyEffort& effort) {
   knob.time = {"time of a tick", "ns"};
   knob.workload =
       "A hand that trembles below the bottom of a V-shaped groove and goes along it, the hardest "
-      "place for a proxy. Certified: each of its steps is proven to pass no surface. K = 1000 N/m, "
+      "place for a proxy. Certified: each of its steps is proven to pass no surface, which is no "
+      "smaller error but leaves none to chance. K = 1000 N/m, "
       "B = 2 N s/m, 1 kHz.";
   knob.reference = "The point of the bottom beside the device, in closed form.";
   knob.floor_is = "the rounding of a file's coordinates to single precision";

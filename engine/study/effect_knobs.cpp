@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -127,6 +128,7 @@ class TappedSphere {
  public:
   TappedSphere(int subdivisions, std::size_t ticks) : scenes_(subdivisions), ticks_(ticks) {}
 
+  // The force that is missing for want of effects, and the time of those that are there.
   Sample run(std::uint64_t seed, const EffectCase& effect_case, const Accuracy& accuracy) {
     const Result<Scene>& with = scenes_.get(effect_case);
     const Result<Scene>& without = scenes_.get(bare(effect_case));
@@ -135,20 +137,35 @@ class TappedSphere {
       if (!*scene) return Sample{.failure = scene->error().to_string()};
     }
     const std::vector<Vec3> path_m = path(seed);
-    const Forces& full = forces_of_all(seed, *all, path_m);
-    Forces felt;
-    PassCost cost = pass(*with, path_m, accuracy, &felt);
-    double without_ns = pass(*without, path_m, accuracy, nullptr).tick_ns;
-    for (int i = 1; i < kPairs; ++i) {
-      cost.tick_ns = std::min(cost.tick_ns, pass(*with, path_m, accuracy, nullptr).tick_ns);
-      without_ns = std::min(without_ns, pass(*without, path_m, accuracy, nullptr).tick_ns);
+    return compare(*with, *without, forces_of(full_, seed, *all, path_m), path_m, accuracy);
+  }
+
+  // The force that an effect adds on its own, and its time.
+  Sample run_alone(std::uint64_t seed, const EffectCase& effect_case, const Accuracy& accuracy) {
+    const Result<Scene>& with = scenes_.get(effect_case);
+    const Result<Scene>& without = scenes_.get(bare(effect_case));
+    for (const Result<Scene>* scene : {&with, &without}) {
+      if (!*scene) return Sample{.failure = scene->error().to_string()};
     }
-    return {rms_difference_N(full, felt),
-            std::max(cost.tick_ns - without_ns, least_time_ns(cost.ticks)), cost.iterations,
-            cost.ticks, failure_of(cost.faults)};
+    const std::vector<Vec3> path_m = path(seed);
+    return compare(*with, *without, forces_of(bare_, seed, *without, path_m), path_m, accuracy);
   }
 
  private:
+  // Errors against these forces; times against the scene without effects.
+  static Sample compare(const Scene& with, const Scene& without, const Forces& reference,
+                        const std::vector<Vec3>& path_m, const Accuracy& accuracy) {
+    Forces felt;
+    PassCost cost = pass(with, path_m, accuracy, &felt);
+    double without_ns = pass(without, path_m, accuracy, nullptr).tick_ns;
+    for (int i = 1; i < kPairs; ++i) {
+      cost.tick_ns = std::min(cost.tick_ns, pass(with, path_m, accuracy, nullptr).tick_ns);
+      without_ns = std::min(without_ns, pass(without, path_m, accuracy, nullptr).tick_ns);
+    }
+    return {rms_difference_N(reference, felt),
+            std::max(cost.tick_ns - without_ns, least_time_ns(cost.ticks)), cost.iterations,
+            cost.ticks, failure_of(cost.faults)};
+  }
   // One for all that have the same geometry.
   static EffectCase bare(const EffectCase& effect_case) {
     EffectCase bare = without_effects(effect_case);
@@ -169,17 +186,36 @@ class TappedSphere {
     return run_path(scene.world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m,
                     kSpherePathPeriod_s, 0, keep);
   }
-  const Forces& forces_of_all(std::uint64_t seed, const Scene& all,
-                              const std::vector<Vec3>& path_m) {
-    const auto [place, is_new] = full_.try_emplace(seed);
-    if (is_new) pass(all, path_m, Accuracy{}, &place->second);
+  static const Forces& forces_of(std::map<std::uint64_t, Forces>& kept, std::uint64_t seed,
+                                 const Scene& scene, const std::vector<Vec3>& path_m) {
+    const auto [place, is_new] = kept.try_emplace(seed);
+    if (is_new) pass(scene, path_m, Accuracy{}, &place->second);
     return place->second;
   }
 
   EffectScenes scenes_;
   std::size_t ticks_;
-  std::map<std::uint64_t, Forces> full_;
+  std::map<std::uint64_t, Forces> full_;  // by seed, of the sphere with all effects
+  std::map<std::uint64_t, Forces> bare_;  // and without any
 };
+
+using Spheres = std::vector<std::pair<int, std::shared_ptr<TappedSphere>>>;
+
+Spheres spheres_of(const StudyEffort& effort) {
+  Spheres spheres;
+  for (int subdivisions = 3; subdivisions <= (effort.quick ? 6 : 7); ++subdivisions) {
+    spheres.emplace_back(subdivisions,
+                         std::make_shared<TappedSphere>(subdivisions, effort.quick ? 500 : 1000));
+  }
+  return spheres;
+}
+
+constexpr std::size_t kUsualSphere = 2;  // 20 thousand triangles
+constexpr const char* kForceFloor =
+    "the rounding of a file's coordinates to single precision, times K";
+constexpr double force_floor_N() {
+  return kCoupling.stiffness_N_per_m * 0x1p-24 * kRadius_m;
+}
 
 std::string triangles_text(int subdivisions) {
   char text[32];
@@ -194,14 +230,14 @@ std::vector<EffectCase> choices() {
   std::vector<EffectCase> choices{all_effects()};
   for (const std::string_view effect : studied_effects()) choices.push_back(all_but(effect));
   choices.push_back(effects_elsewhere());
-  choices.back().name = "none: all on what is not touched";
+  choices.back().name = "none touched";
   return choices;
 }
 
-Knob effects_knob(const StudyEffort& effort) {
+Knob effects_knob(const Spheres& spheres) {
   Knob knob;
   knob.name = "effects";
-  knob.title = "Effects";
+  knob.title = "Effects left out";
   knob.level = {"triangles", ""};
   knob.error = {"force that is missing (rms)", "N"};
   knob.time = {"time that effects add to a tick", "ns"};
@@ -209,18 +245,15 @@ Knob effects_knob(const StudyEffort& effort) {
       "A hand at 0.1 m/s slides over a sphere of 0.2 m that has all ten effects, 3 mm deep, and "
       "taps it four times a second; K = 800 N/m and B = 1.5 N s/m, without these two effects 1000 "
       "N/m and 2 N s/m; T = 1 ms. One effect is left out at a time: what it adds to a tick is what "
-      "\"all but\" it lacks to \"all\", and what it adds to the force is what is missing then.";
+      "\"all but\" it lacks to \"all\", and what it adds to the force is what is missing then. "
+      "With "
+      "\"none touched\" the effects are those of another sphere.";
   knob.reference =
       "The same hand on the sphere with all effects; times are against the sphere without any.";
-  knob.floor_is = "the rounding of a file's coordinates to single precision, times K";
+  knob.floor_is = kForceFloor;
   knob.levels_are_given = true;
-  std::vector<std::pair<int, std::shared_ptr<TappedSphere>>> spheres;
-  for (int subdivisions = 3; subdivisions <= (effort.quick ? 6 : 7); ++subdivisions) {
-    spheres.emplace_back(subdivisions,
-                         std::make_shared<TappedSphere>(subdivisions, effort.quick ? 500 : 1000));
-  }
   for (const EffectCase& choice : choices()) {
-    Method method{choice.name, {}, {}, kCoupling.stiffness_N_per_m * float_floor_m(kRadius_m)};
+    Method method{choice.name, {}, {}, force_floor_N()};
     for (const auto& [subdivisions, sphere] : spheres) {
       method.levels.push_back({20.0 * std::pow(4.0, subdivisions), triangles_text(subdivisions),
                                [sphere = sphere, choice](std::uint64_t seed) {
@@ -229,9 +262,9 @@ Knob effects_knob(const StudyEffort& effort) {
     }
     knob.methods.push_back(std::move(method));
   }
-  knob.default_level = 2;
-  knob.run_preset = [sphere = spheres[knob.default_level].second](std::uint64_t seed,
-                                                                  const Accuracy& preset) {
+  knob.default_level = kUsualSphere;
+  knob.run_preset = [sphere = spheres[kUsualSphere].second](std::uint64_t seed,
+                                                            const Accuracy& preset) {
     return sphere->run(seed, all_effects(), preset);
   };
   knob.enough = 0.08;
@@ -241,10 +274,52 @@ Knob effects_knob(const StudyEffort& effort) {
   return knob;
 }
 
+// Nobody chooses among these; what each costs, and what it is felt by.
+Knob effect_costs_knob(const Spheres& spheres) {
+  Knob knob;
+  knob.name = "effect_costs";
+  knob.title = "Each effect alone";
+  knob.level = {"triangles", ""};
+  knob.error = {"force that it changes (rms)", "N"};
+  knob.time = {"time that it adds to a tick", "ns"};
+  knob.workload =
+      "A hand at 0.1 m/s slides over a sphere of 0.2 m that has this effect and no other, 3 mm "
+      "deep, "
+      "and taps it four times a second; K = 1000 N/m and B = 2 N s/m, where the effect does not "
+      "say "
+      "otherwise; T = 1 ms. Not an error: up is a stronger effect, to the right a dearer one.";
+  knob.reference = "The same hand on the sphere without any effect, for forces and for times.";
+  knob.floor_is = kForceFloor;
+  knob.levels_are_given = true;
+  knob.methods_are_given = true;
+  std::vector<EffectCase> cases{all_effects()};
+  for (const std::string_view effect : studied_effects()) cases.push_back(only(effect));
+  for (const EffectCase& one : cases) {
+    Method method{one.name, {}, {}, force_floor_N()};
+    for (const auto& [subdivisions, sphere] : spheres) {
+      method.levels.push_back({20.0 * std::pow(4.0, subdivisions), triangles_text(subdivisions),
+                               [sphere = sphere, one](std::uint64_t seed) {
+                                 return sphere->run_alone(seed, one, Accuracy{});
+                               }});
+    }
+    knob.methods.push_back(std::move(method));
+  }
+  knob.default_level = kUsualSphere;
+  knob.run_preset = [sphere = spheres[kUsualSphere].second](std::uint64_t seed,
+                                                            const Accuracy& preset) {
+    return sphere->run_alone(seed, all_effects(), preset);
+  };
+  knob.enough = std::numeric_limits<double>::infinity();
+  knob.enough_because = "there is nothing to choose: a scene feels as it was declared";
+  knob.default_because = "a scene feels as it was declared";
+  return knob;
+}
+
 }  // namespace
 
 std::vector<Knob> effect_knobs(const StudyEffort& effort) {
-  return {texture_knob(effort), effects_knob(effort)};
+  const Spheres spheres = spheres_of(effort);
+  return {texture_knob(effort), effect_costs_knob(spheres), effects_knob(spheres)};
 }
 
 }  // namespace palpate

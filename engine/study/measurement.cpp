@@ -194,6 +194,9 @@ class Round {
         m.levels.push_back(gathered_[i++].result(level.value, level.label, method.floor));
       }
       m.order = fitted_order(m.levels);
+      // A curve that is flat does not go by the level: noise is no order.
+      constexpr double kFlat = 0.1;
+      if (!m.expected_order && m.order && std::abs(*m.order) < kFlat) m.order.reset();
       result.methods.push_back(std::move(m));
     }
     const double floor = knob_.methods[knob_.default_method].floor;

@@ -24,7 +24,7 @@ constexpr const char* kCouplingText = "K = 1000 N/m, B = 2 N s/m, 1 kHz";
 class Bumps {
  public:
   explicit Bumps(const StudyEffort& effort)
-      : scene_([subdivisions = effort.quick ? 6 : 7] {
+      : scene_([subdivisions = effort.quick ? 7 : 8] {
           return mesh_scene(bumpy_sphere(subdivisions, kRadius_m, kBump_m, kWaves));
         }),
         ticks_(effort.quick ? 500 : 2000) {}
@@ -77,7 +77,7 @@ class Bumps {
       std::make_shared<std::map<double, std::shared_ptr<ProxyReference>>>();
 };
 
-constexpr double kFast_m_per_s = 0.5;
+constexpr double kFast_m_per_s = 1.0;
 
 Knob common(const char* name, const char* title, const Bumps& bumps) {
   Knob knob;
@@ -86,7 +86,7 @@ Knob common(const char* name, const char* title, const Bumps& bumps) {
   knob.error = {"distance to the converged proxy (rms)", "m"};
   knob.time = {"time of a tick", "ns"};
   knob.workload = std::string(
-                      "A hand at 0.5 m/s, pressed 1 to 3 mm into a sphere of 0.2 m with "
+                      "A hand at 1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m with "
                       "bumps of 6 mm; ") +
                   kCouplingText + ".";
   knob.reference = "The same hand under the preset exact.";

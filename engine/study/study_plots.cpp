@@ -16,7 +16,7 @@ namespace {
 
 // Pixels. A panel, and within it the area of data; what is below is for ticks, label and legend.
 constexpr double kPanelWidth = 516.0;
-constexpr PixelBox kArea = {98.0, 34.0, 504.0, 364.0};
+constexpr PixelBox kArea = {98.0, 34.0, 494.0, 364.0};
 constexpr double kLegendTop = kArea.bottom + 64.0;
 constexpr double kLegendRow = 23.0;
 constexpr double kBottomMargin = 8.0;
@@ -156,19 +156,24 @@ class Diagram {
 
   const KnobResult& result() const { return result_; }
   const PlotAxis& x(Against against) const { return against == Against::kTime ? time_ : level_; }
-  const PlotAxis& y() const { return error_; }
+  const PlotAxis& y(Against against) const { return shows_time(against) ? time_ : error_; }
+  // Errors that are all at the floor tell levels no more apart than a line does: then the second
+  // panel has their times.
+  bool shows_time(Against against) const { return against == Against::kLevel && !has_errors_; }
   double height() const { return kLegendTop + rows_ * kLegendRow + kBottomMargin; }
 
   Dot dot(const LevelResult& level, Against against) const {
     const Spread at_level{level.value, level.value, level.value};
     const Spread& across = against == Against::kTime ? level.time : at_level;
-    const PlotAxis& axis = x(against);
-    return {axis.at(across.median),
-            axis.at(across.low),
-            axis.at(across.high),
-            error_.at(level.error.median),
-            error_.at(level.error.low),
-            error_.at(level.error.high),
+    const Spread& up = shows_time(against) ? level.time : level.error;
+    const PlotAxis& x_axis = x(against);
+    const PlotAxis& y_axis = y(against);
+    return {x_axis.at(across.median),
+            x_axis.at(across.low),
+            x_axis.at(across.high),
+            y_axis.at(up.median),
+            y_axis.at(up.low),
+            y_axis.at(up.high),
             level.at_floor};
   }
 
@@ -195,6 +200,7 @@ class Diagram {
     for_each_level([&](const LevelPlace&, const LevelResult& level) {
       see(level);
       level_.see(level.value);
+      has_errors_ = has_errors_ || (!level.at_floor && level.error.median > 0.0);
     });
     for (const LevelResult& preset : result_.presets) {
       if (preset.counts()) see(preset);
@@ -232,6 +238,7 @@ class Diagram {
 
   const KnobResult& result_;
   PlotAxis time_, error_, level_;
+  bool has_errors_ = false;  // above the floor
   int rows_ = 0;
 };
 
@@ -283,7 +290,7 @@ class Panel {
   const KnobResult& result() const { return diagram_.result(); }
   const Knob& knob() const { return result().knob; }
   const PlotAxis& x() const { return diagram_.x(against_); }
-  const PlotAxis& y() const { return diagram_.y(); }
+  const PlotAxis& y() const { return diagram_.y(against_); }
 
   double x_px(double position) const {
     return kArea.left +
@@ -317,7 +324,8 @@ class Panel {
 
   // gnuplot would put it where the widest tick leaves room, which can be outside of the panel.
   void put_upright_label() {
-    const std::string text = with_unit(knob().error.name, y().unit());
+    const Quantity& up = diagram_.shows_time(against_) ? knob().time : knob().error;
+    const std::string text = with_unit(up.name, y().unit());
     constexpr double kLinePx = 17.0, kRightPx = 34.0;
     std::vector<std::string> lines = {text};
     const std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
@@ -340,7 +348,9 @@ class Panel {
     out_ << "set xlabel "
          << gnuplot_quoted(with_unit(shortened(across.name, kLongestAxisLine), x().unit()))
          << " offset 0,0.4\nset title '"
-         << (against_ == Against::kTime ? "error against time" : "error against level")
+         << (against_ == Against::kTime      ? "error against time"
+             : diagram_.shows_time(against_) ? "time against level"
+                                             : "error against level")
          << "' offset 0,-0.4\n";
     put_upright_label();
   }
@@ -402,6 +412,7 @@ class Panel {
   }
 
   void put_floors() {
+    if (diagram_.shows_time(against_)) return;
     std::vector<double> floors;
     for (const MethodResult& method : result().methods) {
       if (method.floor > 0.0) floors.push_back(method.floor);
