@@ -22,7 +22,6 @@ class Knob(NamedTuple):
     time: str
     time_unit: str
     level_unit: str = ""
-    named_levels: bool = False  # levels that are no numbers
 
 
 TICK = ("tick", "ns")
@@ -128,8 +127,8 @@ def levels_of(rows, knob):
     return methods
 
 
-def cell(knob, level, row):
-    name = level.replace("-", " ") if knob.named_levels else human(row["level"], knob.level_unit)
+def cell(knob, row):
+    name = human(row["level"], knob.level_unit)
     return (f"{name}: {human(row['error'], knob.error_unit)}, "
             f"{human(row['time'], knob.time_unit)}")
 
@@ -143,9 +142,9 @@ def table(rows):
         usual = [(method, level, row) for method, levels in methods.items()
                  for level, row in levels if row.get("is_default")]
         levels = methods[usual[0][0]] if usual else next(iter(methods.values()))
-        default = cell(knob, *usual[0][1:]) if usual else "-"
-        lines.append(f"| {knob.title} | {knob.error}, {knob.time} | {cell(knob, *levels[0])} | "
-                     f"{default} | {cell(knob, *levels[-1])} |")
+        default = cell(knob, usual[0][-1]) if usual else "-"
+        lines.append(f"| {knob.title} | {knob.error}, {knob.time} | {cell(knob, levels[0][1])} | "
+                     f"{default} | {cell(knob, levels[-1][1])} |")
     if not lines:
         return ""
     return "\n".join(["| what accuracy costs | error, time | coarsest | default | finest |",

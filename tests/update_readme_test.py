@@ -67,14 +67,14 @@ def expect(condition, what):
 
 
 def check_texts(text, figure):
-    expect("| edge length | depth error, tick | 15 mm: 750 um, 182 ns | 3.75 mm: 46.9 um, 220 ns | "
+    expect("| mesh: mean edge | depth, tick | 15 mm: 750 um, 182 ns | 3.75 mm: 46.9 um, 220 ns | "
            "469 um: 732 nm, 292 ns |" in text, "the table has coarsest, default and finest")
-    expect("| cap on solver steps | depth error, tick | 1: 100 um, 134 ns | 16: 0, 670 ns |" in text,
+    expect("| most steps of the solver | distance to converged, tick | 1: 100 um, 134 ns | 16: 0, 670 ns |" in text,
            "an error of 0 is 0")
     expect("servo" not in text, "a level that failed is not in the table")
     expect(re.search(r"!\[[^]]{10,}\]\(its results/[^)]*accuracy\.svg\)", text),
            "the figure is shown, with a text for those who do not see it")
-    for part in ("depth error (um)", "tick (ns)", "sphere proxy", "default", "edge length"):
+    for part in ("depth (um)", "tick (ns)", "sphere proxy", "default", "mesh: mean edge"):
         expect(f">{part}<" in figure, f"the figure says {part}")
     expect(not re.search(r"\bnan\b|\binf\b|http(?!://www\.w3\.org/)", figure, re.IGNORECASE),
            "all in the figure is a number, and nothing is elsewhere")
