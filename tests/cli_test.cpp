@@ -1085,13 +1085,13 @@ TEST_F(CommandLine, AccuracyTellsOfAScene) {
                              "900", "--device-damping", "0.4", "--encoder-quantum", "0"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.out.find("highest safe servo rate"), std::string::npos);
-  EXPECT_NE(done.out.find("K 900 N/m, not passive (passive below 800 N/m)"), std::string::npos)
+  EXPECT_NE(done.out.find("K 900 N/m, not passive (passive up to 800 N/m)"), std::string::npos)
       << done.out;
   EXPECT_NE(content_of(folder.path("accuracy/report.html")).find("Your scene"), std::string::npos);
   const std::string csv = content_of(folder.path("accuracy/scene.csv"));
   for (const char* quantity :
        {"preset,\"fast\",p50", "preset,\"exact\",worst", "preset,\"balanced\",error_rms",
-        "rate,\"safe\"", "passive_below,800,N/m", "is_stable"}) {
+        "rate,\"safe\"", "passive_up_to,800,N/m", "is_stable"}) {
     EXPECT_NE(csv.find(quantity), std::string::npos) << quantity;
   }
 }

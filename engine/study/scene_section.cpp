@@ -121,11 +121,11 @@ std::string stiffness_html(const SceneFindings& f) {
       << ". Passive means that no hand ever gets more energy out of a wall than it put in (Colgate "
          "and Schenkel; Abbott and Okamura for the encoder); stable, which is wider, that the "
          "device comes to rest where it is pressed. K is the spring of a surface, B its damper; K "
-         "has to be below the limit, which depends on B, the device and the rate. Sampling, the "
+         "may go up to the limit, which depends on B, the device and the rate. Sampling, the "
          "damper or the encoder sets the limit of passivity; it is 0 where B alone gives out as "
          "much as the damping of the device takes. Texture and shading add to the stiffness that "
          "is felt and are not counted.</p>\n";
-  Table table({"surface", "K", "B", "passive below", "bound by", "stable below", "", ""});
+  Table table({"surface", "K", "B", "passive up to", "bound by", "stable below", "", ""});
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), shown(c.stiffness_N_per_m, "N/m"),
@@ -135,7 +135,7 @@ std::string stiffness_html(const SceneFindings& f) {
                flag(v.is_stable, "stable", "not stable")});
   }
   html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
-  Table rates({"servo rate", "passive below", "stable below"});
+  Table rates({"servo rate", "passive up to", "stable below"});
   for (const LimitsAtRate& at : f.by_rate) {
     rates.row({shown(at.rate_Hz, "Hz"), shown(at.limits.passive_N_per_m, "N/m"),
                shown(at.limits.stable_N_per_m, "N/m")});
@@ -211,7 +211,7 @@ std::string scene_csv(const SceneFindings& f) {
     const std::string& name = v.surface.name;
     lines.add("surface", name, "stiffness", v.surface.coupling.stiffness_N_per_m, "N/m");
     lines.add("surface", name, "damping", v.surface.coupling.damping_Ns_per_m, "N s/m");
-    lines.add("surface", name, "passive_below", v.limits.passive_N_per_m, "N/m");
+    lines.add("surface", name, "passive_up_to", v.limits.passive_N_per_m, "N/m");
     lines.add("surface", name, "stable_below", v.limits.stable_N_per_m, "N/m");
     lines.add("surface", name, "is_passive", v.is_passive, "");
     lines.add("surface", name, "is_stable", v.is_stable, "");
@@ -237,7 +237,7 @@ std::string scene_text(const SceneFindings& f) {
     text << "  " << v.surface.name << ": K " << human(c.stiffness_N_per_m, "N/m") << ", "
          << (v.is_passive ? "passive" : "not passive");
     if (v.limits.passive_N_per_m > 0.0) {
-      text << " (passive below " << human(v.limits.passive_N_per_m, "N/m") << "), ";
+      text << " (passive up to " << human(v.limits.passive_N_per_m, "N/m") << "), ";
     } else {
       text << " (with its damper of " << human(c.damping_Ns_per_m, "N s/m") << " at no K), ";
     }
