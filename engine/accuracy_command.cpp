@@ -99,15 +99,15 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& comman
   findings.path = command.scene.path;
   findings.device = command.device;
   findings.rate_Hz = command.options.rate_Hz;
-  const auto verdicts =
-      judge_couplings(couplings_of(scene, setup.haptics.coupling), command.device, {setup.dt_s, 0});
-  if (!verdicts) return verdicts.error();
-  findings.verdicts = *verdicts;
   const ProgressBar bar("scene");
   Result<SceneStudy> study =
       study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
   if (!study) return study.error();
   findings.study = std::move(*study);
+  const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), command.device,
+                                        {setup.dt_s, 0}, findings.study.deepest_m);
+  if (!verdicts) return verdicts.error();
+  findings.verdicts = *verdicts;
   for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.options.rate_Hz)) {
     const auto limits = stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m,
                                          {1.0 / rate_Hz, 0});

@@ -3,6 +3,7 @@
 #include "engine/study/scene_study.h"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "engine/study/measurement.h"
 #include "engine/study/scene_section.h"
+#include "engine/study/sine_relief.h"
 #include "engine/study/study_scene.h"
 #include "engine/study/surface_couplings.h"
 #include "models/primitives.h"
@@ -106,7 +108,7 @@ TEST(SceneStudy, FlagsWhatIsPassiveAndWhatIsStable) {
   const DeviceMechanics device{0.1, 1.0, 0.0, 0.0};
   const std::vector<SurfaceCoupling> couplings{
       {"soft", {1400.0, 0.25}}, {"between", {1600.0, 0.25}}, {"hard", {2600.0, 0.25}}};
-  const auto verdicts = judge_couplings(couplings, device, {1e-3, 0});
+  const auto verdicts = judge_couplings(couplings, device, {1e-3, 0}, 3e-3);
   ASSERT_TRUE(verdicts.ok());
   EXPECT_TRUE((*verdicts)[0].is_passive);
   EXPECT_TRUE((*verdicts)[0].is_stable);
@@ -117,10 +119,25 @@ TEST(SceneStudy, FlagsWhatIsPassiveAndWhatIsStable) {
   EXPECT_NEAR((*verdicts)[0].limits.passive_N_per_m, 1500.0, 1e-9);
 }
 
+// A sine of amplitude a and length L is a spring of K d a (2 pi / L)^2 beside K, along the surface.
+TEST(SceneStudy, CountsTheReliefOfATextureIn) {
+  const SineRelief relief;
+  const auto scene = sine_slab(relief, 64, ImageDepth::k16Bit, 0.3);
+  ASSERT_TRUE(scene.ok());
+  const auto couplings = couplings_of(*scene, {1000.0, 0.0});
+  ASSERT_EQ(couplings.size(), 2u);
+  EXPECT_EQ(couplings[0].relief_per_m, 0.0);
+  const double wave_per_m = 2.0 * std::numbers::pi / relief.wave_m;
+  const double theory = 0.5 * relief.height_m * wave_per_m * wave_per_m;
+  EXPECT_NEAR(couplings[1].relief_per_m, theory, 0.02 * theory);
+  const double felt = 1000.0 * (1.0 + 2e-3 * theory);
+  EXPECT_NEAR(couplings[1].felt_stiffness_N_per_m(2e-3), felt, 0.02 * felt);
+}
+
 TEST(SceneStudy, EscapesWhatComesFromAFile) {
   SceneFindings findings;
   findings.path = "a<b>.glb";
-  findings.verdicts.push_back({{"<script>\"x\"", {1.0, 0.0}}, {}, true, true});
+  findings.verdicts.push_back({{"<script>\"x\"", {1.0, 0.0}}, 1.0, {}, true, true});
   findings.study.safe_rate.realtime_note = "<i>";
   const ReportSection section = scene_section(findings);
   EXPECT_EQ(section.html.find("<script>"), std::string::npos);

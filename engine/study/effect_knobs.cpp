@@ -267,9 +267,8 @@ Knob effects_knob(const Spheres& spheres) {
                                                             const Accuracy& preset) {
     return sphere->run(seed, all_effects(), preset);
   };
-  knob.enough = 0.08;
-  knob.enough_because =
-      "7 % of the 1.1 N that push this hand on the mean: people tell no less apart";
+  knob.enough = force_floor_N();
+  knob.enough_because = "a scene is to feel as it was declared";
   knob.default_because = "a scene feels as it was declared; who wants less declares less";
   return knob;
 }

@@ -123,15 +123,18 @@ std::string stiffness_html(const SceneFindings& f) {
          "device comes to rest where it is pressed. K is the spring of a surface, B its damper; K "
          "may go up to the limit, which depends on B, the device and the rate. Sampling, the "
          "damper or the encoder sets the limit of passivity; it is 0 where B alone gives out as "
-         "much as the damping of the device takes. Texture and shading add to the stiffness that "
-         "is felt and are not counted.</p>\n";
-  Table table({"surface", "K", "B", "passive up to", "bound by", "stable below", "", ""});
+         "much as the damping of the device takes. A relief is stiffer than its K: what counts is "
+         "the K felt along its steepest waves at a depth of "
+      << shown(f.study.deepest_m, "m")
+      << ", which the hands exceeded in one tick of a hundred. Force shading adds to it, too, and "
+         "is not counted.</p>\n";
+  Table table({"surface", "K", "K felt", "B", "passive up to", "bound by", "stable below", "", ""});
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), shown(c.stiffness_N_per_m, "N/m"),
-               shown(c.damping_Ns_per_m, "N s/m"), shown(v.limits.passive_N_per_m, "N/m"),
-               name_of(v.limits.passivity_bound), shown(v.limits.stable_N_per_m, "N/m"),
-               flag(v.is_passive, "passive", "not passive"),
+               shown(v.felt_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m"),
+               shown(v.limits.passive_N_per_m, "N/m"), name_of(v.limits.passivity_bound),
+               shown(v.limits.stable_N_per_m, "N/m"), flag(v.is_passive, "passive", "not passive"),
                flag(v.is_stable, "stable", "not stable")});
   }
   html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
@@ -210,6 +213,7 @@ std::string scene_csv(const SceneFindings& f) {
   for (const CouplingVerdict& v : f.verdicts) {
     const std::string& name = v.surface.name;
     lines.add("surface", name, "stiffness", v.surface.coupling.stiffness_N_per_m, "N/m");
+    lines.add("surface", name, "stiffness_felt", v.felt_N_per_m, "N/m");
     lines.add("surface", name, "damping", v.surface.coupling.damping_Ns_per_m, "N s/m");
     lines.add("surface", name, "passive_up_to", v.limits.passive_N_per_m, "N/m");
     lines.add("surface", name, "stable_below", v.limits.stable_N_per_m, "N/m");
@@ -234,7 +238,8 @@ std::string scene_text(const SceneFindings& f) {
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
-    text << "  " << v.surface.name << ": K " << human(c.stiffness_N_per_m, "N/m") << ", "
+    text << "  " << v.surface.name << ": K " << human(v.felt_N_per_m, "N/m")
+         << (v.surface.relief_per_m > 0.0 ? " felt on its relief" : "") << ", "
          << (v.is_passive ? "passive" : "not passive");
     if (v.limits.passive_N_per_m > 0.0) {
       text << " (passive up to " << human(v.limits.passive_N_per_m, "N/m") << "), ";

@@ -252,11 +252,15 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
   std::vector<Hand> hands;
   std::uint64_t ticks = 0;
   std::uint64_t contact_ticks = 0;
+  std::vector<double> depths_m;
   for (int h = 0; h < kHands; ++h) {
     Result<Hand> hand =
         record_hand(scene, setup, study.seconds, effort.seed + static_cast<std::uint64_t>(h));
     if (!hand) return hand.error();
-    for (const TickRecord& r : hand->exact) contact_ticks += r.contact;
+    for (const TickRecord& r : hand->exact) {
+      contact_ticks += r.contact;
+      if (r.contact) depths_m.push_back((r.proxy_m - r.goal_m).norm());
+    }
     ticks += hand->exact.size();
     hands.push_back(std::move(*hand));
   }
@@ -264,6 +268,8 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
     return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched anything",
                  "try another --seed, or --fit to bring the scene to the size of a hand's reach"};
   }
+  std::sort(depths_m.begin(), depths_m.end());
+  study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
   study.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
 
   std::array<PresetTally, kPresets.size()> tallies;

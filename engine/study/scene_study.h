@@ -66,6 +66,7 @@ struct SceneStudy {
   int repeats = 0;                       // of each preset
   double seconds = 0.0;                  // of a hand
   double contact_share = 0.0;            // of its ticks
+  double deepest_m = 0.0;                // lag under exact, which one tick in a hundred exceeds
   double floor_m = 0.0;  // errors below it say nothing: float_floor_m() of the scene
   SafeRate safe_rate;
 };

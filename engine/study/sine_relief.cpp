@@ -91,11 +91,16 @@ double image_floor(ImageDepth depth) {
   return 0.5 / steps_of(depth);
 }
 
+Result<Scene> sine_slab(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
+                        double phase_rad) {
+  return make_slab(relief, sine_image(texels_per_wave, depth, phase_rad));
+}
+
 Sample feel_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
                  const Accuracy& accuracy, std::uint64_t seed) {
   SeededRandom random(seed);
   const double phase = random.uniform(0.0, 2.0 * std::numbers::pi);
-  const Result<Scene> scene = make_slab(relief, sine_image(texels_per_wave, depth, phase));
+  const Result<Scene> scene = sine_slab(relief, texels_per_wave, depth, phase);
   if (!scene) return Sample{.failure = scene.error().to_string()};
   const std::vector<Vec3> path_m = slide(relief, random);
   const double K = relief.stiffness_N_per_m;

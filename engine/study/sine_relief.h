@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/scene.h"
 #include "engine/study/knob.h"
+#include "geometry/result.h"
 #include "haptics/accuracy.h"
 
 namespace palpate {
@@ -30,6 +32,11 @@ enum class ImageDepth { k8Bit, k16Bit };
 // What rounding a height to that image comes to, at most, over the height of the relief: half a
 // step.
 double image_floor(ImageDepth depth);
+
+// The slab with the image of a wave, scene frame; its top is at two waves' height. Error: as of
+// Scene::compile().
+Result<Scene> sine_slab(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
+                        double phase_rad);
 
 // Error: the normal force less K (d + h(x)), rms, over K H. No unit. The seed decides the phase,
 // and where the hand begins and heads for.

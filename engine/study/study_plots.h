@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// Each an SVG document. Errors are on the same axis in both; where all of them are at the floor, the
-// second has times instead.
+// Each an SVG document. Errors are on the same axis in both; where all of them are at the floor,
+// the second has times instead.
 //
 // Axes are logarithmic; an error, a time or a level of 0 is in a grey band of its own beside the
 // axis. Points are medians, whiskers quartiles; open points are at the floor. A line is interrupted
