@@ -129,7 +129,8 @@ def levels_of(rows, knob):
 
 def cell(knob, row):
     name = human(row["level"], knob.level_unit)
-    return (f"{name}: {human(row['error'], knob.error_unit)}, "
+    bound = "<= " if row.get("at_floor") else ""
+    return (f"{name}: {bound}{human(row['error'], knob.error_unit)}, "
             f"{human(row['time'], knob.time_unit)}")
 
 
