@@ -119,7 +119,7 @@ TEST(VelocityKnobs, LagGrowsWithTheWindowAsTheFormulaSays) {
   expect_sound(result);
   // The proxy is anywhere within its stand-off, in a scene no larger than the sheet's diagonal.
   const double tolerance =
-      2.0 * SolverScale::of(std::sqrt(2.0) * FlatSheet::kSide_m, 0.0).stand_off_m / kTick_s;
+      2.0 * SolverScale::of(std::sqrt(2.0) * kSheetSize_m, 0.0).stand_off_m / kTick_s;
   expect_presets_alike(result, tolerance);
   for (const char* name : {"difference", "line fit"}) {
     const MethodResult& m = method(result, name);

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -19,6 +18,7 @@
 #include "engine/study/session_pass.h"
 #include "engine/study/sine_relief.h"
 #include "engine/study/sphere_paths.h"
+#include "engine/study/study_scene.h"
 #include "geometry/random.h"
 #include "models/haptic_maps.h"
 
@@ -210,19 +210,15 @@ Spheres spheres_of(const StudyEffort& effort) {
   return spheres;
 }
 
+constexpr std::size_t triangles_of(int subdivisions) {
+  return std::size_t{20} << (2 * subdivisions);
+}
+
 constexpr std::size_t kUsualSphere = 2;  // 20 thousand triangles
 constexpr const char* kForceFloor =
     "the rounding of a file's coordinates to single precision, times K";
 constexpr double force_floor_N() {
   return kCoupling.stiffness_N_per_m * 0x1p-24 * kRadius_m;
-}
-
-std::string triangles_text(int subdivisions) {
-  char text[32];
-  const double thousands = 0.02 * std::pow(4.0, subdivisions);
-  std::snprintf(text, sizeof text, thousands < 2.0 ? "%.1fk triangles" : "%.0fk triangles",
-                thousands);
-  return text;
 }
 
 // What is simulated, from everything to nothing.
@@ -255,7 +251,8 @@ Knob effects_knob(const Spheres& spheres) {
   for (const EffectCase& choice : choices()) {
     Method method{choice.name, {}, {}, force_floor_N()};
     for (const auto& [subdivisions, sphere] : spheres) {
-      method.levels.push_back({20.0 * std::pow(4.0, subdivisions), triangles_text(subdivisions),
+      method.levels.push_back({static_cast<double>(triangles_of(subdivisions)),
+                               triangles_label(triangles_of(subdivisions)),
                                [sphere = sphere, choice](std::uint64_t seed) {
                                  return sphere->run(seed, choice, Accuracy{});
                                }});
@@ -296,7 +293,8 @@ Knob effect_costs_knob(const Spheres& spheres) {
   for (const EffectCase& one : cases) {
     Method method{one.name, {}, {}, force_floor_N()};
     for (const auto& [subdivisions, sphere] : spheres) {
-      method.levels.push_back({20.0 * std::pow(4.0, subdivisions), triangles_text(subdivisions),
+      method.levels.push_back({static_cast<double>(triangles_of(subdivisions)),
+                               triangles_label(triangles_of(subdivisions)),
                                [sphere = sphere, one](std::uint64_t seed) {
                                  return sphere->run_alone(seed, one, Accuracy{});
                                }});

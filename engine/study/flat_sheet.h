@@ -2,21 +2,19 @@
 
 // A flat sheet in any pose, for knobs whose truth is that of a plane.
 
-#include "engine/scene.h"
+#include "engine/study/posed_sheet.h"
 #include "geometry/random.h"
 
 namespace palpate {
 
-// A square of two triangles. Movable; the world it gives lasts as long as it does. Not for the
-// haptic thread.
+// A posed_sheet() whose front faces a given way. Movable; the world it gives lasts as long as it
+// does. Not for the haptic thread.
 class FlatSheet {
  public:
-  static constexpr double kSide_m = 0.2;
-
   // Its front faces `normal` (unit); turned about it and put at random. Scene frame.
   FlatSheet(const Vec3& normal, SeededRandom& random);
 
-  const ContactWorld& world() const { return scene_.world(); }
+  const ContactWorld& world() const { return sheet_.scene.world(); }
   const Vec3& normal() const { return normal_; }
 
   // A point below the sheet (above it, if depth_m < 0), near the middle of one of its triangles.
@@ -25,8 +23,7 @@ class FlatSheet {
 
  private:
   Vec3 normal_;
-  RigidTransform T_scene_sheet_;
-  Scene scene_;
+  PosedSheet sheet_;
 };
 
 }  // namespace palpate

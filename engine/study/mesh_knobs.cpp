@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -20,18 +19,6 @@ constexpr double kTube_m = 0.04;
 constexpr CouplingSettings kCoupling{1000.0, 2.0};
 constexpr double kPeriod_s = 1e-3;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-std::string triangles_label(std::size_t triangles) {
-  char text[32];
-  if (triangles >= 1000000) {
-    std::snprintf(text, sizeof text, "%.1fM triangles", 1e-6 * static_cast<double>(triangles));
-  } else if (triangles >= 1000) {
-    std::snprintf(text, sizeof text, "%.0fk triangles", 1e-3 * static_cast<double>(triangles));
-  } else {
-    std::snprintf(text, sizeof text, "%zu triangles", triangles);
-  }
-  return text;
-}
 
 // A smooth surface and one of its meshes.
 struct Meshed {

@@ -21,8 +21,7 @@ MaterialDescription with_friction(double coefficient) {
 
 }  // namespace
 
-Result<PosedSheet> posed_sheet(SeededRandom& random, double friction) {
-  const RigidTransform pose = random.pose(kFarthest_m);
+Result<PosedSheet> sheet_at(const RigidTransform& T_scene_sheet, double friction) {
   const double half_m = 0.5 * kSheetSize_m;
   SceneDescription description;
   description.meshes.push_back(
@@ -35,13 +34,17 @@ Result<PosedSheet> posed_sheet(SeededRandom& random, double friction) {
   }
   NodeDescription node;
   node.name = "sheet";
-  node.linear_scene_mesh = pose.rotation.toRotationMatrix();
-  node.translation_m = pose.translation_m;
+  node.linear_scene_mesh = T_scene_sheet.rotation.toRotationMatrix();
+  node.translation_m = T_scene_sheet.translation_m;
   description.nodes.push_back(node);
   description.tree.resize(1);
   Result<Scene> scene = Scene::compile(std::move(description));
   if (!scene) return scene.error();
-  return PosedSheet{std::move(*scene), pose};
+  return PosedSheet{std::move(*scene), T_scene_sheet};
+}
+
+Result<PosedSheet> posed_sheet(SeededRandom& random, double friction) {
+  return sheet_at(random.pose(kFarthest_m), friction);
 }
 
 }  // namespace palpate

@@ -18,8 +18,11 @@ struct PosedSheet {
 
 inline constexpr double kSheetSize_m = 0.2;
 
-// In a random pose. friction: its coefficient, static and dynamic; 0 for none. An Error only where
+// friction: its coefficient, static and dynamic; 0 for none. An Error only where
 // the build lacks friction. Not for the haptic thread.
+Result<PosedSheet> sheet_at(const RigidTransform& T_scene_sheet, double friction = 0.0);
+
+// The same in a random pose.
 Result<PosedSheet> posed_sheet(SeededRandom& random, double friction = 0.0);
 
 }  // namespace palpate

@@ -7,18 +7,6 @@
 namespace palpate {
 namespace {
 
-// A device that is where a path says, and pushes nobody.
-class PathDevice final : public Device {
- public:
-  explicit PathDevice(std::span<const Vec3> path_m) : path_m_(path_m) {}
-  Vec3 read_position_m(double) noexcept override { return path_m_[next_++]; }
-  void command_force_N(const Vec3&) noexcept override {}
-
- private:
-  std::span<const Vec3> path_m_;
-  std::size_t next_ = 0;
-};
-
 class ContactMeter final : public TickObserver {
  public:
   ContactMeter(std::size_t lead_in, const OnContact& on_contact)

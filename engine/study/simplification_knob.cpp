@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <meshoptimizer.h>
@@ -102,17 +101,6 @@ class Comparison final : public TickObserver {
   std::uint32_t faults_ = kFaultNone;
 };
 
-class Replayed final : public Device {
- public:
-  explicit Replayed(const std::vector<Vec3>& path_m) : path_m_(path_m) {}
-  Vec3 read_position_m(double) noexcept override { return path_m_[next_++]; }
-  void command_force_N(const Vec3&) noexcept override {}
-
- private:
-  const std::vector<Vec3>& path_m_;
-  std::size_t next_ = 0;
-};
-
 // The hands' paths, and what they meet on the whole mesh.
 class Hands {
  public:
@@ -127,7 +115,7 @@ class Hands {
     const std::vector<Vec3>& path_m = paths_.get(hand, [&] { return path_of(first_seed_ + hand); });
     Comparison comparison(records_of_whole(hand, path_m));
     HapticLoop loop = loop_on(scene, accuracy);
-    Replayed device(path_m);
+    PathDevice device(path_m);
     HapticSession session(loop, device, &comparison);
     for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup_.dt_s);
     return comparison.finish();
@@ -171,12 +159,6 @@ class Hands {
   std::map<std::uint64_t, std::vector<TickRecord>> whole_records_;
 };
 
-std::string label_of(std::size_t triangles) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%zu triangles", triangles);
-  return text;
-}
-
 }  // namespace
 
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
@@ -219,7 +201,7 @@ std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setu
   Method method{"simplified", {}, {}, floor_m};
   const auto add = [&](const std::shared_ptr<const Scene>& level, double edge_m,
                        std::size_t count) {
-    method.levels.push_back({edge_m, label_of(count), [=](std::uint64_t seed) {
+    method.levels.push_back({edge_m, std::to_string(count) + " triangles", [=](std::uint64_t seed) {
                                return hands->run(*level, seed, Accuracy::balanced());
                              }});
   };

@@ -45,6 +45,21 @@ double file_floor_m(const Scene& scene) {
   return float_floor_m(farthest_m);
 }
 
+std::string triangles_label(std::size_t triangles) {
+  const auto count = static_cast<double>(triangles);
+  char text[40];
+  if (triangles < 1000) {
+    std::snprintf(text, sizeof text, "%zu triangles", triangles);
+  } else if (triangles < 2000) {
+    std::snprintf(text, sizeof text, "%.1fk triangles", 1e-3 * count);
+  } else if (triangles < 1000000) {
+    std::snprintf(text, sizeof text, "%.0fk triangles", 1e-3 * count);
+  } else {
+    std::snprintf(text, sizeof text, "%.1fM triangles", 1e-6 * count);
+  }
+  return text;
+}
+
 double mean_edge_m(const TriangleMesh& mesh) {
   double sum_m = 0.0;
   for (const Triangle& t : mesh.triangles) {

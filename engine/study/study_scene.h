@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "engine/scene.h"
 #include "geometry/result.h"
@@ -44,6 +45,9 @@ class LazyScene {
 // coordinate of a mesh in its own frame, at the size that its node gives it. Where nodes are costs
 // no digits. Scene frame.
 double file_floor_m(const Scene& scene);
+
+// "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".
+std::string triangles_label(std::size_t triangles);
 
 // Mean length of the edges of the triangles.
 double mean_edge_m(const TriangleMesh& mesh);
