@@ -4,6 +4,7 @@
 #include <limits>
 
 namespace palpate {
+
 // The sum of two doubles and what rounding takes from it, exactly (Knuth 1969); twice, so that low
 // stays below the last digit of high.
 VelocityEstimator::Time VelocityEstimator::Time::plus(double dt_s) const noexcept {

@@ -119,6 +119,18 @@ TEST(SceneStudy, FlagsWhatIsPassiveAndWhatIsStable) {
   EXPECT_NEAR((*verdicts)[0].limits.passive_N_per_m, 1500.0, 1e-9);
 }
 
+// An encoder without friction beside it allows no wall at all: that is not the damper's doing.
+TEST(SceneStudy, BlamesWhatBindsForALimitOfZero) {
+  SceneFindings findings;
+  const std::vector<SurfaceCoupling> wall{{"wall", {100.0, 0.1}}};
+  findings.verdicts = *judge_couplings(wall, {0.1, 0.5, 20e-6, 0.0}, {1e-3, 0}, 0.0);
+  EXPECT_NE(scene_text(findings).find("not passive (passive up to 0)"), std::string::npos)
+      << scene_text(findings);
+  findings.verdicts = *judge_couplings(wall, {0.1, 0.05, 0.0, 0.0}, {1e-3, 0}, 0.0);
+  EXPECT_NE(scene_text(findings).find("with its damper of 0.1 N s/m at no K"), std::string::npos)
+      << scene_text(findings);
+}
+
 // A sine of amplitude a and length L is a spring of K d a (2 pi / L)^2 beside K, along the surface.
 TEST(SceneStudy, CountsTheReliefOfATextureIn) {
   const SineRelief relief;

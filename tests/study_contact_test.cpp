@@ -9,6 +9,7 @@
 #include "engine/study/knobs.h"
 #include "engine/study/measurement.h"
 #include "engine/study/pressed_path.h"
+#include "tests/study_knobs.h"
 
 namespace palpate {
 namespace {
@@ -21,10 +22,7 @@ StudyEffort quick() {
 }
 
 KnobResult measured(const std::vector<Knob>& knobs, const std::string& name) {
-  const auto knob =
-      std::find_if(knobs.begin(), knobs.end(), [&](const Knob& k) { return k.name == name; });
-  EXPECT_NE(knob, knobs.end()) << name;
-  return measure(*knob, quick(), nullptr);
+  return test::measured(knobs, name, quick());
 }
 
 void expect_orders(const KnobResult& result) {

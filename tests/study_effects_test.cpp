@@ -17,6 +17,7 @@
 #include "engine/study/sine_relief.h"
 #include "engine/study/sphere_paths.h"
 #include "tests/random.h"
+#include "tests/study_knobs.h"
 
 namespace palpate {
 namespace {
@@ -26,19 +27,7 @@ using test::Random;
 const StudyEffort kEffort{.quick = true, .seed = 1};
 
 KnobResult measured(const std::string& name) {
-  for (const Knob& knob : effect_knobs(kEffort)) {
-    if (knob.name == name) return measure(knob, kEffort, {});
-  }
-  ADD_FAILURE() << "no knob " << name;
-  return {};
-}
-
-const MethodResult& method(const KnobResult& result, const std::string& name) {
-  for (const MethodResult& m : result.methods) {
-    if (m.name == name) return m;
-  }
-  ADD_FAILURE() << "no method " << name;
-  return result.methods.front();
+  return test::measured(effect_knobs(kEffort), name, kEffort);
 }
 
 void expect_all_count(const KnobResult& result) {
@@ -104,7 +93,7 @@ TEST(TextureSampling, ErrsAsTheSplineThroughTheTexels) {
   expect_all_count(result);
   for (const auto& [name, depth] :
        {std::pair("16 bits", ImageDepth::k16Bit), {"8 bits", ImageDepth::k8Bit}}) {
-    const MethodResult& m = method(result, name);
+    const MethodResult& m = test::method_of(result, name);
     ASSERT_EQ(m.levels.size(), 6u);
     for (const LevelResult& level : m.levels) {
       const int texels = std::stoi(level.label);
@@ -122,7 +111,7 @@ TEST(TextureSampling, ErrsAsTheSplineThroughTheTexels) {
 TEST(TextureSampling, IsOfThirdOrderWhereTexelsAreMany) {
   EXPECT_NEAR(std::log2(spline_error(256) / spline_error(512)), 3.0, 0.01);
   const KnobResult result = measured("texture_sampling");
-  const MethodResult& m = method(result, "16 bits");
+  const MethodResult& m = test::method_of(result, "16 bits");
   ASSERT_TRUE(m.order.has_value());
   double last = 10.0;
   for (std::size_t l = 1; l < 4; ++l) {
@@ -152,13 +141,13 @@ TEST(Effects, AddTheForceOfTheirModel) {
   expect_all_count(result);
   ASSERT_EQ(result.methods.size(), studied_effects().size() + 2);
   for (const std::string_view effect : studied_effects()) {
-    const MethodResult& left_out = method(result, "all but " + std::string(effect));
+    const MethodResult& left_out = test::method_of(result, "all but " + std::string(effect));
     for (const LevelResult& level : left_out.levels) {
       EXPECT_FALSE(level.at_floor) << left_out.name << ", " << level.label;
     }
   }
   const auto missing_N = [&](const std::string& effect) {
-    return method(result, "all but " + effect).levels.back().error.median;
+    return test::method_of(result, "all but " + effect).levels.back().error.median;
   };
   EXPECT_NEAR(missing_N("magnet"), 1.0, 1e-3);
   EXPECT_NEAR(missing_N("gravity"), 0.05 * 9.81, 1e-4);
@@ -168,7 +157,7 @@ TEST(Effects, AddTheForceOfTheirModel) {
 
 TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
   const KnobResult result = measured("effects");
-  const MethodResult& all = method(result, "all");
+  const MethodResult& all = test::method_of(result, "all");
   const MethodResult& none = result.methods.back();
   for (std::size_t l = 0; l < all.levels.size(); ++l) {
     EXPECT_EQ(all.levels[l].raw_error, 0.0);
@@ -186,7 +175,7 @@ TEST(Effects, AloneChangeTheForceByTheirModel) {
   expect_all_count(result);
   ASSERT_EQ(result.methods.size(), studied_effects().size() + 1);
   const auto changed_N = [&](const std::string& effect) {
-    return method(result, effect).levels.back().error.median;
+    return test::method_of(result, effect).levels.back().error.median;
   };
   for (const MethodResult& m : result.methods) EXPECT_FALSE(m.levels.back().at_floor) << m.name;
   EXPECT_NEAR(changed_N("magnet"), 1.0, 1e-3);

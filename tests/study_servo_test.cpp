@@ -19,6 +19,7 @@
 #include "engine/study/tick_periods.h"
 #include "haptics/contact_world.h"
 #include "tests/random.h"
+#include "tests/study_knobs.h"
 
 namespace palpate {
 namespace {
@@ -29,11 +30,7 @@ constexpr StudyEffort kEffort{true, 1};
 constexpr double kOrderTolerance = 0.15;
 
 KnobResult measured(const std::string& name) {
-  for (const Knob& knob : servo_knobs(kEffort)) {
-    if (knob.name == name) return measure(knob, kEffort, nullptr);
-  }
-  ADD_FAILURE() << "there is no knob " << name;
-  return {};
+  return test::measured(servo_knobs(kEffort), name, kEffort);
 }
 
 // Every method has the order that theory gives it, over at least four levels; every preset runs.

@@ -12,6 +12,7 @@
 #include "engine/study/flat_sheet.h"
 #include "engine/study/knobs.h"
 #include "engine/study/measurement.h"
+#include "tests/study_knobs.h"
 
 namespace palpate {
 namespace {
@@ -38,19 +39,7 @@ double line_fit_scatter(double w) {
 constexpr double kOrderTolerance = 0.15;
 
 KnobResult measured(const std::vector<Knob>& knobs, const std::string& name) {
-  for (const Knob& knob : knobs) {
-    if (knob.name == name) return measure(knob, kEffort, {});
-  }
-  ADD_FAILURE() << "no knob " << name;
-  return {};
-}
-
-const MethodResult& method(const KnobResult& result, const std::string& name) {
-  for (const MethodResult& m : result.methods) {
-    if (m.name == name) return m;
-  }
-  ADD_FAILURE() << "no method " << name;
-  return result.methods.front();
+  return test::measured(knobs, name, kEffort);
 }
 
 // Every repeat of every level and preset counts, and orders are those of theory where it has one.
@@ -93,14 +82,14 @@ TEST(VelocityKnobs, NoiseFallsWithTheWindowAsTheFormulasSay) {
   const KnobResult result = measured(velocity_knobs(kEffort), "velocity_noise");
   expect_sound(result);
   expect_presets_alike(result, kNoiseScatter * difference_noise_m_per_s(1.0));
-  const MethodResult& difference = method(result, "difference");
+  const MethodResult& difference = test::method_of(result, "difference");
   EXPECT_EQ(difference.expected_order, -1.0);
   ASSERT_EQ(difference.levels.size(), 6u);
   for (const LevelResult& level : difference.levels) {
     const double expected = difference_noise_m_per_s(level.value);
     EXPECT_NEAR(level.error.median, expected, kNoiseScatter * expected) << level.label;
   }
-  const MethodResult& line_fit = method(result, "line fit");
+  const MethodResult& line_fit = test::method_of(result, "line fit");
   ASSERT_EQ(line_fit.levels.size(), 5u);
   for (const LevelResult& level : line_fit.levels) {
     const double expected = line_fit_noise_m_per_s(level.value);
@@ -108,7 +97,7 @@ TEST(VelocityKnobs, NoiseFallsWithTheWindowAsTheFormulasSay) {
         << level.label;
   }
   // No noisier than a single tick, no better than the whole window.
-  for (const LevelResult& level : method(result, "adaptive").levels) {
+  for (const LevelResult& level : test::method_of(result, "adaptive").levels) {
     EXPECT_LT(level.error.median, difference.levels.front().error.median) << level.label;
     EXPECT_GT(level.error.median, difference_noise_m_per_s(level.value)) << level.label;
   }
@@ -122,7 +111,7 @@ TEST(VelocityKnobs, LagGrowsWithTheWindowAsTheFormulaSays) {
       2.0 * SolverScale::of(std::sqrt(2.0) * kSheetSize_m, 0.0).stand_off_m / kTick_s;
   expect_presets_alike(result, tolerance);
   for (const char* name : {"difference", "line fit"}) {
-    const MethodResult& m = method(result, name);
+    const MethodResult& m = test::method_of(result, name);
     EXPECT_EQ(m.expected_order, 1.0);
     for (const LevelResult& level : m.levels) {
       EXPECT_NEAR(level.error.median, kAcceleration_m_per_s2 * level.value * kTick_s / 2, tolerance)
@@ -133,7 +122,7 @@ TEST(VelocityKnobs, LagGrowsWithTheWindowAsTheFormulaSays) {
   // largest has 1/sqrt(3) of it or more: s is between these two, less a tick.
   const double short_s = std::sqrt(4.0 * kQuantum_m / kAcceleration_m_per_s2);
   const double long_s = short_s * std::pow(3.0, 0.25);
-  const MethodResult& adaptive = method(result, "adaptive");
+  const MethodResult& adaptive = test::method_of(result, "adaptive");
   const double most_lag = adaptive.levels.back().error.median;
   EXPECT_GE(most_lag, kAcceleration_m_per_s2 * (short_s - kTick_s) / 2);
   EXPECT_LE(most_lag, kAcceleration_m_per_s2 * long_s / 2);
@@ -144,7 +133,7 @@ TEST(VelocityKnobs, TotalErrorIsLeastInBetween) {
   expect_sound(result);
   constexpr double kRmsAcceleration_m_per_s2 = 10e-3 * 157.91367 / 1.41421356;  // (4 pi)^2, sqrt(2)
   for (const char* name : {"difference", "line fit"}) {
-    const MethodResult& m = method(result, name);
+    const MethodResult& m = test::method_of(result, name);
     const bool fits = m.name == "line fit";
     for (const LevelResult& level : m.levels) {
       const double noise =
@@ -155,7 +144,7 @@ TEST(VelocityKnobs, TotalErrorIsLeastInBetween) {
           << name << ", " << level.label;
     }
   }
-  const std::vector<LevelResult>& levels = method(result, "difference").levels;
+  const std::vector<LevelResult>& levels = test::method_of(result, "difference").levels;
   const auto least = std::min_element(
       levels.begin(), levels.end(),
       [](const auto& a, const auto& b) { return a.error.median < b.error.median; });
@@ -177,7 +166,7 @@ TEST(VelocityKnobs, ARepeatIsTheSameEveryTime) {
 TEST(A4Knobs, SpeedByDtIsEarlyByHalfATickTimesALogarithm) {
   const KnobResult result = measured(a4_knobs(kEffort), "a4_step");
   expect_sound(result);
-  const MethodResult& paper = method(result, "speed times dt (paper)");
+  const MethodResult& paper = test::method_of(result, "speed times dt (paper)");
   EXPECT_EQ(paper.expected_order, 1.0);
   ASSERT_EQ(paper.levels.size(), 8u);
   for (const LevelResult& level : paper.levels) {
@@ -193,7 +182,7 @@ TEST(A4Knobs, SpeedByDtIsEarlyByHalfATickTimesALogarithm) {
 
 TEST(A4Knobs, TheExactSolutionIsAtTheRoundOffAtAnyRate) {
   const KnobResult result = measured(a4_knobs(kEffort), "a4_step");
-  const MethodResult& exact = method(result, "exact solution");
+  const MethodResult& exact = test::method_of(result, "exact solution");
   EXPECT_FALSE(exact.expected_order);
   EXPECT_GT(exact.floor, 0.0);
   EXPECT_LT(exact.floor, 1e-9);

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/study/error_measures.h"
 #include "engine/study/knobs.h"
-#include "engine/study/proxy_reference.h"
 #include "engine/study/session_pass.h"
 #include "engine/study/study_scene.h"
 #include "geometry/random.h"

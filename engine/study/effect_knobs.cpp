@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "engine/study/effect_cases.h"
+#include "engine/study/error_measures.h"
 #include "engine/study/knobs.h"
-#include "engine/study/proxy_reference.h"
 #include "engine/study/session_pass.h"
 #include "engine/study/sine_relief.h"
 #include "engine/study/sphere_paths.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "engine/study/error_measures.h"
 #include "engine/study/knobs.h"
 #include "engine/study/pressed_path.h"
-#include "engine/study/proxy_reference.h"
 #include "engine/study/session_pass.h"
 #include "engine/study/study_scene.h"
 

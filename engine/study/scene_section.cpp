@@ -6,6 +6,7 @@
 
 #include "engine/study/html.h"
 #include "engine/study/human_units.h"
+#include "engine/study/study_csv.h"
 
 namespace palpate {
 namespace {
@@ -155,7 +156,8 @@ class Lines {
  public:
   void add(const std::string& what, const std::string& name, const char* quantity, double value,
            const char* unit) {
-    text_ << what << "," << quoted(name) << "," << quantity << "," << value << "," << unit << "\n";
+    text_ << what << "," << csv_field(name) << "," << quantity << "," << value << "," << unit
+          << "\n";
   }
   Lines() {
     text_.precision(17);
@@ -164,14 +166,6 @@ class Lines {
   std::string text() const { return text_.str(); }
 
  private:
-  static std::string quoted(const std::string& name) {
-    std::string safe = "\"";
-    for (const char c : name) {
-      if (c == '"') safe += '"';
-      safe += c;
-    }
-    return safe + "\"";
-  }
   std::ostringstream text_;
 };
 
@@ -203,6 +197,7 @@ std::string scene_csv(const SceneFindings& f) {
     lines.add("preset", p.name, "error_worst", p.worst_error_m, "m");
     lines.add("preset", p.name, "force_error_worst", p.worst_force_error_N, "N");
   }
+  lines.add("preset", "all", "error_floor", f.study.floor_m, "m");
   for (const RateTrial& t : f.study.safe_rate.trials) {
     const std::string name = human(t.rate_Hz, "Hz");
     lines.add("rate", name, "ticks", static_cast<double>(t.ticks), "");
@@ -241,10 +236,10 @@ std::string scene_text(const SceneFindings& f) {
     text << "  " << v.surface.name << ": K " << human(v.felt_N_per_m, "N/m")
          << (v.surface.relief_per_m > 0.0 ? " felt on its relief" : "") << ", "
          << (v.is_passive ? "passive" : "not passive");
-    if (v.limits.passive_N_per_m > 0.0) {
-      text << " (passive up to " << human(v.limits.passive_N_per_m, "N/m") << "), ";
-    } else {
+    if (v.limits.passivity_bound == PassivityBound::kDamper) {
       text << " (with its damper of " << human(c.damping_Ns_per_m, "N s/m") << " at no K), ";
+    } else {
+      text << " (passive up to " << human(v.limits.passive_N_per_m, "N/m") << "), ";
     }
     text << (v.is_stable ? "stable" : "not stable") << " (stable below "
          << human(v.limits.stable_N_per_m, "N/m") << ")\n";

@@ -9,7 +9,7 @@
 #include "engine/exploration.h"
 #include "engine/haptic_thread.h"
 #include "engine/replay.h"
-#include "engine/study/proxy_reference.h"
+#include "engine/study/error_measures.h"
 #include "engine/study/session_pass.h"
 #include "engine/study/study_scene.h"
 

@@ -48,7 +48,8 @@ struct PassCost {
   double us_per_s(double dt_s) const { return 1e-3 * tick_ns / dt_s; }
 };
 
-// Told of every tick in contact, between ticks.
+// Told of every tick in contact, between ticks, on the thread that measures: it may allocate, as no
+// haptic thread does.
 using OnContact = std::function<void(const TickRecord& record)>;
 
 // As many ticks as dt_s has elements, the first `lead_in` of which neither count nor are told: they

@@ -70,7 +70,9 @@ TriangleMesh simplified(const Merged& all, std::size_t triangles) {
 // is.
 class Comparison final : public TickObserver {
  public:
-  explicit Comparison(const std::vector<TickRecord>& whole) : whole_(whole) {}
+  explicit Comparison(const std::vector<TickRecord>& whole) : whole_(whole) {
+    offs_m_.reserve(whole.size());
+  }
 
   void on_tick(const TickRecord& record, const ScenePose&, std::int64_t step_ns) noexcept override {
     const TickRecord& whole = whole_[record.tick];

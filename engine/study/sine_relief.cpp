@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/scene.h"
-#include "engine/study/proxy_reference.h"
+#include "engine/study/error_measures.h"
 #include "engine/study/session_pass.h"
 #include "geometry/random.h"
 #include "models/textured_slab.h"

@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/study/error_measures.h"
 #include "engine/study/knobs.h"
 #include "engine/study/pressed_path.h"
 #include "engine/study/proxy_reference.h"

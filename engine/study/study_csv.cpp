@@ -19,15 +19,7 @@ class Line {
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
-  Line& operator<<(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return raw(text);
-    std::string quoted = "\"";
-    for (const char c : text) {
-      if (c == '"') quoted += '"';
-      quoted += c;
-    }
-    return raw(quoted + "\"");
-  }
+  Line& operator<<(std::string_view text) { return raw(csv_field(text)); }
   Line& operator<<(double value) {
     std::array<char, 32> text;
     const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
@@ -104,6 +96,16 @@ void put_presets(std::string& out, const KnobResult& result) {
 }
 
 }  // namespace
+
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
 
 std::string study_csv(std::span<const KnobResult> results) {
   std::string out = std::string(kStudyColumns) + "\n";

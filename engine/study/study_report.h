@@ -18,7 +18,7 @@ struct KnobChapter {
   Result<WorkPrecisionPanels> panels;  // of an error the page tells in their place
 };
 
-// A section of the caller's own, after the knobs.
+// A section of the caller's own, before the knobs.
 struct ReportSection {
   std::string title;
   std::string html;  // put in as it is: html_escaped() and inline_svg() are in html.h

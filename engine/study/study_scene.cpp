@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "engine/study/proxy_reference.h"
+#include "engine/study/error_measures.h"
 
 namespace palpate {
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/study/error_measures.h"
 #include "engine/study/flat_sheet.h"
 #include "engine/study/knobs.h"
 #include "engine/study/session_pass.h"
@@ -46,9 +47,9 @@ struct Workload {
 };
 
 double root_mean_square(std::span<const double> values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(values.size()));
+  RootMeanSquare rms;
+  for (const double v : values) rms.add(v);
+  return rms.value();
 }
 
 double size_of_mean(std::span<const double> values) {
