@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "geometry/fraction.h"
 
 namespace palpate {
 
@@ -32,8 +33,8 @@ class BoxTree {
   void visit_near(const Vec3& p, double radius_m, NearVisitor visitor, void* state) const noexcept;
 
   // Told of a box by its index; returns the fraction of the segment beyond which boxes are of no
-  // interest any more (1 to see them all). Must not throw.
-  using AlongVisitor = double (*)(void* state, std::uint32_t box);
+  // interest any more (its end to see them all). Must not throw.
+  using AlongVisitor = QueryFraction (*)(void* state, std::uint32_t box);
   // Visits the boxes that come within radius_m <= sweep_radius_m of the segment p to p + d, roughly
   // in order along it. A segment of no length visits nothing.
   void visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,

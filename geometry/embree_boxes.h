@@ -10,6 +10,7 @@
 
 #include "geometry/box.h"
 #include "geometry/embree.h"
+#include "geometry/fraction.h"
 
 namespace palpate {
 
@@ -52,10 +53,10 @@ struct SegmentQuery {
   // For the callback: the ray need go no farther than this fraction of the segment. Embree compares
   // boxes with tfar in float, so the new end is rounded up; nothing is ever reported as a hit,
   // because a report would let Embree skip boxes at equal distance.
-  void end_at(double fraction, const RTCIntersectFunctionNArguments* args) const {
-    if (fraction >= 1.0) return;
+  void end_at(QueryFraction fraction, const RTCIntersectFunctionNArguments* args) const {
+    if (fraction >= QueryFraction::end()) return;
     float& tfar = RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0);
-    tfar = std::min(tfar, round_up((fraction - enter) * length_m));
+    tfar = std::min(tfar, round_up((fraction.value() - enter) * length_m));
   }
 };
 

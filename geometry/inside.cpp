@@ -44,7 +44,7 @@ struct Crossings {
   }
 
   // A PackVisitor.
-  static double visit(void* state, std::span<const std::uint32_t> packs) {
+  static QueryFraction visit(void* state, std::span<const std::uint32_t> packs) {
     auto& self = *static_cast<Crossings*>(state);
     std::array<PackLanes, TrianglePack::kLanes> doubtful;
     const std::size_t found =
@@ -54,7 +54,7 @@ struct Crossings {
         self.consider(SurfaceIndex::slot(doubtful[i].pack, take_lane(lanes)));
       }
     }
-    return self.undecided ? 0.0 : 1.0;
+    return self.undecided ? QueryFraction::start() : QueryFraction::end();
   }
 };
 

@@ -212,7 +212,7 @@ std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) 
             first.consider(slot(doubtful[i].pack, take_lane(lanes)));
           }
         }
-        return first.best;
+        return QueryFraction(first.best);
       },
       &state);
   if (!(state.best <= 1.0)) return std::nullopt;

@@ -11,6 +11,7 @@
 
 #include "geometry/box.h"
 #include "geometry/fixed_array.h"
+#include "geometry/fraction.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/surface_mesh.h"
 #include "geometry/triangle.h"
@@ -54,8 +55,8 @@ struct AffineMap {
 };
 
 // Called with up to sixteen packs near a segment; returns the fraction of the segment beyond which
-// packs are of no interest any more (1 to see them all). Must not throw.
-using PackVisitor = double (*)(void* state, std::span<const std::uint32_t> packs);
+// packs are of no interest any more (its end to see them all). Must not throw.
+using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs);
 
 // An immutable index over one surface, in a frame of its own (the index frame), which should have
 // its origin near the middle of the surface: then nothing is lost to large coordinates. Embree's

@@ -71,7 +71,7 @@ class PushedProxy {
         if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
         return target;
       }
-      fraction *= shortened < kMaxShortenings ? hit->fraction : 0.0;
+      fraction *= shortened < kMaxShortenings ? hit->fraction.value() : 0.0;
     }
     return std::nullopt;
   }
@@ -83,14 +83,14 @@ class PushedProxy {
     const Vec3 target_body = placed_.to_body(target);
     if (const auto hit = tracer_.trace_in_body(body_, start_body_, target_body)) {
       const Vec3 stop =
-          placed_.to_solver(start_body_ + hit->fraction * (target_body - start_body_));
+          placed_.to_solver(start_body_ + hit->fraction.value() * (target_body - start_body_));
       const Vec3& normal = hit->contact.normal;
       return ContactPlane{normal, normal.dot(stop - proxy_) + stand_off - hit->contact.clearance_m};
     }
     if (target == proxy_) return std::nullopt;
     if (const auto hit = tracer_.trace_others(body_, proxy_, target)) {
       const Vec3& normal = hit->contact.normal;
-      const Vec3 stop_from_proxy = hit->fraction * (target - proxy_);
+      const Vec3 stop_from_proxy = hit->fraction.value() * (target - proxy_);
       const double room = hit->contact.clearance_m - stand_off - normal.dot(stop_from_proxy);
       return ContactPlane{normal, std::min(0.0, -room)};
     }

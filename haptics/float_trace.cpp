@@ -65,12 +65,13 @@ bool trace_point_in_float(const TrianglePack& pack, int lane, const Vec3& p, con
   const float approach = side * (start - end);
   if (approach <= 0.0f) return false;  // leaves it, or keeps its height
   const double scale_m = 1.0 / pack.per_metre;
-  hit.meet_fraction = std::clamp(static_cast<double>(side * start / approach), 0.0, 1.0);
-  hit.fraction = std::max(0.0, hit.meet_fraction - stand_off_m / (approach * scale_m));
+  const double meet = std::clamp(static_cast<double>(side * start / approach), 0.0, 1.0);
+  hit.meet_fraction = StepFraction(meet);
+  hit.fraction = StepFraction(std::max(0.0, meet - stand_off_m / (approach * scale_m)));
   hit.normal = (side * normal).cast<double>().normalized();
-  hit.clearance_m = (side * start - hit.fraction * approach) * scale_m;
+  hit.clearance_m = (side * start - hit.fraction.value() * approach) * scale_m;
   hit.feature = TriangleFeature::kFace;
-  hit.feature_point = p + hit.meet_fraction * (q - p);
+  hit.feature_point = p + meet * (q - p);
   return true;
 }
 

@@ -16,8 +16,17 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
-// A proxy held by planes at a vertex is within a few stand-offs of it, by the angles between them.
-constexpr double kAtVertex = 64.0;
+// A face within so many stand-offs touches the proxy: one that was stopped at it is about one away.
+constexpr double kTouchPerStandOff = 2.0;
+
+// A gain of so many stand-offs, a tenth of what is promised of a resting place, is none.
+constexpr double kLittlePerStandOff = 10.0;
+
+// The cosine of the angle between two slides that lead on in one direction.
+constexpr double kSameWay = 0.9;
+
+// By how much farther a proxy that leaves a place of greatest lag goes each time.
+constexpr double kFasterEachTime = 4.0;
 
 // A sphere goes round a feature along tangents that turn by so much at a time at most: their
 // corners are 0.8 % of the radius off the arc.
@@ -59,8 +68,10 @@ bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
 // Unit normals that sum to less than their rounding cancel.
 constexpr double kCancelledNormal = 16 * kEpsilon;
 
-// Normals of two contacts with one face count as the same plane within rounding.
-constexpr double kSameNormalCosine = 1.0 - 8 * kEpsilon;
+// Normals of two contacts with one face count as the same plane where a cosine cannot tell them
+// apart; those of two faces where they differ by rounding.
+constexpr double kSameNormal = 0x1p-25;
+constexpr double kSameNormalOfOther = 16 * kEpsilon;
 
 }  // namespace
 
@@ -114,8 +125,8 @@ bool GodObject::move_body(const BodyMotion& motion,
   if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
   world_->take_bounds(motion.body);
   if (proxy_ != proxy_before) settled_ = confirmed_ = false;
-  for (int i = 0; i < last_active_count_; ++i) {
-    FaceContact& contact = last_active_[i];
+  for (int i = 0; i < last_count_; ++i) {
+    FaceContact& contact = last_contacts_[i];
     if (contact.face.body != motion.body) continue;
     settled_ = confirmed_ = false;
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
@@ -136,7 +147,7 @@ void GodObject::place(const Vec3& p) noexcept {
   settled_ = false;
   confirmed_ = false;
   path_.clear();
-  last_active_count_ = 0;
+  last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
   const double stand_off = scale().stand_off_m;
@@ -171,17 +182,38 @@ ProxyState GodObject::move_freely() {
 void GodObject::seed_from_last_tick() {
   plane_count_ = 0;
   projection_ = {};
-  for (int i = 0; i < last_active_count_; ++i) {
-    const FaceContact& last = last_active_[i];
-    const FaceContact now = tracer_.contact_at(last.face, proxy_, last.normal);
-    // A proxy that ended the last tick at its minimum is over its faces: nothing has moved since.
-    // So did one that friction holds, if it was not cut short.
-    if (!settled_ && !(confirmed_ && has_friction()) &&
-        (now.clearance_m > 2 * scale().stand_off_m || !tracer_.is_over(now, proxy_))) {
-      continue;
+  planes_are_current_ = false;
+  for (int i = 0; i < last_count_; ++i) {
+    const FaceContact& last = last_contacts_[i];
+    // A point that ended the last tick at its minimum is over its face: nothing has moved since.
+    if (settled_ && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
+      add_plane(tracer_.contact_over(last.face, proxy_, last.normal));
+    } else {
+      add_if_touched(last);
     }
-    add_plane(now);
   }
+  planes_are_current_ = true;
+}
+
+// Takes up what the proxy touches of a face that it has met. A point is held by the edge of a face
+// only where it has just been stopped there: see leave_out_edges().
+void GodObject::add_if_touched(const FaceContact& met) {
+  const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
+  if (now.clearance_m > kTouchPerStandOff * scale().stand_off_m) return;
+  if (tracer_.radius_m() > 0.0 || now.feature == TriangleFeature::kFace) add_plane(now);
+}
+
+// Replaces each plane by that of the place of its face which is nearest to the proxy, and leaves
+// out those of faces that it does not touch any more. The distance to a triangle is convex along a
+// segment, so the way that such a plane allows never comes nearer to its face than the proxy is,
+// and a way that it forbids does. A proxy that these planes hold is therefore at a local minimum,
+// whatever else is near.
+void GodObject::update_planes() {
+  const std::array<FaceContact, kMaxContactPlanes> met = contacts_;
+  const int count = plane_count_;
+  plane_count_ = 0;
+  for (int i = 0; i < count; ++i) add_if_touched(met[i]);
+  planes_are_current_ = true;
 }
 
 // The part of a step that lies inside the world's bounds; all of it if it starts outside.
@@ -198,9 +230,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     advance_to(target);
     return std::nullopt;
   }
-  const Vec3 step = target - proxy_;
-  double fraction = hit->fraction;
-  Vec3 stop = proxy_ + fraction * step;
+  Vec3 stop = proxy_ + hit->fraction.value() * (target - proxy_);
   const auto moves = [&] { return !is_none(stop - proxy_); };
   // The face it is stopped by may not be the only one that is close there. What is committed has
   // been traced to its very end.
@@ -208,21 +238,19 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
     if (!nearer) break;
     hit = nearer;
-    fraction *= shortened < kMaxShortenings ? nearer->fraction : 0.0;
-    stop = proxy_ + fraction * step;
+    if (shortened == kMaxShortenings) stop = proxy_;
+    stop = proxy_ + nearer->fraction.value() * (stop - proxy_);
   }
   const bool moved = moves();
   if (moved) advance_to(stop);
-  const bool is_new = add_plane(hit->contact);
+  FaceContact contact = hit->contact;
+  if (tracer_.radius_m() > 0.0) {
+    planes_are_current_ = false;
+  } else if (contact.feature != TriangleFeature::kFace) {
+    contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
+  }
+  const bool is_new = add_plane(contact);
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
-}
-
-// Whether a point rests at a corner of one of the faces that hold it.
-bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
-  if (tracer_.radius_m() > 0.0) return false;
-  return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
-    return tracer_.distance_to_corner_m(contact.face, proxy_) <= kAtVertex * scale().stand_off_m;
-  });
 }
 
 // Takes a proxy that is outside everything straight to where things begin. False if it has reached
@@ -242,7 +270,19 @@ bool GodObject::enter_bounds() {
   return true;
 }
 
-// False if the very same plane was there already.
+// Whether there is such a plane already: of the same face, or, where faces share an edge or a
+// vertex that is touched or lie in one plane, of another one.
+bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const {
+  for (known = 0; known < plane_count_; ++known) {
+    const double difference = (planes_of_contact_[known].normal - plane.normal).squaredNorm();
+    const bool is_same_face = contacts_[known].face == contact.face;
+    const double same = is_same_face ? kSameNormal : kSameNormalOfOther;
+    if (difference <= same * same) return true;
+  }
+  return false;
+}
+
+// False if that changes nothing.
 bool GodObject::add_plane(const FaceContact& contact) {
   // Never negative room: the proxy is where it is, and must stay feasible.
   ContactPlane plane{contact.normal, scale().stand_off_m - contact.clearance_m};
@@ -252,14 +292,17 @@ bool GodObject::add_plane(const FaceContact& contact) {
     plane = *in_plane;
   }
   plane.offset_m = std::min(0.0, plane.offset_m);
-  for (int i = 0; i < plane_count_; ++i) {
-    if (contacts_[i].face != contact.face ||
-        planes_of_contact_[i].normal.dot(plane.normal) < kSameNormalCosine) {
-      continue;
+  int known = 0;
+  if (is_known(contact, plane, known)) {
+    ContactPlane& there = planes_of_contact_[known];
+    const ContactPlane before = there;
+    if (contacts_[known].face == contact.face) {
+      there = plane;
+      contacts_[known] = contact;
+    } else {
+      there.offset_m = std::max(there.offset_m, plane.offset_m);
     }
-    planes_of_contact_[i] = plane;
-    contacts_[i] = contact;
-    return false;
+    return there.normal != before.normal || there.offset_m != before.offset_m;
   }
   if (plane_count_ == kMaxContactPlanes) drop_inactive_planes();
   planes_of_contact_[plane_count_] = plane;
@@ -287,6 +330,7 @@ void GodObject::commit(const Vec3& proxy) {
 void GodObject::advance_to(const Vec3& target) {
   const Vec3 displacement = target - proxy_;
   commit(target);
+  planes_are_current_ = false;
   for (int i = 0; i < plane_count_; ++i) {
     ContactPlane& plane = planes_of_contact_[i];
     plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
@@ -329,6 +373,41 @@ bool GodObject::roll_to_answer() {
   return true;
 }
 
+// Whether a step comes nearer to the goal by less than anybody is promised.
+bool GodObject::gains_little(const Vec3& step) const {
+  const Vec3 lag = proxy_ - goal_;
+  return lag.norm() - (lag + step).norm() <= kLittlePerStandOff * scale().stand_off_m;
+}
+
+// By what a slide is to be multiplied to lead to where it and all that follow lead.
+double GodObject::reach_of(const Vec3& slide) {
+  const double last_m = last_slide_m_.norm();
+  const double now_m = slide.norm();
+  if (last_m == 0.0 || slide.dot(last_slide_m_) < kSameWay * last_m * now_m) {
+    overreach_ = 1.0;
+    return overreach_;
+  }
+  // Where slides do not shrink, the proxy leaves a place where the lag is greatest.
+  const double shrinks = 1.0 - now_m / last_m;
+  overreach_ = shrinks > 0.0 ? 1.0 / shrinks : kFasterEachTime * overreach_;
+  return overreach_;
+}
+
+GodObject::ProxyPlace GodObject::place_now() const {
+  return {proxy_,       path_.size(), planes_of_contact_, contacts_,
+          plane_count_, projection_,  planes_are_current_};
+}
+
+void GodObject::return_to(const ProxyPlace& place) {
+  proxy_ = place.proxy;
+  path_.resize(place.corners);
+  planes_of_contact_ = place.planes;
+  contacts_ = place.contacts;
+  plane_count_ = place.plane_count;
+  projection_ = place.projection;
+  planes_are_current_ = place.planes_are_current;
+}
+
 // Whether a sphere touches the same place of a curved feature in both contacts.
 bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const {
   return (a.normal - b.normal).norm() * tracer_.radius_m() <= scale().stand_off_m;
@@ -350,10 +429,18 @@ bool GodObject::settled() const {
   return true;
 }
 
-void GodObject::keep_active_for_next_tick() {
+// The faces that hold the proxy, and after them, if it was cut short, the others that it has met.
+void GodObject::keep_contacts_for_next_tick(bool capped) {
   last_active_count_ = projection_.active_count;
+  last_count_ = last_active_count_;
+  std::array<bool, kMaxContactPlanes> is_active{};
   for (int i = 0; i < projection_.active_count; ++i) {
-    last_active_[i] = contacts_[projection_.active[i]];
+    last_contacts_[i] = contacts_[projection_.active[i]];
+    is_active[static_cast<std::size_t>(projection_.active[i])] = true;
+  }
+  if (!capped) return;
+  for (int i = 0; i < plane_count_; ++i) {
+    if (!is_active[static_cast<std::size_t>(i)]) last_contacts_[last_count_++] = contacts_[i];
   }
 }
 

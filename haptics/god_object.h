@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -107,7 +106,7 @@ class GodObject {
   // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
   // in the plane of motion if there is one. Valid until the next move.
   std::span<const FaceContact> contacts() const {
-    return std::span(last_active_).first(static_cast<std::size_t>(last_active_count_));
+    return std::span(last_contacts_).first(static_cast<std::size_t>(last_active_count_));
   }
   const Vec3& plane_normal(std::size_t i) const {
     return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
@@ -122,6 +121,7 @@ class GodObject {
  private:
   enum class Progress : std::uint8_t {
     kMoved,    // as near as the present planes allow
+    kHeld,     // it is there already
     kStopped,  // met another face on the way
     kStuck     // no use going on with these planes
   };
@@ -148,20 +148,29 @@ class GodObject {
   bool stays_at_rest(Friction& friction);
   bool has_friction() const { return last_holds_[0] || last_holds_[1] || last_holds_[2]; }
   bool is_carried_by(std::uint32_t body) const;
+  void add_if_touched(const FaceContact& met);
+  void update_planes();
+  bool gains_little(const Vec3& step) const;
   template <typename Friction>
-  bool find_way_out(Friction& friction);
+  int overreach(Progress progress, Friction& friction);
+  double reach_of(const Vec3& slide);
+  struct ProxyPlace;
+  ProxyPlace place_now() const;
+  void return_to(const ProxyPlace& place);
   template <typename Friction>
-  bool slides_along(std::initializer_list<FaceContact> contacts, Friction& friction);
-  bool is_at_vertex(std::span<const FaceContact> contacts) const;
+  bool leave_out_edges(Friction& friction);
+  template <typename Friction>
+  bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
   double leave_bounds(const Vec3& step) const;
+  bool is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const;
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();
   void advance_to(const Vec3& target);
   void commit(const Vec3& proxy);
   bool settled() const;
-  void keep_active_for_next_tick();
+  void keep_contacts_for_next_tick(bool capped);
   ProxyState report(int iterations, bool capped) const;
 
   GodObjectSettings settings_;
@@ -174,19 +183,28 @@ class GodObject {
   std::vector<Vec3> path_;  // never grows: its capacity is what the iterations can fill
   std::optional<Vec3> motion_plane_normal_;
 
-  // The planes met in this round, and the contacts they come from.
+  // The planes met, and the contacts they come from.
   std::array<ContactPlane, kMaxContactPlanes> planes_of_contact_{};
   std::array<FaceContact, kMaxContactPlanes> contacts_{};
   int plane_count_ = 0;
   PlaneProjection projection_;
+  // Each plane is that of what the proxy touches where it is now.
+  bool planes_are_current_ = false;
 
   std::span<const ContactPlane> planes() const {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
 
+  // Of the present tick.
+  bool is_slow_ = false;              // more than kPatience steps
+  Vec3 last_slide_m_ = Vec3::Zero();  // the last whole slide along planes
+  double overreach_ = 1.0;            // by how much the last one was extended
+
   bool settled_ = false;    // the last tick ended at a local minimum
   bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since
-  std::array<FaceContact, 3> last_active_{};
+  // Those that held the proxy first, then others that are worth knowing.
+  std::array<FaceContact, kMaxContactPlanes> last_contacts_{};
+  int last_count_ = 0;
   std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
   int last_active_count_ = 0;
 };

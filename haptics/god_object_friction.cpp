@@ -88,7 +88,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
-  keep_active_for_next_tick();
+  keep_contacts_for_next_tick(false);
   return true;
 }
 

@@ -13,8 +13,25 @@ struct NoFriction {
   static constexpr bool kHolds = false;
 };
 
-// Faces tried at a vertex. Among more of them a free way is hardly wider than a stand-off.
-constexpr std::size_t kMostAtVertex = 12;
+// Where the proxy was, to come back to.
+struct GodObject::ProxyPlace {
+  Vec3 proxy;
+  std::size_t corners;
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  std::array<FaceContact, kMaxContactPlanes> contacts;
+  int plane_count;
+  PlaneProjection projection;
+  bool planes_are_current;
+};
+
+// Steps after which a tick is slow, and is helped on.
+constexpr int kPatience = 8;
+
+// Steps in which a proxy that has gone too far must have come nearer.
+constexpr int kStepsToFall = 5;
+
+// How far it goes at most, of its lag: seen from the goal, it turns by less than 45 degrees.
+constexpr double kFarthestReach = 1.0;
 
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
@@ -23,39 +40,39 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   motion_plane_normal_ = motion_plane_normal;
   path_.clear();
   path_.push_back(proxy_);
-  if (last_active_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
+  if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
   seed_from_last_tick();
   if constexpr (Friction::kHolds) {
     if (stays_at_rest(friction)) return friction.complete(report(1, false));
   }
-  bool began_empty = plane_count_ == 0;
-  Vec3 round_start = proxy_;
   bool capped = true;
   settled_ = false;
+  is_slow_ = false;
+  last_slide_m_.setZero();
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
+    is_slow_ = iteration > kPatience;
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
     const Progress progress = take_step(friction);
     if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
     if (progress == Progress::kStopped) continue;
-    // A round ends where its planes let the proxy go no nearer. That is the local minimum if the
-    // face of the one plane is really there, or if a round from scratch ends where it began and
-    // leaving out some of its planes does not help.
-    settled_ = progress == Progress::kMoved && settled();
-    if (settled_) capped = false;
-    const bool is_at_rest = began_empty && is_none(proxy_ - round_start);
-    if (is_at_rest) capped = find_way_out(friction);
-    if (!capped) break;
-    // Another round from scratch needs two steps to meet anything: a proxy that is cut short before
-    // keeps the planes that hold it.
-    if (settings_.accuracy.iterations - iteration < 2) break;
-    if (!is_at_rest) plane_count_ = 0;
-    began_empty = !is_at_rest;
-    round_start = proxy_;
+    // A point that went to where one plane lets it go, and has its face under it, is at rest. So is
+    // a proxy that planes hold which are all those of what it touches here (update_planes).
+    settled_ = progress != Progress::kStuck && settled();
+    if (!settled_ && progress == Progress::kHeld && planes_are_current_) {
+      settled_ = !leave_out_edges(friction);
+      if (!settled_) continue;
+    }
+    capped = !settled_;
+    if (settled_ || (progress == Progress::kStuck && planes_are_current_)) break;
+    update_planes();
+    if constexpr (!Friction::kHolds) {
+      if (iteration >= kPatience) iteration += overreach(progress, friction);
+    }
   }
-  keep_active_for_next_tick();
+  keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   confirmed_ = !capped;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
@@ -76,42 +93,76 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // converged when it hardly moves.
   const bool is_free = projection_.active_count == 0;
   const Vec3& step = projection_.displacement_m;
-  if (!is_free && is_none(step)) return Progress::kMoved;
+  if (!is_free && is_none(step)) return Progress::kHeld;
+  if (is_slow_ && planes_are_current_ && gains_little(step)) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   if (leaves && is_free) commit(goal_);
-  return leaves && !is_free ? Progress::kStuck : Progress::kMoved;
+  return Progress::kMoved;
 }
 
-// Two or three planes hold the proxy, each met from where it is. On a saddle that need not be a
-// minimum: the room around a vertex is not convex, and another pair of faces can leave a way on
-// between them. Tries the slides along each face here alone and along each two. True if one of them
-// led anywhere.
+// Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane
+// leads only a small part of the way, and so does each one after it: of a slide y, the next ones
+// are k y, k^2 y, ... Goes on as far as they will lead together, y / (1 - k), though that leads
+// away from the goal at first, and lets the proxy fall back on the surface. Takes all of it back
+// unless it comes nearer. Returns how many steps that took.
 template <typename Friction>
-bool GodObject::find_way_out(Friction& friction) {
-  const PlaneProjection held = projection_;
-  if (held.active_count < 2) return false;
-  std::array<FaceContact, 3> holding;
-  for (int i = 0; i < held.active_count; ++i) holding[i] = contacts_[held.active[i]];
-  const auto holding_now = std::span(holding).first(static_cast<std::size_t>(held.active_count));
-
-  std::array<FaceContact, kMostAtVertex> near;
-  std::size_t count = holding_now.size();
-  if (is_at_vertex(holding_now)) {
-    count = tracer_.contacts_around(proxy_, 4 * scale().stand_off_m, near);
-  } else {
-    std::copy(holding_now.begin(), holding_now.end(), near.begin());
+int GodObject::overreach(Progress progress, Friction& friction) {
+  const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
+                         ? projection_.displacement_m
+                         : Vec3(Vec3::Zero());
+  if (slide.isZero(0.0)) return 0;
+  const double reach = reach_of(slide);
+  last_slide_m_ = slide;
+  if (reach <= 1.0) return 0;
+  const ProxyPlace before = place_now();
+  const double lag_m = (proxy_ - goal_).norm();
+  int steps = 1;
+  const Vec3 target =
+      proxy_ + (std::min(reach, kFarthestReach * lag_m / slide.norm()) - 1.0) * slide;
+  if (!bounds_.contains(target)) return 0;
+  stop_at_first_hit(target);
+  plane_count_ = 0;
+  planes_are_current_ = true;
+  for (; steps < kStepsToFall; ++steps) {
+    const Progress fall = take_step(friction);
+    const double lag_now_m = (proxy_ - goal_).norm();
+    if (lag_now_m < lag_m) return steps;
+    if (fall != Progress::kStopped) update_planes();
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (slides_along({near[i]}, friction)) return true;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (slides_along({near[i], near[j]}, friction)) return true;
+  return_to(before);
+  overreach_ = 1.0;
+  return steps;
+}
+
+// A point that comes beside a triangle is held by its edge, also where another triangle goes on
+// beyond the edge and is what the point is over: then the edge keeps it from going back to where it
+// would be over the first. Tries without the edges, all and each alone. True if that led anywhere.
+template <typename Friction>
+bool GodObject::leave_out_edges(Friction& friction) {
+  if (tracer_.radius_m() > 0.0) return false;
+  const PlaneProjection held = projection_;
+  std::array<FaceContact, 3> holding;
+  const auto count = static_cast<std::size_t>(held.active_count);
+  for (std::size_t i = 0; i < count; ++i) holding[i] = contacts_[held.active[i]];
+  const auto is_edge = [&](std::size_t i) { return holding[i].feature != TriangleFeature::kFace; };
+  std::size_t edges = 0;
+  for (std::size_t i = 0; i < count; ++i) edges += is_edge(i);
+  if (edges == 0) return false;
+  for (std::size_t all_or_one = 0; all_or_one <= count; ++all_or_one) {
+    const bool all = all_or_one == count;
+    if (!all && (edges < 2 || !is_edge(all_or_one))) continue;
+    std::array<FaceContact, 3> rest;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!(is_edge(i) && (all || i == all_or_one))) rest[left++] = holding[i];
     }
+    if (slides_along(std::span(rest).first(left), friction)) return true;
   }
   plane_count_ = 0;
-  for (const FaceContact& contact : holding_now) add_plane(contact);
+  for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);
   projection_ = held;
   for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
   return false;
@@ -119,11 +170,9 @@ bool GodObject::find_way_out(Friction& friction) {
 
 // Takes a step held by these planes alone; true if it led anywhere.
 template <typename Friction>
-bool GodObject::slides_along(std::initializer_list<FaceContact> contacts, Friction& friction) {
+bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
   plane_count_ = 0;
-  for (const FaceContact& contact : contacts) {
-    if (!add_plane(contact)) return false;
-  }
+  for (const FaceContact& contact : contacts) add_plane(contact);
   const Vec3 before = proxy_;
   const std::size_t corners = path_.size();
   const Friction friction_before = friction;

@@ -72,7 +72,7 @@ class LiveWorld {
         p, d, radius_m,
         [](void* state, std::uint32_t b) {
           const auto& v = *static_cast<Visitor<Visit>*>(state);
-          return v.world->is_moving_[b] ? 1.0 : (*v.visit)(b);
+          return v.world->is_moving_[b] ? QueryFraction::end() : (*v.visit)(b);
         },
         &visitor);
   }

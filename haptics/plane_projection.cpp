@@ -62,16 +62,78 @@ Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPl
   return y;
 }
 
-bool satisfies_others(std::span<const ContactPlane> planes, const PlaneProjection& p) {
-  const auto used = std::span(p.active).first(static_cast<std::size_t>(p.active_count));
-  for (int j = 0; j < static_cast<int>(planes.size()); ++j) {
-    if (std::find(used.begin(), used.end(), j) != used.end()) continue;
-    const ContactPlane& plane = planes[static_cast<std::size_t>(j)];
-    const double tolerance =
-        kViolationRoundoff * (p.displacement_m.lpNorm<1>() + std::abs(plane.offset_m));
-    if (plane.normal.dot(p.displacement_m) < plane.offset_m - tolerance) return false;
+// By how much a displacement violates a plane, beyond the rounding of evaluating it; > 0 if it
+// does.
+double violation_m(const ContactPlane& plane, const Vec3& y_m) {
+  const double roundoff_m = kViolationRoundoff * (y_m.lpNorm<1>() + std::abs(plane.offset_m));
+  return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
+}
+
+// Up to three planes, in ascending order, and the displacement that lies on all of them.
+struct Basis {
+  std::array<int, 3> planes{};
+  int count = 0;
+  Vec3 displacement_m = Vec3::Zero();
+
+  bool has(int plane) const {
+    return std::find(planes.begin(), planes.begin() + count, plane) != planes.begin() + count;
   }
-  return true;
+};
+
+// The point of the basis' planes nearest to the target, if every one of them pushes.
+bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basis) {
+  const auto plane = [&](std::size_t i) -> const ContactPlane& {
+    return planes[static_cast<std::size_t>(basis.planes[i])];
+  };
+  const Candidate y = basis.count == 1   ? on_one(plane(0), target)
+                      : basis.count == 2 ? on_two(plane(0), plane(1), target)
+                                         : on_three(plane(0), plane(1), plane(2), target);
+  if (y) basis.displacement_m = *y;
+  return y.has_value();
+}
+
+// The plane that is violated most, or -1.
+int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
+  int most = -1;
+  double by_m = 0.0;
+  for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
+    const double v_m = violation_m(planes[static_cast<std::size_t>(i)], basis.displacement_m);
+    if (v_m <= by_m || basis.has(i)) continue;
+    most = i;
+    by_m = v_m;
+  }
+  return most;
+}
+
+// The basis that holds for the planes of `basis` and the one added, which it violates.
+std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
+                              const Basis& basis, int added) {
+  const auto holds_for_all = [&](const Basis& next) {
+    for (int i = 0; i < basis.count; ++i) {
+      const int other = basis.planes[static_cast<std::size_t>(i)];
+      if (next.has(other)) continue;
+      if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > 0.0) {
+        return false;
+      }
+    }
+    return true;
+  };
+  // The plane added with none, one or two of the others: bits of `chosen`.
+  constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
+  for (const int chosen : kSubsetsBySize) {
+    if (chosen >> basis.count != 0) continue;
+    Basis next;
+    next.planes[0] = added;
+    next.count = 1;
+    for (int i = 0; i < basis.count; ++i) {
+      if ((chosen >> i & 1) == 0) continue;
+      next.planes[static_cast<std::size_t>(next.count++)] =
+          basis.planes[static_cast<std::size_t>(i)];
+    }
+    std::sort(next.planes.begin(), next.planes.begin() + next.count);
+    if (solve(planes, target, next) && holds_for_all(next)) return next;
+  }
+  return std::nullopt;
 }
 
 // Normals that are less than this from lying in a plane or line bear a force in any shares.
@@ -79,40 +141,33 @@ constexpr double kDependentNormals = 1e-8;  // half the digits of double
 
 }  // namespace
 
+// The distance to the target rises with every exchange, so no basis comes twice, and few are needed
+// as a rule. So many a plane are needed by no set of planes that is not made for it.
+constexpr int kMostExchangesPerPlane = 4;
+
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start) noexcept {
+  Basis basis;
+  basis.displacement_m = target;
+  int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
+  for (int added; (added = most_violated(planes, basis)) >= 0;) {
+    if (left-- == 0) return {};
+    const auto next = exchange(planes, target, basis, added);
+    if (!next) return {};
+    basis = *next;
+  }
+  // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
+  // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
+  const double gain = start == Feasibility::kMustMove
+                          ? 0.0
+                          : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
+  if (gain < -kMonotoneRoundoff * target.squaredNorm()) return {};
   PlaneProjection result;
-  const auto accept = [&](const Candidate& y, std::array<int, 3> active, int count) {
-    if (!y) return false;
-    // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
-    // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
-    const double gain =
-        start == Feasibility::kMustMove ? 0.0 : target.squaredNorm() - (*y - target).squaredNorm();
-    if (gain < -kMonotoneRoundoff * target.squaredNorm()) return false;
-    result.displacement_m = gain < 0.0 ? Vec3(Vec3::Zero()) : *y;
-    result.active = active;
-    result.active_count = count;
-    result.solved = satisfies_others(planes, result);
-    return result.solved;
-  };
-  const int n = static_cast<int>(planes.size());
-  if (accept(target, {}, 0)) return result;
-  for (int i = 0; i < n; ++i) {
-    if (accept(on_one(planes[i], target), {i}, 1)) return result;
-  }
-  for (int i = 0; i < n; ++i) {
-    for (int j = i + 1; j < n; ++j) {
-      if (accept(on_two(planes[i], planes[j], target), {i, j}, 2)) return result;
-    }
-  }
-  for (int i = 0; i < n; ++i) {
-    for (int j = i + 1; j < n; ++j) {
-      for (int k = j + 1; k < n; ++k) {
-        if (accept(on_three(planes[i], planes[j], planes[k], target), {i, j, k}, 3)) return result;
-      }
-    }
-  }
-  return {};
+  if (gain >= 0.0) result.displacement_m = basis.displacement_m;
+  result.active = basis.planes;
+  result.active_count = basis.count;
+  result.solved = true;
+  return result;
 }
 
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,

@@ -27,14 +27,18 @@ struct PlaneProjection {
   bool solved = false;  // false: rounding hid the solution, displacement 0 is what remains
 };
 
-// Minimises |y - target|^2 subject to every plane (at most kMaxContactPlanes), exactly: the one
-// subset of up to three planes whose equality solution has multipliers >= 0 and violates no other
-// plane. Zilles & Salisbury 1995, section 4, by enumeration instead of a 6 x 6 system. Planes whose
-// normals lie in one plane (a device with two sensors) simply never form a triple.
+// Minimises |y - target|^2 subject to every plane (at most kMaxContactPlanes). The minimiser is
+// held by up to three planes, its basis (Zilles & Salisbury 1995, section 4, solve a 6 x 6 system
+// for it). The basis is found by exchanges: while a plane is violated, the most violated one comes
+// in, and the best basis of these four at most replaces the last one. Each is farther from the
+// target than the one before, so the search ends (M. Sharir and E. Welzl, "A Combinatorial Bound
+// for Linear Programming and Related Problems", 1992). Planes whose normals lie in one plane (a
+// device with two sensors) never form a triple.
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start = Feasibility::kAtStart) noexcept;
 
-inline constexpr int kMaxContactPlanes = 8;
+// Faces that touch a proxy at one place, and those met on the way in one tick.
+inline constexpr int kMaxContactPlanes = 24;
 
 // How much of a lag (proxy minus goal) each of up to three unit normals bears: its part along them,
 // none below zero. Normals that lie in a line or plane bear equal parts of its length. m.

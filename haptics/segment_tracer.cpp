@@ -46,8 +46,9 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
 // One query in flight.
 struct SegmentTracer::Search {
   SegmentTracer& tracer;
-  Vec3 p, q;        // solver frame
-  double limit;     // hits beyond this fraction of the step do not count
+  Vec3 p, q;  // solver frame
+  // Hits beyond do not count. What is searched is the part of the step up to here.
+  StepFraction limit;
   TraceHit best{};  // if found
   bool found = false;
 
@@ -55,7 +56,7 @@ struct SegmentTracer::Search {
   const ContactBody* placed = nullptr;
   Vec3 p_body = Vec3::Zero();
   Vec3 q_body = Vec3::Zero();
-  Vec3 d_body = Vec3::Zero();  // up to the limit, rounded: for what only sorts out
+  Vec3 d_body = Vec3::Zero();  // the part searched, rounded: for what only sorts out
 
   void enter_body(std::uint32_t id) {
     if (placed && body == id) return;
@@ -63,7 +64,7 @@ struct SegmentTracer::Search {
     placed = &tracer.world_->body(id);
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
-    d_body = limit * (q_body - p_body);
+    d_body = limit.value() * (q_body - p_body);
   }
 
   // Enters a body with a step given in its own frame.
@@ -72,7 +73,7 @@ struct SegmentTracer::Search {
     placed = &tracer.world_->body(id);
     p_body = from_body;
     q_body = to_body;
-    d_body = limit * (q_body - p_body);
+    d_body = limit.value() * (q_body - p_body);
   }
 
   // Packs of the body entered.
@@ -135,6 +136,11 @@ struct SegmentTracer::Search {
             hit.meet_fraction};
   }
 
+  // How far along the part searched a triangle can still matter.
+  QueryFraction needed() const {
+    return found ? QueryFraction(best.meet_fraction.value() / limit.value()) : QueryFraction::end();
+  }
+
   std::optional<TraceHit> result() const { return found ? std::optional(best) : std::nullopt; }
 };
 
@@ -170,11 +176,11 @@ void SegmentTracer::search_candidates(Search& search) noexcept {
 }
 
 void SegmentTracer::search_segment(Search& search) noexcept {
-  const Vec3 d = search.limit * (search.q - search.p);
+  const Vec3 d = search.limit.value() * (search.q - search.p);
   world_->visit_resting_along(search.p, d, sweep_radius_m(), [&](std::uint32_t b) {
     search.enter_body(b);
     search_body(search, b);
-    return search.found ? search.best.meet_fraction : 1.0;
+    return search.needed();
   });
 }
 
@@ -193,7 +199,7 @@ void SegmentTracer::search_body(Search& search, std::uint32_t body) noexcept {
       [](void* state, std::span<const std::uint32_t> packs) {
         auto& s = *static_cast<Search*>(state);
         s.consider_packs(packs);
-        return s.found ? s.best.meet_fraction : 1.0;
+        return s.needed();
       },
       &search);
 }
@@ -213,11 +219,12 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
     for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
       look = std::min(look, 1.0);
       forget_doubtful();
-      Search search{*this, p, q, look};
+      Search search{*this, p, q, StepFraction(look)};
       search_candidates(search);
       search_moving(search);
       // Whatever happens inside the ball is known; the first of it counts.
-      is_inside = cache_.covers(p + (search.found ? search.best.meet_fraction : look) * (q - p));
+      is_inside =
+          cache_.covers(p + (search.found ? search.best.meet_fraction.value() : look) * (q - p));
       if (is_inside && (search.found || look == 1.0)) return search.result();
     }
     // A step that is too long for any ball is searched along.
@@ -226,7 +233,7 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
     refills_ = cache_.refill(p, motion_) ? refills_ + 1 : kMostRefills;
   }
   forget_doubtful();
-  Search search{*this, p, q, 1.0};
+  Search search{*this, p, q, StepFraction::end()};
   search_segment(search);
   search_moving(search);
   return search.result();
@@ -236,7 +243,7 @@ std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const V
                                                      const Vec3& q_body) noexcept {
   forget_doubtful();
   const ContactBody& placed = world_->body(body);
-  Search search{*this, placed.to_solver(p_body), placed.to_solver(q_body), 1.0};
+  Search search{*this, placed.to_solver(p_body), placed.to_solver(q_body), StepFraction::end()};
   search.enter_body_at(body, p_body, q_body);
   search_body(search, body);
   return search.result();
@@ -252,7 +259,7 @@ std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Ve
 
 std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
   if (doubtful_overflowed_) return trace(p, q);
-  Search search{*this, p, q, 1.0};
+  Search search{*this, p, q, StepFraction::end()};
   for (std::size_t i = 0; i < doubtful_count_; ++i) {
     search.enter_body(doubtful_[i].body);
     search.consider(doubtful_[i]);
@@ -274,16 +281,25 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
   const ContactBody& body = world_->body(face.body);
   const TriangleGeometry& t = body.index->triangle(face.slot);
   const Vec3 p_body = body.to_body(p);
-  if (radius_m_ == 0.0) {
-    const Vec3 normal =
-        t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
-    const double height = normal.dot(p_body - t.a);
-    return {face, body.direction_to_solver(normal), height, TriangleFeature::kFace,
-            body.to_solver(p_body - height * normal)};
-  }
   const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
+  if (radius_m_ == 0.0 && nearest.feature == TriangleFeature::kFace) {
+    return contact_over(
+        face, p,
+        nearest.distance < scale_.clearance_m ? side : body.direction_to_solver(nearest.direction));
+  }
   return {face, body.direction_to_solver(nearest.direction), nearest.distance - radius_m_,
           nearest.feature, body.to_solver(nearest.point)};
+}
+
+FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
+                                        const Vec3& side) const noexcept {
+  const ContactBody& body = world_->body(face.body);
+  const TriangleGeometry& t = body.index->triangle(face.slot);
+  const Vec3 p_body = body.to_body(p);
+  const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
+  const double height = normal.dot(p_body - t.a);
+  return {face, body.direction_to_solver(normal), height, TriangleFeature::kFace,
+          body.to_solver(p_body - height * normal)};
 }
 
 bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {
@@ -340,25 +356,6 @@ std::size_t SegmentTracer::contacts_of_body(std::uint32_t b, const Vec3& p, doub
     }
   }
   return count;
-}
-
-std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
-                                           std::span<FaceContact> contacts) const noexcept {
-  const std::size_t count = contacts_in_front(p, reach_m, contacts);
-  for (FaceContact& contact : contacts.first(count)) {
-    if (contact.clearance_m >= 0.0) continue;
-    contact.normal = -contact.normal;
-    contact.clearance_m = -contact.clearance_m;
-  }
-  return count;
-}
-
-double SegmentTracer::distance_to_corner_m(const FaceRef& face, const Vec3& p) const noexcept {
-  const ContactBody& body = world_->body(face.body);
-  const TriangleGeometry& t = body.index->triangle(face.slot);
-  const Vec3 p_body = body.to_body(p);
-  return std::sqrt(std::min(
-      {(p_body - t.a).squaredNorm(), (p_body - t.b).squaredNorm(), (p_body - t.c).squaredNorm()}));
 }
 
 }  // namespace palpate

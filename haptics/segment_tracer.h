@@ -34,9 +34,9 @@ struct FaceContact {
 
 // Where a step is stopped.
 struct TraceHit {
-  FaceContact contact;   // at the stopping point
-  double fraction;       // of the step that may be taken, in [0, 1]
-  double meet_fraction;  // of the step at which proxy and face would meet, >= fraction
+  FaceContact contact;                                 // at the stopping point
+  StepFraction fraction = StepFraction::start();       // up to which the step may be taken
+  StepFraction meet_fraction = StepFraction::start();  // where they would meet, >= fraction
 };
 
 // Answers "how far can the proxy go" against every triangle of a world. Points and spheres.
@@ -82,21 +82,20 @@ class SegmentTracer {
   // moment to look for the candidates that the next ones will need.
   void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
-  // The contact of a proxy at p with one face, on the side given by the earlier normal.
+  // The contact of a proxy at p with one face: with the place of it that is nearest to p. On the
+  // side given by the earlier normal where p cannot tell.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
+
+  // The same of a point that is known to be over the face.
+  FaceContact contact_over(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
   // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts, or from
-  // where p is. Return how many were written, at most contacts.size().
+  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts. Returns
+  // how many were written, at most contacts.size().
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
                                 std::span<FaceContact> contacts) const noexcept;
-  std::size_t contacts_around(const Vec3& p, double reach_m,
-                              std::span<FaceContact> contacts) const noexcept;
-
-  // From p to the nearest corner of a face.
-  double distance_to_corner_m(const FaceRef& face, const Vec3& p) const noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }

@@ -16,11 +16,25 @@ constexpr int kMaxNewtonSteps = 53;
 // the triangle, that is where it is.
 void stop_before(double meet_fraction, double approach_per_step, double back_off_m,
                  TriangleHit& hit) {
-  hit.meet_fraction = meet_fraction;
-  hit.fraction = meet_fraction;
+  hit.meet_fraction = StepFraction(meet_fraction);
+  hit.fraction = hit.meet_fraction;
   if (back_off_m <= 0.0) return;
-  hit.fraction =
-      approach_per_step > 0.0 ? std::max(0.0, meet_fraction - back_off_m / approach_per_step) : 0.0;
+  hit.fraction = StepFraction(approach_per_step > 0.0
+                                  ? std::max(0.0, meet_fraction - back_off_m / approach_per_step)
+                                  : 0.0);
+}
+
+// A step that crosses the triangle, but comes to it past an edge: a height says nothing about how
+// far the triangle is there. Stops where the distance is a stand-off, as for a sphere. False if the
+// distance does not fall, to within rounding.
+bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double stand_off_m,
+                 TriangleHit& hit) {
+  const double radius_m = 0.5 * stand_off_m;  // the other half is that sphere's own stand-off
+  if (!trace_sphere(t, p, q, radius_m, stand_off_m - radius_m, StepFraction::end(), hit)) {
+    return false;
+  }
+  hit.clearance_m += radius_m;
+  return true;
 }
 
 // A step that passes the triangle by: is its end too close?
@@ -29,13 +43,14 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
   if (std::abs(height_end) >= margins.clearance_m) return false;
   const TrianglePoint nearest = closest_point_on_triangle(t, q);
   if (nearest.distance >= margins.clearance_m) return false;
-  if (trace_sphere(t, p, q, margins.clearance_m, margins.stand_off_m, 1.0, hit)) return true;
+  if (trace_sphere(t, p, q, margins.clearance_m, margins.stand_off_m, StepFraction::end(), hit))
+    return true;
   // So close to an edge, directions have few digits, and Newton may have been led past the contact.
   // The end is too close all the same: a stand-off less is tried.
   hit.normal = nearest.direction;
   hit.clearance_m = nearest.distance;
-  hit.meet_fraction = 1.0;
-  hit.fraction = std::max(0.0, 1.0 - margins.stand_off_m / (q - p).norm());
+  hit.meet_fraction = StepFraction::end();
+  hit.fraction = StepFraction(std::max(0.0, 1.0 - margins.stand_off_m / (q - p).norm()));
   hit.feature = nearest.feature;
   hit.feature_point = nearest.point;
   return true;
@@ -69,12 +84,15 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
   // A crossing is certain, even where rounding hides that the step comes nearer.
   hit.feature_point = p + crossing.fraction * (q - p);
   stop_before(crossing.fraction, approach, margins.stand_off_m, hit);
-  hit.clearance_m = height - hit.fraction * approach;
+  hit.clearance_m = height - hit.fraction.value() * approach;
+  const bool is_over = prism_contains(t, p + hit.fraction.value() * (q - p));
+  TriangleHit beside;
+  if (!is_over && stop_beside(t, p, q, margins.stand_off_m, beside)) hit = beside;
   return true;
 }
 
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, double limit, TriangleHit& hit) noexcept {
+                  double stand_off_m, StepFraction limit, TriangleHit& hit) noexcept {
   const Vec3 d = q - p;
   // A hit is coming within half the stand-off: a sphere that was stopped at the full one can slide
   // along without being stopped again by rounding.
@@ -103,14 +121,14 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     if (!met && step < kMaxNewtonSteps) {
       fraction += ahead;
       // Only where it has not met yet: of two that meet at once neither may hide the other.
-      if (fraction > limit) return false;
+      if (fraction > limit.value()) return false;
       continue;
     }
     hit.normal = nearest.direction;
     hit.feature = nearest.feature;
     hit.feature_point = nearest.point;
     stop_before(fraction, approach, radius_m + stand_off_m - nearest.distance, hit);
-    hit.clearance_m = nearest.distance - radius_m + (hit.meet_fraction - hit.fraction) * approach;
+    hit.clearance_m = nearest.distance - radius_m + (fraction - hit.fraction.value()) * approach;
     return true;
   }
 }

@@ -2,17 +2,21 @@
 
 // How far a proxy can move before it meets one triangle. Frame of the triangle, metres.
 
+#include "geometry/fraction.h"
 #include "geometry/triangle.h"
 #include "geometry/types.h"
 
 namespace palpate {
 
+// Of the whole step of a proxy that is traced, from p to q.
+using StepFraction = FractionOf<struct TracedStep>;
+
 // Where a step of the proxy is stopped by one triangle.
 struct TriangleHit {
-  Vec3 normal;           // unit, from the triangle to the proxy
-  double clearance_m;    // between the proxy's surface and the triangle at the stopping point
-  double fraction;       // of the step up to the stopping point
-  double meet_fraction;  // of the step up to the meeting
+  Vec3 normal;         // unit, from the triangle to the proxy
+  double clearance_m;  // between the proxy's surface and the triangle at the stopping point
+  StepFraction fraction = StepFraction::start();       // up to the stopping point
+  StepFraction meet_fraction = StepFraction::start();  // up to the meeting
   TriangleFeature feature;
   Vec3 feature_point;  // the point of the triangle that is met
 };
@@ -23,10 +27,10 @@ struct TraceMargins {
   double clearance_m;
 };
 
-// Point proxy from p to q; it is stopped a stand-off above the triangle, measured along the
-// normal, or where it is if that is nearer. A step that passes the triangle by but ends within the
-// clearance of it is stopped before, as by a sphere of that radius. Returns false if neither is so.
-// Whether it crosses, and from which side, is exact for the very doubles p and q.
+// Point proxy from p to q; it is stopped a stand-off from the triangle, or where it is if that is
+// nearer. A step that passes the triangle by but ends within the clearance of it is stopped before,
+// as by a sphere of that radius. Returns false if neither is so. Whether it crosses, and from which
+// side, is exact for the very doubles p and q.
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit) noexcept;
 
@@ -40,8 +44,8 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 // steeper as the rounding of their direction could have hidden: for spheres next to nothing in
 // size, that is what counts.
 //
-// Contacts beyond the fraction `limit` of the step are of no interest and need not be found.
+// Contacts beyond `limit` are of no interest and need not be found.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, double limit, TriangleHit& hit) noexcept;
+                  double stand_off_m, StepFraction limit, TriangleHit& hit) noexcept;
 
 }  // namespace palpate
