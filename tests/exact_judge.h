@@ -42,6 +42,19 @@ struct Violation {
 
 class ExactJudge {
  public:
+  using Wide3 = Eigen::Matrix<long double, 3, 1>;
+
+  // Unit vectors, made from exact ones.
+  struct Directions {
+    Wide3 normal;
+    Wide3 outward[3];  // in the plane, out of the triangle at edges ab, bc, ca
+    Wide3 along[3];    // the edges
+    long double length_m[3];
+  };
+  struct Bounds {
+    Vec3 low, high;
+  };
+
   // Triangles without area are no obstacle and are left out.
   explicit ExactJudge(const std::vector<Corners>& triangles);
 
@@ -63,24 +76,16 @@ class ExactJudge {
   double distance_m(const Vec3& p) const;
 
   const std::vector<Corners>& triangles() const { return triangles_; }
+  const Bounds& bounds(std::size_t triangle) const { return bounds_[triangle]; }
+  const Directions& directions(std::size_t triangle) const { return directions_[triangle]; }
 
- private:
-  using Wide3 = Eigen::Matrix<long double, 3, 1>;
-
-  // Unit vectors, made from exact ones.
-  struct Directions {
-    Wide3 normal;
-    Wide3 outward[3];  // in the plane, out of the triangle at edges ab, bc, ca
-    Wide3 along[3];    // the edges
-    long double length_m[3];
-  };
-  struct Bounds {
-    Vec3 low, high;
-  };
-
-  static Directions directions_of(const Corners& t);
+  // Whether a plane between the closed segment from p to q and the triangle shows that they are
+  // farther apart than distance_m. False says nothing.
   bool certainly_farther(const Vec3& p, const Vec3& q, std::size_t triangle,
                          double distance_m) const;
+
+ private:
+  static Directions directions_of(const Corners& t);
   long double distance_of_point(const Vec3& p, std::size_t triangle) const;
   void find_near(const Bounds& path, double margin_m) const;
   template <typename Judge>
