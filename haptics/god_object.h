@@ -152,7 +152,7 @@ class GodObject {
   void update_planes();
   bool gains_little(const Vec3& step) const;
   template <typename Friction>
-  int overreach(Progress progress, Friction& friction);
+  int overreach(Progress progress, int most_steps, Friction& friction);
   double reach_of(const Vec3& slide);
   struct ProxyPlace;
   ProxyPlace place_now() const;

@@ -69,7 +69,8 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     if (settled_ || (progress == Progress::kStuck && planes_are_current_)) break;
     update_planes();
     if constexpr (!Friction::kHolds) {
-      if (iteration >= kPatience) iteration += overreach(progress, friction);
+      if (is_slow_)
+        iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
     }
   }
   keep_contacts_for_next_tick(capped);
@@ -109,14 +110,14 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 // away from the goal at first, and lets the proxy fall back on the surface. Takes all of it back
 // unless it comes nearer. Returns how many steps that took.
 template <typename Friction>
-int GodObject::overreach(Progress progress, Friction& friction) {
+int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
   const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
                          ? projection_.displacement_m
                          : Vec3(Vec3::Zero());
   if (slide.isZero(0.0)) return 0;
   const double reach = reach_of(slide);
   last_slide_m_ = slide;
-  if (reach <= 1.0) return 0;
+  if (reach <= 1.0 || most_steps < kStepsToFall) return 0;
   const ProxyPlace before = place_now();
   const double lag_m = (proxy_ - goal_).norm();
   int steps = 1;
