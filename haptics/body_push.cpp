@@ -79,19 +79,19 @@ class PushedProxy {
  private:
   // As a plane for displacements from where the proxy is.
   std::optional<ContactPlane> first_obstacle(const Vec3& target) {
-    const double stand_off = tracer_.scale().stand_off_m;
+    const double stop_m = tracer_.scale().stop_m;
     const Vec3 target_body = placed_.to_body(target);
     if (const auto hit = tracer_.trace_in_body(body_, start_body_, target_body)) {
       const Vec3 stop =
           placed_.to_solver(start_body_ + hit->fraction.value() * (target_body - start_body_));
       const Vec3& normal = hit->contact.normal;
-      return ContactPlane{normal, normal.dot(stop - proxy_) + stand_off - hit->contact.clearance_m};
+      return ContactPlane{normal, normal.dot(stop - proxy_) + stop_m - hit->contact.clearance_m};
     }
     if (target == proxy_) return std::nullopt;
     if (const auto hit = tracer_.trace_others(body_, proxy_, target)) {
       const Vec3& normal = hit->contact.normal;
       const Vec3 stop_from_proxy = hit->fraction.value() * (target - proxy_);
-      const double room = hit->contact.clearance_m - stand_off - normal.dot(stop_from_proxy);
+      const double room = hit->contact.clearance_m - stop_m - normal.dot(stop_from_proxy);
       return ContactPlane{normal, std::min(0.0, -room)};
     }
     return std::nullopt;

@@ -71,22 +71,27 @@ struct ContactWorld {
 
 // Lengths the solver decides by, all derived from the scene's size and the format of double.
 struct SolverScale {
-  // The proxy stops this far from a surface, so that rounding can never put it on the other side.
+  // A proxy touches what is this near: far enough that rounding can never put it on the other side.
   // Rounding of a height is at most 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff); 1e-11
   // leaves three orders of magnitude for the millions of ticks over which heights wander.
   double stand_off_m;
+  // The proxy is stopped this far from a surface. A little less than a stand-off, so that it still
+  // touches what it has been stopped at when rounding has turned its slide away by a part in ten
+  // thousand of its length.
+  double stop_m;
   // Where a point proxy ends a step, it is at least this far from every triangle, crossed or not: a
   // proxy that came to rest closer than rounding beside an edge would have lost its side.
   double clearance_m;
 
   static constexpr double kStandOffPerSize = 1e-11;
+  static constexpr double kStopPerStandOff = 0.875;
   static constexpr double kClearancePerStandOff = 0.25;
 
   // radius_m: of the proxy; positions are then exact to the radius' rounding, too.
   static SolverScale of(double size_m, double radius_m) {
     const double stand_off =
         kStandOffPerSize * std::max({size_m, radius_m, std::numeric_limits<double>::min()});
-    return {stand_off, kClearancePerStandOff * stand_off};
+    return {stand_off, kStopPerStandOff * stand_off, kClearancePerStandOff * stand_off};
   }
 };
 

@@ -16,9 +16,6 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
-// A face within so many stand-offs touches the proxy: one that was stopped at it is about one away.
-constexpr double kTouchPerStandOff = 2.0;
-
 // A gain of so many stand-offs, a tenth of what is promised of a resting place, is none.
 constexpr double kLittlePerStandOff = 10.0;
 
@@ -150,10 +147,9 @@ void GodObject::place(const Vec3& p) noexcept {
   last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
-  const double stand_off = scale().stand_off_m;
-  const std::size_t count = tracer_.contacts_in_front(p, 2 * stand_off, contacts);
+  const std::size_t count = tracer_.contacts_in_front(p, 2 * scale().stand_off_m, contacts);
   for (std::size_t i = 0; i < count; ++i) {
-    planes[i] = {contacts[i].normal, stand_off - contacts[i].clearance_m};
+    planes[i] = {contacts[i].normal, scale().stop_m - contacts[i].clearance_m};
   }
   const PlaneProjection lift =
       project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
@@ -199,7 +195,7 @@ void GodObject::seed_from_last_tick() {
 // only where it has just been stopped there: see leave_out_edges().
 void GodObject::add_if_touched(const FaceContact& met) {
   const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
-  if (now.clearance_m > kTouchPerStandOff * scale().stand_off_m) return;
+  if (now.clearance_m > scale().stand_off_m) return;
   if (tracer_.radius_m() > 0.0 || now.feature == TriangleFeature::kFace) add_plane(now);
 }
 
@@ -285,7 +281,7 @@ bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, 
 // False if that changes nothing.
 bool GodObject::add_plane(const FaceContact& contact) {
   // Never negative room: the proxy is where it is, and must stay feasible.
-  ContactPlane plane{contact.normal, scale().stand_off_m - contact.clearance_m};
+  ContactPlane plane{contact.normal, scale().stop_m - contact.clearance_m};
   if (motion_plane_normal_) {
     const auto in_plane = within_plane(plane, *motion_plane_normal_);
     if (!in_plane) return false;
@@ -355,7 +351,7 @@ bool GodObject::roll_to_answer() {
       leaves_plane(answer.normal) || is_same_place(now, answer)) {
     return false;
   }
-  const double reach = tracer_.radius_m() + scale().stand_off_m;
+  const double reach = tracer_.radius_m() + scale().stop_m;
   const Vec3 target = answer.feature_point + reach * answer.normal;
   if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
 
@@ -367,7 +363,7 @@ bool GodObject::roll_to_answer() {
   }
   for (std::size_t i = 0; i <= count; ++i) commit(corners[i]);
   plane_count_ = 0;
-  answer.clearance_m = scale().stand_off_m;
+  answer.clearance_m = scale().stop_m;
   add_plane(answer);
   projection_.active[0] = 0;
   return true;

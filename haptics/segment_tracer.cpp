@@ -37,6 +37,7 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
     scale.stand_off_m =
         std::max(scale.stand_off_m, float_stand_off_m(body.index->largest_pack_reach_m()));
   }
+  scale.stop_m = SolverScale::kStopPerStandOff * scale.stand_off_m;
   scale.clearance_m = SolverScale::kClearancePerStandOff * scale.stand_off_m;
   return scale;
 }
@@ -111,13 +112,13 @@ struct SegmentTracer::Search {
     if (tracer.is_in_float_) {
       const auto lane = static_cast<int>(slot % TrianglePack::kLanes);
       const TrianglePack& pack = index.pack(slot / TrianglePack::kLanes);
-      return trace_point_in_float(pack, lane, p_body, q_body, scale.stand_off_m, hit);
+      return trace_point_in_float(pack, lane, p_body, q_body, scale.stop_m, hit);
     }
     if (tracer.radius_m_ == 0.0) {
-      return trace_point(index.triangle(slot), p_body, q_body,
-                         {scale.stand_off_m, scale.clearance_m}, hit);
+      return trace_point(index.triangle(slot), p_body, q_body, {scale.stop_m, scale.clearance_m},
+                         hit);
     }
-    return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stand_off_m,
+    return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stop_m,
                         found ? best.meet_fraction : limit, hit);
   }
 
@@ -305,7 +306,7 @@ FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
 bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {
   if (radius_m_ > 0.0) {
     // Still touching: the tangent plane it was stopped by supports the sphere here as well.
-    return contact_at(contact.face, p, contact.normal).clearance_m <= 2 * scale_.stand_off_m;
+    return contact_at(contact.face, p, contact.normal).clearance_m <= scale_.stand_off_m;
   }
   if (contact.feature != TriangleFeature::kFace) return false;
   const ContactBody& body = world_->body(contact.face.body);

@@ -12,6 +12,9 @@ namespace {
 // step; a step not decided after 53 of them is stopped where it is, which is safe.
 constexpr int kMaxNewtonSteps = 53;
 
+// A point beside a triangle is stopped within so much more of the distance at which it is to stop.
+constexpr double kMetPerStop = 1.0 / 64;
+
 // Stops back_off_m before the meeting, measured along the normal; where the step hardly approaches
 // the triangle, that is where it is.
 void stop_before(double meet_fraction, double approach_per_step, double back_off_m,
@@ -25,16 +28,30 @@ void stop_before(double meet_fraction, double approach_per_step, double back_off
 }
 
 // A step that crosses the triangle, but comes to it past an edge: a height says nothing about how
-// far the triangle is there. Stops where the distance is a stand-off, as for a sphere. False if the
-// distance does not fall, to within rounding.
-bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double stand_off_m,
+// far the triangle is there. Stops where the distance is stop_m, or at the start if that is nearer,
+// by Newton's iteration as in trace_sphere(). False if the distance does not fall, to within
+// rounding.
+bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double stop_m,
                  TriangleHit& hit) {
-  const double radius_m = 0.5 * stand_off_m;  // the other half is that sphere's own stand-off
-  if (!trace_sphere(t, p, q, radius_m, stand_off_m - radius_m, StepFraction::end(), hit)) {
-    return false;
+  const Vec3 d = q - p;
+  double fraction = 0.0;
+  for (int step = 0;; ++step) {
+    const TrianglePoint nearest = closest_point_on_triangle(t, p + fraction * d);
+    const double approach = -nearest.direction.dot(d);
+    if (approach <= 0.0) return false;
+    const double room = nearest.distance - stop_m;
+    if (room > kMetPerStop * stop_m && step < kMaxNewtonSteps) {
+      fraction += room / approach;
+      if (fraction > 1.0) return false;
+      continue;
+    }
+    hit.normal = nearest.direction;
+    hit.clearance_m = nearest.distance;
+    hit.fraction = hit.meet_fraction = StepFraction(fraction);
+    hit.feature = nearest.feature;
+    hit.feature_point = nearest.point;
+    return true;
   }
-  hit.clearance_m += radius_m;
-  return true;
 }
 
 // A step that passes the triangle by: is its end too close?
@@ -43,14 +60,13 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
   if (std::abs(height_end) >= margins.clearance_m) return false;
   const TrianglePoint nearest = closest_point_on_triangle(t, q);
   if (nearest.distance >= margins.clearance_m) return false;
-  if (trace_sphere(t, p, q, margins.clearance_m, margins.stand_off_m, StepFraction::end(), hit))
-    return true;
+  if (stop_beside(t, p, q, margins.stop_m, hit)) return true;
   // So close to an edge, directions have few digits, and Newton may have been led past the contact.
-  // The end is too close all the same: a stand-off less is tried.
+  // The end is too close all the same: a little less is tried.
   hit.normal = nearest.direction;
   hit.clearance_m = nearest.distance;
   hit.meet_fraction = StepFraction::end();
-  hit.fraction = StepFraction(std::max(0.0, 1.0 - margins.stand_off_m / (q - p).norm()));
+  hit.fraction = StepFraction(std::max(0.0, 1.0 - margins.stop_m / (q - p).norm()));
   hit.feature = nearest.feature;
   hit.feature_point = nearest.point;
   return true;
@@ -83,20 +99,20 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
   }
   // A crossing is certain, even where rounding hides that the step comes nearer.
   hit.feature_point = p + crossing.fraction * (q - p);
-  stop_before(crossing.fraction, approach, margins.stand_off_m, hit);
+  stop_before(crossing.fraction, approach, margins.stop_m, hit);
   hit.clearance_m = height - hit.fraction.value() * approach;
   const bool is_over = prism_contains(t, p + hit.fraction.value() * (q - p));
   TriangleHit beside;
-  if (!is_over && stop_beside(t, p, q, margins.stand_off_m, beside)) hit = beside;
+  if (!is_over && stop_beside(t, p, q, margins.stop_m, beside)) hit = beside;
   return true;
 }
 
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, StepFraction limit, TriangleHit& hit) noexcept {
+                  double stop_m, StepFraction limit, TriangleHit& hit) noexcept {
   const Vec3 d = q - p;
-  // A hit is coming within half the stand-off: a sphere that was stopped at the full one can slide
+  // A hit is coming within half the distance: a sphere that was stopped at the full one can slide
   // along without being stopped again by rounding.
-  double target = radius_m + 0.5 * stand_off_m;
+  double target = radius_m + 0.5 * stop_m;
   const double height_start = t.normal.dot(p - t.a);
   const double height_end = t.normal.dot(q - t.a);
   const double apart = target + kHeightRoundoff * (norm1(p - t.a) + norm1(d));
@@ -117,7 +133,7 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     if (approach <= (room <= 0.0 ? doubt : -doubt)) return false;
     const double ahead = room / (approach + doubt);
     if (fraction + ahead > 1.0) return false;
-    const bool met = room <= 0.125 * stand_off_m;
+    const bool met = room <= 0.125 * stop_m;
     if (!met && step < kMaxNewtonSteps) {
       fraction += ahead;
       // Only where it has not met yet: of two that meet at once neither may hide the other.
@@ -127,7 +143,7 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     hit.normal = nearest.direction;
     hit.feature = nearest.feature;
     hit.feature_point = nearest.point;
-    stop_before(fraction, approach, radius_m + stand_off_m - nearest.distance, hit);
+    stop_before(fraction, approach, radius_m + stop_m - nearest.distance, hit);
     hit.clearance_m = nearest.distance - radius_m + (fraction - hit.fraction.value()) * approach;
     return true;
   }

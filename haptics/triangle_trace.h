@@ -23,18 +23,18 @@ struct TriangleHit {
 
 // Distances that keep a proxy on its side. See SolverScale.
 struct TraceMargins {
-  double stand_off_m;
+  double stop_m;
   double clearance_m;
 };
 
-// Point proxy from p to q; it is stopped a stand-off from the triangle, or where it is if that is
-// nearer. A step that passes the triangle by but ends within the clearance of it is stopped before,
-// as by a sphere of that radius. Returns false if neither is so. Whether it crosses, and from which
+// Point proxy from p to q; it is stopped at stop_m from the triangle, or where it is if that is
+// nearer. A step that passes the triangle by but ends within the clearance of it is stopped, too.
+// Returns false if neither is so. Whether it crosses, and from which
 // side, is exact for the very doubles p and q.
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit) noexcept;
 
-// Sphere of radius_m > 0 whose centre goes from p to q; stopped when radius_m + stand_off_m
+// Sphere of radius_m > 0 whose centre goes from p to q; stopped when radius_m + stop_m
 // from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
 // but not come nearer.
 //
@@ -46,6 +46,6 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 //
 // Contacts beyond `limit` are of no interest and need not be found.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stand_off_m, StepFraction limit, TriangleHit& hit) noexcept;
+                  double stop_m, StepFraction limit, TriangleHit& hit) noexcept;
 
 }  // namespace palpate

@@ -197,7 +197,7 @@ class Feeling {
                        std::to_string(touch->triangle));
       return false;
     }
-    const std::size_t stride = radius_m_ == 0.0 ? 1 : std::max<std::size_t>(1, path.size() - 1);
+    const std::size_t stride = std::max<std::size_t>(1, path.size() - 1);
     for (std::size_t i = 0; i + stride < path.size(); i += stride) {
       const double before = (path[i] - goal_).norm();
       const double after = (path[i + stride] - goal_).norm();
