@@ -256,8 +256,12 @@ class Search {
     return held_m(part_n + part_m);
   }
 
-  // How far it goes, if nothing is in the way.
-  Wide length_of(const Slide& slide) const { return lag_.dot(slide.direction) - slide.hold_m; }
+  // How far it goes, if nothing is in the way. Whatever bears the part of the lag across holds by it.
+  Wide length_of(const Slide& slide) const {
+    const Wide along_m = lag_.dot(slide.direction);
+    const Wide across_m = (lag_ - along_m * slide.direction).norm();
+    return along_m - std::max(slide.hold_m, held_m(across_m));
+  }
   Wide gain_of(const Slide& slide, Wide length_m) const {
     // |lag|^2 - |lag - s u|^2 = s (2 lag . u - s)
     const Wide left_m = (lag_ - length_m * slide.direction).norm();

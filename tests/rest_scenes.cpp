@@ -340,7 +340,7 @@ RestScene float_lattices(ProxyKind proxy, Random& random) {
                         [&](int, int) { return kGrid_m * between(random, -2, 2); });
   } else {
     for (int i = between(random, 2, 8); i > 0; --i) {
-      const auto corner = [&] {
+      const auto corner = [&]() -> Vec3 {
         return kGrid_m *
                Vec3(between(random, -4, 4), between(random, -4, 4), between(random, -4, 4));
       };

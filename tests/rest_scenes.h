@@ -4,6 +4,7 @@
 // size, and a hand that looks for trouble there.
 
 #include <cstdint>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ struct RestClass {
 
   std::string full_name() const;  // with the proxy
 };
+
+inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
+  *out << rest_class.full_name();
+}
 
 // The hard scenes of the leak test are among them.
 std::span<const RestClass> rest_classes();
