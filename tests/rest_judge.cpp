@@ -212,7 +212,7 @@ class Search {
     const auto offer = [&](const Wide3& part, std::size_t i, std::size_t j, Wide hold_m,
                            Wide error) {
       const Wide part_m = part.norm();
-      if (part_m <= best_m) return;
+      if (part_m <= best_m || !is_worth_it(part_m)) return;
       const Wide3 direction = part / part_m;
       for (std::size_t k = 0; k < cone.size(); ++k) {
         if (k == i || k == j) continue;
@@ -227,7 +227,7 @@ class Search {
     for (std::size_t i = 0; i < cone.size(); ++i) {
       const Wide press_m = -lag_.dot(cone[i].away);
       if (press_m <= 0) continue;
-      offer(lag_ + press_m * cone[i].away, i, i, held_m(press_m), kSlopeUlps * kWideEpsilon);
+      offer(part_across(cone[i].away), i, i, held_m(press_m), kSlopeUlps * kWideEpsilon);
     }
     for (std::size_t i = 0; i < cone.size() && !motion_normal_; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
@@ -241,6 +241,17 @@ class Search {
     }
     return best;
   }
+
+  // The part of the lag in a plane. Twice, because what is left of the lag may be no more than the
+  // rounding of what is taken.
+  Wide3 part_across(const Wide3& normal) const {
+    const Wide3 part = lag_ - lag_.dot(normal) * normal;
+    return part - part.dot(normal) * normal;
+  }
+
+  // Whether a way along so much of the lag could gain more than the tolerance: otherwise it has no
+  // direction to speak of.
+  bool is_worth_it(Wide part_m) const { return part_m * part_m > tolerance_m_ * lag_m_; }
 
   Wide held_m(Wide press_m) const { return static_cast<Wide>(rest_.static_friction) * press_m; }
 
@@ -256,8 +267,13 @@ class Search {
     return held_m(part_n + part_m);
   }
 
-  // How far it goes, if nothing is in the way.
-  Wide length_of(const Slide& slide) const { return lag_.dot(slide.direction) - slide.hold_m; }
+  // How far it goes, if nothing is in the way. Whatever bears the part of the lag across holds by
+  // it.
+  Wide length_of(const Slide& slide) const {
+    const Wide along_m = lag_.dot(slide.direction);
+    const Wide across_m = (lag_ - along_m * slide.direction).norm();
+    return along_m - std::max(slide.hold_m, held_m(across_m));
+  }
   Wide gain_of(const Slide& slide, Wide length_m) const {
     // |lag|^2 - |lag - s u|^2 = s (2 lag . u - s)
     const Wide left_m = (lag_ - length_m * slide.direction).norm();
@@ -371,6 +387,9 @@ class Search {
 
   // By the definition.
   bool is_way(const Vec3& to) const {
+    if (motion_normal_ && std::abs(motion_normal_->dot(to.cast<Wide>() - proxy_)) > round_m_) {
+      return false;
+    }
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const JudgedBody& body = bodies_[b];
       const ExactJudge& judge = *body.judge;
@@ -479,10 +498,9 @@ class Search {
       for (const Wide3& normal : tangents_to_edges(near)) add(normal);
     }
     for (std::size_t i = 0; i < normals.size(); ++i) {
-      const Wide press_m = lag_.dot(normals[i]);
-      const Wide3 part = lag_ - press_m * normals[i];
-      if (part.norm() <= tolerance_m_) continue;
-      const Slide slide{part.normalized(), held_m(std::abs(press_m))};
+      const Wide3 part = part_across(normals[i]);
+      if (!is_worth_it(part.norm())) continue;
+      const Slide slide{part.normalized(), held_m(std::abs(lag_.dot(normals[i])))};
       if (auto way = try_slide(slide, "along a plane")) return way;
     }
     for (std::size_t i = 0; i < normals.size() && !motion_normal_; ++i) {

@@ -139,29 +139,49 @@ RestScene convex_rooms(ProxyKind proxy, Random& random) {
   return {convex_room(random), some_radius_m(proxy, 1e-6, 4e-3, random), {Vec3::Zero()}};
 }
 
-// Needles with their points in one place, or spread from one foot.
+// A cone from foot to tip, thick at the foot.
+void add_needle(const Vec3& foot, const Vec3& tip, double thick_m, Random& random, Soup& soup) {
+  const int sides = between(random, 3, 8);
+  const Vec3 axis = (tip - foot).normalized();
+  const Vec3 across = axis.unitOrthogonal();
+  std::vector<Vec3> ring;
+  for (int k = 0; k < sides; ++k) {
+    const double turn_rad = kTurn_rad * (k + random.uniform(0.0, 0.5)) / sides;
+    ring.push_back(
+        foot + thick_m * (std::cos(turn_rad) * across + std::sin(turn_rad) * axis.cross(across)));
+  }
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    soup.add(ring[k], ring[(k + 1) % ring.size()], tip);
+    soup.add(ring[(k + 1) % ring.size()], ring[k], foot);
+  }
+}
+
+// Needles that point to one place or away from it, in all directions or side by side like the ribs
+// of a hand fan; or single triangles that are long and narrow and have a vertex in common.
 RestScene needle_fans(ProxyKind proxy, Random& random) {
   Soup soup;
-  const int needles = between(random, 4, 24);
+  const int needles = between(random, 4, 40);
   const bool points_meet = random.index(2);
+  const bool is_flat = random.index(2);
+  const bool are_triangles = random.index(3) == 0;
+  const double spread_rad = log_uniform(random, 0.05, 0.5 * kTurn_rad);
+  const double thick_m = log_uniform(random, 1e-4, 1e-2);
+  const Vec3 middle = random.index(2) ? Vec3(Vec3::Zero()) : random.in_box(0.02);
   for (int i = 0; i < needles; ++i) {
-    const int sides = between(random, 3, 8);
-    const double thick_m = log_uniform(random, 1e-4, 5e-3);
-    const Quat turn = random.rotation();
-    const Vec3 axis = turn * Vec3::UnitZ();
-    const Vec3 tip = points_meet ? 1e-3 * random.unit_vector() : Vec3(0.08 * axis);
-    const Vec3 foot = points_meet ? Vec3(0.08 * axis) : Vec3(1e-3 * random.unit_vector());
-    std::vector<Vec3> ring;
-    for (int k = 0; k < sides; ++k) {
-      const double turn_rad = kTurn_rad * (k + random.uniform(0.0, 0.5)) / sides;
-      ring.push_back(foot + thick_m * (turn * Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.0)));
+    const double turn_rad = spread_rad * (i - 0.5 * needles) / needles;
+    const Vec3 axis =
+        is_flat ? Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.02 * random.uniform(-1.0, 1.0))
+                : random.unit_vector();
+    const Vec3 far = 0.08 * axis;
+    if (are_triangles) {
+      soup.add(middle, far, far + thick_m * random.unit_vector());
+      continue;
     }
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-      soup.add(ring[k], ring[(k + 1) % ring.size()], tip);
-      soup.add(ring[(k + 1) % ring.size()], ring[k], foot);
-    }
+    const Vec3 near = middle + 1e-3 * random.uniform(0.0, 1.0) * random.unit_vector();
+    add_needle(points_meet ? far : near, points_meet ? near : far,
+               thick_m * random.uniform(0.5, 1.0), random, soup);
   }
-  return {in_float(soup), some_radius_m(proxy, 1e-5, 1e-2, random)};
+  return {in_float(soup), some_radius_m(proxy, 1e-5, 1e-2, random), {}, {middle}};
 }
 
 Soup ball(int rings, double radius_m) {
@@ -197,10 +217,10 @@ RestScene mixed_scales(ProxyKind proxy, Random& random) {
         part = box_soup(Vec3::Constant(0.4) + random.in_box(0.3));
         break;
       case 1:
-        part = ball(between(random, 3, 8), 0.5);
+        part = ball(between(random, 3, 12), 0.5);
         break;
       default: {
-        const int cells = between(random, 2, 8);
+        const int cells = between(random, 2, 16);
         part = height_field(cells, cells, 1.0, random,
                             [&](int, int) { return random.uniform(-0.2, 0.2); });
         break;
@@ -340,7 +360,7 @@ RestScene float_lattices(ProxyKind proxy, Random& random) {
                         [&](int, int) { return kGrid_m * between(random, -2, 2); });
   } else {
     for (int i = between(random, 2, 8); i > 0; --i) {
-      const auto corner = [&] {
+      const auto corner = [&]() -> Vec3 {
         return kGrid_m *
                Vec3(between(random, -4, 4), between(random, -4, 4), between(random, -4, 4));
       };
@@ -564,7 +584,7 @@ Vec3 RestHand::graze_start() {
 
 void RestHand::choose(const ProxyState& felt) {
   habit_ = static_cast<Habit>(random_->index(static_cast<std::uint64_t>(Habit::kCount)));
-  ticks_left_ = between(*random_, 3, 25);
+  ticks_left_ = habit_ == Habit::kTour ? between(*random_, 40, 100) : between(*random_, 3, 25);
   pace_m_ = log_uniform(1e-5, 0.2) * size_m_;
   depth_m_ = log_uniform(1e-6, 0.3) * size_m_;
   stage_ = 0;
@@ -607,6 +627,13 @@ Vec3 RestHand::make_goal(const ProxyState& felt) {
       return middle + far * (high_ - low_).cwiseProduct(random_->in_box(1.0)) +
              random_->in_box(radius_m_);
     }
+    case Habit::kTour: {
+      const Vec3 left = aim_ - goal_;
+      const double pace_m = 0.1 * pace_m_;
+      if (left.norm() > pace_m) return goal_ + pace_m * left.normalized();
+      aim_ = place_of_interest() - random_->uniform(-1.0, 1.0) * depth_m_ * random_->unit_vector();
+      return goal_;
+    }
     default:
       return goal_ + pace_m_ * random_->unit_vector();
   }
@@ -624,7 +651,8 @@ Vec3 RestHand::next_goal(const ProxyState& felt) {
   if (((goal_ - high_).array() > reach_m).any() || ((low_ - goal_).array() > reach_m).any()) {
     goal_ = on_grid(place_of_interest());
   }
-  if (random_->index(4) == 0) rest_left_ = between(*random_, 1, 8);
+  const std::uint64_t rarely = habit_ == Habit::kTour ? 40 : 4;
+  if (random_->index(rarely) == 0) rest_left_ = between(*random_, 1, 8);
   return goal_;
 }
 

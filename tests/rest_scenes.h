@@ -4,6 +4,7 @@
 // size, and a hand that looks for trouble there.
 
 #include <cstdint>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,10 @@ struct RestClass {
   std::string full_name() const;  // with the proxy
 };
 
+inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
+  *out << rest_class.full_name();
+}
+
 // The hard scenes of the leak test are among them.
 std::span<const RestClass> rest_classes();
 
@@ -42,7 +47,8 @@ std::span<const RestClass> rest_classes();
 Soup convex_room(Random& random);
 
 // A hand that plunges, slides, comes in the plane of a face, aims at vertices and edges to the bit,
-// jumps, and rests for some ticks wherever it is. Solver frame.
+// jumps, goes at a steady pace from place to place, and rests for some ticks wherever it is. Solver
+// frame.
 class RestHand {
  public:
   // The triangles outlive the hand.
@@ -51,7 +57,17 @@ class RestHand {
   Vec3 next_goal(const ProxyState& felt);
 
  private:
-  enum class Habit : std::uint8_t { kPlunge, kSlide, kGraze, kAim, kPress, kJump, kWander, kCount };
+  enum class Habit : std::uint8_t {
+    kPlunge,
+    kSlide,
+    kGraze,
+    kAim,
+    kPress,
+    kJump,
+    kWander,
+    kTour,
+    kCount
+  };
 
   void choose(const ProxyState& felt);
   Vec3 place_of_interest();

@@ -180,6 +180,23 @@ class Feeling {
     std::printf("\n    %s\n", what.c_str());
   }
 
+  // The triangles nearest to the proxy, in stand-offs.
+  std::string surroundings() const {
+    std::vector<double> heights;
+    for (std::size_t i = 0; i < exact_.triangles().size(); ++i) {
+      const double height_m = exact_.distance_m(felt_.proxy, felt_.proxy, i) - radius_m_;
+      heights.push_back(height_m / god_object_.scale().stand_off_m);
+    }
+    std::sort(heights.begin(), heights.end());
+    std::string text = "stand-offs from triangles:";
+    char number[32];
+    for (std::size_t i = 0; i < std::min<std::size_t>(8, heights.size()); ++i) {
+      std::snprintf(number, sizeof number, " %.6g", heights[i]);
+      text += number;
+    }
+    return text;
+  }
+
   bool judge_path(Totals& totals) const {
     const auto path = god_object_.path();
     EXPECT_TRUE(!path.empty() && path.back() == felt_.proxy && felt_.proxy.allFinite() &&
@@ -219,7 +236,7 @@ class Feeling {
     if (!way) return;
     ++totals.false_rests;
     totals.worst_gain_m = std::max(totals.worst_gain_m, way->gain_m / size_m_);
-    show(totals, "false rest: " + test::to_text(*way));
+    show(totals, "false rest: " + test::to_text(*way) + "\n    " + surroundings());
   }
 
   std::uint64_t seed_;
