@@ -16,8 +16,9 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
 constexpr int kMaxShortenings = 8;
 
-// A gain of so many stand-offs, a tenth of what is promised of a resting place, is none.
-constexpr double kLittlePerStandOff = 10.0;
+// What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
+// soon.
+constexpr double kNearPerStandOff = 2.0;
 
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
@@ -192,11 +193,13 @@ void GodObject::seed_from_last_tick() {
 }
 
 // Takes up what the proxy touches of a face that it has met. A point is held by the edge of a face
-// only where it has just been stopped there: see leave_out_edges().
+// only where it has just been stopped there: see leaves_edges().
 void GodObject::add_if_touched(const FaceContact& met) {
   const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
-  if (now.clearance_m > scale().stand_off_m) return;
-  if (tracer_.radius_m() > 0.0 || now.feature == TriangleFeature::kFace) add_plane(now);
+  if (now.clearance_m > kNearPerStandOff * scale().stand_off_m) return;
+  // The plane of the face, though the proxy is a little beside it.
+  const bool is_over = (now.normal - met.normal).norm() <= kSameNormal;
+  if (tracer_.radius_m() > 0.0 || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
 }
 
 // Replaces each plane by that of the place of its face which is nearest to the proxy, and leaves
@@ -367,12 +370,6 @@ bool GodObject::roll_to_answer() {
   add_plane(answer);
   projection_.active[0] = 0;
   return true;
-}
-
-// Whether a step comes nearer to the goal by less than anybody is promised.
-bool GodObject::gains_little(const Vec3& step) const {
-  const Vec3 lag = proxy_ - goal_;
-  return lag.norm() - (lag + step).norm() <= kLittlePerStandOff * scale().stand_off_m;
 }
 
 // By what a slide is to be multiplied to lead to where it and all that follow lead.

@@ -150,7 +150,6 @@ class GodObject {
   bool is_carried_by(std::uint32_t body) const;
   void add_if_touched(const FaceContact& met);
   void update_planes();
-  bool gains_little(const Vec3& step) const;
   template <typename Friction>
   int overreach(Progress progress, int most_steps, Friction& friction);
   double reach_of(const Vec3& slide);
@@ -158,7 +157,7 @@ class GodObject {
   ProxyPlace place_now() const;
   void return_to(const ProxyPlace& place);
   template <typename Friction>
-  bool leave_out_edges(Friction& friction);
+  bool leaves_edges(Friction& friction);
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;

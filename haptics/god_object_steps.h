@@ -4,6 +4,7 @@
 // compiles its own copy: a world without friction runs no line of the other.
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptics/god_object.h"
 
@@ -27,11 +28,14 @@ struct GodObject::ProxyPlace {
 // Steps after which a tick is slow, and is helped on.
 constexpr int kPatience = 8;
 
+// To a slow proxy a step of so many stand-offs, a tenth of what a way has to gain, is none.
+constexpr double kLittlePerStandOff = 10.0;
+
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
-// How far it goes at most, of its lag: seen from the goal, it turns by less than 45 degrees.
-constexpr double kFarthestReach = 1.0;
+// How much farther from the goal it may get on the way, of the radius.
+constexpr double kDetourPerRadius = 0.008;
 
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
@@ -62,14 +66,14 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // a proxy that planes hold which are all those of what it touches here (update_planes).
     settled_ = progress != Progress::kStuck && settled();
     if (!settled_ && progress == Progress::kHeld && planes_are_current_) {
-      settled_ = !leave_out_edges(friction);
+      settled_ = !leaves_edges(friction);
       if (!settled_) continue;
     }
     capped = !settled_;
     if (settled_ || (progress == Progress::kStuck && planes_are_current_)) break;
     update_planes();
     if constexpr (!Friction::kHolds) {
-      if (is_slow_)
+      if (is_slow_ && tracer_.radius_m() > 0.0)
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
     }
   }
@@ -95,7 +99,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   const bool is_free = projection_.active_count == 0;
   const Vec3& step = projection_.displacement_m;
   if (!is_free && is_none(step)) return Progress::kHeld;
-  if (is_slow_ && planes_are_current_ && gains_little(step)) return Progress::kHeld;
+  if (is_slow_ && planes_are_current_ && step.norm() <= kLittlePerStandOff * scale().stand_off_m) {
+    return Progress::kHeld;
+  }
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
@@ -121,8 +127,10 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
   const ProxyPlace before = place_now();
   const double lag_m = (proxy_ - goal_).norm();
   int steps = 1;
-  const Vec3 target =
-      proxy_ + (std::min(reach, kFarthestReach * lag_m / slide.norm()) - 1.0) * slide;
+  // At a foot, a distance x along the slide leads x^2 / (2 lag) away, to the first order.
+  const double farthest_m = std::sqrt(2.0 * kDetourPerRadius * tracer_.radius_m() * lag_m);
+  const double beyond_m = std::min((reach - 1.0) * slide.norm(), farthest_m);
+  const Vec3 target = proxy_ + beyond_m * slide.normalized();
   if (!bounds_.contains(target)) return 0;
   stop_at_first_hit(target);
   plane_count_ = 0;
@@ -138,29 +146,40 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
   return steps;
 }
 
-// A point that comes beside a triangle is held by its edge, also where another triangle goes on
-// beyond the edge and is what the point is over: then the edge keeps it from going back to where it
-// would be over the first. Tries without the edges, all and each alone. True if that led anywhere.
+// A point beside a triangle is held by its plane, or by its edge or vertex, also where another
+// triangle goes on beyond and is what the point is over. Before it is said to rest there, each such
+// contact is taken for what is nearest of the triangle, and then left out, all and each alone. True
+// if any of that led on.
 template <typename Friction>
-bool GodObject::leave_out_edges(Friction& friction) {
+bool GodObject::leaves_edges(Friction& friction) {
   if (tracer_.radius_m() > 0.0) return false;
   const PlaneProjection held = projection_;
   std::array<FaceContact, 3> holding;
   const auto count = static_cast<std::size_t>(held.active_count);
-  for (std::size_t i = 0; i < count; ++i) holding[i] = contacts_[held.active[i]];
-  const auto is_edge = [&](std::size_t i) { return holding[i].feature != TriangleFeature::kFace; };
-  std::size_t edges = 0;
-  for (std::size_t i = 0; i < count; ++i) edges += is_edge(i);
-  if (edges == 0) return false;
-  for (std::size_t all_or_one = 0; all_or_one <= count; ++all_or_one) {
-    const bool all = all_or_one == count;
-    if (!all && (edges < 2 || !is_edge(all_or_one))) continue;
-    std::array<FaceContact, 3> rest;
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!(is_edge(i) && (all || i == all_or_one))) rest[left++] = holding[i];
+  std::size_t beside = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    holding[i] = contacts_[held.active[i]];
+    beside += holding[i].feature != TriangleFeature::kFace;
+  }
+  if (beside == 0) return false;
+  std::array<FaceContact, 3> nearest = holding;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (holding[i].feature != TriangleFeature::kFace) {
+      nearest[i] = tracer_.nearest_contact(holding[i].face, proxy_);
     }
-    if (slides_along(std::span(rest).first(left), friction)) return true;
+  }
+  if (slides_along(std::span(nearest).first(count), friction)) return true;
+  for (std::size_t left_out = 0; left_out <= count; ++left_out) {
+    const bool all = left_out == count;
+    if (!all && (beside < 2 || holding[left_out].feature == TriangleFeature::kFace)) continue;
+    std::array<FaceContact, 3> others;
+    std::size_t other_count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool is_left_out =
+          i == left_out || (all && holding[i].feature != TriangleFeature::kFace);
+      if (!is_left_out) others[other_count++] = holding[i];
+    }
+    if (slides_along(std::span(others).first(other_count), friction)) return true;
   }
   plane_count_ = 0;
   for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);

@@ -277,19 +277,25 @@ void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) 
   cache_.refill(p, step);
 }
 
-FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
-                                      const Vec3& side) const noexcept {
+FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
   const ContactBody& body = world_->body(face.body);
-  const TriangleGeometry& t = body.index->triangle(face.slot);
-  const Vec3 p_body = body.to_body(p);
-  const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-  if (radius_m_ == 0.0 && nearest.feature == TriangleFeature::kFace) {
-    return contact_over(
-        face, p,
-        nearest.distance < scale_.clearance_m ? side : body.direction_to_solver(nearest.direction));
-  }
+  const TrianglePoint nearest =
+      closest_point_on_triangle(body.index->triangle(face.slot), body.to_body(p));
   return {face, body.direction_to_solver(nearest.direction), nearest.distance - radius_m_,
           nearest.feature, body.to_solver(nearest.point)};
+}
+
+FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
+                                      const Vec3& side) const noexcept {
+  const FaceContact nearest = nearest_contact(face, p);
+  if (radius_m_ > 0.0) return nearest;
+  const ContactBody& body = world_->body(face.body);
+  const Vec3 direction_body = body.direction_to_body(nearest.normal);
+  if (!is_rather_over(body.index->triangle(face.slot), direction_body)) return nearest;
+  const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
+  FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
+  contact.feature = nearest.feature;
+  return contact;
 }
 
 FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,

@@ -82,8 +82,11 @@ class SegmentTracer {
   // moment to look for the candidates that the next ones will need.
   void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
-  // The contact of a proxy at p with one face: with the place of it that is nearest to p. On the
-  // side given by the earlier normal where p cannot tell.
+  // The contact of a proxy at p with the place of a face that is nearest to it.
+  FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
+
+  // The same, but for a point that is rather over the face than beside it (is_rather_over), which
+  // is held by its plane. On the side given by the earlier normal where p cannot tell.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
   // The same of a point that is known to be over the face.

@@ -101,9 +101,15 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
   hit.feature_point = p + crossing.fraction * (q - p);
   stop_before(crossing.fraction, approach, margins.stop_m, hit);
   hit.clearance_m = height - hit.fraction.value() * approach;
-  const bool is_over = prism_contains(t, p + hit.fraction.value() * (q - p));
+  const Vec3 stop = p + hit.fraction.value() * (q - p);
+  if (prism_contains(t, stop)) return true;
+  const TrianglePoint nearest = closest_point_on_triangle(t, stop);
   TriangleHit beside;
-  if (!is_over && stop_beside(t, p, q, margins.stop_m, beside)) hit = beside;
+  if (is_rather_over(t, nearest.direction)) {
+    hit.feature = nearest.feature;
+  } else if (stop_beside(t, p, q, margins.stop_m, beside)) {
+    hit = beside;
+  }
   return true;
 }
 

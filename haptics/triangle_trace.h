@@ -2,6 +2,8 @@
 
 // How far a proxy can move before it meets one triangle. Frame of the triangle, metres.
 
+#include <cmath>
+
 #include "geometry/fraction.h"
 #include "geometry/triangle.h"
 #include "geometry/types.h"
@@ -26,6 +28,12 @@ struct TraceMargins {
   double stop_m;
   double clearance_m;
 };
+
+// Beside a triangle, but rather over it than beside: the direction from its nearest point to p is
+// less than 60 degrees from its normal. Such a point is held by the plane of the triangle.
+inline bool is_rather_over(const TriangleGeometry& t, const Vec3& direction) noexcept {
+  return std::abs(t.normal.dot(direction)) >= 0.5;
+}
 
 // Point proxy from p to q; it is stopped at stop_m from the triangle, or where it is if that is
 // nearer. A step that passes the triangle by but ends within the clearance of it is stopped, too.
