@@ -41,7 +41,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
 }
 
 void SummaryAccumulator::add_work(const TickRecord& record) noexcept {
-  if (record.faults & (kFaultNonFiniteSample | kFaultBadTimeStep)) {
+  if (record.faults & kFaultsWithoutSample) {
     last_force_N_.setZero();
     last_full_force_N_.setZero();
     return;

@@ -850,7 +850,7 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
-                    "bad_body_pose", "non_finite_force"}));
+                    "bad_body_pose", "non_finite_force", "far_sample", "bad_settings"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;
