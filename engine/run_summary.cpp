@@ -71,6 +71,16 @@ RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const 
   return summary;
 }
 
+std::string fault_names(std::uint32_t faults) {
+  std::string names;
+  for (std::size_t bit = 0; bit < kFaultNames.size(); ++bit) {
+    if ((faults >> bit & 1u) == 0) continue;
+    if (!names.empty()) names += '+';
+    names += kFaultNames[bit];
+  }
+  return names;
+}
+
 void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
                   RunSummary& summary) {
   const EffectCounters* counters = loop.effect_counters();
