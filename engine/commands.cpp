@@ -12,6 +12,7 @@
 #include "engine/path_picture.h"
 #include "engine/replay.h"
 #include "engine/report.h"
+#include "engine/run_summary.h"
 #include "engine/scene.h"
 #include "io/trace_csv.h"
 #include "io/trajectory.h"
@@ -27,7 +28,7 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
     const TickRecord& r = records[i];
     writer->add({r.tick, r.time_s, r.device_m, r.goal_m, r.proxy_m, r.normal_scene,
                  r.force_device_N, r.contact, r.alpha_rad * 180.0 / std::numbers::pi,
-                 r.T_device_scene, steps_ns[i]});
+                 r.T_device_scene, fault_names(r.faults), steps_ns[i]});
   }
   const Result<std::size_t> written = writer->finish();
   if (!written) return written.error();

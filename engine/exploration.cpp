@@ -113,7 +113,7 @@ void run_realtime(HapticSession& session, Device& device, const RunSetup& setup,
 constexpr double kMostTicks = 4e6;
 
 // Comparisons are false for NaN.
-std::optional<Error> check_settings(const ExplorationSettings& settings, double dt_s) {
+std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s) {
   const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
     return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
   };
@@ -138,7 +138,8 @@ std::optional<Error> check_settings(const ExplorationSettings& settings, double 
 
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress) {
-  if (const auto error = check_settings(settings, setup.dt_s)) return *error;
+  if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
+  if (const auto error = check_setup(scene, setup)) return *error;
   if (scene.objects().empty()) {
     return Error{ErrorCode::kEmptyScene, "", "scene",
                  "has media and no surface that a hand could follow", "replay a path through it"};

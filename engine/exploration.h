@@ -38,7 +38,8 @@ using Progress = std::function<void(double)>;
 
 // One run. With 2 sensors the hand follows the longest section of the scene through the plane
 // height; with 3 it walks over the surface. An error if there is nothing at the plane height, or if
-// the settings are out of range (NaN included) or make more ticks than are kept in memory.
+// the settings are out of range (NaN included; also those that check_setup() refuses) or make more
+// ticks than are kept in memory.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress);
 

@@ -1,7 +1,6 @@
 #include "engine/haptic_session.h"
 
 #include <chrono>
-#include <cmath>
 
 namespace palpate {
 namespace {
@@ -27,7 +26,7 @@ HapticSnapshot snapshot_of(const TickRecord& record, const ScenePose& pose) {
 void HapticSession::tick(double dt_s) noexcept {
   const Vec3 p_device_m = device_.read_position_m(dt_s);
   for (BeforeTick* before : before_) before->before_tick(time_s_, loop_);
-  if (std::isfinite(dt_s) && dt_s > 0.0) time_s_ += dt_s;
+  if (is_time_step(dt_s)) time_s_ += dt_s;
   const auto start = std::chrono::steady_clock::now();
   const TickRecord& record = loop_.tick(p_device_m, dt_s);
   const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;

@@ -12,7 +12,7 @@
 namespace palpate {
 
 struct HapticThreadSettings {
-  double rate_Hz = 1000.0;
+  double rate_Hz = 1000.0;      // at least 1: a longer tick than kLongestTick_s is none
   std::uint64_t max_ticks = 0;  // 0: until stop()
 };
 

@@ -81,7 +81,7 @@ bool NodeMotions::collect() noexcept {
     PoseNumbers numbers;
     if (!node.mailbox->read(numbers)) continue;
     RigidTransform T_scene_rest = pose_of(numbers);
-    if (!HapticLoop::is_pose(T_scene_rest)) {
+    if (!is_pose(T_scene_rest)) {
       all_good = false;
       continue;
     }

@@ -34,7 +34,7 @@ class NodeMotions final : public WorldMover {
   Result<std::size_t> add(const std::string& node);
 
   // Where the node is, relative to where the file has it: p_scene = T_scene_rest p_scene_as_loaded.
-  // Wait-free; one thread at a time for each node. What is no pose (HapticLoop::is_pose) is not
+  // Wait-free; one thread at a time for each node. What is no pose (is_pose) is not
   // taken, and kFaultBadBodyPose tells for as long as no other one is set.
   void set(std::size_t handle, const RigidTransform& T_scene_rest) noexcept;
 

@@ -8,6 +8,7 @@ namespace palpate {
 
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes) {
+  if (auto error = check_setup(scene, setup)) return *error;
   ReplayResult result;
   result.records.resize(path_m.size());
   result.steps_ns.resize(path_m.size());

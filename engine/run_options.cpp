@@ -5,7 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 #include <vector>
+
+#include "haptics/check_settings.h"
 
 namespace palpate {
 namespace {
@@ -142,7 +145,11 @@ std::optional<Error> check_number(const char* name, double value, bool zero_allo
 
 std::optional<Error> check_numbers(const RunOptions& o) {
   if (auto e = check_number("--rate", o.rate_Hz, false)) return e;
-  if (!std::isfinite(1.0 / o.rate_Hz)) return invalid("--rate", "so low that a tick never ends");
+  if (!is_time_step(1.0 / o.rate_Hz)) {
+    std::ostringstream text;
+    text << o.rate_Hz << " Hz given, expected at least " << 1.0 / kLongestTick_s;
+    return invalid("--rate", text.str(), "1000 Hz is usual");
+  }
   if (auto e = check_number("--stiffness", o.stiffness_N_per_m, true)) return e;
   if (auto e = check_number("--damping", o.damping_Ns_per_m, true)) return e;
   if (auto e = check_number("--radius", o.radius_m, true)) return e;
@@ -203,6 +210,26 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   setup.haptics.initial_pose = *pose;
   setup.haptics.measures_effects = options.effect_times;
   return setup;
+}
+
+std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
+  auto error = check_settings(scene.world(), setup.haptics);
+  if (!error) {
+    if (is_time_step(setup.dt_s)) return std::nullopt;
+    std::ostringstream text;
+    text << setup.dt_s << " s a tick, expected above 0 to " << kLongestTick_s;
+    return invalid("--rate", text.str());
+  }
+  constexpr std::pair<const char*, const char*> kOptions[] = {
+      {"god_object.radius_m", "--radius"},
+      {"coupling.stiffness_N_per_m", "--stiffness"},
+      {"coupling.damping_Ns_per_m", "--damping"},
+      {"plane_height_m", "--plane-height"},
+      {"initial_pose", "--place"}};
+  for (const auto& [field, option] : kOptions) {
+    if (error->element == field) error->element = option;
+  }
+  return error;
 }
 
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {

@@ -59,6 +59,10 @@ struct RunSetup {
 // Checks ranges and finiteness; an error names the option.
 Result<RunSetup> make_setup(const RunOptions& options);
 
+// What a loop on this scene would refuse in every tick (check_settings, is_time_step); the error
+// names the option, or the field of HapticSettings that has none. replay() and explore() ask it.
+std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup);
+
 // Checks likewise, and loads the scene.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 

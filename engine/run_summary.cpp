@@ -41,7 +41,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
 }
 
 void SummaryAccumulator::add_work(const TickRecord& record) noexcept {
-  if (record.faults & (kFaultNonFiniteSample | kFaultBadTimeStep)) {
+  if (record.faults & kFaultsWithoutSample) {
     last_force_N_.setZero();
     last_full_force_N_.setZero();
     return;
@@ -69,6 +69,16 @@ RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const 
   summary.device_extent_m = highest_m_ - lowest_m_;
   summary.step_ns = StepTimes::of(std::move(steps_ns));
   return summary;
+}
+
+std::string fault_names(std::uint32_t faults) {
+  std::string names;
+  for (std::size_t bit = 0; bit < kFaultNames.size(); ++bit) {
+    if ((faults >> bit & 1u) == 0) continue;
+    if (!names.empty()) names += '+';
+    names += kFaultNames[bit];
+  }
+  return names;
 }
 
 void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,

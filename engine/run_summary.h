@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "haptics/haptic_loop.h"
@@ -41,6 +42,9 @@ struct RunSummary {
   Vec3 device_extent_m = Vec3::Zero();
   StepTimes step_ns;
 };
+
+// The names of the faults of a tick, joined by "+"; empty for none.
+std::string fault_names(std::uint32_t faults);
 
 // What a loop has counted of its effects, and of the time of all its ticks.
 void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,

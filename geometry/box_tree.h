@@ -40,6 +40,8 @@ class BoxTree {
   void visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,
                    void* state) const noexcept;
 
+  double sweep_radius_m() const { return sweep_radius_m_; }
+
  private:
   Box bounds_;  // around all boxes, with all margins
   double sweep_radius_m_;

@@ -117,6 +117,9 @@ class SurfaceIndex {
   // How far a triangle may reach from the centre of its pack, at most, along one axis.
   double largest_pack_reach_m() const { return largest_pack_reach_m_; }
   double sweep_radius_m() const { return sweep_radius_m_; }
+  // No sweep is larger, whatever the index was built for: Embree leaves out boxes that reach beyond
+  // 1.8e18.
+  static constexpr double kLargestSweep_m = 1e18;
   // What a triangle takes, not counting the clusters: a lane of its pack and its double geometry.
   static constexpr std::size_t kBytesPerTriangle = sizeof(TrianglePack) / TrianglePack::kLanes +
                                                    sizeof(TriangleGeometry) + sizeof(std::uint32_t);

@@ -3,7 +3,9 @@
 // Vectors and rigid transforms shared by every folder. SI units throughout.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -38,5 +40,14 @@ struct RigidTransform {
   }
   Vec3 inverse_direction(const Vec3& v_to) const { return rotation.conjugate() * v_to; }
 };
+
+// How far the squared length of a rotation may be from 1: that of a quaternion in single precision,
+// several times over.
+inline constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
+
+// Finite, and turned by a quaternion of length 1 to within single precision.
+inline bool is_pose(const RigidTransform& T) noexcept {
+  return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
+}
 
 }  // namespace palpate

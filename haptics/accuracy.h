@@ -17,9 +17,9 @@ enum class NarrowPhase : std::uint8_t {
 struct Accuracy {
   // Steps of the solver a tick, not counting those that look for a way out at a vertex. A capped
   // proxy is feasible and no farther from the goal than before, but could have come nearer; the
-  // tick has kFaultSolverCapped. >= 1.
+  // tick has kFaultSolverCapped. 1 to kMostIterations.
   int iterations = 64;
-  // A step shorter than this has converged. In stand-offs (SolverScale), > 0.
+  // A step shorter than this has converged. In stand-offs (SolverScale), finite, > 0.
   double tolerance = 0.01;
   NarrowPhase narrow_phase = NarrowPhase::kDouble;
   // Candidate triangles of one tick serve the next while the proxy stays in their safe zone. The
@@ -29,6 +29,10 @@ struct Accuracy {
   // a step no closer than the clearance to any triangle. Without it a proxy can be put closer than
   // rounding to a second face, and lose its side there.
   bool certify = true;
+
+  // The corners of a tick's way have room from the start, however many steps it takes: 28 MB for so
+  // many.
+  static constexpr int kMostIterations = 1 << 16;
 
   // Not in float: measured, its larger stand-off costs more steps than its arithmetic saves.
   static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false}; }

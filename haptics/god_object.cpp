@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "haptics/body_push.h"
+#include "haptics/check_settings.h"
 #include "haptics/god_object_steps.h"
 
 namespace palpate {
@@ -74,13 +75,32 @@ constexpr double kSameNormalOfOther = 16 * kEpsilon;
 }  // namespace
 
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
-    : settings_(settings),
+    : has_bad_settings_(check_settings(world, settings).has_value()),
+      settings_(has_bad_settings_ ? GodObjectSettings{} : settings),
       world_(std::make_unique<LiveWorld>(world)),
-      tracer_(*world_, settings.radius_m, settings.accuracy) {
-  step_tolerance_m_ = settings.accuracy.tolerance * scale().stand_off_m;
+      tracer_(*world_, settings_.radius_m, settings_.accuracy) {
+  step_tolerance_m_ = settings_.accuracy.tolerance * scale().stand_off_m;
   take_bounds();
   path_.reserve(1 +
-                kMostCornersPerIteration * static_cast<std::size_t>(settings.accuracy.iterations));
+                kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
+}
+
+// Finite, and so near that squares of lengths are.
+bool GodObject::is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
+  return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
+         (!motion_plane_normal || motion_plane_normal->allFinite());
+}
+
+bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
+  return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&
+         std::isfinite(T_solver_body.translation_m.squaredNorm());
+}
+
+ProxyState GodObject::refused() const {
+  ProxyState state;
+  state.proxy = proxy_;
+  state.is_refused = true;
+  return state;
 }
 
 // One size of margin: what lies outside cannot touch anything, and what lies inside has coordinates
@@ -90,7 +110,7 @@ void GodObject::take_bounds() {
 }
 
 bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
-  if (!world_->place(body, T_solver_body)) return false;
+  if (!is_motion(body, T_solver_body) || !world_->place(body, T_solver_body)) return false;
   world_->take_bounds(body);
   tracer_.forget_candidates();
   take_bounds();
@@ -115,6 +135,7 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
 
 bool GodObject::move_body(const BodyMotion& motion,
                           const std::optional<Vec3>& motion_plane_normal) noexcept {
+  if (!is_motion(motion.body, motion.T_solver_body)) return false;
   const RigidTransform before = world_->body(motion.body).T_solver_body;
   const RigidTransform& after = motion.T_solver_body;
   if (is_same_pose(before, after)) return true;
@@ -140,7 +161,8 @@ bool GodObject::is_carried_by(std::uint32_t body) const {
   return false;
 }
 
-void GodObject::place(const Vec3& p) noexcept {
+bool GodObject::place(const Vec3& p) noexcept {
+  if (has_bad_settings_ || !std::isfinite(p.squaredNorm())) return false;
   proxy_ = p;
   settled_ = false;
   confirmed_ = false;
@@ -155,10 +177,12 @@ void GodObject::place(const Vec3& p) noexcept {
   const PlaneProjection lift =
       project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
   if (lift.solved) proxy_ += lift.displacement_m;
+  return true;
 }
 
 ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
+  if (!is_goal(goal, motion_plane_normal)) return refused();
   NoFriction none;
   return move(goal, motion_plane_normal, none);
 }

@@ -36,6 +36,9 @@ struct ProxyState {
   FrictionCone cone;        // of what it touches
   int iterations = 0;
   bool capped = false;  // stopped by Accuracy::iterations before it converged
+  // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
+  // for where the proxy is, is as without contact.
+  bool is_refused = false;
 
   // The part of a vector that lies along the planes' normals: what the proxy cannot follow.
   Vec3 pressed_part(const Vec3& v) const {
@@ -66,6 +69,10 @@ struct BodyMotion {
 // Monotone: no step increases the distance to the goal by more than rounding, whatever the cap;
 // with a fixed mesh this gives the energy certificate of a passive spring.
 //
+// Whatever it is given that is not finite, or so far away that squares of lengths overflow, changes
+// nothing, and is told by what the call returns. With settings that check_settings() has an Error
+// for, it refuses every call so, and asks nothing of the world.
+//
 // No allocation, lock or exception after construction. Not thread-safe: one thread owns it.
 class GodObject {
  public:
@@ -73,21 +80,22 @@ class GodObject {
   GodObject(const ContactWorld& world, const GodObjectSettings& settings);
 
   // Puts the proxy at p. If that is within a stand-off of the surface, where sides cannot be told,
-  // it is lifted to the front of the faces there by as much.
-  void place(const Vec3& p) noexcept;
+  // it is lifted to the front of the faces there by as much. False if p is refused.
+  bool place(const Vec3& p) noexcept;
 
   // Moves a body wherever the proxy is: for a proxy that has not been placed yet. False if too many
-  // bodies move already.
+  // bodies move already, or if it is refused: what is no pose (is_pose), or no body of the world.
   bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
 
   // Moves bodies, at most LiveWorld::kMostMoving, each straight to its new pose as far as the proxy
   // is concerned, which they push out of their way (push_proxy). Returns how many were held back
-  // because there was no room for it. The next move_to() goes on from there.
+  // because there was no room for it, or refused. The next move_to() goes on from there.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
   // Moves the proxy towards goal. Given motion_plane_normal (unit), proxy and goal both keep to the
-  // plane through the goal with that normal, and contact normals are the in-plane ones.
+  // plane through the goal with that normal, and contact normals are the in-plane ones. A goal that
+  // is refused changes nothing, not even contacts() and path(): ProxyState::is_refused.
   ProxyState move_to(const Vec3& goal,
                      const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
@@ -117,6 +125,7 @@ class GodObject {
   const SolverScale& scale() const { return tracer_.scale(); }
   const LiveWorld& world() const { return *world_; }
   double radius_m() const { return settings_.radius_m; }
+  bool has_bad_settings() const { return has_bad_settings_; }
 
  private:
   enum class Progress : std::uint8_t {
@@ -126,6 +135,9 @@ class GodObject {
     kStuck     // no use going on with these planes
   };
 
+  bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const;
+  bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
+  ProxyState refused() const;
   void take_bounds();
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
   ProxyState move_freely();
@@ -172,7 +184,8 @@ class GodObject {
   void keep_contacts_for_next_tick(bool capped);
   ProxyState report(int iterations, bool capped) const;
 
-  GodObjectSettings settings_;
+  bool has_bad_settings_;
+  GodObjectSettings settings_;        // the default ones instead of bad ones
   std::unique_ptr<LiveWorld> world_;  // its address is what the tracer keeps
   Box bounds_;                        // nothing is to be touched outside
   SegmentTracer tracer_;

@@ -95,6 +95,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
 ProxyState GodObject::move_with_friction(const Vec3& goal,
                                          const std::optional<Vec3>& motion_plane_normal,
                                          const FrictionSource& source) noexcept {
+  if (!is_goal(goal, motion_plane_normal)) return refused();
   CoulombFriction friction{&source};
   const ProxyState state = move(goal, motion_plane_normal, friction);
   last_holds_ = state.is_held ? friction.holds : std::array<bool, 3>{};

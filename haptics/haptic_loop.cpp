@@ -5,20 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "haptics/check_settings.h"
 #include "haptics/haptic_loop_steps.h"
 
 namespace palpate {
 namespace {
 
-// A sample so many times farther away than anything in the scene has lost the scene's digits: half
-// of those that double has.
-constexpr double kFarthestPerSize = 0x1p26;
-
 constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
-
-// How far the squared length of a rotation may be from 1: that of a quaternion in single precision,
-// several times over. It is divided out.
-constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
 
 }  // namespace
 
@@ -31,7 +24,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1),
       T_device_scene_(settings.initial_pose),
-      R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()) {
+      R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()),
+      has_bad_settings_(check_settings(world, settings).has_value()) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
@@ -70,23 +64,27 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
 std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   record_.device_m = p_device_m;
   if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
-  if (!std::isfinite(record_.time_s + dt_s) || dt_s <= 0.0) return kFaultBadTimeStep;
+  if (has_bad_settings_) return kFaultBadSettings;
+  if (!is_time_step(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
-  const double farthest_m = kFarthestPerSize * (world_->size_m + world_->anchor_scene_m.norm() +
-                                                T_device_scene_.translation_m.norm());
-  if (!(record_.device_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultNonFiniteSample;
+  last_sample_.age_s += dt_s;
+  last_good_sample_.age_s += dt_s;
+  if (!record_.device_m.allFinite()) return kFaultNonFiniteSample;
+  const double farthest_m = farthest_sample_m(*world_, T_device_scene_);
+  if (!(record_.device_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
   return jumps(record_.device_m) ? kFaultJump : kFaultNone;
 }
 
 // Whether a sample is far from the last one and from the last good one. Takes note of both.
 bool HapticLoop::jumps(const Vec3& p_device_m) {
-  const double squared_size_m2 = world_->size_m * world_->size_m;
-  const bool is_near = (p_device_m - last_sample_m_).squaredNorm() <= squared_size_m2 ||
-                       (p_device_m - last_good_sample_m_).squaredNorm() <= squared_size_m2;
-  last_sample_m_ = p_device_m;
-  if (!is_near && has_proxy_) return true;
-  last_good_sample_m_ = p_device_m;
-  return false;
+  const auto is_near = [&](const Sample& sample) {
+    const double reach_m = std::max(world_->size_m, kFastestHand_m_per_s * sample.age_s);
+    return (p_device_m - sample.p_device_m).squaredNorm() <= reach_m * reach_m;
+  };
+  const bool is_wild = has_proxy_ && !is_near(last_sample_) && !is_near(last_good_sample_);
+  last_sample_ = {p_device_m, 0.0};
+  if (!is_wild) last_good_sample_ = last_sample_;
+  return is_wild;
 }
 
 void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept {
@@ -105,10 +103,6 @@ void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_bod
   }
   body_motions_[motion].T_solver_body = T_solver_body;
   bodies_are_there_ = false;
-}
-
-bool HapticLoop::is_pose(const RigidTransform& T) noexcept {
-  return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
 }
 
 // Before the hand's own motion: moving bodies push the proxy. They do so within the plane of a

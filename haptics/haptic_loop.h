@@ -48,22 +48,38 @@ struct HapticSettings {
 // Fault bits of a tick. A fault never stops the loop; the next good sample carries on.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
-  kFaultNonFiniteSample = 1u << 0,  // NaN, infinite, or out of all proportion: zero force
-  kFaultBadTimeStep = 1u << 1,      // dt zero, negative, not finite or without end: zero force
+  kFaultNonFiniteSample = 1u << 0,  // NaN or infinite: zero force
+  kFaultBadTimeStep = 1u << 1,      // no time step (is_time_step): zero force
   kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
-  kFaultJump = 1u << 3,             // farther than the scene is large in one tick: zero force
-  kFaultBodyHeld = 1u << 4,         // a body waits: the proxy is in its way and cannot give way
-  kFaultBadBodyPose = 1u << 5,      // a pose was no pose, or far off, or one too many: not taken
-  kFaultNonFiniteForce = 1u << 6,   // what came out is no force: zero force
+  kFaultJump = 1u << 3,         // farther than the scene is large, faster than a hand: zero force
+  kFaultBodyHeld = 1u << 4,     // a body waits: the proxy is in its way and cannot give way
+  kFaultBadBodyPose = 1u << 5,  // a pose was no pose, or far off, or one too many: not taken
+  kFaultNonFiniteForce = 1u << 6,  // what came out is no force: zero force
+  kFaultFarSample = 1u << 7,       // finite, but beyond farthest_sample_m(): zero force
+  kFaultBadSettings = 1u << 8,     // check_settings() has an Error: zero force in every tick
 };
-inline constexpr int kFaultCount = 7;
+inline constexpr int kFaultCount = 9;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
-    "non_finite_sample", "bad_time_step", "solver_capped",   "jump",
-    "body_held",         "bad_body_pose", "non_finite_force"};
+    "non_finite_sample", "bad_time_step",    "solver_capped", "jump",        "body_held",
+    "bad_body_pose",     "non_finite_force", "far_sample",    "bad_settings"};
+
+// Faults of a tick that has no place or time: what was sensed is to count nowhere.
+inline constexpr std::uint32_t kFaultsWithoutSample =
+    kFaultNonFiniteSample | kFaultBadTimeStep | kFaultFarSample | kFaultBadSettings;
 
 // Faults for which a tick holds the last state and commands no force.
-inline constexpr std::uint32_t kFaultsWithoutForce =
-    kFaultNonFiniteSample | kFaultBadTimeStep | kFaultJump;
+inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFaultJump;
+
+// The longest tick. What is slower is no servo: a force that is held for so long follows no hand.
+inline constexpr double kLongestTick_s = 1.0;
+inline constexpr bool is_time_step(double dt_s) {
+  return dt_s > 0.0 && dt_s <= kLongestTick_s;  // false for NaN
+}
+
+// What no hand that holds a device gets to: a boxer's fist does. A sample that is farther away than
+// this speed leads is of no hand, if it is farther than the scene is large, too; a hand that goes
+// at it passes 10 mm in a tick at 1 kHz.
+inline constexpr double kFastestHand_m_per_s = 10.0;
 
 // One instant: everything before the elementary rotation of that tick.
 struct TickRecord {
@@ -90,13 +106,14 @@ struct TickRecord {
 // settings, samples and poses of bodies give the same bits.
 class HapticLoop {
  public:
-  // The world must outlive the loop.
+  // The world must outlive the loop. Settings are to be such that check_settings() has no Error.
   HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
              const HapticSettings& settings);
 
-  // p_device_m: the sensed position. dt_s: time since the last tick. The first sample sets the
-  // proxy. A bad sample holds the last state, commands zero force and sets a fault bit. A sample
-  // that is farther from the last one than the scene is large is bad, too: no hand gets there, and
+  // p_device_m: the sensed position. dt_s: time since the last tick, at most kLongestTick_s. The
+  // first sample sets the proxy. A bad sample holds the last state, commands zero force and sets a
+  // fault bit. A sample that is farther from the last one than the scene is large, and than a hand
+  // gets in the time since then (kFastestHand_m_per_s), is bad, too: no hand gets there, and
   // whatever it crossed would push. If the device stays there, the next sample is good, and the
   // proxy follows with its contacts kept; so it does if that was one wild sample.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
@@ -112,8 +129,6 @@ class HapticLoop {
 
   // Sets the fault for a pose that was refused before it got here.
   void refuse_body_pose() noexcept { body_faults_ |= kFaultBadBodyPose; }
-  // Finite, and turned by a quaternion of length 1 to within single precision.
-  static bool is_pose(const RigidTransform& T) noexcept;
 
   // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
@@ -172,11 +187,17 @@ class HapticLoop {
   ScenePose T_device_scene_;
   Mat3 R_device_scene_;  // its rotation, ready to be applied
   Vec3 normal_device_ = Vec3::Zero();
-  Vec3 last_sample_m_ = Vec3::Zero();       // device frame; finite
-  Vec3 last_good_sample_m_ = Vec3::Zero();  // device frame
+  // A sample that counts, and the time since then.
+  struct Sample {
+    Vec3 p_device_m = Vec3::Zero();
+    double age_s = 0.0;
+  };
+  Sample last_sample_;
+  Sample last_good_sample_;
   ProxyState proxy_state_;
   TickRecord record_;
   bool has_proxy_ = false;
+  bool has_bad_settings_;
 
   Step step_;
   Step feel_bare_;                         // what is left of a step where no effect is near

@@ -336,7 +336,16 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
     expect_refused(replay({option, ""}), {option});
   }
   expect_refused(replay({"--rate", "0"}), {"--rate"});
-  expect_refused(replay({"--rate", "1e-320"}), {"--rate"});
+  for (const char* slow : {"1e-320", "0.001", "0.999"}) {
+    expect_refused(replay({"--rate", slow}), {"--rate", "at least 1"});
+  }
+  expect_done(replay({"--rate", "1"}));
+  // What no double holds the force of, or no index the sphere.
+  expect_refused(replay({"--stiffness", "1e300"}), {"--stiffness", "overflows"});
+  expect_refused(replay({"--damping", "1e300"}), {"--damping", "overflows"});
+  expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--stiffness", "1e300"},
+                 {"--stiffness", "overflows"});
+  expect_refused(replay({"--radius", "1e300"}), {"--radius"});
   expect_refused(replay({"--plane-height", "nan"}), {"--plane-height"});
   expect_refused(replay({"--repeat", "0"}), {"--repeat"});
   expect_refused(replay({"--sensors", "2.5"}), {"--sensors"});
@@ -765,17 +774,18 @@ TEST_F(CommandLine, ReplaysATrajectoryIntoATraceOfTheAgreedColumns) {
   EXPECT_EQ(lines_of(csv).at(0),
             "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
             "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
-            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,step_ns");
+            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,faults,step_ns");
   const auto rows = rows_of(csv);
   ASSERT_EQ(rows.size(), 250u);
   int contact_ticks = 0;
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    ASSERT_EQ(rows[n].size(), 27u);
+    ASSERT_EQ(rows[n].size(), 28u);
     EXPECT_EQ(rows[n][0], std::to_string(n));
     EXPECT_NEAR(std::stod(rows[n][1]), 1e-3 * static_cast<double>(n), 1e-12);
     ASSERT_TRUE(rows[n][17] == "0" || rows[n][17] == "1");
     contact_ticks += rows[n][17] == "1";
-    EXPECT_GE(std::stoll(rows[n][26]), 0);
+    EXPECT_EQ(rows[n][26], "") << "no fault";
+    EXPECT_GE(std::stoll(rows[n][27]), 0);
     if (rows[n][17] == "1") continue;
     for (std::size_t column : {11, 12, 13, 14, 15, 16, 18}) EXPECT_EQ(rows[n][column], "0");
     for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(rows[n][5 + axis], rows[n][8 + axis]);
@@ -850,7 +860,7 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
-                    "bad_body_pose", "non_finite_force"}));
+                    "bad_body_pose", "non_finite_force", "far_sample", "bad_settings"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;
@@ -899,6 +909,25 @@ TEST_F(CommandLine, TakesNanAndInfAsSamplesThatAreFaults) {
     EXPECT_EQ(rows[good][17], "1");
     EXPECT_NE(rows[good][14], "0");
   }
+}
+
+// Faults are told by name: summed up, and of each tick in the trace.
+TEST_F(CommandLine, NamesTheFaultsOfEachTick) {
+  folder.write("path.txt", "0.12 0 0\n0.05 0 0\n1e30 0 0\nnan 0 0\n-3 0 0\n0.05 0 0\n");
+  const auto arguments = replay({"--json", "--out", folder.path("trace.csv")});
+  const json summary = json::parse(expect_done(arguments).out);
+  EXPECT_EQ(summary["faults"]["far_sample"], 1);
+  EXPECT_EQ(summary["faults"]["non_finite_sample"], 1);
+  EXPECT_EQ(summary["faults"]["jump"], 1);
+  EXPECT_EQ(summary["faults"]["bad_settings"], 0);
+  const auto rows = rows_of(content_of(folder.path("trace.csv")));
+  ASSERT_EQ(rows.size(), 6u);
+  const char* expected[] = {"", "", "far_sample", "non_finite_sample", "jump", ""};
+  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n][26], expected[n]) << n;
+  EXPECT_EQ(rows[2][17], "1");
+  EXPECT_EQ(rows[2][14], "0");
+  const std::string text = expect_done(replay({})).out;
+  EXPECT_NE(text.find("1 far_sample"), std::string::npos) << text;
 }
 
 TEST_F(CommandLine, ReadsTrajectoriesWithHeaderTimesAndComments) {

@@ -255,10 +255,16 @@ TEST(HapticLoop, ForceModeMasksTheForceAndNothingElse) {
   }
 }
 
-class BadSample : public testing::TestWithParam<std::pair<Vec3, double>> {};
+struct BadInput {
+  Vec3 sample_m;
+  double dt_s;
+  std::uint32_t fault;
+};
 
-TEST_P(BadSample, GivesZeroForceAndAFaultBitAndTheNextOneCarriesOn) {
-  const auto [bad_m, bad_dt_s] = GetParam();
+class BadSample : public testing::TestWithParam<BadInput> {};
+
+TEST_P(BadSample, GivesZeroForceAndItsFaultBitAndTheNextOneCarriesOn) {
+  const auto [bad_m, bad_dt_s, fault] = GetParam();
   const OwnedWorld world(square_plane(), tilted(0.0));
   HapticLoop loop(world.world(), device(3, 3), settings(false));
   HapticLoop undisturbed(world.world(), device(3, 3), settings(false));
@@ -267,7 +273,7 @@ TEST_P(BadSample, GivesZeroForceAndAFaultBitAndTheNextOneCarriesOn) {
     undisturbed.tick({x, 0, 0}, kDt);
   }
   const TickRecord bad = loop.tick(bad_m, bad_dt_s);
-  EXPECT_NE(bad.faults, 0u);
+  EXPECT_EQ(bad.faults, fault);
   EXPECT_EQ(bad.force_device_N, Vec3(Vec3::Zero()));
   EXPECT_TRUE(bad.contact);
   const TickRecord next = loop.tick({-0.003, 0.001, 0}, kDt);
@@ -279,12 +285,33 @@ TEST_P(BadSample, GivesZeroForceAndAFaultBitAndTheNextOneCarriesOn) {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-INSTANTIATE_TEST_SUITE_P(
-    All, BadSample,
-    testing::Values(std::pair(Vec3(kNan, 0, 0), kDt), std::pair(Vec3(0, 0, kInfinity), kDt),
-                    std::pair(Vec3(0, -kInfinity, 0), kDt), std::pair(Vec3(1e300, 0, 0), kDt),
-                    std::pair(Vec3(-0.002, 0, 0), 0.0), std::pair(Vec3(-0.002, 0, 0), -kDt),
-                    std::pair(Vec3(-0.002, 0, 0), kNan), std::pair(Vec3(-0.002, 0, 0), kInfinity)));
+const Vec3 kPressed_m(-0.002, 0, 0);
+INSTANTIATE_TEST_SUITE_P(All, BadSample,
+                         testing::Values(BadInput{{kNan, 0, 0}, kDt, kFaultNonFiniteSample},
+                                         BadInput{{0, 0, kInfinity}, kDt, kFaultNonFiniteSample},
+                                         BadInput{{0, -kInfinity, 0}, kDt, kFaultNonFiniteSample},
+                                         BadInput{{1e300, 0, 0}, kDt, kFaultFarSample},
+                                         BadInput{{0, -1e30, 0}, kDt, kFaultFarSample},
+                                         BadInput{{0, 0, 1.01 * 2 * 0x1p26}, kDt, kFaultFarSample},
+                                         BadInput{{0, 0, 0.99 * 2 * 0x1p26}, kDt, kFaultJump},
+                                         BadInput{kPressed_m, 0.0, kFaultBadTimeStep},
+                                         BadInput{kPressed_m, -kDt, kFaultBadTimeStep},
+                                         BadInput{kPressed_m, kNan, kFaultBadTimeStep},
+                                         BadInput{kPressed_m, kInfinity, kFaultBadTimeStep},
+                                         BadInput{kPressed_m, std::nextafter(1.0, 2.0),
+                                                  kFaultBadTimeStep},
+                                         BadInput{kPressed_m, 3600.0, kFaultBadTimeStep}));
+
+TEST(HapticLoop, TakesTicksOfUpToASecond) {
+  const OwnedWorld world(square_plane(), tilted(0.0));
+  HapticLoop loop(world.world(), device(3, 3), settings(false));
+  loop.tick({0.01, 0, 0}, kDt);
+  for (const double dt_s : {1e-12, 1e-3, 0.5, 1.0}) {
+    const TickRecord& record = loop.tick(kPressed_m, dt_s);
+    EXPECT_EQ(record.faults, kFaultNone) << dt_s;
+    EXPECT_NEAR(record.force_device_N.x(), kStiffness * 0.002, 1e-6);
+  }
+}
 
 // Pressed on the plane, then one sample beyond everything: no force, and contact as before with the
 // next.
@@ -314,6 +341,67 @@ TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
     EXPECT_TRUE(there.contact);
     EXPECT_GT(pose.inverse_point(there.proxy_m).z(), 0.0);
   }
+}
+
+// Both count: the way against the size of the scene, and the speed against that of a hand, over the
+// time since the last sample that was there.
+TEST(HapticLoop, CallsAJumpWhatIsFartherThanTheSceneAndFasterThanAHand) {
+  constexpr double kSize_m = 2.0;
+  const OwnedWorld world(square_plane(), tilted(0.0));
+  ASSERT_EQ(world.world().size_m, kSize_m);
+  struct Leap {
+    double way_m, dt_s;
+    bool is_jump;
+  };
+  for (const Leap& leap :
+       {Leap{0.99 * kSize_m, 1e-6, false}, Leap{1.01 * kSize_m, 1e-6, true},
+        Leap{5.0, 0.99 * 5.0 / kFastestHand_m_per_s, true},
+        Leap{5.0, 1.01 * 5.0 / kFastestHand_m_per_s, false}, Leap{1.5, 1e-9, false}}) {
+    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    loop.tick({0.01, 0, 0}, kDt);
+    loop.tick({0.01, 0, 0}, kDt);
+    const TickRecord& far = loop.tick({0.01 + leap.way_m, 0, 0}, leap.dt_s);
+    EXPECT_EQ(far.faults, leap.is_jump ? kFaultJump : kFaultNone) << leap.way_m << " " << leap.dt_s;
+  }
+  // Ticks without a sample count as time; one without a time does not.
+  HapticLoop loop(world.world(), device(3, 3), settings(false));
+  loop.tick({0.01, 0, 0}, kDt);
+  for (int n = 0; n < 6; ++n) loop.tick({kNan, 0, 0}, 0.1);
+  loop.tick({kNan, 0, 0}, kInfinity);
+  EXPECT_EQ(loop.tick({0.01 + 0.75 * kFastestHand_m_per_s, 0, 0}, kDt).faults, kFaultJump);
+  EXPECT_EQ(loop.tick({0.01, 0, 0}, kDt).faults, kFaultNone);
+  for (int n = 0; n < 6; ++n) loop.tick({kNan, 0, 0}, 0.1);
+  EXPECT_EQ(loop.tick({0.01 + 0.5 * kFastestHand_m_per_s, 0, 0}, kDt).faults, kFaultNone);
+}
+
+// At 1 m/s a tick is 1 mm, a hundred times the scene.
+TEST(HapticLoop, LetsAHandTouchASceneThatIsSmallerThanATicksWay) {
+  constexpr double kHalf = 5e-6;
+  constexpr double kSpeed_m_per_s = 1.0;
+  Random random(28);
+  int contacts = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const RigidTransform pose = random.pose(0.05);
+    const OwnedWorld world(box_soup(Vec3::Constant(kHalf)), pose);
+    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    // From straight above one of its faces to straight below, through it.
+    const Vec3 aim(random.uniform(-0.9, 0.9) * kHalf, random.uniform(-0.9, 0.9) * kHalf, 0.0);
+    const double start_m = random.uniform(0.0, 1.0) * kSpeed_m_per_s * kDt;
+    for (int n = -5; n <= 5; ++n) {
+      const Vec3 at = aim - (n * kSpeed_m_per_s * kDt - start_m) * Vec3::UnitZ();
+      const TickRecord& record = loop.tick(pose.point(at), kDt);
+      ASSERT_EQ(record.faults, kFaultNone) << n;
+      const bool is_below = at.z() < -kHalf;
+      ASSERT_EQ(record.contact, at.z() < kHalf) << n;
+      contacts += record.contact;
+      if (!is_below) continue;
+      const Vec3 proxy = pose.inverse_point(record.proxy_m);
+      ASSERT_NEAR(proxy.z(), kHalf, 1e-3 * kHalf);
+      ASSERT_NEAR(pose.inverse_direction(record.force_device_N).z(), kStiffness * (kHalf - at.z()),
+                  1e-3 * kStiffness * kHalf);
+    }
+  }
+  EXPECT_GT(contacts, 800);
 }
 
 TEST(HapticLoop, SurvivesBadSamplesBeforeTheFirstGoodOne) {

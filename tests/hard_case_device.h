@@ -103,8 +103,7 @@ class JudgedLoop {
 
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) {
     const TickRecord& now = loop_.tick(p_device_m, dt_s);
-    constexpr std::uint32_t kBadInput = kFaultNonFiniteSample | kFaultBadTimeStep | kFaultJump;
-    if ((now.faults & kBadInput) == 0) follow(now);
+    if ((now.faults & kFaultsWithoutForce) == 0) follow(now);
     judge_record(now);
     return now;
   }

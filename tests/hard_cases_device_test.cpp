@@ -316,11 +316,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadInput{"NanX", Vec3(kNan, 0, 0), kTick_s, kFaultNonFiniteSample},
                     BadInput{"NanY", Vec3(0, kNan, 0), kTick_s, kFaultNonFiniteSample},
                     BadInput{"Infinite", Vec3(0, -kInfinity, 0), kTick_s, kFaultNonFiniteSample},
-                    BadInput{"Huge", Vec3(1e200, 0, 0), kTick_s, kFaultNonFiniteSample},
+                    BadInput{"Huge", Vec3(1e200, 0, 0), kTick_s, kFaultFarSample},
                     BadInput{"ZeroDt", std::nullopt, 0.0, kFaultBadTimeStep},
                     BadInput{"NegativeDt", std::nullopt, -kTick_s, kFaultBadTimeStep},
                     BadInput{"NanDt", std::nullopt, kNan, kFaultBadTimeStep},
-                    BadInput{"InfiniteDt", std::nullopt, kInfinity, kFaultBadTimeStep}),
+                    BadInput{"InfiniteDt", std::nullopt, kInfinity, kFaultBadTimeStep},
+                    BadInput{"LongDt", std::nullopt, 1.5, kFaultBadTimeStep}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
 // A jump across the object is a good sample: the proxy stays in front of the wall, and is back

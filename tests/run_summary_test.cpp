@@ -133,20 +133,35 @@ TEST(RunSummary, CountsFaultsByName) {
   EXPECT_EQ(s.faults[3], 1u);
 }
 
+TEST(RunSummary, NamesTheFaultsOfATick) {
+  EXPECT_EQ(fault_names(kFaultNone), "");
+  EXPECT_EQ(fault_names(kFaultFarSample), "far_sample");
+  EXPECT_EQ(fault_names(kFaultBadSettings), "bad_settings");
+  EXPECT_EQ(fault_names(kFaultSolverCapped | kFaultBodyHeld), "solver_capped+body_held");
+  for (const std::string_view name : kFaultNames) EXPECT_FALSE(name.empty());
+}
+
 // Its position is no number, its force zero, the rest of it what was before: the trace says
 // contact, and so do the means. Work and extent leave it out.
 TEST(RunSummary, CountsABadSampleAsTheStateItHoldsButNotItsPosition) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   TickRecord bad = contact_tick(Vec3::Constant(nan), 0.5, 0, Vec3::Zero(), Vec3::Zero());
   bad.faults = kFaultNonFiniteSample;
+  TickRecord far = contact_tick(Vec3::Constant(1e200), 0.5, 0, Vec3::Zero(), Vec3::Zero());
+  far.faults = kFaultFarSample;
   const RunSummary s = summary_of({
-      bad, contact_tick({0, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),
+      bad,
+      contact_tick({0, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),
       contact_tick({1, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),  // way 1: 2 J
       bad,                                                    // the device is told zero
-      contact_tick({64, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}), free_tick({65, 0, 0}),  // way 1: 2 J
+      contact_tick({64, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),
+      free_tick({65, 0, 0}),  // way 1: 2 J
+      contact_tick({65, 0, 0}, 0.5, 0, {2, 0, 0}, {2, 0, 0}),
+      far,
+      free_tick({64, 0, 0}),
   });
-  EXPECT_EQ(s.ticks, 6u);
-  EXPECT_EQ(s.contact_ticks, 5u);
+  EXPECT_EQ(s.ticks, 9u);
+  EXPECT_EQ(s.contact_ticks, 7u);
   EXPECT_EQ(s.mean_penetration_m, 0.5);
   EXPECT_EQ(s.max_penetration_m, 0.5);
   EXPECT_EQ(s.mean_contact_angle_deg, 0.0);

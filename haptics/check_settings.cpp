@@ -1,0 +1,110 @@
+#include "haptics/check_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "haptics/haptic_loop.h"
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string field, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(field), std::move(problem), std::move(hint)};
+}
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text.precision(17);
+  text << value;
+  return text.str();
+}
+
+std::optional<Error> check_number(const char* field, double value, bool zero_allowed) {
+  if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
+  return invalid(field, text_of(value) + " given, expected a finite number " +
+                            (zero_allowed ? ">= 0" : "> 0"));
+}
+
+// radius_m: finite, > 0.
+std::optional<Error> check_sweep(const ContactWorld& world, double radius_m) {
+  const double sweep_m = radius_m + SolverScale::of(world.size_m, radius_m).stand_off_m;
+  double built_for_m = SurfaceIndex::kLargestSweep_m;
+  if (world.tree) built_for_m = std::min(built_for_m, world.tree->sweep_radius_m());
+  for (const ContactBody& body : world.bodies) {
+    built_for_m = std::min(built_for_m, body.index->sweep_radius_m());
+  }
+  if (sweep_m <= built_for_m) return std::nullopt;
+  return invalid("radius_m",
+                 text_of(radius_m) + " m given, with its stand-off " + text_of(sweep_m) +
+                     " m; expected at most the " + text_of(built_for_m) +
+                     " m that the scene's indices were built for",
+                 "load the scene for this radius");
+}
+
+std::optional<Error> check_coupling(const ContactWorld& world, const HapticSettings& settings) {
+  const CouplingSettings& coupling = settings.coupling;
+  const double lag_m = largest_lag_m(world, settings.initial_pose);
+  const auto check = [](const char* field, double value, double most) -> std::optional<Error> {
+    if (auto error = check_number(field, value, true)) return error;
+    if (value <= most) return std::nullopt;
+    return invalid(field, text_of(value) + " given, expected at most " + text_of(most) +
+                              ", so that no force overflows");
+  };
+  if (auto error = check("coupling.stiffness_N_per_m", coupling.stiffness_N_per_m,
+                         0.5 * kLargestForce_N / lag_m)) {
+    return error;
+  }
+  return check("coupling.damping_Ns_per_m", coupling.damping_Ns_per_m,
+               0.5 * kLargestForce_N / lag_m * kShortestTick_s);
+}
+
+}  // namespace
+
+double farthest_sample_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
+  return kFarthestSamplePerSize *
+         (world.size_m + world.anchor_scene_m.norm() + T_device_scene.translation_m.norm());
+}
+
+double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
+  return 4.0 * farthest_sample_m(world, T_device_scene);
+}
+
+std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings) {
+  if (auto error = check_number("radius_m", settings.radius_m, true)) return error;
+  if (settings.radius_m > 0.0) {
+    if (auto error = check_sweep(world, settings.radius_m)) return error;
+  }
+  const Accuracy& accuracy = settings.accuracy;
+  if (accuracy.iterations < 1 || accuracy.iterations > Accuracy::kMostIterations) {
+    return invalid("accuracy.iterations", std::to_string(accuracy.iterations) +
+                                              " given, expected 1 to " +
+                                              std::to_string(Accuracy::kMostIterations));
+  }
+  return check_number("accuracy.tolerance", accuracy.tolerance, false);
+}
+
+std::optional<Error> check_settings(const ContactWorld& world, const HapticSettings& settings) {
+  if (auto error = check_settings(world, settings.god_object)) {
+    error->element = "god_object." + error->element;
+    return error;
+  }
+  if (!is_pose(settings.initial_pose)) {
+    return invalid("initial_pose", "is no pose: expected finite numbers and a unit quaternion");
+  }
+  if (auto error = check_coupling(world, settings)) return error;
+  for (const double part :
+       {settings.a4.profile.speed_at_zero_rad_per_s, settings.a4.profile.speed_at_knee_rad_per_s,
+        settings.a4.profile.knee_rad}) {
+    if (auto error = check_number("a4.profile", part, false)) return error;
+  }
+  if (!std::isfinite(settings.plane_height_m)) {
+    return invalid("plane_height_m",
+                   text_of(settings.plane_height_m) + " given, expected a finite number");
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate
