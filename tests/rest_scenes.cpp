@@ -282,25 +282,29 @@ RestScene narrow_tubes(ProxyKind proxy, Random& random) {
   return scene;
 }
 
-// A dish, a bump, a plain or a ball, of edges much shorter than the sphere is wide.
-Soup fine_mesh(Random& random) {
-  const int cells = between(random, 8, 24);
-  const double rough_m = random.index(2) ? 0.0 : log_uniform(random, 1e-6, 1e-3);
-  const double bend = random.index(3) == 0 ? 0.0 : random.uniform(-8.0, 8.0);
-  if (random.index(5) == 0) return ball(between(random, 6, 14), random.uniform(0.02, 0.05));
-  return height_field(cells, cells, 0.1, random, [&](int i, int j) {
+// Spheres of so many edges on a field of hills or noise, in a dish that fits them more or less, or
+// on a ball.
+template <int low_edges, int high_edges>
+RestScene large_spheres(ProxyKind, Random& random) {
+  const double edges = log_uniform(random, low_edges, high_edges);
+  if (random.index(6) == 0) {
+    const int rings = between(random, 6, 24);
+    const double radius_m = random.uniform(0.02, 0.05);
+    return {in_float(ball(rings, radius_m)), edges * std::numbers::pi / rings * radius_m};
+  }
+  const int cells = between(random, 8, 40);
+  const double edge_m = 0.1 / cells;
+  const double radius_m = edges * edge_m;
+  const double rough_m = random.index(3) == 0 ? 0.0 : log_uniform(random, 1e-5, 1.0) * edge_m;
+  // Of a dish: from much flatter than the sphere to as deep as the field is wide.
+  const double fit = random.index(3) == 0 ? 0.0 : random.uniform(-0.5, 1.2);
+  const double bend = std::clamp(fit * 0.5 / radius_m, -20.0, 20.0);
+  Soup soup = height_field(cells, cells, 0.1, random, [&](int i, int j) {
     const double x = 0.1 * (static_cast<double>(i) / cells - 0.5);
     const double y = 0.1 * (static_cast<double>(j) / cells - 0.5);
     return bend * (x * x + y * y) + rough_m * random.uniform(-1.0, 1.0);
   });
-}
-
-template <int low_edges, int high_edges>
-RestScene large_spheres(ProxyKind, Random& random) {
-  Soup soup = in_float(fine_mesh(random));
-  const Triangle& t = soup.triangles.front();
-  const double edge_m = (soup.positions[t[0]] - soup.positions[t[1]]).norm();
-  return {std::move(soup), log_uniform(random, low_edges * edge_m, high_edges * edge_m)};
+  return {in_float(soup), radius_m};
 }
 
 RestScene spokes(ProxyKind proxy, Random& random) {
