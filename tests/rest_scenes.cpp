@@ -156,30 +156,42 @@ void add_needle(const Vec3& foot, const Vec3& tip, double thick_m, Random& rando
   }
 }
 
-// Needles that point to one place or away from it, in all directions or side by side like the ribs
-// of a hand fan; or single triangles that are long and narrow and have a vertex in common.
+// Needles around one place: cones that point to it or away from it, in all directions or side by
+// side like the ribs of a hand fan; loose triangles, long and narrow; or the pleats of the fan.
 RestScene needle_fans(ProxyKind proxy, Random& random) {
-  Soup soup;
-  const int needles = between(random, 4, 40);
-  const bool points_meet = random.index(2);
-  const bool is_flat = random.index(2);
-  const bool are_triangles = random.index(3) == 0;
-  const double spread_rad = log_uniform(random, 0.05, 0.5 * kTurn_rad);
+  enum Needle { kLoose, kPleat, kTipIn, kTipOut };
+  const auto needle = static_cast<Needle>(random.index(4));
+  const int most = needle <= kPleat ? 400 : 40;
+  const int needles = static_cast<int>(log_uniform(random, 4.0, most));
+  const bool is_flat = random.index(2) || needle == kPleat;
+  const double spread_rad = log_uniform(random, 0.05, 0.9 * kTurn_rad);
   const double thick_m = log_uniform(random, 1e-4, 1e-2);
   const Vec3 middle = random.index(2) ? Vec3(Vec3::Zero()) : random.in_box(0.02);
+  Soup soup;
+  Vec3 last = middle;
   for (int i = 0; i < needles; ++i) {
     const double turn_rad = spread_rad * (i - 0.5 * needles) / needles;
-    const Vec3 axis =
-        is_flat ? Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.02 * random.uniform(-1.0, 1.0))
-                : random.unit_vector();
-    const Vec3 far = 0.08 * axis;
-    if (are_triangles) {
-      soup.add(middle, far, far + thick_m * random.unit_vector());
-      continue;
-    }
+    const Vec3 across = Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.0);
+    const Vec3 far = 0.08 * (is_flat ? across : random.unit_vector());
     const Vec3 near = middle + 1e-3 * random.uniform(0.0, 1.0) * random.unit_vector();
-    add_needle(points_meet ? far : near, points_meet ? near : far,
-               thick_m * random.uniform(0.5, 1.0), random, soup);
+    switch (needle) {
+      case kLoose:
+        soup.add(middle, far, far + thick_m * random.unit_vector());
+        break;
+      case kPleat: {
+        const double up = (i % 2 ? 1.0 : -1.0) * random.uniform(0.5, 1.0);
+        const Vec3 next = far + thick_m * up * Vec3::UnitZ();
+        if (i > 0) soup.add(middle, last, next);
+        last = next;
+        break;
+      }
+      case kTipIn:
+        add_needle(far, near, thick_m * random.uniform(0.5, 1.0), random, soup);
+        break;
+      case kTipOut:
+        add_needle(near, far, thick_m * random.uniform(0.5, 1.0), random, soup);
+        break;
+    }
   }
   return {in_float(soup), some_radius_m(proxy, 1e-5, 1e-2, random), {}, {middle}};
 }
@@ -217,7 +229,7 @@ RestScene mixed_scales(ProxyKind proxy, Random& random) {
         part = box_soup(Vec3::Constant(0.4) + random.in_box(0.3));
         break;
       case 1:
-        part = ball(between(random, 3, 12), 0.5);
+        part = ball(between(random, 3, 20), 0.5);
         break;
       default: {
         const int cells = between(random, 2, 16);
@@ -282,16 +294,19 @@ RestScene narrow_tubes(ProxyKind proxy, Random& random) {
   return scene;
 }
 
-// Spheres of so many edges on a field of hills or noise, in a dish that fits them more or less, or
-// on a ball.
+// Spheres of so many edges on a ball.
+template <int low_edges, int high_edges>
+RestScene spheres_on_balls(ProxyKind, Random& random) {
+  const int rings = between(random, 6, 24);
+  const double radius_m = random.uniform(0.02, 0.05);
+  const double edge_m = std::numbers::pi / rings * radius_m;
+  return {in_float(ball(rings, radius_m)), log_uniform(random, low_edges, high_edges) * edge_m};
+}
+
+// On a field of hills or noise, or in a dish that fits them more or less.
 template <int low_edges, int high_edges>
 RestScene large_spheres(ProxyKind, Random& random) {
   const double edges = log_uniform(random, low_edges, high_edges);
-  if (random.index(6) == 0) {
-    const int rings = between(random, 6, 24);
-    const double radius_m = random.uniform(0.02, 0.05);
-    return {in_float(ball(rings, radius_m)), edges * std::numbers::pi / rings * radius_m};
-  }
   const int cells = between(random, 8, 40);
   const double edge_m = 0.1 / cells;
   const double radius_m = edges * edge_m;
@@ -308,7 +323,7 @@ RestScene large_spheres(ProxyKind, Random& random) {
 }
 
 RestScene spokes(ProxyKind proxy, Random& random) {
-  const int count = between(random, 8, 120);
+  const int count = static_cast<int>(log_uniform(random, 8, 600));
   const double rough = random.index(2) ? log_uniform(random, 1e-6, 0.5) : 0.0;
   const double lift = random.uniform(-1.0, 1.0);
   const int waves = between(random, 0, 6);
@@ -429,7 +444,9 @@ constexpr RestClass kClasses[] = {
     {"TinySoups", kSphere, tiny_soups, kSphereCapped},
     {"NarrowTubes", kSphere, narrow_tubes, kSphereCapped},
     {"LargeSpheres", kSphere, large_spheres<1, 100>, kSphereCapped},
+    {"LargeOnBalls", kSphere, spheres_on_balls<1, 100>, kSphereCapped},
     {"HugeSpheres", kSphere, large_spheres<100, 10000>, kAnyCapped},
+    {"HugeOnBalls", kSphere, spheres_on_balls<100, 10000>, kAnyCapped},
     {"Spokes", kPoint, spokes, kAnyCapped},
     {"Spokes", kSphere, spokes, kAnyCapped},
     {"CrossingSheets", kPoint, crossing_sheets, kAnyCapped},
