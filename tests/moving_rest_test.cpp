@@ -69,6 +69,7 @@ constexpr Pace kPaces[] = {{"Creeping", 1e-13, 1e-6, true},
 
 struct MovingClass {
   Pace pace;
+  int number;  // other scenes for each class
   ProxyKind proxy;
 
   std::string full_name() const {
@@ -123,8 +124,10 @@ struct Scene {
   double radius_m = 0.0;
 };
 
-Scene random_scene(ProxyKind proxy, Random& random) {
+Scene random_scene(const MovingClass& moving_class, Random& random) {
   constexpr double kSize_m = 0.15;
+  for (int i = 0; i < moving_class.number; ++i) random.index(2);
+  const ProxyKind proxy = moving_class.proxy;
   Scene scene;
   const auto classes = test::rest_classes();
   for (auto count = 2 + random.index(3); count > 0; --count) {
@@ -153,7 +156,7 @@ class MovingScene {
       : seed_(seed),
         random_(random),
         pace_(moving_class.pace),
-        scene_(random_scene(moving_class.proxy, random)),
+        scene_(random_scene(moving_class, random)),
         radius_m_(scene_.radius_m),
         bodies_(scene_.bodies, radius_m_),
         accuracy_(random.index(4) ? Accuracy::balanced() : Accuracy::exact()),
@@ -173,6 +176,11 @@ class MovingScene {
     }
     goal_ = pick_start();
     god_object_.place(goal_);
+    felt_.proxy = god_object_.proxy();
+    if (random.index(2)) {
+      hand_.emplace(triangles_at_first(), std::vector<Vec3>(), radius_m_,
+                    god_object_.scale().stand_off_m, 0.0, goal_, random);
+    }
     aim_at_something();
   }
 
@@ -182,18 +190,18 @@ class MovingScene {
       if (!move(b, totals)) return false;
     }
     make_goal();
-    const ProxyState felt = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
-                                  : god_object_.move_to(goal_, plane_normal_);
+    felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+                  : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
-    totals.contacts += felt.in_contact;
-    totals.capped += felt.in_contact && felt.capped;
+    totals.contacts += felt_.in_contact;
+    totals.capped += felt_.in_contact && felt_.capped;
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       std::vector<Vec3> path_body;
       for (const Vec3& p : god_object_.path()) path_body.push_back(placed(b).to_body(p));
       if (!is_free(b, path_body, "follows the goal", totals)) return false;
     }
-    if (!felt.capped) judge_rest(totals);
+    if (!felt_.capped) judge_rest(totals);
     return true;
   }
 
@@ -257,13 +265,31 @@ class MovingScene {
     aim_body_ += random_.index(3) ? random_.in_box(0.02) : Vec3(Vec3::Zero());
   }
 
+  // What a hand that does not know of motions feels for.
+  const std::vector<test::Corners>& triangles_at_first() {
+    for (std::uint32_t b = 0; b < judges_.size(); ++b) {
+      for (const test::Corners& t : judges_[b].triangles()) {
+        at_first_.push_back(
+            {placed(b).to_solver(t.a), placed(b).to_solver(t.b), placed(b).to_solver(t.c)});
+      }
+    }
+    return at_first_;
+  }
+
   // On towards some place, at times at one go; at rest for a while.
-  void make_goal() {
+  void follow_a_body() {
     if (random_.index(20) == 0) aim_at_something();
     if (random_.index(4) == 0) is_resting_ = !is_resting_;
-    if (!is_resting_) {
-      const double part = random_.index(4) ? random_.uniform(0.0, 0.3) : 1.0;
-      goal_ += part * (placed(aimed_body_).to_solver(aim_body_) - goal_);
+    if (is_resting_) return;
+    const double part = random_.index(4) ? random_.uniform(0.0, 0.3) : 1.0;
+    goal_ += part * (placed(aimed_body_).to_solver(aim_body_) - goal_);
+  }
+
+  void make_goal() {
+    if (hand_) {
+      goal_ = hand_->next_goal(felt_);
+    } else {
+      follow_a_body();
     }
     if (plane_normal_) {
       goal_ -= plane_normal_->dot(goal_ - god_object_.proxy()) * *plane_normal_;
@@ -331,6 +357,9 @@ class MovingScene {
   std::optional<Vec3> plane_normal_;
   std::optional<FrictionCone> cone_;
   Vec3 goal_ = Vec3::Zero();
+  ProxyState felt_;
+  std::vector<test::Corners> at_first_;
+  std::optional<test::RestHand> hand_;
   Vec3 aim_body_ = Vec3::Zero();
   std::uint32_t aimed_body_ = 0;
   bool is_resting_ = false;
@@ -363,7 +392,7 @@ TEST_P(MovingRests, LeaveNoWayOn) {
   const MovingClass& moving_class = GetParam();
   Totals totals;
   const auto ticks = static_cast<int>(
-      from_environment("PALPATE_REST_TICKS", test::in_soak_or_else<std::uint64_t>(200'000, 2'000)));
+      from_environment("PALPATE_REST_TICKS", test::in_soak_or_else<std::uint64_t>(200'000, 8'000)));
   for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); totals.ticks < ticks;
        ++seed) {
     Random random(seed);
@@ -385,7 +414,7 @@ std::vector<MovingClass> moving_classes() {
   std::vector<MovingClass> classes;
   for (const Pace& pace : kPaces) {
     for (const ProxyKind proxy : {ProxyKind::kPoint, ProxyKind::kSphere}) {
-      classes.push_back({pace, proxy});
+      classes.push_back({pace, static_cast<int>(classes.size()), proxy});
     }
   }
   return classes;

@@ -510,6 +510,15 @@ std::span<const RestClass> rest_classes() {
   return kClasses;
 }
 
+std::vector<RestClass> large_sphere_classes() {
+  std::vector<RestClass> large;
+  for (const RestClass& rest_class : kClasses) {
+    const std::string name = rest_class.name;
+    if (name.starts_with("Large") || name.starts_with("Huge")) large.push_back(rest_class);
+  }
+  return large;
+}
+
 Soup convex_room(Random& random) {
   for (;;) {
     const int count = between(random, 4, 16);
