@@ -21,6 +21,10 @@ constexpr double kNoUnderflow = 1e-270;
 // A cast to double, direction and difference, product and two sums are 5 roundings; tripled.
 constexpr double kHeightBound = 16 * kUnit;
 
+// The same for a distance: some differences, products and sums more, and directions whose error
+// grows with the distance along them. Generous.
+constexpr double kDistanceBound = 256 * kUnit;
+
 // The doubles times one power of two that makes integers of all of them.
 template <std::size_t N>
 std::array<IntVec, N> on_grid(const std::array<const Vec3*, N>& points) {
@@ -177,7 +181,16 @@ ExactJudge::ExactJudge(const std::vector<Corners>& triangles) {
     if (has_no_area(t)) continue;
     triangles_.push_back(t);
     bounds_.push_back({t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)});
-    directions_.push_back(directions_of(t));
+    const Directions d = directions_of(t);
+    Plain plain;
+    plain.normal = d.normal.cast<double>();
+    for (std::size_t e = 0; e < 3; ++e) {
+      plain.outward[e] = d.outward[e].cast<double>();
+      plain.along[e] = d.along[e].cast<double>();
+      plain.length_m[e] = static_cast<double>(d.length_m[e]);
+    }
+    directions_.push_back(d);
+    plain_.push_back(plain);
   }
   near_.reserve(triangles_.size());
 }
@@ -208,17 +221,15 @@ ExactJudge::Directions ExactJudge::directions_of(const Corners& t) {
 bool ExactJudge::certainly_farther(const Vec3& p, const Vec3& q, std::size_t triangle,
                                    double distance_m) const {
   const Corners& t = triangles_[triangle];
-  const Directions& d = directions_[triangle];
+  const Plain& d = plain_[triangle];
   const auto beyond = [&](const Vec3& direction, const Vec3& origin) {
     const Vec3 to_p = p - origin;
     const Vec3 to_q = q - origin;
     const double bound = kHeightBound * std::max(to_p.lpNorm<1>(), to_q.lpNorm<1>());
     return std::min(direction.dot(to_p), direction.dot(to_q)) > distance_m + bound;
   };
-  const Vec3 normal = d.normal.cast<double>();
-  if (beyond(normal, t.a) || beyond(-normal, t.a)) return true;
-  return beyond(d.outward[0].cast<double>(), t.a) || beyond(d.outward[1].cast<double>(), t.b) ||
-         beyond(d.outward[2].cast<double>(), t.c);
+  if (beyond(d.normal, t.a) || beyond(-d.normal, t.a)) return true;
+  return beyond(d.outward[0], t.a) || beyond(d.outward[1], t.b) || beyond(d.outward[2], t.c);
 }
 
 long double ExactJudge::distance_of_point(const Vec3& p, std::size_t triangle) const {
@@ -283,8 +294,60 @@ void ExactJudge::find_near(const Bounds& path, double margin_m) const {
   }
 }
 
-// Calls judge(p, q, triangle), which gives a distance if that is a violation, for every piece and
-// triangle whose boxes are not farther apart than the margin.
+// Of a point, in double: off by some roundings of the coordinates that it is made of.
+double ExactJudge::rough_distance_m(const Vec3& p, std::size_t triangle) const {
+  const Corners& t = triangles_[triangle];
+  const Plain& d = plain_[triangle];
+  const std::array<const Vec3*, 3> corners = {&t.a, &t.b, &t.c};
+  bool over = true;
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vec3 to_p = p - *corners[e];
+    over = over && d.outward[e].dot(to_p) <= 0.0;
+    const double at = std::clamp(d.along[e].dot(to_p), 0.0, d.length_m[e]);
+    nearest2 = std::min(nearest2, (to_p - at * d.along[e]).squaredNorm());
+  }
+  return over ? std::abs(d.normal.dot(p - t.a)) : std::sqrt(nearest2);
+}
+
+// Calls judge(p, q, triangle), which gives a distance if that is a violation, for every piece of
+// the path and each of the near triangles that is not certainly farther from it than the margin.
+// Halves the path again and again: what is far from a ball around it is far from its pieces.
+template <typename Judge>
+std::optional<Violation> ExactJudge::first_violation(std::span<const Vec3> path,
+                                                     std::size_t first_piece,
+                                                     std::span<const std::size_t> near,
+                                                     double margin_m, Judge judge) const {
+  Bounds box{path.front(), path.front()};
+  for (const Vec3& p : path) box = {box.low.cwiseMin(p), box.high.cwiseMax(p)};
+  const Vec3 centre = 0.5 * (box.low + box.high);
+  double radius_m = 0.0;
+  for (const Vec3& p : path) radius_m = std::max(radius_m, (p - centre).norm());
+  std::vector<std::size_t> nearer;
+  for (const std::size_t i : near) {
+    if (boxes_apart(box.low, box.high, bounds_[i].low, bounds_[i].high, margin_m)) continue;
+    const double distance_m = rough_distance_m(centre, i);
+    const double reach_m = centre.lpNorm<1>() + (bounds_[i].high - bounds_[i].low).lpNorm<1>();
+    const double bound = kDistanceBound * (reach_m + distance_m + radius_m + margin_m);
+    if (distance_m - radius_m > margin_m + bound) continue;
+    nearer.push_back(i);
+  }
+  const std::size_t pieces = path.size() - 1;
+  if (pieces <= 1) {
+    for (const std::size_t i : nearer) {
+      if (const std::optional<double> distance = judge(path.front(), path.back(), i)) {
+        return Violation{first_piece, i, *distance};
+      }
+    }
+    return std::nullopt;
+  }
+  if (nearer.empty()) return std::nullopt;
+  const std::size_t half = pieces / 2;
+  const auto before = first_violation(path.first(half + 1), first_piece, nearer, margin_m, judge);
+  if (before) return before;
+  return first_violation(path.subspan(half), first_piece + half, nearer, margin_m, judge);
+}
+
 template <typename Judge>
 std::optional<Violation> ExactJudge::first_violation(std::span<const Vec3> path, double margin_m,
                                                      Judge judge) const {
@@ -292,19 +355,7 @@ std::optional<Violation> ExactJudge::first_violation(std::span<const Vec3> path,
   Bounds all{path.front(), path.front()};
   for (const Vec3& p : path) all = {all.low.cwiseMin(p), all.high.cwiseMax(p)};
   find_near(all, margin_m);
-  const std::size_t pieces = std::max<std::size_t>(1, path.size() - 1);
-  for (std::size_t piece = 0; piece < pieces; ++piece) {
-    const Vec3& p = path[piece];
-    const Vec3& q = path[std::min(piece + 1, path.size() - 1)];
-    const Bounds own{p.cwiseMin(q), p.cwiseMax(q)};
-    for (const std::size_t i : near_) {
-      if (boxes_apart(own.low, own.high, bounds_[i].low, bounds_[i].high, margin_m)) continue;
-      if (const std::optional<double> distance = judge(p, q, i)) {
-        return Violation{piece, i, *distance};
-      }
-    }
-  }
-  return std::nullopt;
+  return first_violation(path, 0, near_, margin_m, judge);
 }
 
 std::optional<Violation> ExactJudge::touch_of_point(std::span<const Vec3> path) const {

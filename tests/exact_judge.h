@@ -87,7 +87,19 @@ class ExactJudge {
  private:
   static Directions directions_of(const Corners& t);
   long double distance_of_point(const Vec3& p, std::size_t triangle) const;
+  // The same as Directions, rounded.
+  struct Plain {
+    Vec3 normal;
+    Vec3 outward[3];
+    Vec3 along[3];
+    double length_m[3];
+  };
+  double rough_distance_m(const Vec3& p, std::size_t triangle) const;
   void find_near(const Bounds& path, double margin_m) const;
+  template <typename Judge>
+  std::optional<Violation> first_violation(std::span<const Vec3> path, std::size_t first_piece,
+                                           std::span<const std::size_t> near, double margin_m,
+                                           Judge judge) const;
   template <typename Judge>
   std::optional<Violation> first_violation(std::span<const Vec3> path, double margin_m,
                                            Judge judge) const;
@@ -95,6 +107,7 @@ class ExactJudge {
   std::vector<Corners> triangles_;
   std::vector<Bounds> bounds_;
   std::vector<Directions> directions_;
+  std::vector<Plain> plain_;
   mutable std::vector<std::size_t> near_;  // kept, so that judging a tick does not allocate
 };
 

@@ -97,7 +97,8 @@ class Search {
         {static_cast<Wide>(size_m), static_cast<Wide>(radius_m), proxy_.cwiseAbs().maxCoeff()});
     const Wide ulp_m = kDoubleEpsilon * extent_m;
     round_m_ = kWayUlps * ulp_m;
-    keep_m_ = static_cast<Wide>(radius_m) + static_cast<Wide>(stand_off_m);
+    radius_m_ = static_cast<Wide>(radius_m);
+    keep_m_ = radius_m_ + static_cast<Wide>(stand_off_m);
     touch_m_ = keep_m_ + kTouchUlps * ulp_m;
     near_m_ = keep_m_ + (kNearStandOffs - 1) * static_cast<Wide>(stand_off_m);
     lag_ = rest.goal.cast<Wide>() - proxy_;
@@ -118,11 +119,13 @@ class Search {
     find_near();
     if (auto way = try_slide({lag_ / lag_m_}, "straight")) return way;
     if (gain_of(steepest(cone_)) <= tolerance_m_) return std::nullopt;  // none, proven
-    if (auto way = descend()) return way;
+    if (auto way = is_held() ? slide_on_what_is_touched() : descend()) return way;
     return slide_on_planes();
   }
 
  private:
+  bool is_held() const { return rest_.static_friction > 0.0; }
+
   Near nearness(std::size_t body, std::size_t triangle) const {
     const ExactJudge& judge = *bodies_[body].judge;
     const Corners& t = judge.triangles()[triangle];
@@ -433,6 +436,13 @@ class Search {
     return std::nullopt;
   }
 
+  // Under friction, only what is touched is slid along; it holds, too.
+  std::optional<Way> slide_on_what_is_touched() {
+    if (cone_.empty()) return std::nullopt;
+    const std::optional<Slide> slide = steepest(cone_);
+    return slide ? try_slide(*slide, "along what is touched") : std::nullopt;
+  }
+
   // Between a direction that an obstacle blocks and one that it does not, as near to the first as
   // it lets pass.
   std::optional<Way> try_tangent(const Slide& blocked, const Slide& free) {
@@ -489,12 +499,13 @@ class Search {
       normals.push_back(*part);
     };
     for (const Near& near : near_) {
-      add(near.normal);
+      if (is_held() && near.distance_m > touch_m_) break;
+      if (!is_held() || radius_m_ == 0) add(near.normal);
       add(near.away);
       if (normals.size() >= kMostPlanes) break;
     }
     for (const Near& near : near_) {
-      if (normals.size() >= kMostPlanes) break;
+      if (is_held() || normals.size() >= kMostPlanes) break;
       for (const Wide3& normal : tangents_to_edges(near)) add(normal);
     }
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -521,6 +532,7 @@ class Search {
   Rest rest_;
   Wide3 proxy_;
   Wide tolerance_m_;
+  Wide radius_m_ = 0;
   Wide round_m_ = 0;
   Wide keep_m_ = 0;   // from triangles: radius and stand-off
   Wide touch_m_ = 0;  // the same, and the rounding of stops

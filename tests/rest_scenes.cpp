@@ -156,30 +156,42 @@ void add_needle(const Vec3& foot, const Vec3& tip, double thick_m, Random& rando
   }
 }
 
-// Needles that point to one place or away from it, in all directions or side by side like the ribs
-// of a hand fan; or single triangles that are long and narrow and have a vertex in common.
+// Needles around one place: cones that point to it or away from it, in all directions or side by
+// side like the ribs of a hand fan; loose triangles, long and narrow; or the pleats of the fan.
 RestScene needle_fans(ProxyKind proxy, Random& random) {
-  Soup soup;
-  const int needles = between(random, 4, 40);
-  const bool points_meet = random.index(2);
-  const bool is_flat = random.index(2);
-  const bool are_triangles = random.index(3) == 0;
-  const double spread_rad = log_uniform(random, 0.05, 0.5 * kTurn_rad);
+  enum Needle { kLoose, kPleat, kTipIn, kTipOut };
+  const auto needle = static_cast<Needle>(random.index(4));
+  const int most = needle <= kPleat ? 400 : 40;
+  const int needles = static_cast<int>(log_uniform(random, 4.0, most));
+  const bool is_flat = random.index(2) || needle == kPleat;
+  const double spread_rad = log_uniform(random, 0.05, 0.9 * kTurn_rad);
   const double thick_m = log_uniform(random, 1e-4, 1e-2);
   const Vec3 middle = random.index(2) ? Vec3(Vec3::Zero()) : random.in_box(0.02);
+  Soup soup;
+  Vec3 last = middle;
   for (int i = 0; i < needles; ++i) {
     const double turn_rad = spread_rad * (i - 0.5 * needles) / needles;
-    const Vec3 axis =
-        is_flat ? Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.02 * random.uniform(-1.0, 1.0))
-                : random.unit_vector();
-    const Vec3 far = 0.08 * axis;
-    if (are_triangles) {
-      soup.add(middle, far, far + thick_m * random.unit_vector());
-      continue;
-    }
+    const Vec3 across = Vec3(std::cos(turn_rad), std::sin(turn_rad), 0.0);
+    const Vec3 far = 0.08 * (is_flat ? across : random.unit_vector());
     const Vec3 near = middle + 1e-3 * random.uniform(0.0, 1.0) * random.unit_vector();
-    add_needle(points_meet ? far : near, points_meet ? near : far,
-               thick_m * random.uniform(0.5, 1.0), random, soup);
+    switch (needle) {
+      case kLoose:
+        soup.add(middle, far, far + thick_m * random.unit_vector());
+        break;
+      case kPleat: {
+        const double up = (i % 2 ? 1.0 : -1.0) * random.uniform(0.5, 1.0);
+        const Vec3 next = far + thick_m * up * Vec3::UnitZ();
+        if (i > 0) soup.add(middle, last, next);
+        last = next;
+        break;
+      }
+      case kTipIn:
+        add_needle(far, near, thick_m * random.uniform(0.5, 1.0), random, soup);
+        break;
+      case kTipOut:
+        add_needle(near, far, thick_m * random.uniform(0.5, 1.0), random, soup);
+        break;
+    }
   }
   return {in_float(soup), some_radius_m(proxy, 1e-5, 1e-2, random), {}, {middle}};
 }
@@ -217,7 +229,7 @@ RestScene mixed_scales(ProxyKind proxy, Random& random) {
         part = box_soup(Vec3::Constant(0.4) + random.in_box(0.3));
         break;
       case 1:
-        part = ball(between(random, 3, 12), 0.5);
+        part = ball(between(random, 3, 20), 0.5);
         break;
       default: {
         const int cells = between(random, 2, 16);
@@ -282,29 +294,36 @@ RestScene narrow_tubes(ProxyKind proxy, Random& random) {
   return scene;
 }
 
-// A dish, a bump, a plain or a ball, of edges much shorter than the sphere is wide.
-Soup fine_mesh(Random& random) {
-  const int cells = between(random, 8, 24);
-  const double rough_m = random.index(2) ? 0.0 : log_uniform(random, 1e-6, 1e-3);
-  const double bend = random.index(3) == 0 ? 0.0 : random.uniform(-8.0, 8.0);
-  if (random.index(5) == 0) return ball(between(random, 6, 14), random.uniform(0.02, 0.05));
-  return height_field(cells, cells, 0.1, random, [&](int i, int j) {
+// Spheres of so many edges on a ball.
+template <int low_edges, int high_edges>
+RestScene spheres_on_balls(ProxyKind, Random& random) {
+  const int rings = between(random, 6, 24);
+  const double radius_m = random.uniform(0.02, 0.05);
+  const double edge_m = std::numbers::pi / rings * radius_m;
+  return {in_float(ball(rings, radius_m)), log_uniform(random, low_edges, high_edges) * edge_m};
+}
+
+// On a field of hills or noise, or in a dish that fits them more or less.
+template <int low_edges, int high_edges>
+RestScene large_spheres(ProxyKind, Random& random) {
+  const double edges = log_uniform(random, low_edges, high_edges);
+  const int cells = between(random, 8, 40);
+  const double edge_m = 0.1 / cells;
+  const double radius_m = edges * edge_m;
+  const double rough_m = random.index(3) == 0 ? 0.0 : log_uniform(random, 1e-5, 1.0) * edge_m;
+  // Of a dish: from much flatter than the sphere to as deep as the field is wide.
+  const double fit = random.index(3) == 0 ? 0.0 : random.uniform(-0.5, 1.2);
+  const double bend = std::clamp(fit * 0.5 / radius_m, -20.0, 20.0);
+  Soup soup = height_field(cells, cells, 0.1, random, [&](int i, int j) {
     const double x = 0.1 * (static_cast<double>(i) / cells - 0.5);
     const double y = 0.1 * (static_cast<double>(j) / cells - 0.5);
     return bend * (x * x + y * y) + rough_m * random.uniform(-1.0, 1.0);
   });
-}
-
-template <int low_edges, int high_edges>
-RestScene large_spheres(ProxyKind, Random& random) {
-  Soup soup = in_float(fine_mesh(random));
-  const Triangle& t = soup.triangles.front();
-  const double edge_m = (soup.positions[t[0]] - soup.positions[t[1]]).norm();
-  return {std::move(soup), log_uniform(random, low_edges * edge_m, high_edges * edge_m)};
+  return {in_float(soup), radius_m};
 }
 
 RestScene spokes(ProxyKind proxy, Random& random) {
-  const int count = between(random, 8, 120);
+  const int count = static_cast<int>(log_uniform(random, 8, 600));
   const double rough = random.index(2) ? log_uniform(random, 1e-6, 0.5) : 0.0;
   const double lift = random.uniform(-1.0, 1.0);
   const int waves = between(random, 0, 6);
@@ -425,7 +444,9 @@ constexpr RestClass kClasses[] = {
     {"TinySoups", kSphere, tiny_soups, kSphereCapped},
     {"NarrowTubes", kSphere, narrow_tubes, kSphereCapped},
     {"LargeSpheres", kSphere, large_spheres<1, 100>, kSphereCapped},
+    {"LargeOnBalls", kSphere, spheres_on_balls<1, 100>, kSphereCapped},
     {"HugeSpheres", kSphere, large_spheres<100, 10000>, kAnyCapped},
+    {"HugeOnBalls", kSphere, spheres_on_balls<100, 10000>, kAnyCapped},
     {"Spokes", kPoint, spokes, kAnyCapped},
     {"Spokes", kSphere, spokes, kAnyCapped},
     {"CrossingSheets", kPoint, crossing_sheets, kAnyCapped},
@@ -487,6 +508,15 @@ std::string RestClass::full_name() const {
 
 std::span<const RestClass> rest_classes() {
   return kClasses;
+}
+
+std::vector<RestClass> large_sphere_classes() {
+  std::vector<RestClass> large;
+  for (const RestClass& rest_class : kClasses) {
+    const std::string name = rest_class.name;
+    if (name.starts_with("Large") || name.starts_with("Huge")) large.push_back(rest_class);
+  }
+  return large;
 }
 
 Soup convex_room(Random& random) {

@@ -42,6 +42,9 @@ inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
 // The hard scenes of the leak test are among them.
 std::span<const RestClass> rest_classes();
 
+// Those whose spheres are larger than edges, up to ten thousand times.
+std::vector<RestClass> large_sphere_classes();
+
 // A room with no wall bent: the hull of random float points, convex by exact signs, with angles of
 // more than a degree between walls that meet in an edge. Faces look inwards.
 Soup convex_room(Random& random);
