@@ -368,8 +368,8 @@ void Scene::report_seams(const Seams& seams) {
     statistics_.notes.push_back(
         "seams: " + std::to_string(seams.vertices) + " vertices of " +
         std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
-        " places and are joined there for a point proxy; open stay nodes that move, a vertex on "
-        "the edge of another node, and gaps that are in the file");
+        " places and are joined, so that no point passes there; open stay nodes that have moved, "
+        "a vertex on the edge of another node, and gaps that are in the file");
   }
   if (seams.too_far.empty()) return;
   const std::size_t others = seams.too_far.size() - 1;

@@ -16,19 +16,22 @@
 namespace palpate {
 namespace {
 
-// How far a vertex in the solver frame is from where the numbers of a file put it, at most. With u
-// the unit roundoff, v the vertex in the mesh frame, and L and t the linear part and translation of
+// How far a vertex in the solver frame is from where the file means it to be, at most. With u the
+// unit roundoff, v the vertex in the mesh frame, and L and t the linear part and translation of
 // each transform on the way, in units of u times |L..| |v| + sum |L..| |t| (TransformProduct),
 // where |L| |v| is the sum of |L's columns| |v's components|:
 //
-// each transform: 4 for the numbers that the file gives, rounded once or twice; 16 for the matrix
-// of a quaternion (sums of four products, then divided by the square of its length); 2 for the
-// scale; 9 for the product with the one above it: 3 an entry, in which the magnitudes of two
-// rotations can be 5/3 as long as the rotations.
+// each transform: 2 for its numbers, rounded to double; 18 for the matrix of a quaternion (sums of
+// four products, then divided by the square of its length); 2 for the scale; 9 for the product with
+// the one above it: 3 an entry, in which the magnitudes of two rotations can be 5/3 as long as the
+// rotations.
 constexpr double kRoundoffPerTransform = 32 * kUnitRoundoff;
 // each vertex: 5 for three products and their sums, as above, 1 for the translation from the
 // anchor, 1 for adding it.
 constexpr double kRoundoffPerVertex = 8 * kUnitRoundoff;
+// whoever wrote the file: a quaternion or a matrix that was itself a product of two, and an offset
+// turned by it, in double.
+constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
 
 // How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
 // deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
@@ -76,8 +79,9 @@ struct Placed {
                            std::max(node.product.translation_m, node.translation_m.norm());
     const double factors = std::max<std::uint32_t>(node.product.factors, 1);
     const double from_anchor_m = translation_solver_m.norm();
-    rounding_m = (kRoundoffPerTransform * factors + kRoundoffPerVertex) * terms_m +
-                 kRoundoffPerVertex * from_anchor_m;
+    rounding_m =
+        (kRoundoffPerTransform * factors + kRoundoffPerVertex + kRoundoffOfWriter) * terms_m +
+        kRoundoffPerVertex * from_anchor_m;
     const Mat3 moved = s.rotation.toRotationMatrix() * s.deformation;
     apart_m = ((moved - node.linear_scene_mesh).cwiseAbs() * reach_m).norm() +
               kFrameRoundoff * (length_m + node.translation_m.norm() + from_anchor_m);
@@ -155,7 +159,8 @@ class SeamSearch {
     std::vector<bool> open;
     boxes.reserve(placed_.size());
     for (std::uint32_t s = 0; s < placed_.size(); ++s) {
-      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(most_m_ + most_apart_m_));
+      const double margin_m = most_m_ + placed_[s].rounding_m + placed_[s].apart_m;
+      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(margin_m));
       open.push_back(is_open(s));
     }
     const std::vector<bool> touches = may_touch_marked(boxes, open);

@@ -241,7 +241,7 @@ TEST(Seams, NoPointPassesBetweenTheNodesOfAWatertightBody) {
 // What the test above would see if bodies were judged each in its own frame.
 TEST(Seams, PointsPassWhereEveryBodyIsJudgedInItsOwnFrame) {
   Passes sum;
-  for (std::uint64_t n = 0; n < 40; ++n) {
+  for (std::uint64_t n = 0; n < in_soak_or_else(1000u, 40u); ++n) {
     Random random(seed_of(n));
     SeamBody body = test::random_seam_body(random);
     if (test::seam_edges(body).empty()) continue;
