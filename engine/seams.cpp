@@ -118,6 +118,55 @@ struct Membership {
   bool is_moved;
 };
 
+bool is_within(const Vec3& p, const Vec3& q, double distance_m) {
+  return (p - q).squaredNorm() <= distance_m * distance_m;
+}
+
+struct BoundaryPoint {
+  std::uint32_t surface;
+  Vec3 position_m;
+};
+
+// All points on boundaries, by where they are.
+class BoundaryGrid {
+ public:
+  BoundaryGrid(const std::vector<BoundaryPoint>& points, double distance_m)
+      : points_(points),
+        distance_m_(distance_m),
+        grid_(kCellPerJoin * distance_m, points.size()),
+        cells_(box_around(points).grown(distance_m)) {
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      grid_.insert(points[i].position_m, i);
+      cells_.mark(points[i].position_m, distance_m);
+    }
+  }
+
+  // Whether p is within the distance of the boundary of another surface.
+  bool is_near_another(const Vec3& p, std::uint32_t surface) const {
+    if (!cells_.may_hold(p)) return false;
+    bool is_near = false;
+    grid_.visit_near(p, distance_m_, [&](std::uint32_t i) {
+      const BoundaryPoint& point = points_[i];
+      is_near =
+          is_near || (point.surface != surface && is_within(p, point.position_m, distance_m_));
+    });
+    return is_near;
+  }
+
+ private:
+  static Box box_around(const std::vector<BoundaryPoint>& points) {
+    Box box{Vec3::Zero(), Vec3::Zero()};
+    if (!points.empty()) box = {points[0].position_m, points[0].position_m};
+    for (const BoundaryPoint& p : points) box = box.united({p.position_m, p.position_m});
+    return box;
+  }
+
+  const std::vector<BoundaryPoint>& points_;
+  double distance_m_;
+  PointGrid grid_;
+  OccupiedCells cells_;
+};
+
 class SeamSearch {
  public:
   SeamSearch(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
@@ -136,19 +185,15 @@ class SeamSearch {
   Seams find() {
     find_near();
     if (near_.empty()) return std::move(seams_);
-    const PointGrid boundary = boundary_points();
-    PointGrid places(kCellPerJoin * most_m_, capacity_);
+    find_boundary_points();
+    const BoundaryGrid boundary(points_, most_m_);
+    PointGrid places(kCellPerJoin * most_m_, points_.size());
     for (const std::uint32_t s : near_) join(s, candidates(s, boundary), places);
     collect();
     return std::move(seams_);
   }
 
  private:
-  struct BoundaryPoint {
-    std::uint32_t surface;
-    Vec3 position_m;
-  };
-
   const SurfaceMesh& mesh(std::uint32_t s) const { return meshes_[placed_[s].surface->node->mesh]; }
   MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
   bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
@@ -173,26 +218,23 @@ class SeamSearch {
     }
   }
 
-  PointGrid boundary_points() {
+  void find_boundary_points() {
+    std::size_t count = 0;
     for (const std::uint32_t s : near_) {
-      if (is_open(s) && outline(s).boundary.empty())
-        outline(s).boundary = boundary_vertices(mesh(s));
-      capacity_ += outline(s).boundary.size();
+      std::vector<std::uint32_t>& boundary = outline(s).boundary;
+      if (is_open(s) && boundary.empty()) boundary = boundary_vertices(mesh(s));
+      count += boundary.size();
     }
-    PointGrid grid(kCellPerJoin * most_m_, capacity_);
-    points_.reserve(capacity_);
+    points_.reserve(count);
     for (const std::uint32_t s : near_) {
       for (const std::uint32_t v : outline(s).boundary) {
-        const Vec3 p = placed_[s].vertex(mesh(s).welded_positions()[v]);
-        grid.insert(p, static_cast<std::uint32_t>(points_.size()));
-        points_.push_back({s, p});
+        points_.push_back({s, placed_[s].vertex(mesh(s).welded_positions()[v])});
       }
     }
-    return grid;
   }
 
   // Vertices of a surface that are on its boundary or near to the boundary of another.
-  std::vector<Candidate> candidates(std::uint32_t s, const PointGrid& boundary) {
+  std::vector<Candidate> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
     const std::span<const Vec3> positions = mesh(s).welded_positions();
     const std::vector<std::uint32_t>& own = outline(s).boundary;
@@ -200,22 +242,10 @@ class SeamSearch {
     for (std::uint32_t v = 0; v < positions.size(); ++v) {
       const Vec3 p = placed_[s].vertex(positions[v]);
       const bool is_on_boundary = next < own.size() && own[next] == v;
-      bool is_near = is_on_boundary;
-      if (is_on_boundary) {
-        ++next;
-      } else {
-        boundary.visit_near(p, most_m_, [&](std::uint32_t other) {
-          is_near = is_near || (points_[other].surface != s &&
-                                is_within(p, points_[other].position_m, most_m_));
-        });
-      }
-      if (is_near) found.push_back({v, is_on_boundary, p});
+      if (is_on_boundary) ++next;
+      if (is_on_boundary || boundary.is_near_another(p, s)) found.push_back({v, is_on_boundary, p});
     }
     return found;
-  }
-
-  static bool is_within(const Vec3& p, const Vec3& q, double distance_m) {
-    return (p - q).squaredNorm() <= distance_m * distance_m;
   }
 
   // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
@@ -278,7 +308,6 @@ class SeamSearch {
   std::vector<Placed> placed_;
   std::vector<std::uint32_t> near_;
   std::vector<BoundaryPoint> points_;
-  std::size_t capacity_ = 0;  // of boundary points
   std::vector<Place> places_;
   std::vector<Membership> memberships_;
   Seams seams_;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/box.h"
 #include "geometry/types.h"
 
 namespace palpate {
@@ -88,6 +89,58 @@ class PointGrid {
   double per_cell_;
   std::vector<std::uint32_t> first_;  // by the low bits of the key; their number is a power of two
   std::vector<Entry> entries_;
+};
+
+// Which parts of a box have points in them: a question that is answered from the cache, before one
+// to a PointGrid of many points, which is not.
+class OccupiedCells {
+ public:
+  // Around the points that will be marked.
+  explicit OccupiedCells(const Box& box)
+      : box_(box), cells_per_m_(kAlongAxis / (box.high - box.low).array()) {
+    // No width: all in the first cell.
+    for (int k = 0; k < 3; ++k) {
+      if (!std::isfinite(cells_per_m_[k])) cells_per_m_[k] = 0.0;
+    }
+    bits_.assign(kAlongAxis * kAlongAxis * kAlongAxis / 64, 0);
+  }
+
+  // Points that come within margin_m of p may be in an occupied cell from now on.
+  void mark(const Vec3& p, double margin_m) {
+    const Vec3 margin = Vec3::Constant(margin_m);
+    const Eigen::Array3i low = cell_of(p - margin);
+    const Eigen::Array3i high = cell_of(p + margin);
+    for (int x = low[0]; x <= high[0]; ++x) {
+      for (int y = low[1]; y <= high[1]; ++y) {
+        for (int z = low[2]; z <= high[2]; ++z) {
+          const std::size_t bit = bit_of({x, y, z});
+          bits_[bit / 64] |= std::uint64_t{1} << bit % 64;
+        }
+      }
+    }
+  }
+  bool may_hold(const Vec3& p) const {
+    if (!box_.contains(p)) return false;
+    const std::size_t bit = bit_of(cell_of(p));
+    return (bits_[bit / 64] >> bit % 64 & 1u) != 0;
+  }
+
+ private:
+  static constexpr int kAlongAxis = 128;  // 256 kB in all
+
+  Eigen::Array3i cell_of(const Vec3& p) const {
+    return ((p - box_.low).array() * cells_per_m_)
+        .max(0.0)
+        .min(kAlongAxis - 1)
+        .template cast<int>();
+  }
+  static std::size_t bit_of(const Eigen::Array3i& cell) {
+    return static_cast<std::size_t>((cell[0] * kAlongAxis + cell[1]) * kAlongAxis + cell[2]);
+  }
+
+  Box box_;
+  Eigen::Array3d cells_per_m_;
+  std::vector<std::uint64_t> bits_;
 };
 
 }  // namespace palpate

@@ -298,20 +298,22 @@ Json json_of(const Vec3& v) {
 Json json_of(const Quat& q) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
-Json json_of(const NodeFrame& frame, bool as_matrix) {
+// A place as translation, rotation and scale, or as a matrix.
+Json json_of(const Quat& rotation, const Mat3& turn, const Vec3& scale, const Vec3& translation,
+             bool as_matrix) {
   if (!as_matrix) {
-    return {{"rotation", json_of(frame.rotation)},
-            {"scale", json_of(frame.scale)},
-            {"translation", json_of(frame.translation)}};
+    return {{"rotation", json_of(rotation)},
+            {"scale", json_of(scale)},
+            {"translation", json_of(translation)}};
   }
-  const Mat3 linear = cube_matrix(frame.rotation) * frame.scale.asDiagonal();
-  const Vec3& t = frame.translation;
+  const Mat3 linear = turn * scale.asDiagonal();
   Json matrix = Json::array();
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) matrix.push_back(linear(row, column));
     matrix.push_back(0.0);
   }
-  for (const double x : {t.x(), t.y(), t.z(), 1.0}) matrix.push_back(x);
+  for (int row = 0; row < 3; ++row) matrix.push_back(translation[row]);
+  matrix.push_back(1.0);
   return {{"matrix", std::move(matrix)}};
 }
 
@@ -325,18 +327,56 @@ std::size_t add_mesh(GltfBuilder& gltf, const MeshDescription& mesh) {
   return gltf.add_mesh({{{"attributes", {{"POSITION", position}}}, {"indices", index}}});
 }
 
-// The nodes below the assembly in a file; the assembly is the only root.
-void add_assembly(GltfBuilder& gltf, const Assembly& assembly, Json children) {
-  for (auto link = assembly.links.rbegin(); link != assembly.links.rend(); ++link) {
-    Json node = {{"rotation", json_of(link->rotation)},
-                 {"scale", json_of(link->scale)},
-                 {"translation", json_of(link->translation_m)},
-                 {"children", std::move(children)}};
-    const bool is_root = std::next(link) == assembly.links.rend();
-    children =
-        Json::array({is_root ? gltf.add_node(std::move(node)) : gltf.add_child(std::move(node))});
+// The nodes of a file: below those of the assembly, or all at the root with the assembly multiplied
+// out in double, as a program may write them.
+class FileNodes {
+ public:
+  FileNodes(Random& random, SeamBody& body, const Assembly& assembly)
+      : random_(random),
+        gltf_(body.gltf),
+        assembly_(assembly),
+        is_flat_(assembly.links.size() == 1 && random.index(2) == 0) {}
+
+  bool is_flat() const { return is_flat_; }
+  void add(const NodeFrame& frame, const Json& more) {
+    const Mat3 turn = cube_matrix(frame.rotation);
+    const bool as_matrix = random_.index(2) == 0;
+    if (!is_flat_) {
+      Json node = json_of(frame.rotation, turn, frame.scale, frame.translation, as_matrix);
+      node.update(more);
+      return add(std::move(node));
+    }
+    const Assembly::Link& root = assembly_.links[0];
+    const double unit_m = root.scale.x();  // the same for all axes
+    Json node =
+        json_of(root.rotation * frame.rotation, root.rotation.toRotationMatrix() * turn,
+                unit_m * frame.scale,
+                root.rotation * (unit_m * frame.translation) + root.translation_m, as_matrix);
+    node.update(more);
+    gltf_.add_node(std::move(node));
   }
-}
+  void add(Json node) { children_.push_back(gltf_.add_child(std::move(node))); }
+
+  void finish() {
+    if (is_flat_) return;
+    for (auto link = assembly_.links.rbegin(); link != assembly_.links.rend(); ++link) {
+      Json node = {{"rotation", json_of(link->rotation)},
+                   {"scale", json_of(link->scale)},
+                   {"translation", json_of(link->translation_m)},
+                   {"children", std::move(children_)}};
+      const bool is_root = std::next(link) == assembly_.links.rend();
+      children_ = Json::array(
+          {is_root ? gltf_.add_node(std::move(node)) : gltf_.add_child(std::move(node))});
+    }
+  }
+
+ private:
+  Random& random_;
+  GltfBuilder& gltf_;
+  const Assembly& assembly_;
+  bool is_flat_;
+  Json children_ = Json::array();
+};
 
 void describe(SeamBody& body, std::uint32_t node, std::uint32_t mesh, const Assembly& assembly,
               const WideMat3& linear, const Wide3& translation) {
@@ -417,24 +457,20 @@ void place_instances(Random& random, const Solid& solid, const Assembly& assembl
     return;
   }
   const std::size_t id = add_mesh(body.gltf, mesh);
-  Json children = Json::array();
-  if (random.index(2) == 0) {
+  FileNodes nodes(random, body, assembly);
+  if (!nodes.is_flat() && random.index(2) == 0) {
     Json node = {{"mesh", id}};
     add_instances(body.gltf, node, frames);
-    children.push_back(body.gltf.add_child(std::move(node)));
+    nodes.add(std::move(node));
   } else {
-    for (const NodeFrame& frame : frames) {
-      Json node = json_of(frame, random.index(2) == 0);
-      node["mesh"] = id;
-      children.push_back(body.gltf.add_child(std::move(node)));
-    }
+    for (const NodeFrame& frame : frames) nodes.add(frame, {{"mesh", id}});
   }
-  add_assembly(body.gltf, assembly, std::move(children));
+  nodes.finish();
 }
 
 // Every node has a mesh and a frame of its own.
 void place_pieces(Random& random, const Solid& solid, const Assembly& assembly, SeamBody& body) {
-  Json children = Json::array();
+  FileNodes nodes(random, body, assembly);
   const bool is_turned_freely = !body.is_gltf && random.index(2) == 0;
   for (std::uint32_t n = 0; n < solid.node_count; ++n) {
     const NodeFrame frame = random_frame(random);
@@ -443,16 +479,14 @@ void place_pieces(Random& random, const Solid& solid, const Assembly& assembly, 
     const Wide3 translation = frame.translation.cast<long double>();
     const MeshDescription mesh = piece_of(solid, n, linear, translation);
     if (body.is_gltf) {
-      Json node = json_of(frame, random.index(2) == 0);
-      node["mesh"] = add_mesh(body.gltf, mesh);
-      node["name"] = "node " + std::to_string(n);
-      children.push_back(body.gltf.add_child(std::move(node)));
+      nodes.add(frame,
+                {{"mesh", add_mesh(body.gltf, mesh)}, {"name", "node " + std::to_string(n)}});
     } else {
       body.description.meshes.push_back(mesh);
       describe(body, n, n, assembly, linear, translation);
     }
   }
-  if (body.is_gltf) add_assembly(body.gltf, assembly, std::move(children));
+  if (body.is_gltf) nodes.finish();
 }
 
 Solid random_solid(Random& random) {

@@ -129,6 +129,33 @@ TEST(PointGrid, NamesAllThatAreNear) {
   }
 }
 
+TEST(OccupiedCells, NameAllThatAreNearAndFewMore) {
+  Random random(45);
+  for (const bool is_flat : {false, true}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 50; ++i) {
+      points.push_back(random.in_box(1.0));
+      if (is_flat) points.back().z() = 0.25;
+    }
+    Box box{points[0], points[0]};
+    for (const Vec3& p : points) box = box.united({p, p});
+    const double margin = 1e-3;
+    OccupiedCells cells(is_flat ? box : box.grown(margin));
+    for (const Vec3& p : points) cells.mark(p, margin);
+    for (const Vec3& p : points) EXPECT_TRUE(cells.may_hold(p));
+    int named = 0;
+    for (int trial = 0; trial < 10'000; ++trial) {
+      const Vec3 p = random.index(2) == 0 ? random.in_box(1.1)
+                                          : Vec3(points[random.index(50)] + random.in_box(margin));
+      const auto is_near = [&](const Vec3& q) { return (p - q).norm() <= margin; };
+      const bool expected = std::any_of(points.begin(), points.end(), is_near);
+      named += cells.may_hold(p) ? 1 : 0;
+      EXPECT_TRUE(cells.may_hold(p) || !expected || !box.contains(p));
+    }
+    EXPECT_LT(named, 6000);
+  }
+}
+
 TEST(PointGrid, LooksAtNoMoreOfACrowdThanItSays) {
   PointGrid grid(1.0, 100'000);
   for (std::uint32_t i = 0; i < 100'000; ++i) grid.insert(Vec3(0.5, 0.5, 0.5), i);
