@@ -90,6 +90,8 @@ void scale_by(double scale, SceneDescription& description, std::vector<NodePlace
   for (NodeDescription& node : description.nodes) {
     node.linear_scene_mesh *= scale;
     node.translation_m *= scale;
+    node.product.columns *= scale;
+    node.product.translation_m *= scale;
   }
   for (NodePlacement& placement : placements) placement.deformation *= scale;
   for (TreeNode& node : description.tree) node.origin_m *= scale;
@@ -229,7 +231,7 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
     return with_path(*error, description.path);
   }
   const auto index_start = std::chrono::steady_clock::now();
-  if (auto error = scene.build_world(bounds, settings.proxy_radius_m)) {
+  if (auto error = scene.build_world(bounds, description.nodes, settings.proxy_radius_m)) {
     return with_path(*error, description.path);
   }
   if (auto error = scene.compile_effects(effects)) return with_path(*error, description.path);
@@ -292,6 +294,7 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
         {node.name, node.mesh, node.tree_node, map, T_scene_body, node.physics_material});
     shape_of_object_.push_back(shape);
     outfit_of_object_.push_back(*outfit);
+    node_of_object_.push_back(static_cast<std::uint32_t>(i));
   }
   statistics_.instances = objects_.size() + media_.size();
   statistics_.indices = shapes_.size();
@@ -309,7 +312,9 @@ std::size_t Scene::add_shape(const NodeDescription& node, const NodePlacement& p
   return shapes_.size() - 1;
 }
 
-std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_radius_m) {
+std::optional<Error> Scene::build_world(const Box& bounds_scene,
+                                        const std::vector<NodeDescription>& nodes,
+                                        double proxy_radius_m) {
   world_.size_m = statistics_.extent_m.maxCoeff();
   // A single body is solved in its own frame: no transform, no rounding.
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
@@ -317,7 +322,9 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_ra
   world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
   const double stand_off = SolverScale::of(world_.size_m, proxy_radius_m).stand_off_m;
   const double sweep_radius_m = proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off : 0.0;
-  if (auto error = build_indices(sweep_radius_m)) return error;
+  Seams seams = seams_of(nodes);
+  report_seams(seams);
+  if (auto error = build_indices(sweep_radius_m, seams)) return error;
   world_.bodies.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const RigidTransform& T_scene_body = objects_[i].T_scene_body;
@@ -325,12 +332,15 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_ra
     world_.bodies.back().place(
         {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
   }
+  if (!seams.bodies.empty()) add_corners(seams, nodes);
+  node_of_object_ = {};
   // Short names are inside the objects and nodes. Embree's tree is counted as for clusters.
   constexpr std::size_t kTreeBytesPerBody = 200;
   statistics_.memory.places =
       objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
       shape_of_object_.capacity() * sizeof(std::size_t) +
-      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(Shape);
+      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(Shape) +
+      (world_.seams ? world_.seams->memory_bytes() : 0);
   if (world_.bodies.size() <= kFewBodies) return std::nullopt;
   statistics_.memory.places += world_.bodies.size() * kTreeBytesPerBody;
   std::vector<Box> boxes;
@@ -340,7 +350,63 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene, double proxy_ra
   return std::nullopt;
 }
 
-std::optional<Error> Scene::build_indices(double sweep_radius_m) {
+Seams Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
+  std::vector<SeamSurface> surfaces;
+  surfaces.reserve(objects_.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    surfaces.push_back({&nodes[node_of_object_[i]], objects_[i].map_body_mesh.linear,
+                        objects_[i].T_scene_body.rotation});
+  }
+  return find_seams(meshes_, surfaces, world_.anchor_scene_m, world_.size_m);
+}
+
+void Scene::report_seams(const Seams& seams) {
+  statistics_.seam_vertices = seams.vertices;
+  statistics_.seam_places = seams.places;
+  statistics_.seam_nodes = seams.bodies.size();
+  if (!seams.bodies.empty()) {
+    statistics_.notes.push_back(
+        "seams: " + std::to_string(seams.vertices) + " vertices of " +
+        std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
+        " places and are joined, so that no point passes there; open stay nodes that have moved, "
+        "a vertex on the edge of another node, and gaps that are in the file");
+  }
+  if (seams.too_far.empty()) return;
+  const std::size_t others = seams.too_far.size() - 1;
+  statistics_.warnings.push_back(
+      objects_[seams.too_far.front()].name +
+      (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") +
+      ": too far from the origin of the scene, or of the mesh, to tell which vertices meet those "
+      "of other nodes; a point may pass between nodes there. Move the scene to its origin");
+}
+
+// Of the bodies that meet others, for a point. Their indices exist.
+void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes) {
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);
+  const auto made = std::make_shared<SeamedBodies>();
+  for (const SeamBody& body : seams.bodies) {
+    const std::size_t id = shape_of_object_[body.surface];
+    if (slots_of_shape[id] != kNone) continue;
+    slots_of_shape[id] = made->slots.size();
+    const Shape& shape = shapes_[id];
+    made->slots.push_back(vertices_of_slots(*shape.index, meshes_[shape.mesh],
+                                            shape.map_body_mesh.linear.determinant() < 0.0));
+  }
+  made->bodies.reserve(seams.bodies.size());
+  for (SeamBody& body : seams.bodies) {
+    const std::size_t shape = shape_of_object_[body.surface];
+    const NodeDescription& node = nodes[node_of_object_[body.surface]];
+    body.joined.shrink_to_fit();
+    made->bodies.push_back(std::make_unique<SolverCorners>(
+        meshes_[shapes_[shape].mesh].welded_positions(), made->slots[slots_of_shape[shape]],
+        node.linear_scene_mesh, world_.to_solver(node.translation_m), std::move(body.joined)));
+    world_.bodies[body.surface].corners = made->bodies.back().get();
+  }
+  world_.seams = made;
+}
+
+std::optional<Error> Scene::build_indices(double sweep_radius_m, const Seams& seams) {
   std::uint64_t triangles = 0;
   for (const Shape& shape : shapes_) triangles += meshes_[shape.mesh].face_count();
   if (triangles > kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) {
@@ -351,9 +417,14 @@ std::optional<Error> Scene::build_indices(double sweep_radius_m) {
                      std::to_string(kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle),
                  "load a part of it with --node"};
   }
-  for (Shape& shape : shapes_) {
-    shape.index =
-        std::make_unique<SurfaceIndex>(meshes_[shape.mesh], shape.map_body_mesh, sweep_radius_m);
+  std::vector<bool> has_seams(shapes_.size(), false);
+  for (const SeamBody& body : seams.bodies) has_seams[shape_of_object_[body.surface]] = true;
+  const double seam_sweep_m =
+      std::max(sweep_radius_m, SolverScale::of(world_.size_m, 0.0).stand_off_m);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    Shape& shape = shapes_[i];
+    shape.index = std::make_unique<SurfaceIndex>(meshes_[shape.mesh], shape.map_body_mesh,
+                                                 has_seams[i] ? seam_sweep_m : sweep_radius_m);
     statistics_.memory += shape.index->memory();
   }
   return std::nullopt;

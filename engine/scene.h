@@ -10,6 +10,7 @@
 
 #include "engine/node_placement.h"
 #include "engine/scene_effects.h"
+#include "engine/seams.h"
 #include "engine/surface_attributes.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/result.h"
@@ -40,6 +41,9 @@ struct SceneStatistics {
   CleaningReport cleaning;              // summed over meshes
   std::size_t instanced_triangles = 0;  // summed over nodes
   std::size_t indices = 0;              // distinct meshes and scales
+  std::size_t seam_vertices = 0;        // of nodes, joined with those of others (seams.h)
+  std::size_t seam_places = 0;          // where they are
+  std::size_t seam_nodes = 0;           // that have them
   double scale = 1.0;                   // that the scene was given
   Vec3 extent_m = Vec3::Zero();
   double parse_ms = 0.0;
@@ -128,8 +132,13 @@ class Scene {
                                     SceneEffects& effects);
   std::size_t add_shape(const NodeDescription& node, const NodePlacement& placement,
                         ShapeFinder& finder);
-  std::optional<Error> build_world(const Box& bounds_scene, double proxy_radius_m);
-  std::optional<Error> build_indices(double sweep_radius_m);
+  std::optional<Error> build_world(const Box& bounds_scene,
+                                   const std::vector<NodeDescription>& nodes,
+                                   double proxy_radius_m);
+  std::optional<Error> build_indices(double sweep_radius_m, const Seams& seams);
+  Seams seams_of(const std::vector<NodeDescription>& nodes) const;
+  void report_seams(const Seams& seams);
+  void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
   std::optional<Error> compile_effects(SceneEffects& effects);
   EffectSurface effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
                                const RigidTransform& T_scene_body) const;
@@ -139,6 +148,7 @@ class Scene {
   std::vector<Shape> shapes_;
   std::vector<SceneObject> objects_;
   std::vector<std::size_t> shape_of_object_;
+  std::vector<std::uint32_t> node_of_object_;  // of the description, while it is compiled
   std::vector<std::size_t> outfit_of_object_;  // while it is compiled
   std::vector<Medium> media_;                  // likewise
   std::vector<TreeNode> tree_;

@@ -11,6 +11,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/surface_index.h"
 #include "geometry/types.h"
+#include "haptics/solver_corners.h"
 
 namespace palpate {
 
@@ -21,6 +22,9 @@ struct ContactBody {
   const SurfaceIndex* index;  // in the body frame; outlives the world
   RigidTransform T_solver_body;
   bool is_identity;  // the transform changes nothing, not even a bit
+  // Of a body that meets others along seams, as long as it is where it was at first: what decides
+  // there whether a point passes. Null for all others. Outlives the world, as the index.
+  const SolverCorners* corners = nullptr;
 
   void place(const RigidTransform& T) {
     T_solver_body = T;
@@ -62,6 +66,8 @@ struct ContactWorld {
   // Over the boxes of the bodies, in their order, solver frame, for sweeps of the largest proxy.
   // Null in small worlds: all bodies are asked.
   std::shared_ptr<const BoxTree> tree;
+  // What the bodies' corners point to. Null in a world without seams.
+  std::shared_ptr<const SeamedBodies> seams;
   // What the surfaces are felt like, solver frame. Null in a world without effects.
   std::shared_ptr<const EffectProgram> effects;
 
@@ -86,6 +92,7 @@ struct SolverScale {
   static constexpr double kStandOffPerSize = 1e-11;
   static constexpr double kStopPerStandOff = 0.875;
   static constexpr double kClearancePerStandOff = 0.25;
+  static_assert(kMostApartPerStandOff < kClearancePerStandOff);
 
   // radius_m: of the proxy; positions are then exact to the radius' rounding, too.
   static SolverScale of(double size_m, double radius_m) {

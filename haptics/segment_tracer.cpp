@@ -55,6 +55,7 @@ struct SegmentTracer::Search {
 
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
+  const SolverCorners* corners = nullptr;  // of the body, if they are what decides
   Vec3 p_body = Vec3::Zero();
   Vec3 q_body = Vec3::Zero();
   Vec3 d_body = Vec3::Zero();  // the part searched, rounded: for what only sorts out
@@ -66,6 +67,9 @@ struct SegmentTracer::Search {
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
     d_body = limit.value() * (q_body - p_body);
+    corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
+    // A step that is shorter than the rounding of its ends in the body is a step all the same.
+    if (corners) d_body = limit.value() * placed->direction_to_body(q - p);
   }
 
   // Enters a body with a step given in its own frame.
@@ -75,6 +79,7 @@ struct SegmentTracer::Search {
     p_body = from_body;
     q_body = to_body;
     d_body = limit.value() * (q_body - p_body);
+    corners = nullptr;
   }
 
   // Packs of the body entered.
@@ -82,13 +87,13 @@ struct SegmentTracer::Search {
     constexpr std::size_t kAtOnce = 16;
     std::array<PackLanes, kAtOnce> doubtful;
     const TrianglePack* all = placed->index->packs();
+    const double clearance_m = tracer.clearance_m(*placed);
     while (!packs.empty()) {
       const auto some = packs.first(std::min(packs.size(), kAtOnce));
       packs = packs.subspan(some.size());
       const std::size_t count =
           tracer.radius_m_ == 0.0
-              ? lanes_in_the_way(all, some, p_body, d_body, tracer.scale_.clearance_m,
-                                 doubtful.data())
+              ? lanes_in_the_way(all, some, p_body, d_body, clearance_m, doubtful.data())
               : lanes_in_reach(all, some, p_body, d_body, tracer.reach_m(), doubtful.data());
       for (std::size_t i = 0; i < count; ++i) {
         for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
@@ -114,6 +119,11 @@ struct SegmentTracer::Search {
       const TrianglePack& pack = index.pack(slot / TrianglePack::kLanes);
       return trace_point_in_float(pack, lane, p_body, q_body, scale.stop_m, hit);
     }
+    if (corners) {
+      const Vec3 normal = placed->direction_to_solver(index.triangle(slot).normal);
+      return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
+                         hit);
+    }
     if (tracer.radius_m_ == 0.0) {
       return trace_point(index.triangle(slot), p_body, q_body, {scale.stop_m, scale.clearance_m},
                          hit);
@@ -129,10 +139,12 @@ struct SegmentTracer::Search {
     if (found && hit.meet_fraction > best.meet_fraction) return;
     if (found && hit.meet_fraction == best.meet_fraction && face > best.contact.face) return;
     found = true;
-    const Vec3 normal = placed->is_identity
-                            ? hit.normal
-                            : Vec3(placed->T_solver_body.direction(hit.normal).normalized());
-    best = {{face, normal, hit.clearance_m, hit.feature, placed->to_solver(hit.feature_point)},
+    const bool is_in_solver = placed->is_identity || corners;
+    const Vec3 normal =
+        is_in_solver ? hit.normal : Vec3(placed->T_solver_body.direction(hit.normal).normalized());
+    const Vec3 feature_point =
+        is_in_solver ? hit.feature_point : placed->to_solver(hit.feature_point);
+    best = {{face, normal, hit.clearance_m, hit.feature, feature_point},
             hit.fraction,
             hit.meet_fraction};
   }
@@ -195,8 +207,9 @@ void SegmentTracer::search_moving(Search& search) noexcept {
 
 // The body that has been entered.
 void SegmentTracer::search_body(Search& search, std::uint32_t body) noexcept {
-  world_->body(body).index->visit_segment(
-      search.p_body, search.d_body, sweep_radius_m(),
+  const ContactBody& placed = world_->body(body);
+  placed.index->visit_segment(
+      search.p_body, search.d_body, sweep_radius_m(placed),
       [](void* state, std::span<const std::uint32_t> packs) {
         auto& s = *static_cast<Search*>(state);
         s.consider_packs(packs);

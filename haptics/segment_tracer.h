@@ -119,6 +119,19 @@ class SegmentTracer {
   // For queries of whole segments, whose float margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
+  // A point is judged by the corners of a body that has them (solver_corners.h); what sorts out for
+  // that in the frame of the body looks as much farther as the two may be apart.
+  bool decides_by_corners(const ContactBody& body) const {
+    return body.corners && radius_m_ == 0.0 && !is_in_float_;
+  }
+  double clearance_m(const ContactBody& body) const {
+    return scale_.clearance_m +
+           (decides_by_corners(body) ? kMostApartPerStandOff * scale_.stand_off_m : 0.0);
+  }
+  double sweep_radius_m(const ContactBody& body) const {
+    return decides_by_corners(body) ? clearance_m(body) : sweep_radius_m();
+  }
+
   const LiveWorld* world_;
   double radius_m_;
   Accuracy accuracy_;

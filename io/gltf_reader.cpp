@@ -317,6 +317,7 @@ class SceneReader {
     description.tree_node = placed.tree_node;
     description.linear_scene_mesh = T_scene_mesh.linear;
     description.translation_m = T_scene_mesh.translation_m;
+    description.product = T_scene_mesh.product;
     scene_.nodes.push_back(std::move(description));
   }
 

@@ -44,10 +44,9 @@ Result<AffineTransform> inverse_bind(const double* m, std::size_t skin, std::siz
     return gltf_invalid(gltf_element("skins", skin, "inverseBindMatrices"),
                         "the last row of matrix " + std::to_string(joint) + " is not 0 0 0 1");
   }
-  AffineTransform transform;
-  transform.linear << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
-  transform.translation_m = Vec3(m[12], m[13], m[14]);
-  return transform;
+  Mat3 linear;
+  linear << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
+  return AffineTransform::given(linear, Vec3(m[12], m[13], m[14]));
 }
 
 Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t skin,

@@ -38,10 +38,9 @@ Result<AffineTransform> from_matrix(const std::vector<double>& m, const std::str
   if (!(distance <= kAffineRowTolerance)) {
     return gltf_invalid(element, "its last row (elements 3, 7, 11 and 15) is not 0 0 0 1");
   }
-  AffineTransform transform;
-  transform.linear << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
-  transform.translation_m = Vec3(m[12], m[13], m[14]);
-  return transform;
+  Mat3 linear;
+  linear << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
+  return AffineTransform::given(linear, Vec3(m[12], m[13], m[14]));
 }
 
 }  // namespace
@@ -55,11 +54,10 @@ std::optional<Error> check_rotation(const Eigen::Vector4d& rotation, const std::
 }
 
 AffineTransform transform_of(const GltfTrs& trs) {
-  AffineTransform transform;
-  if (trs.rotation) transform.linear = rotation_matrix(*trs.rotation);
-  if (trs.scale) transform.linear = (transform.linear * trs.scale->asDiagonal()).eval();
-  if (trs.translation_m) transform.translation_m = *trs.translation_m;
-  return transform;
+  Mat3 linear = Mat3::Identity();
+  if (trs.rotation) linear = rotation_matrix(*trs.rotation);
+  if (trs.scale) linear = (linear * trs.scale->asDiagonal()).eval();
+  return AffineTransform::given(linear, trs.translation_m.value_or(Vec3::Zero()));
 }
 
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,

@@ -9,6 +9,7 @@
 
 #include "geometry/result.h"
 #include "geometry/types.h"
+#include "io/transform_product.h"
 
 namespace tinygltf {
 class Node;
@@ -20,10 +21,16 @@ namespace palpate {
 struct AffineTransform {
   Mat3 linear = Mat3::Identity();
   Vec3 translation_m = Vec3::Zero();
+  TransformProduct product = {};  // that the two are
 
+  // As a file gives it.
+  static AffineTransform given(const Mat3& linear, const Vec3& translation_m) {
+    return {linear, translation_m, TransformProduct::of(linear, translation_m)};
+  }
   // First inner, then this. May overflow: the caller checks.
   AffineTransform operator*(const AffineTransform& inner) const {
-    return {linear * inner.linear, linear * inner.translation_m + translation_m};
+    return {linear * inner.linear, linear * inner.translation_m + translation_m,
+            product * inner.product};
   }
   bool all_finite() const { return linear.allFinite() && translation_m.allFinite(); }
 };

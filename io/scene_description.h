@@ -13,6 +13,7 @@
 
 #include "geometry/types.h"
 #include "io/material_description.h"
+#include "io/transform_product.h"
 
 namespace palpate {
 
@@ -59,6 +60,8 @@ struct NodeDescription {
   std::uint32_t tree_node = 0;  // index into SceneDescription::tree
   std::optional<std::uint32_t> physics_material =
       {};  // index into SceneDescription::physics_materials
+  // That linear_scene_mesh and translation_m are. As it is here: numbers that were rounded once.
+  TransformProduct product = {1, 0.0, Vec3::Zero(), 0.0};
 };
 
 // A node that declares a region of the scene instead of a surface: its extras.palpate has the key

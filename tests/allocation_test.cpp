@@ -468,6 +468,36 @@ TEST(SilentBodies, AreFoundAndMovedWithoutAllocating) {
   EXPECT_GT(observer.sums.finish({}).contact_ticks, 300u);
 }
 
+// A box whose sides are nodes: a point is judged on the corners that they share.
+TEST(SilentBodies, AreJudgedWhereTheyMeetWithoutAllocating) {
+  SceneDescription description;
+  test::Soup side;
+  side.add_quad({-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {0.1, 0.1, 0.1}, {-0.1, 0.1, 0.1});
+  description.meshes = {{"side", std::move(side.positions), std::move(side.triangles)}};
+  const Mat3 turn = test::Random(6).rotation().toRotationMatrix();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double to : {-1.0, 1.0}) {
+      Mat3 linear = Mat3::Zero();
+      linear((axis + 1) % 3, 0) = linear((axis + 2) % 3, 1) = 1.0;
+      linear(axis, 2) = to;
+      description.nodes.push_back({"side", 0, turn * linear, Vec3::Zero()});
+    }
+  }
+  const auto scene = Scene::compile(std::move(description));
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->statistics().seam_places, 8u);
+  const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 3);
+  HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
+  PlayedDevice device(path);
+  SummingObserver observer;
+  HapticSession session(loop, device, &observer);
+  Census census;
+  for (int n = 0; n < 4000; ++n) session.tick(1e-3);
+  census.stop();
+  census.expect_nothing();
+  EXPECT_GT(observer.sums.finish({}).contact_ticks, 300u);
+}
+
 // ---- all effects -------------------------------------------------------------------------------
 
 TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {

@@ -1,0 +1,327 @@
+#include "engine/seams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "geometry/boundary_vertices.h"
+#include "geometry/orientation.h"
+#include "geometry/point_grid.h"
+#include "geometry/touching_boxes.h"
+#include "haptics/contact_world.h"
+
+namespace palpate {
+namespace {
+
+// How far a vertex in the solver frame is from where the file means it to be, at most. With u the
+// unit roundoff, v the vertex in the mesh frame, and L and t the linear part and translation of
+// each transform on the way, in units of u times |L..| |v| + sum |L..| |t| (TransformProduct),
+// where |L| |v| is the sum of |L's columns| |v's components|:
+//
+// each transform: 2 for its numbers, rounded to double; 18 for the matrix of a quaternion (sums of
+// four products, then divided by the square of its length); 2 for the scale; 9 for the product with
+// the one above it: 3 an entry, in which the magnitudes of two rotations can be 5/3 as long as the
+// rotations.
+constexpr double kRoundoffPerTransform = 32 * kUnitRoundoff;
+// each vertex: 5 for three products and their sums, as above, 1 for the translation from the
+// anchor, 1 for adding it.
+constexpr double kRoundoffPerVertex = 8 * kUnitRoundoff;
+// whoever wrote the file: a quaternion or a matrix that was itself a product of two, and an offset
+// turned by it, in double.
+constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
+
+// How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
+// deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
+// index, 24 for a point turned by a quaternion both ways, 16 for the product that the difference is
+// told by; as much again for a point on its way to the index.
+constexpr double kFrameRoundoff = 64 * kUnitRoundoff;
+
+// What the two may be, in stand-offs, so that a vertex that has been joined is within
+// kMostApartPerStandOff of what the index has: one may move by the rounding of two.
+constexpr double kMostJoinPerStandOff = 0.1;
+constexpr double kMostFramePerStandOff = 0.1;
+static_assert(kMostJoinPerStandOff + kMostFramePerStandOff <= kMostApartPerStandOff);
+
+// Cells of this many times the largest distance to be joined: nearly all queries look at one.
+constexpr double kCellPerJoin = 64.0;
+
+// What is known of a mesh, once for all its surfaces.
+struct MeshOutline {
+  Box box;
+  Vec3 reach_m;                         // of its vertices from the mesh's origin, by axis
+  std::vector<std::uint32_t> boundary;  // rising; of open meshes, once they are asked for
+};
+
+MeshOutline outline_of(const SurfaceMesh& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  MeshOutline outline{{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)}, {}, {}};
+  for (const Vec3& p : mesh.welded_positions()) outline.box = outline.box.united({p, p});
+  outline.reach_m = outline.box.low.cwiseAbs().cwiseMax(outline.box.high.cwiseAbs());
+  return outline;
+}
+
+// A surface with what its place makes of it.
+struct Placed {
+  const SeamSurface* surface;
+  Vec3 translation_solver_m;
+  double rounding_m = 0.0;  // of its vertices, as above
+  double apart_m = 0.0;     // of its index, as above
+
+  Placed(const SeamSurface& s, const Vec3& anchor_scene_m, const Vec3& reach_m)
+      : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {
+    const NodeDescription& node = *s.node;
+    const Vec3 columns = node.linear_scene_mesh.colwise().norm();
+    const double length_m = columns.dot(reach_m);
+    const double terms_m = columns.cwiseMax(node.product.columns).dot(reach_m) +
+                           std::max(node.product.translation_m, node.translation_m.norm());
+    const double factors = std::max<std::uint32_t>(node.product.factors, 1);
+    const double from_anchor_m = translation_solver_m.norm();
+    rounding_m =
+        (kRoundoffPerTransform * factors + kRoundoffPerVertex + kRoundoffOfWriter) * terms_m +
+        kRoundoffPerVertex * from_anchor_m;
+    const Mat3 moved = s.rotation.toRotationMatrix() * s.deformation;
+    apart_m = ((moved - node.linear_scene_mesh).cwiseAbs() * reach_m).norm() +
+              kFrameRoundoff * (length_m + node.translation_m.norm() + from_anchor_m);
+  }
+
+  Vec3 vertex(const Vec3& v_mesh) const {
+    return solver_vertex(surface->node->linear_scene_mesh, translation_solver_m, v_mesh);
+  }
+  Box box_solver(const Box& box_mesh) const {
+    const Mat3& linear = surface->node->linear_scene_mesh;
+    const Vec3 centre = vertex(0.5 * (box_mesh.low + box_mesh.high));
+    const Vec3 reach = linear.cwiseAbs() * (0.5 * (box_mesh.high - box_mesh.low));
+    return Box{centre - reach, centre + reach};
+  }
+};
+
+// A vertex that may meet others, or a place where some do.
+struct Candidate {
+  std::uint32_t vertex;
+  bool is_on_boundary;
+  Vec3 position_m;
+};
+struct Place {
+  Vec3 position_m;     // of the first vertex
+  double rounding_m;   // likewise
+  bool has_boundary;   // a vertex on a boundary is here
+  std::uint32_t last;  // surface; they come in rising order, so none comes twice if not at once
+  std::uint32_t vertices = 1;
+};
+struct Membership {
+  std::uint32_t surface;
+  std::uint32_t vertex;
+  std::uint32_t place;
+  bool is_moved;
+};
+
+bool is_within(const Vec3& p, const Vec3& q, double distance_m) {
+  return (p - q).squaredNorm() <= distance_m * distance_m;
+}
+
+struct BoundaryPoint {
+  std::uint32_t surface;
+  Vec3 position_m;
+};
+
+// All points on boundaries, by where they are.
+class BoundaryGrid {
+ public:
+  BoundaryGrid(const std::vector<BoundaryPoint>& points, double distance_m)
+      : points_(points),
+        distance_m_(distance_m),
+        grid_(kCellPerJoin * distance_m, points.size()),
+        cells_(box_around(points).grown(distance_m)) {
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      grid_.insert(points[i].position_m, i);
+      cells_.mark(points[i].position_m, distance_m);
+    }
+  }
+
+  // Whether p is within the distance of the boundary of another surface.
+  bool is_near_another(const Vec3& p, std::uint32_t surface) const {
+    if (!cells_.may_hold(p)) return false;
+    bool is_near = false;
+    grid_.visit_near(p, distance_m_, [&](std::uint32_t i) {
+      const BoundaryPoint& point = points_[i];
+      is_near =
+          is_near || (point.surface != surface && is_within(p, point.position_m, distance_m_));
+    });
+    return is_near;
+  }
+
+ private:
+  static Box box_around(const std::vector<BoundaryPoint>& points) {
+    Box box{Vec3::Zero(), Vec3::Zero()};
+    if (!points.empty()) box = {points[0].position_m, points[0].position_m};
+    for (const BoundaryPoint& p : points) box = box.united({p.position_m, p.position_m});
+    return box;
+  }
+
+  const std::vector<BoundaryPoint>& points_;
+  double distance_m_;
+  PointGrid grid_;
+  OccupiedCells cells_;
+};
+
+class SeamSearch {
+ public:
+  SeamSearch(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
+             const Vec3& anchor_scene_m, double size_m)
+      : meshes_(meshes),
+        most_m_(kMostJoinPerStandOff * SolverScale::of(size_m, 0.0).stand_off_m),
+        most_apart_m_(kMostFramePerStandOff * SolverScale::of(size_m, 0.0).stand_off_m) {
+    outlines_.reserve(meshes.size());
+    for (const SurfaceMesh& mesh : meshes) outlines_.push_back(outline_of(mesh));
+    placed_.reserve(surfaces.size());
+    for (const SeamSurface& s : surfaces) {
+      placed_.emplace_back(s, anchor_scene_m, outlines_[s.node->mesh].reach_m);
+    }
+  }
+
+  Seams find() {
+    find_near();
+    if (near_.empty()) return std::move(seams_);
+    find_boundary_points();
+    const BoundaryGrid boundary(points_, most_m_);
+    PointGrid places(kCellPerJoin * most_m_, points_.size());
+    for (const std::uint32_t s : near_) join(s, candidates(s, boundary), places);
+    collect();
+    return std::move(seams_);
+  }
+
+ private:
+  const SurfaceMesh& mesh(std::uint32_t s) const { return meshes_[placed_[s].surface->node->mesh]; }
+  MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
+  bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
+
+  // Surfaces that may meet another one, of which one is open, and of which one can tell.
+  void find_near() {
+    std::vector<Box> boxes;
+    std::vector<bool> open;
+    boxes.reserve(placed_.size());
+    for (std::uint32_t s = 0; s < placed_.size(); ++s) {
+      const double margin_m = most_m_ + placed_[s].rounding_m + placed_[s].apart_m;
+      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(margin_m));
+      open.push_back(is_open(s));
+    }
+    const std::vector<bool> touches = may_touch_marked(boxes, open);
+    for (std::uint32_t s = 0; s < placed_.size(); ++s) {
+      if (!touches[s]) continue;
+      // Two may add up to what is allowed. Not so if it is no number, either.
+      const bool is_certain =
+          2 * placed_[s].rounding_m <= most_m_ && placed_[s].apart_m <= most_apart_m_;
+      (is_certain ? near_ : seams_.too_far).push_back(s);
+    }
+  }
+
+  void find_boundary_points() {
+    std::size_t count = 0;
+    for (const std::uint32_t s : near_) {
+      std::vector<std::uint32_t>& boundary = outline(s).boundary;
+      if (is_open(s) && boundary.empty()) boundary = boundary_vertices(mesh(s));
+      count += boundary.size();
+    }
+    points_.reserve(count);
+    for (const std::uint32_t s : near_) {
+      for (const std::uint32_t v : outline(s).boundary) {
+        points_.push_back({s, placed_[s].vertex(mesh(s).welded_positions()[v])});
+      }
+    }
+  }
+
+  // Vertices of a surface that are on its boundary or near to the boundary of another.
+  std::vector<Candidate> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
+    std::vector<Candidate> found;
+    const std::span<const Vec3> positions = mesh(s).welded_positions();
+    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    std::size_t next = 0;
+    for (std::uint32_t v = 0; v < positions.size(); ++v) {
+      const Vec3 p = placed_[s].vertex(positions[v]);
+      const bool is_on_boundary = next < own.size() && own[next] == v;
+      if (is_on_boundary) ++next;
+      if (is_on_boundary || boundary.is_near_another(p, s)) found.push_back({v, is_on_boundary, p});
+    }
+    return found;
+  }
+
+  // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
+  void join(std::uint32_t s, const std::vector<Candidate>& vertices, PointGrid& grid) {
+    using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // squared, candidate, place
+    std::vector<Pair> pairs;
+    for (std::uint32_t c = 0; c < vertices.size(); ++c) {
+      const Vec3& p = vertices[c].position_m;
+      grid.visit_near(p, most_m_, [&](std::uint32_t place) {
+        const double bound_m = placed_[s].rounding_m + places_[place].rounding_m;
+        if (!is_within(p, places_[place].position_m, bound_m)) return;
+        pairs.emplace_back((p - places_[place].position_m).squaredNorm(), c, place);
+      });
+    }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<bool> is_joined(vertices.size(), false);
+    for (const auto& [squared, c, n] : pairs) {
+      Place& place = places_[n];
+      if (is_joined[c] || place.last == s) continue;
+      is_joined[c] = true;
+      place.last = s;
+      place.has_boundary = place.has_boundary || vertices[c].is_on_boundary;
+      ++place.vertices;
+      memberships_.push_back(
+          {s, vertices[c].vertex, n, vertices[c].position_m != place.position_m});
+    }
+    for (std::size_t c = 0; c < vertices.size(); ++c) {
+      if (is_joined[c]) continue;
+      const auto n = static_cast<std::uint32_t>(places_.size());
+      memberships_.push_back({s, vertices[c].vertex, n, false});
+      places_.push_back(
+          {vertices[c].position_m, placed_[s].rounding_m, vertices[c].is_on_boundary, s});
+      grid.insert(vertices[c].position_m, n);
+    }
+  }
+
+  bool counts(const Place& place) const { return place.vertices > 1 && place.has_boundary; }
+
+  void collect() {
+    std::sort(memberships_.begin(), memberships_.end(),
+              [](const Membership& a, const Membership& b) {
+                return std::pair(a.surface, a.vertex) < std::pair(b.surface, b.vertex);
+              });
+    for (const Membership& m : memberships_) {
+      if (!counts(places_[m.place])) continue;
+      ++seams_.vertices;
+      if (seams_.bodies.empty() || seams_.bodies.back().surface != m.surface) {
+        seams_.bodies.push_back({m.surface, {}});
+      }
+      if (!m.is_moved) continue;
+      seams_.bodies.back().joined.push_back({m.vertex, places_[m.place].position_m});
+    }
+    for (const Place& place : places_) seams_.places += counts(place) ? 1 : 0;
+  }
+
+  const std::vector<SurfaceMesh>& meshes_;
+  double most_m_;        // that two vertices may be apart and be joined
+  double most_apart_m_;  // that an index may be apart
+  std::vector<MeshOutline> outlines_;
+  std::vector<Placed> placed_;
+  std::vector<std::uint32_t> near_;
+  std::vector<BoundaryPoint> points_;
+  std::vector<Place> places_;
+  std::vector<Membership> memberships_;
+  Seams seams_;
+};
+
+}  // namespace
+
+Seams find_seams(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
+                 const Vec3& anchor_scene_m, double size_m) {
+  const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const SurfaceMesh& mesh) {
+    return mesh.report().boundary_edges > 0;
+  });
+  if (surfaces.size() < 2 || !has_open) return {};
+  return SeamSearch(meshes, surfaces, anchor_scene_m, size_m).find();
+}
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#pragma once
+
+// Points sorted by where they are, for those very near to a point.
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "geometry/box.h"
+#include "geometry/types.h"
+
+namespace palpate {
+
+// Cubic cells without end, of which only those that hold points take memory. Any frame, metres.
+// Coordinates below 2^62 cells. Deterministic. Not for the haptic thread.
+class PointGrid {
+ public:
+  // What a query looks at, at most: a crowd in one cell cannot make a query long.
+  static constexpr std::size_t kMostVisited = 1024;
+
+  // capacity: points that will be inserted, at most.
+  PointGrid(double cell_m, std::size_t capacity) : per_cell_(1.0 / cell_m) {
+    std::size_t buckets = 16;
+    while (buckets < 2 * capacity) buckets *= 2;
+    first_.assign(buckets, kNone);
+    entries_.reserve(capacity);
+  }
+
+  void insert(const Vec3& p, std::uint32_t id) {
+    const std::uint64_t key = key_of(cell_of(p));
+    std::uint32_t& first = first_[key & (first_.size() - 1)];
+    entries_.push_back({key, id, first});
+    first = static_cast<std::uint32_t>(entries_.size() - 1);
+  }
+
+  // Calls visit(id) for the points in all cells that come within radius_m of p, the last inserted
+  // of a cell first: all that are so near, and some that are not. radius_m: less than half a cell.
+  template <typename Visit>
+  void visit_near(const Vec3& p, double radius_m, Visit visit) const {
+    const Cell low = cell_of((p.array() - radius_m).matrix());
+    const Cell high = cell_of((p.array() + radius_m).matrix());
+    std::size_t visited = 0;
+    for (std::int64_t x = low.x; x <= high.x; ++x) {
+      for (std::int64_t y = low.y; y <= high.y; ++y) {
+        for (std::int64_t z = low.z; z <= high.z; ++z) {
+          const std::uint64_t key = key_of({x, y, z});
+          for (std::uint32_t e = first_[key & (first_.size() - 1)]; e != kNone;
+               e = entries_[e].next) {
+            if (++visited > kMostVisited) return;
+            if (entries_[e].key == key) visit(entries_[e].id);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  struct Cell {
+    std::int64_t x, y, z;
+  };
+  struct Entry {
+    std::uint64_t key;
+    std::uint32_t id;
+    std::uint32_t next;  // of the same bucket
+  };
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  Cell cell_of(const Vec3& p) const {
+    const auto floor_of = [&](double x) {
+      return static_cast<std::int64_t>(std::floor(x * per_cell_));
+    };
+    return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
+  }
+  // SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with one key are
+  // as if they were one.
+  static std::uint64_t key_of(const Cell& cell) {
+    std::uint64_t key = 0;
+    for (const std::int64_t c : {cell.x, cell.y, cell.z}) {
+      key = (key ^ static_cast<std::uint64_t>(c)) + 0x9e3779b97f4a7c15u;
+      key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+      key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+      key ^= key >> 31;
+    }
+    return key;
+  }
+
+  double per_cell_;
+  std::vector<std::uint32_t> first_;  // by the low bits of the key; their number is a power of two
+  std::vector<Entry> entries_;
+};
+
+// Which parts of a box have points in them: a question that is answered from the cache, before one
+// to a PointGrid of many points, which is not.
+class OccupiedCells {
+ public:
+  // Around the points that will be marked.
+  explicit OccupiedCells(const Box& box)
+      : box_(box), cells_per_m_(kAlongAxis / (box.high - box.low).array()) {
+    // No width: all in the first cell.
+    for (int k = 0; k < 3; ++k) {
+      if (!std::isfinite(cells_per_m_[k])) cells_per_m_[k] = 0.0;
+    }
+    bits_.assign(kAlongAxis * kAlongAxis * kAlongAxis / 64, 0);
+  }
+
+  // Points that come within margin_m of p may be in an occupied cell from now on.
+  void mark(const Vec3& p, double margin_m) {
+    const Vec3 margin = Vec3::Constant(margin_m);
+    const Eigen::Array3i low = cell_of(p - margin);
+    const Eigen::Array3i high = cell_of(p + margin);
+    for (int x = low[0]; x <= high[0]; ++x) {
+      for (int y = low[1]; y <= high[1]; ++y) {
+        for (int z = low[2]; z <= high[2]; ++z) {
+          const std::size_t bit = bit_of({x, y, z});
+          bits_[bit / 64] |= std::uint64_t{1} << bit % 64;
+        }
+      }
+    }
+  }
+  bool may_hold(const Vec3& p) const {
+    if (!box_.contains(p)) return false;
+    const std::size_t bit = bit_of(cell_of(p));
+    return (bits_[bit / 64] >> bit % 64 & 1u) != 0;
+  }
+
+ private:
+  static constexpr int kAlongAxis = 128;  // 256 kB in all
+
+  Eigen::Array3i cell_of(const Vec3& p) const {
+    return ((p - box_.low).array() * cells_per_m_)
+        .max(0.0)
+        .min(kAlongAxis - 1)
+        .template cast<int>();
+  }
+  static std::size_t bit_of(const Eigen::Array3i& cell) {
+    return static_cast<std::size_t>((cell[0] * kAlongAxis + cell[1]) * kAlongAxis + cell[2]);
+  }
+
+  Box box_;
+  Eigen::Array3d cells_per_m_;
+  std::vector<std::uint64_t> bits_;
+};
+
+}  // namespace palpate
