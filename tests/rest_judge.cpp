@@ -114,13 +114,14 @@ class Search {
     }
   }
 
-  std::optional<Way> find() {
-    if (lag_m_ <= tolerance_m_) return std::nullopt;
+  Verdict judge() {
+    if (lag_m_ <= tolerance_m_) return {std::nullopt, true};
     find_near();
-    if (auto way = try_slide({lag_ / lag_m_}, "straight")) return way;
-    if (gain_of(steepest(cone_)) <= tolerance_m_) return std::nullopt;  // none, proven
-    if (auto way = is_held() ? slide_on_what_is_touched() : descend()) return way;
-    return slide_on_planes();
+    if (auto way = try_slide({lag_ / lag_m_}, "straight")) return {way, true};
+    if (gain_of(steepest(cone_)) <= tolerance_m_) return {std::nullopt, true};
+    if (auto way = is_held() ? slide_on_what_is_touched() : descend()) return {way, true};
+    if (auto way = slide_on_planes()) return {way, true};
+    return {std::nullopt, false};
   }
 
  private:
@@ -563,8 +564,8 @@ std::string to_text(const Way& way) {
 RestJudge::RestJudge(double size_m, double radius_m, double stand_off_m)
     : size_m_(std::max(size_m, radius_m)), radius_m_(radius_m), stand_off_m_(stand_off_m) {}
 
-std::optional<Way> RestJudge::way_on(std::span<const JudgedBody> bodies, const Rest& rest) const {
-  return Search(bodies, rest, size_m_, radius_m_, stand_off_m_, tolerance_m()).find();
+Verdict RestJudge::judged(std::span<const JudgedBody> bodies, const Rest& rest) const {
+  return Search(bodies, rest, size_m_, radius_m_, stand_off_m_, tolerance_m()).judge();
 }
 
 std::optional<Way> RestJudge::way_on(const ExactJudge& judge, const Rest& rest) const {

@@ -56,6 +56,11 @@ struct Way {
   const char* kind;  // how it was found
 };
 
+struct Verdict {
+  std::optional<Way> way;
+  bool is_proven;  // that there is none; or there is one
+};
+
 // What a person needs to check it, doubles in hexadecimal.
 std::string to_text(const Way& way);
 std::string hex(const Vec3& p);
@@ -66,10 +71,13 @@ class RestJudge {
   RestJudge(double size_m, double radius_m, double stand_off_m);
 
   // A way that gains more than tolerance_m(), if one is found.
-  std::optional<Way> way_on(std::span<const JudgedBody> bodies, const Rest& rest) const;
-
+  std::optional<Way> way_on(std::span<const JudgedBody> bodies, const Rest& rest) const {
+    return judged(bodies, rest).way;
+  }
   // The same in a world of one body without a transform.
   std::optional<Way> way_on(const ExactJudge& judge, const Rest& rest) const;
+
+  Verdict judged(std::span<const JudgedBody> bodies, const Rest& rest) const;
 
   // What a way gains at least.
   double tolerance_m() const { return kGainPerSize * size_m_; }
