@@ -28,7 +28,7 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
     const TickRecord& r = records[i];
     writer->add({r.tick, r.time_s, r.device_m, r.goal_m, r.proxy_m, r.normal_scene,
                  r.force_device_N, r.contact, r.alpha_rad * 180.0 / std::numbers::pi,
-                 r.T_device_scene, fault_names(r.faults), steps_ns[i]});
+                 r.T_device_scene, friction_name(r.friction), fault_names(r.faults), steps_ns[i]});
   }
   const Result<std::size_t> written = writer->finish();
   if (!written) return written.error();

@@ -81,6 +81,17 @@ std::string fault_names(std::uint32_t faults) {
   return names;
 }
 
+std::string_view friction_name(FrictionState friction) {
+  switch (friction) {
+    case FrictionState::kSticks:
+      return "sticks";
+    case FrictionState::kSlides:
+      return "slides";
+    default:
+      return "none";
+  }
+}
+
 void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
                   RunSummary& summary) {
   const EffectCounters* counters = loop.effect_counters();

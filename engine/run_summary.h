@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptics/haptic_loop.h"
@@ -45,6 +46,9 @@ struct RunSummary {
 
 // The names of the faults of a tick, joined by "+"; empty for none.
 std::string fault_names(std::uint32_t faults);
+
+// "none", "sticks" or "slides".
+std::string_view friction_name(FrictionState friction);
 
 // What a loop has counted of its effects, and of the time of all its ticks.
 void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,

@@ -1,16 +1,25 @@
 #pragma once
 
-// How much of its depth a contact can hold sideways.
+// How much of its depth a contact can hold sideways, and whether it does.
+
+#include <cstdint>
 
 namespace palpate {
 
 // Coulomb's friction. No unit, finite, 0 <= dynamic <= static.
 struct FrictionCone {
-  double static_friction = 0.0;   // the proxy rests while its tangential lag is at most so many
-                                  // times its depth
-  double dynamic_friction = 0.0;  // and slides with a lag of so many times its depth
+  double static_friction = 0.0;   // a proxy that sticks keeps its place while its tangential lag is
+                                  // at most so many times its depth
+  double dynamic_friction = 0.0;  // one that slides has a lag of so many times its depth
 
   bool holds() const { return static_friction > 0.0; }
+};
+
+// What a contact does under friction, from tick to tick: GodObject::move_with_friction().
+enum class FrictionState : std::uint8_t {
+  kNone,    // no contact, or with nothing that has friction
+  kSticks,  // as every new contact
+  kSlides   // also while the hand stands still: until its lag falls below that of the cone
 };
 
 }  // namespace palpate

@@ -153,7 +153,8 @@ bool GodObject::move_body(const BodyMotion& motion,
   return true;
 }
 
-// A face that holds the proxy sideways takes it along.
+// A face that holds the proxy sideways takes it along, also one that it slides on: seen from the
+// face, the hand moves, and what friction leaves of that is for the next step.
 bool GodObject::is_carried_by(std::uint32_t body) const {
   for (std::size_t i = 0; i < contacts().size(); ++i) {
     if (last_holds_[i] && contacts()[i].face.body == body) return true;
@@ -166,6 +167,7 @@ bool GodObject::place(const Vec3& p) noexcept {
   proxy_ = p;
   settled_ = false;
   confirmed_ = false;
+  slides_ = false;
   path_.clear();
   last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
@@ -183,6 +185,8 @@ bool GodObject::place(const Vec3& p) noexcept {
 ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (!is_goal(goal, motion_plane_normal)) return refused();
+  slides_ = false;
+  last_holds_ = {};
   NoFriction none;
   return move(goal, motion_plane_normal, none);
 }

@@ -30,10 +30,10 @@ struct ProxyState {
   int active_planes = 0;       // that push
   // The unit direction in which two planes leave the proxy free; zero for any other number.
   Vec3 free_direction = Vec3::Zero();
-  bool slid = false;        // moved along what it touches
-  bool is_held = false;     // by friction: what it touches has some
-  bool is_on_cone = false;  // it slid until dynamic friction stopped it
-  FrictionCone cone;        // of what it touches
+  bool slid = false;     // moved along what it touches, in this step
+  bool is_held = false;  // by friction: what it touches has some
+  FrictionState friction = FrictionState::kNone;
+  FrictionCone cone;  // of what it touches
   int iterations = 0;
   bool capped = false;  // stopped by Accuracy::iterations before it converged
   // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
@@ -52,6 +52,9 @@ struct ProxyState {
 struct FrictionSource {
   void* context;
   FrictionCone (*cone)(void* context, const FaceContact& contact, const Vec3& proxy) noexcept;
+  // The size of the coordinates that the goal was made from, if larger than its own: it is rounded
+  // as they are.
+  double coordinates_m = 0.0;
 };
 
 // Where a body is to be. Solver frame.
@@ -101,14 +104,31 @@ class GodObject {
 
   // The same under Coulomb's friction (Harwin and Melder 2002): of each step along what it touches,
   // the proxy takes only what the cone does not hold. With s where it would go, d = |s - goal| the
-  // depth and t = s - proxy, it rests while |t| <= mu_s d, and slides until |t| = mu_k d otherwise.
+  // depth and t = s - proxy, a contact sticks or slides:
+  //
+  //   sticking   while |t| <= mu_s d, the proxy keeps its place; otherwise it moves along t until
+  //              |t| = mu_k d, and slides
+  //   sliding    while |t| > mu_k d, it moves along t until |t| = mu_k d, and slides on; where they
+  //              are equal it keeps its place, and slides on; where |t| is less it keeps its place,
+  //              and sticks
+  //
+  // all within rounding (kConeRoundoff). Places are kept to the bit. A new contact sticks. The
+  // state goes with the contact over edges, from face to face and from body to body; it ends with
+  // the contact, with place() and move_to(), and with end_friction(). So a hand that goes on at one
+  // depth feels mu_k in every tick, however slowly and whether the hand moves or what it touches;
+  // one that turns back, or presses deeper faster than its lag grows, sticks.
+  //
   // Part of a step is as free as the whole, and no farther from the goal than its start: the
-  // certificates hold as they do without friction. At rest, the proxy keeps its place to the bit.
+  // certificates hold as they do without friction.
   //
   // Of several faces, each holds by what it bears: mu_1 d_1 + mu_2 d_2 + ... . A sphere goes round
   // edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
+
+  // Whatever is touched is touched anew, as far as friction goes: it sticks. For a tick that gave
+  // no force.
+  void end_friction() noexcept { slides_ = false; }
 
   const Vec3& proxy() const { return proxy_; }
   // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
@@ -219,6 +239,7 @@ class GodObject {
   int last_count_ = 0;
   std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
   int last_active_count_ = 0;
+  bool slides_ = false;  // the contact of the last tick, under friction
 };
 
 }  // namespace palpate

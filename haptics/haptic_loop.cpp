@@ -48,7 +48,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
     record_.full_force_device_N.setZero();
     record_.effects = 0;
     record_.rotation_rad = 0.0;
-    coupling_.reset();
+    end_contact_force();
     last_was_good_ = false;
     return record_;
   }
@@ -150,8 +150,15 @@ void HapticLoop::refuse_force() {
   record_.faults |= kFaultNonFiniteForce;
   record_.full_force_device_N.setZero();
   record_.force_device_N.setZero();
-  coupling_.reset();
+  end_contact_force();
   if (effects_) effects_->reset_states();
+}
+
+// A tick without force: what comes next is as the first tick of a contact.
+void HapticLoop::end_contact_force() {
+  record_.friction = FrictionState::kNone;
+  god_object_.end_friction();
+  coupling_.reset();
 }
 
 void HapticLoop::command(const Vec3& force_N) {

@@ -95,6 +95,7 @@ struct TickRecord {
   double alpha_rad = 0.0;     // normal to actuated axes, [0, pi/2]; 0 off contact
   double rotation_rad = 0.0;  // by which A4 turns the scene after this tick
   bool contact = false;
+  FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
   std::uint32_t faults = kFaultNone;
   std::uint32_t effects = 0;  // felt in this tick, a bit each by number in compiled_effects()
   int solver_iterations = 0;
@@ -174,6 +175,7 @@ class HapticLoop {
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
   void refuse_force();
+  void end_contact_force();
   AxisAngle find_theoretical_rotation();
   void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
 

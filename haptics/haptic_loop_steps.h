@@ -48,10 +48,13 @@ void HapticLoop::detect_collision() {
     has_proxy_ = true;
   } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
     const FrictionSource source{
-        this, [](void* loop, const FaceContact& contact, const Vec3& proxy) noexcept {
+        this,
+        [](void* loop, const FaceContact& contact, const Vec3& proxy) noexcept {
           auto& self = *static_cast<HapticLoop*>(loop);
           return self.effects_->friction_cone(self.god_object_.world(), contact, proxy);
-        }};
+        },
+        record_.device_m.lpNorm<1>() + T_device_scene_.translation_m.lpNorm<1>() +
+            world_->anchor_scene_m.lpNorm<1>()};
     proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
   } else {
     proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
@@ -59,6 +62,7 @@ void HapticLoop::detect_collision() {
   record_.contact = proxy_state_.in_contact;
   record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
   record_.solver_iterations = proxy_state_.iterations;
+  record_.friction = proxy_state_.friction;
   if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
 }
 

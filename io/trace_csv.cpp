@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 constexpr int kSignificantDigits = 17;  // enough to give every double back
 constexpr std::size_t kBufferBytes = 1u << 20;
 constexpr std::size_t kMaxNumberBytes = 24;  // "-1.2345678901234567e-308"
-constexpr std::size_t kMaxRowBytes = 27 * (kMaxNumberBytes + 1) + kMaxFaultBytes + 1;
+constexpr std::size_t kMaxRowBytes =
+    27 * (kMaxNumberBytes + 1) + kMaxFrictionBytes + kMaxFaultBytes + 2;
 constexpr int kMaxNameAttempts = 100;
 
 char* put(char* out, double value) {
@@ -41,10 +42,9 @@ char* put(char* out, std::int64_t value) {
   return std::to_chars(out, out + kMaxNumberBytes, value).ptr;
 }
 
-char* put(char* out, const std::string& text) {
-  const std::size_t size = std::min(text.size(), kMaxFaultBytes);
-  std::memcpy(out, text.data(), size);
-  return out + size;
+char* put(char* out, std::string_view text) {
+  std::memcpy(out, text.data(), text.size());
+  return out + text.size();
 }
 
 char* put(char* out, const Vec3& v) {
@@ -172,10 +172,11 @@ Result<TraceWriter> TraceWriter::create(const std::string& path) {
 void TraceWriter::add(const TraceRow& row) {
   if (!output_) return;
   const Quat& q = row.T_device_scene.rotation;
-  output_->commit(put_line(output_->room(), row.tick, row.time_s, row.device_m, row.goal_scene_m,
-                           row.proxy_scene_m, row.normal_scene, row.force_device_N,
-                           std::uint64_t{row.contact}, row.alpha_deg, q.w(), q.x(), q.y(), q.z(),
-                           row.T_device_scene.translation_m, row.faults, row.step_ns));
+  output_->commit(put_line(
+      output_->room(), row.tick, row.time_s, row.device_m, row.goal_scene_m, row.proxy_scene_m,
+      row.normal_scene, row.force_device_N, std::uint64_t{row.contact}, row.alpha_deg, q.w(), q.x(),
+      q.y(), q.z(), row.T_device_scene.translation_m, row.friction.substr(0, kMaxFrictionBytes),
+      std::string_view(row.faults).substr(0, kMaxFaultBytes), row.step_ns));
   ++row_count_;
 }
 

@@ -16,7 +16,7 @@ namespace palpate {
 inline constexpr std::string_view kTraceColumns =
     "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
     "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
-    "q_w,q_x,q_y,q_z,o_x,o_y,o_z,faults,step_ns";
+    "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns";
 
 // One line of a trace: one instant, before the elementary rotation of that tick.
 struct TraceRow {
@@ -28,14 +28,16 @@ struct TraceRow {
   Vec3 normal_scene = Vec3::Zero();
   Vec3 force_device_N = Vec3::Zero();
   bool contact = false;
-  double alpha_deg = 0.0;           // contact normal to actuated axes
-  RigidTransform T_device_scene{};  // q and o
+  double alpha_deg = 0.0;              // contact normal to actuated axes
+  RigidTransform T_device_scene{};     // q and o
+  std::string_view friction = "none";  // or "sticks", "slides": at most kMaxFrictionBytes
   // Names joined by "+", empty for none: letters and underscores, at most kMaxFaultBytes.
   std::string faults{};
   std::int64_t step_ns = 0;  // computing time of the tick
 };
 
 // What is longer is cut off.
+inline constexpr std::size_t kMaxFrictionBytes = 16;
 inline constexpr std::size_t kMaxFaultBytes = 512;
 
 // Writes a trace: kTraceColumns, then a line for each row. Numbers have 17 significant digits,

@@ -745,6 +745,27 @@ TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsFelt) {
   EXPECT_NE(text.find("A4 turned the scene in 0 ticks"), std::string::npos) << text;
 }
 
+// Pressed to 49 mm, the hand goes sideways in steps of 4 mm: it sticks to 14.7 mm and slides on
+// from there, at 0.2 of the normal force.
+TEST_F(CommandLine, TellsInTheTraceWhetherAContactSticksOrSlides) {
+  const std::string scene =
+      triangle_of({{"dynamicFriction", 0.2}, {"staticFriction", 0.3}}).write_glb(folder);
+  std::ostringstream path;
+  path << "0.3 0.3 0.01\n0.3 0.3 -0.049\n";
+  for (int n = 1; n <= 20; ++n) path << 0.3 + 0.004 * n << " 0.3 -0.049\n";
+  const std::string file = folder.write("press.txt", path.str());
+  const std::string out = folder.path("trace.csv");
+  expect_done({"replay", scene, "--trajectory", file, "--out", out});
+  const auto rows = rows_of(content_of(out));
+  ASSERT_EQ(rows.size(), 22u);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const char* expected = n == 0 ? "none" : n <= 4 ? "sticks" : "slides";
+    EXPECT_EQ(rows[n][26], expected) << n;
+    if (n <= 4) continue;
+    EXPECT_NEAR(std::stod(rows[n][14]), -0.2 * std::stod(rows[n][16]), 1e-9) << n;
+  }
+}
+
 TEST_F(CommandLine, CountsTheTrianglesOfEveryNode) {
   GltfBuilder gltf = GltfBuilder::one_triangle();
   gltf.add_node({{"mesh", 0}, {"translation", {5, 0, 0}}});
@@ -774,18 +795,19 @@ TEST_F(CommandLine, ReplaysATrajectoryIntoATraceOfTheAgreedColumns) {
   EXPECT_EQ(lines_of(csv).at(0),
             "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
             "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
-            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,faults,step_ns");
+            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns");
   const auto rows = rows_of(csv);
   ASSERT_EQ(rows.size(), 250u);
   int contact_ticks = 0;
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    ASSERT_EQ(rows[n].size(), 28u);
+    ASSERT_EQ(rows[n].size(), 29u);
     EXPECT_EQ(rows[n][0], std::to_string(n));
     EXPECT_NEAR(std::stod(rows[n][1]), 1e-3 * static_cast<double>(n), 1e-12);
     ASSERT_TRUE(rows[n][17] == "0" || rows[n][17] == "1");
     contact_ticks += rows[n][17] == "1";
-    EXPECT_EQ(rows[n][26], "") << "no fault";
-    EXPECT_GE(std::stoll(rows[n][27]), 0);
+    EXPECT_EQ(rows[n][26], "none") << "of friction";
+    EXPECT_EQ(rows[n][27], "") << "no fault";
+    EXPECT_GE(std::stoll(rows[n][28]), 0);
     if (rows[n][17] == "1") continue;
     for (std::size_t column : {11, 12, 13, 14, 15, 16, 18}) EXPECT_EQ(rows[n][column], "0");
     for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(rows[n][5 + axis], rows[n][8 + axis]);
@@ -923,7 +945,7 @@ TEST_F(CommandLine, NamesTheFaultsOfEachTick) {
   const auto rows = rows_of(content_of(folder.path("trace.csv")));
   ASSERT_EQ(rows.size(), 6u);
   const char* expected[] = {"", "", "far_sample", "non_finite_sample", "jump", ""};
-  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n][26], expected[n]) << n;
+  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n][27], expected[n]) << n;
   EXPECT_EQ(rows[2][17], "1");
   EXPECT_EQ(rows[2][14], "0");
   const std::string text = expect_done(replay({})).out;

@@ -86,9 +86,30 @@ class PlaneHand {
   const TickRecord* last_ = nullptr;
 };
 
+// The law in closed form: where the proxy is, and whether it sticks or slides.
+struct Law {
+  double mu_s, mu_k;
+  Vec3 proxy = Vec3::Zero();
+  bool slides = false;
+
+  // Whether it keeps its place. foot: of the goal.
+  bool keeps_place(const Vec3& foot, double depth) {
+    const Vec3 lag = proxy - foot;
+    constexpr double kSame_m = 1e-13;  // some roundings of where it is
+    if (lag.norm() <= (slides ? mu_k : mu_s) * depth + kSame_m) {
+      slides = slides && lag.norm() >= mu_k * depth - kSame_m;
+      return true;
+    }
+    slides = true;
+    proxy = foot + mu_k * depth * lag.normalized();
+    return false;
+  }
+};
+
 TEST(Friction, FollowsTheLawTickByTick) {
   Random random(5101);
   int slides = 0;
+  int slides_again = 0;
   int rests = 0;
   for (int run = 0; run < 40; ++run) {
     const double mu_k = random.uniform(0.05, 1.5);
@@ -96,28 +117,28 @@ TEST(Friction, FollowsTheLawTickByTick) {
     PlaneHand hand(random.pose(1.0), mu_s, mu_k);
     hand.tick({0, 0, 0.002});
     Vec3 goal(0, 0, -0.002);
-    hand.tick(goal);
-    Vec3 expected(0, 0, 0);
+    ASSERT_EQ(hand.tick(goal).friction, FrictionState::kSticks);
+    Law law{mu_s, mu_k};
+    Vec3 heading = Vec3::Zero();
     for (int tick = 0; tick < 500; ++tick) {
-      goal += random.in_box(6e-4);
+      if (tick % 20 == 0) heading = 3e-4 * random.unit_vector();
+      goal += heading + random.in_box(3e-4);
       goal = goal.cwiseMax(Vec3(-0.05, -0.05, -0.01)).cwiseMin(Vec3(0.05, 0.05, -1e-4));
-      hand.tick(goal);
-      const double depth = -goal.z();
-      const Vec3 foot(goal.x(), goal.y(), 0);
-      const Vec3 lag = expected - foot;
-      if (lag.norm() > mu_s * depth) {
-        expected = foot + mu_k * depth * lag.normalized();
-        ++slides;
-      } else {
-        ++rests;
-      }
+      const bool slid_before = law.slides;
+      const bool keeps = law.keeps_place({goal.x(), goal.y(), 0}, -goal.z());
+      const TickRecord& record = hand.tick(goal);
+      ASSERT_EQ(record.friction, law.slides ? FrictionState::kSlides : FrictionState::kSticks);
+      slides += !keeps;
+      slides_again += !keeps && slid_before;
+      rests += keeps;
       // Each tick's error may turn into the next one's.
-      ASSERT_LE((hand.proxy() - expected).norm(), (tick + 1) * (1 + mu_s) * hand.tolerance_m());
-      expected = hand.proxy();
-      expected.z() = 0.0;
+      ASSERT_LE((hand.proxy() - law.proxy).norm(), (tick + 1) * (1 + mu_s) * hand.tolerance_m());
+      law.proxy = hand.proxy();
+      law.proxy.z() = 0.0;
     }
   }
   EXPECT_GT(slides, 1000);
+  EXPECT_GT(slides_again, 1000);
   EXPECT_GT(rests, 1000);
 }
 

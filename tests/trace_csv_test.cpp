@@ -55,8 +55,8 @@ class TraceFile : public testing::Test {
   fs::path path_;
 };
 
-// The 26 numbers before faults and step_ns, in the order of the columns; tick and contact as
-// doubles.
+// The 26 numbers before friction, faults and step_ns, in the order of the columns; tick and contact
+// as doubles.
 std::array<double, 26> values_of(const TraceRow& row) {
   const Quat& q = row.T_device_scene.rotation;
   std::array<double, 26> values{static_cast<double>(row.tick), row.time_s};
@@ -123,14 +123,15 @@ TEST_F(TraceFile, HasTheColumnsInTheirOrder) {
   row.contact = true;
   row.alpha_deg = 19;
   row.T_device_scene = {Quat(20, 21, 22, 23), {24, 25, 26}};
+  row.friction = "slides";
   row.faults = "solver_capped+body_held";
   row.step_ns = 27;
   EXPECT_EQ(write({row}),
             "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
             "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
-            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,faults,step_ns\n"
+            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns\n"
             "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,1,19,20,21,22,23,24,25,26,"
-            "solver_capped+body_held,27\n");
+            "slides,solver_capped+body_held,27\n");
 }
 
 TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
@@ -144,7 +145,7 @@ TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
     ASSERT_TRUE(std::getline(lines, line));
     const auto fields = split(line);
     const auto expected = values_of(row);
-    ASSERT_EQ(fields.size(), expected.size() + 2);
+    ASSERT_EQ(fields.size(), expected.size() + 3);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(std::bit_cast<std::uint64_t>(number_of(fields[i])),
                 std::bit_cast<std::uint64_t>(expected[i]))
@@ -167,7 +168,7 @@ TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
   row.force_device_N = Vec3::Constant(std::numeric_limits<double>::infinity());
   row.step_ns = std::numeric_limits<std::int64_t>::min();
   const auto fields = split(write({row}).substr(kTraceColumns.size() + 1));
-  ASSERT_EQ(fields.size(), 28u);
+  ASSERT_EQ(fields.size(), 29u);
   EXPECT_EQ(fields[0], "18446744073709551615");
   EXPECT_EQ(fields[1], "0.10000000000000001");
   EXPECT_EQ(fields[2], "-inf");
@@ -177,20 +178,26 @@ TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
   EXPECT_EQ(fields[8], "-7.4169128616906696e-309");
   EXPECT_EQ(fields[11], "-1.7976931348623157e+308");
   EXPECT_EQ(fields[14], "inf");
-  EXPECT_EQ(fields[26], "");
-  EXPECT_EQ(fields[27], "-9223372036854775808\n");
+  EXPECT_EQ(fields[26], "none");
+  EXPECT_EQ(fields[27], "");
+  EXPECT_EQ(fields[28], "-9223372036854775808\n");
 }
 
 // Whatever a caller puts there, a row stays in the room that is kept for it.
-TEST_F(TraceFile, CutsOffWhatCannotBeNamesOfFaults) {
+TEST_F(TraceFile, CutsOffWhatCannotBeNames) {
   std::vector<TraceRow> rows(3000);
-  for (TraceRow& row : rows) row.faults = std::string(1000, 'x');
+  const std::string is_long(1000, 'x');
+  for (TraceRow& row : rows) {
+    row.friction = is_long;
+    row.faults = is_long;
+  }
   std::istringstream lines(write(rows));
   std::string line;
   std::getline(lines, line);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ASSERT_TRUE(std::getline(lines, line));
-    ASSERT_EQ(split(line)[26], std::string(kMaxFaultBytes, 'x'));
+    ASSERT_EQ(split(line)[26], std::string(kMaxFrictionBytes, 'x'));
+    ASSERT_EQ(split(line)[27], std::string(kMaxFaultBytes, 'x'));
   }
 }
 

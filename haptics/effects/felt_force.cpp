@@ -8,7 +8,7 @@ namespace {
 // What friction makes of a force along the surface.
 Vec3 held_side_N(const ProxyState& state, const Vec3& tangential_lag_m, const Vec3& side_N,
                  double press_N) {
-  if (state.is_on_cone) {
+  if (state.friction == FrictionState::kSlides) {
     const double lag_m = tangential_lag_m.norm();
     if (lag_m == 0.0) return Vec3::Zero();
     return state.cone.dynamic_friction * press_N / lag_m * tangential_lag_m;

@@ -11,8 +11,8 @@ namespace palpate {
 // depth, h the height of the surface, N the contact normal and t the proxy's tangential lag:
 //
 //     press   K (d + h) + B u_n                  stiffness, damping, texture
-//     side    K t + B u_t                        friction: mu_k press where the proxy is on the
-//                                                cone, mu_s press at most elsewhere
+//     side    K t + B u_t                        friction: mu_k press where the contact slides,
+//                                                mu_s press at most where it sticks
 //     what pulls along N is left out, as VirtualCoupling has it
 //     both turned from N to the felt normal      shading
 //     less    K (d + h) grad h                   texture

@@ -10,11 +10,12 @@
 namespace palpate {
 
 // Coulomb's cone on the god-object (Harwin and Melder 2002, "Improved haptic rendering for
-// multi-finger manipulation using friction cone based god-objects"): with depth d and tangential
-// lag t, the proxy rests while |t| <= mu_s d; else it slides until |t| = mu_k d. It neither creeps
-// at rest nor knows a speed; stick-slip is what the gap between mu_s and mu_k makes of it. The
-// god-object does the holding (GodObject::move_with_friction); this says how much. A map multiplies
-// both coefficients.
+// multi-finger manipulation using friction cone based god-objects"), with a memory: with depth d
+// and tangential lag t, a contact that sticks keeps its place while |t| <= mu_s d; then it slides,
+// with |t| = mu_k d in every tick, until |t| falls below that: it sticks again. It neither creeps
+// at rest nor knows a speed; stick-slip is what the gap between mu_s and mu_k makes of a device
+// with mass that is pulled slowly. The god-object does the holding (GodObject::move_with_friction);
+// this says how much. A map multiplies both coefficients.
 struct FrictionEffect {
   static constexpr std::string_view kName = "friction";
   static constexpr EffectStage kStage = EffectStage::kProxy;
