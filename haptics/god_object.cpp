@@ -236,10 +236,12 @@ void GodObject::add_if_touched(const FaceContact& met) {
 // and a way that it forbids does. A proxy that these planes hold is therefore at a local minimum,
 // whatever else is near.
 void GodObject::update_planes() {
-  const std::array<FaceContact, kMaxContactPlanes> met = contacts_;
   const int count = plane_count_;
   plane_count_ = 0;
-  for (int i = 0; i < count; ++i) add_if_touched(met[i]);
+  for (int i = 0; i < count; ++i) {
+    const FaceContact met = contacts_[i];
+    add_if_touched(met);
+  }
   planes_are_current_ = true;
 }
 
@@ -276,7 +278,13 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   } else if (contact.feature != TriangleFeature::kFace) {
     contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
   }
-  const bool is_new = add_plane(contact);
+  bool is_new = add_plane(contact);
+  // Among many faces that a sphere touches, the one that is met first is not the one that says
+  // most.
+  if (!moved && tracer_.radius_m() > 0.0) {
+    const auto steepest = tracer_.steepest_contact(proxy_, target - proxy_);
+    if (steepest && add_plane(*steepest)) is_new = true;
+  }
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
 }
 

@@ -64,13 +64,27 @@ struct BodyMotion {
 };
 
 // The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
-// within the tick: it moves to the local minimum of the distance to the goal that is reached from
-// where it was along a feasible path of decreasing distance (a sphere that goes round a feature
-// follows tangents of that path). On the way it collides continuously with every triangle
-// (SegmentTracer), and each piece of the path it commits is certified free.
+// within the tick: it moves to a local minimum of the distance to the goal along a path that it
+// collides along continuously with every triangle (SegmentTracer). Each piece of the path that it
+// commits is certified free, and so is the place where it rests.
 //
-// Monotone: no step increases the distance to the goal by more than rounding, whatever the cap;
-// with a fixed mesh this gives the energy certificate of a passive spring.
+// A local minimum: a tick that is not capped leaves no way on. A way is a straight segment from the
+// proxy that crosses no triangle, that never comes nearer to one, but for rounding, than the
+// smaller of its distance at the start and one stand-off (SolverScale; of a sphere, the distance
+// less the radius), that keeps to the plane of motion if there is one, and that ends nearer to the
+// goal by more than 1e-9 of the scene's size. Under friction, slides along what is touched count as
+// far as the lag along them exceeds what friction holds. Not for Accuracy::fast().
+//
+// Capped: the tick ran out of steps. The proxy is where a longer tick would have come through, free
+// and no farther from the goal than before; the faces that it has met are known to the next tick,
+// which goes on from there.
+//
+// A proxy that starts within a stand-off of a triangle, or as a sphere overlaps one, may leave it
+// or keep its distance, and comes no nearer: place() lifts a point off what it is put on.
+//
+// Monotone: no tick increases the distance to the goal by more than rounding, capped or not; with a
+// fixed mesh this gives the energy certificate of a passive spring. Within a tick no piece of a
+// point's path does; a sphere's may on its way round something, by less than 1 % of the radius.
 //
 // Whatever it is given that is not finite, or so far away that squares of lengths overflow, changes
 // nothing, and is told by what the call returns. With settings that check_settings() has an Error

@@ -34,6 +34,13 @@ constexpr double kLittlePerStandOff = 10.0;
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
+// Faces tried at a vertex. Among more of them a free way is hardly wider than a stand-off.
+constexpr std::size_t kMostAtVertex = 12;
+
+// How far from a vertex they are looked for: three planes hold a point within a few stand-offs of
+// it.
+constexpr double kAroundPerStandOff = 4.0;
+
 // How much farther from the goal it may get on the way, of the radius.
 constexpr double kDetourPerRadius = 0.008;
 
@@ -148,8 +155,9 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
 
 // A point beside a triangle is held by its plane, or by its edge or vertex, also where another
 // triangle goes on beyond and is what the point is over. Before it is said to rest there, each such
-// contact is taken for what is nearest of the triangle, and then left out, all and each alone. True
-// if any of that led on.
+// contact is taken for what is nearest of the triangle, and then left out, all and each alone. At a
+// vertex the room is not convex, and a pair of other faces can leave a way on between them: slides
+// along each face around and each two are tried. True if any of that led on.
 template <typename Friction>
 bool GodObject::leaves_edges(Friction& friction) {
   if (tracer_.radius_m() > 0.0) return false;
@@ -180,6 +188,17 @@ bool GodObject::leaves_edges(Friction& friction) {
       if (!is_left_out) others[other_count++] = holding[i];
     }
     if (slides_along(std::span(others).first(other_count), friction)) return true;
+  }
+  std::array<FaceContact, kMostAtVertex> near;
+  const double around_m = kAroundPerStandOff * scale().stand_off_m;
+  const std::size_t near_count = count < 2 ? 0 : tracer_.contacts_around(proxy_, around_m, near);
+  for (std::size_t i = 0; i < near_count; ++i) {
+    const FaceContact alone[] = {near[i]};
+    if (slides_along(alone, friction)) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      const FaceContact pair[] = {near[i], near[j]};
+      if (slides_along(pair, friction)) return true;
+    }
   }
   plane_count_ = 0;
   for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);

@@ -378,4 +378,29 @@ std::size_t SegmentTracer::contacts_of_body(std::uint32_t b, const Vec3& p, doub
   return count;
 }
 
+std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
+                                           std::span<FaceContact> contacts) const noexcept {
+  const std::size_t count = contacts_in_front(p, reach_m, contacts);
+  for (FaceContact& contact : contacts.first(count)) {
+    if (contact.clearance_m >= 0.0) continue;
+    contact.normal = -contact.normal;
+    contact.clearance_m = -contact.clearance_m;
+  }
+  return count;
+}
+
+std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p,
+                                                           const Vec3& d) const noexcept {
+  std::optional<FaceContact> steepest;
+  double least = 0.0;
+  for (std::size_t i = 0; i < doubtful_count_; ++i) {
+    const FaceContact contact = nearest_contact(doubtful_[i], p);
+    const double approach = contact.normal.dot(d);
+    if (contact.clearance_m > scale_.stop_m || approach >= least) continue;
+    least = approach;
+    steepest = contact;
+  }
+  return steepest;
+}
+
 }  // namespace palpate

@@ -95,10 +95,16 @@ class SegmentTracer {
   // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts. Returns
-  // how many were written, at most contacts.size().
+  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts, or from
+  // where p is. Return how many were written, at most contacts.size().
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
                                 std::span<FaceContact> contacts) const noexcept;
+  std::size_t contacts_around(const Vec3& p, double reach_m,
+                              std::span<FaceContact> contacts) const noexcept;
+
+  // Of the faces that the last step traced came near to, the contact that the proxy at p has
+  // already and that a step along d leads against most steeply. Nothing if there is none.
+  std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) const noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
