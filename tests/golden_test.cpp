@@ -36,10 +36,10 @@ struct Golden {
 };
 
 constexpr Golden kGolden[] = {
-    {"star", 0x6ddb2678e4a0b58b, 0xfd7cf0b3fb4838d8},
-    {"labyrinth", 0x8b2de15375f4d21f, 0xbd760fb8077a8047},
-    {"inverted_labyrinth", 0x4f3dcc80b01c2000, 0x7175920a71f7e267},
-    {"lock", 0x5470d2c82c569984, 0x23cc914c014703f6},
+    {"star", 0xc155d6d010150339, 0x78c61562b50b786f},
+    {"labyrinth", 0xd6c3429ae376532c, 0x9e33c555694cdc42},
+    {"inverted_labyrinth", 0x53ee3c1d14efb698, 0x48c2402be86310b9},
+    {"lock", 0x01a5988b134f421a, 0xed1a7db922867cce},
 };
 
 void PrintTo(const Golden& golden, std::ostream* out) {
