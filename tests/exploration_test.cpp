@@ -392,11 +392,18 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
     settings.workspace_m = workspace_m;
     EXPECT_EQ(refused_option({}, settings), "--workspace") << workspace_m;
   }
-  for (const double rate_Hz : {1e-12, 1e12}) {
+  for (const double rate_Hz : {1e-12, 0.999, 1e12}) {
     Condition rate;
     rate.options.rate_Hz = rate_Hz;
-    EXPECT_EQ(refused_option(rate, {}), "--seconds") << rate_Hz;
+    EXPECT_EQ(refused_option(rate, {}), rate_Hz < 1.0 ? "--rate" : "--seconds") << rate_Hz;
   }
+  // What a loop would refuse in every tick, explore() does before the first.
+  Condition hard;
+  hard.options.stiffness_N_per_m = 1e300;
+  EXPECT_EQ(refused_option(hard, {}), "--stiffness");
+  Condition large;
+  large.options.radius_m = 1e-3;  // of a scene that was loaded for a point
+  EXPECT_EQ(refused_option(large, {}), "--radius");
 }
 
 // ---- display -----------------------------------------------------------------------------------

@@ -401,10 +401,12 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
   };
   EXPECT_FALSE(sticks_after([](PlateHand&, double) {}));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double x_m) {
-    hand.go_to({x_m, 0.0, 1e-3});
+    hand.go_to({x_m, 0.0, 1e-4});
     EXPECT_EQ(hand.record().friction, FrictionState::kNone);
-    hand.go_to(x_m, 0.0);
+    // Slantwise into the plate: the lag is between 0.4 and 0.8 times the depth at once.
+    hand.go_to(x_m + 1.2e-3, 0.0);
     EXPECT_TRUE(hand.sticks());
+    EXPECT_NEAR(hand.proxy().x(), x_m + 1.2e-3 * 0.1 / 2.1, 1e-9);
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double) {
     const TickRecord& bad = hand.loop().tick({kNan, 0, 0}, kDt_s);
@@ -453,11 +455,10 @@ TEST(SlidingFriction, OfAGodObjectEndsWithPlaceAndEndFriction) {
   EXPECT_FALSE(stuck.slid);
   slide();
   god_object.place({0, 0, 1e-3});
-  EXPECT_EQ(go_to(5e-4).friction, FrictionState::kSticks);
+  EXPECT_EQ(go_to(1.2e-3).friction, FrictionState::kSticks);  // half of it above the surface
   slide();
   god_object.move_to({1e-3, 0, -kDepth_m});  // without friction
-  go_to(1e-3);
-  EXPECT_EQ(go_to(1.5e-3).friction, FrictionState::kSticks);
+  EXPECT_EQ(go_to(1.6e-3).friction, FrictionState::kSticks);
 }
 
 // The hand goes on over plates with materials of their own, side by side.
