@@ -334,12 +334,12 @@ RestScene fine_fields(ProxyKind, Random& random) {
   const double edge_m = 0.1 / cells;
   const double hill_m = log_uniform(random, 1e-3, 0.05);
   const double waves = random.uniform(2.0, 20.0);
-  const double rough_m = random.index(2) ? 0.0 : log_uniform(random, 1e-3, 1.0) * edge_m;
+  const double rough_m = log_uniform(random, 0.1, 1.0) * edge_m;
   Soup soup = height_field(cells, cells, 0.1, random, [&](int i, int j) {
     const double wave = std::cos(waves * i / cells) * std::cos(waves * j / cells);
     return hill_m * wave + rough_m * random.uniform(-1.0, 1.0);
   });
-  return {in_float(soup), log_uniform(random, 1.0, 100.0) * edge_m};
+  return {in_float(soup), log_uniform(random, 10.0, 100.0) * edge_m};
 }
 
 RestScene spokes(ProxyKind proxy, Random& random) {
