@@ -20,6 +20,9 @@
 //   pass its edges as near as they may;
 // - the line in which two of these planes meet.
 //
+// A triangle that is farther than one stand-off by no more than rounding counts as one stand-off
+// away, in the proxy's favour.
+//
 // Under friction a slide along the planes of one or two triangles counts, and goes, as far as the
 // part of the lag along it exceeds what static friction holds. The straight way always counts.
 

@@ -322,6 +322,26 @@ RestScene large_spheres(ProxyKind, Random& random) {
   return {in_float(soup), radius_m};
 }
 
+// The same with edges so short that judging would take long.
+RestScene fine_balls(ProxyKind, Random& random) {
+  const int rings = static_cast<int>(log_uniform(random, 24, 120));
+  const double edge_m = std::numbers::pi / rings * 0.05;
+  return {in_float(ball(rings, 0.05)), log_uniform(random, 1.0, 100.0) * edge_m};
+}
+
+RestScene fine_fields(ProxyKind, Random& random) {
+  const int cells = static_cast<int>(log_uniform(random, 40, 160));
+  const double edge_m = 0.1 / cells;
+  const double hill_m = log_uniform(random, 1e-3, 0.05);
+  const double waves = random.uniform(2.0, 20.0);
+  const double rough_m = log_uniform(random, 0.1, 1.0) * edge_m;
+  Soup soup = height_field(cells, cells, 0.1, random, [&](int i, int j) {
+    const double wave = std::cos(waves * i / cells) * std::cos(waves * j / cells);
+    return hill_m * wave + rough_m * random.uniform(-1.0, 1.0);
+  });
+  return {in_float(soup), log_uniform(random, 10.0, 100.0) * edge_m};
+}
+
 RestScene spokes(ProxyKind proxy, Random& random) {
   const int count = static_cast<int>(log_uniform(random, 8, 600));
   const double rough = random.index(2) ? log_uniform(random, 1e-6, 0.5) : 0.0;
@@ -457,6 +477,9 @@ constexpr RestClass kClasses[] = {
     {"FloatLattices", kSphere, float_lattices, kAnyCapped},
 };
 
+constexpr RestClass kFineClasses[] = {{"FineBalls", kSphere, fine_balls, kSphereCapped},
+                                      {"FineFields", kSphere, fine_fields, kSphereCapped}};
+
 // The faces of the hull of the points, towards its inside; none if four lie in one plane.
 std::vector<Triangle> hull_of(const std::vector<Vec3>& points) {
   std::vector<Triangle> faces;
@@ -510,8 +533,14 @@ std::span<const RestClass> rest_classes() {
   return kClasses;
 }
 
+std::vector<RestClass> restless_classes() {
+  std::vector<RestClass> all(std::begin(kClasses), std::end(kClasses));
+  all.insert(all.end(), std::begin(kFineClasses), std::end(kFineClasses));
+  return all;
+}
+
 std::vector<RestClass> large_sphere_classes() {
-  std::vector<RestClass> large;
+  std::vector<RestClass> large(std::begin(kFineClasses), std::end(kFineClasses));
   for (const RestClass& rest_class : kClasses) {
     const std::string name = rest_class.name;
     if (name.starts_with("Large") || name.starts_with("Huge")) large.push_back(rest_class);
@@ -613,7 +642,10 @@ Vec3 RestHand::graze_start() {
 }
 
 void RestHand::choose(const ProxyState& felt) {
-  habit_ = static_cast<Habit>(random_->index(static_cast<std::uint64_t>(Habit::kCount)));
+  constexpr Habit kRestless[] = {Habit::kPlunge, Habit::kSlide, Habit::kWander, Habit::kTour};
+  habit_ = is_restless_
+               ? kRestless[random_->index(std::size(kRestless))]
+               : static_cast<Habit>(random_->index(static_cast<std::uint64_t>(Habit::kCount)));
   ticks_left_ = habit_ == Habit::kTour ? between(*random_, 40, 100) : between(*random_, 3, 25);
   pace_m_ = log_uniform(1e-5, 0.2) * size_m_;
   depth_m_ = log_uniform(1e-6, 0.3) * size_m_;
@@ -661,7 +693,12 @@ Vec3 RestHand::make_goal(const ProxyState& felt) {
       const Vec3 left = aim_ - goal_;
       const double pace_m = 0.1 * pace_m_;
       if (left.norm() > pace_m) return goal_ + pace_m * left.normalized();
-      aim_ = place_of_interest() - random_->uniform(-1.0, 1.0) * depth_m_ * random_->unit_vector();
+      aim_ = place_of_interest();
+      if (random_->index(2)) {  // deep in it, if it is closed
+        aim_ += random_->uniform(0.0, 0.5) * (0.5 * (low_ + high_) - aim_);
+      } else {
+        aim_ += random_->uniform(-1.0, 1.0) * depth_m_ * random_->unit_vector();
+      }
       return goal_;
     }
     default:
@@ -682,7 +719,7 @@ Vec3 RestHand::next_goal(const ProxyState& felt) {
     goal_ = on_grid(place_of_interest());
   }
   const std::uint64_t rarely = habit_ == Habit::kTour ? 40 : 4;
-  if (random_->index(rarely) == 0) rest_left_ = between(*random_, 1, 8);
+  if (!is_restless_ && random_->index(rarely) == 0) rest_left_ = between(*random_, 1, 8);
   return goal_;
 }
 

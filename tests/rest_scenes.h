@@ -42,6 +42,9 @@ inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
 // The hard scenes of the leak test are among them.
 std::span<const RestClass> rest_classes();
 
+// These, and meshes so fine that judging rests there would take long.
+std::vector<RestClass> restless_classes();
+
 // Those whose spheres are larger than edges, up to ten thousand times.
 std::vector<RestClass> large_sphere_classes();
 
@@ -58,6 +61,9 @@ class RestHand {
   RestHand(const std::vector<Corners>& triangles, std::vector<Vec3> aims, double radius_m,
            double stand_off_m, double grid_m, const Vec3& start, Random& random);
   Vec3 next_goal(const ProxyState& felt);
+
+  // From now on it neither rests nor aims: each tick has some way to go.
+  void never_rest() { is_restless_ = true; }
 
  private:
   enum class Habit : std::uint8_t {
@@ -97,6 +103,7 @@ class RestHand {
   Habit habit_ = Habit::kWander;
   int ticks_left_ = 0;
   int rest_left_ = 0;
+  bool is_restless_ = false;
   int stage_ = 0;
 };
 

@@ -312,6 +312,42 @@ TEST_P(Rests, LeaveNoWayOn) {
   EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
 }
 
+// In three dimensions, without friction and without a rest, where most ticks have a way to go.
+class RestlessHands : public testing::TestWithParam<RestClass> {};
+
+TEST_P(RestlessHands, AreSeldomCapped) {
+  const RestClass& rest_class = GetParam();
+  int contacts = 0;
+  int capped = 0;
+  int ticks = 0;
+  for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1);
+       ticks < ticks_of(rest_class); ++seed) {
+    Random random(seed);
+    const RestScene scene = rest_class.make(rest_class.proxy, random);
+    const OwnedWorld world(scene.soup, {}, scene.radius_m);
+    const std::vector<Corners> triangles = test::solver_triangles(world);
+    GodObject god_object(world.world(), {.radius_m = scene.radius_m});
+    ProxyState felt;
+    felt.proxy = Vec3(0.0, 0.0, 1.1 * scene.radius_m + world.world().size_m);
+    god_object.place(felt.proxy);
+    RestHand hand(triangles, {}, scene.radius_m, god_object.scale().stand_off_m, 0.0, felt.proxy,
+                  random);
+    hand.never_rest();
+    for (int tick = 0; tick < kTicksPerScene; ++tick, ++ticks) {
+      felt = god_object.move_to(hand.next_goal(felt));
+      contacts += felt.in_contact;
+      capped += felt.in_contact && felt.capped;
+    }
+    if (std::getenv("PALPATE_SEED")) break;
+  }
+  std::printf("%-22s restless: %d contacts, capped %.2f %%\n", rest_class.full_name().c_str(),
+              contacts, 100.0 * capped / std::max(1, contacts));
+  EXPECT_LE(capped, rest_class.most_capped * contacts);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, RestlessHands, testing::ValuesIn(test::restless_classes()),
+                         [](const auto& rest_class) { return rest_class.param.full_name(); });
+
 // Spheres that are much larger than triangles need not reach a goal in the tick; if it stays they
 // do in a few.
 class LargeSpheres : public testing::TestWithParam<RestClass> {};
