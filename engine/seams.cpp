@@ -36,7 +36,8 @@ constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
 // How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
 // deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
 // index, 24 for a point turned by a quaternion both ways, 16 for the product that the difference is
-// told by; as much again for a point on its way to the index.
+// told by. And a point on its way to the index, 24 of its distance from the body: where a step can
+// meet something that is less than three sizes of the scene.
 constexpr double kFrameRoundoff = 64 * kUnitRoundoff;
 
 // What the two may be, in stand-offs, so that a vertex that has been joined is within
@@ -70,9 +71,12 @@ struct Placed {
   double rounding_m = 0.0;  // of its vertices, as above
   double apart_m = 0.0;     // of its index, as above
 
-  Placed(const SeamSurface& s, const Vec3& anchor_scene_m, const Vec3& reach_m)
-      : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {
-    const NodeDescription& node = *s.node;
+  Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
+      : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {}
+
+  // reach_m: of the mesh, by axis. size_m: of the scene.
+  void bound(const Vec3& reach_m, double size_m) {
+    const NodeDescription& node = *surface->node;
     const Vec3 columns = node.linear_scene_mesh.colwise().norm();
     const double length_m = columns.dot(reach_m);
     const double terms_m = columns.cwiseMax(node.product.columns).dot(reach_m) +
@@ -82,19 +86,22 @@ struct Placed {
     rounding_m =
         (kRoundoffPerTransform * factors + kRoundoffPerVertex + kRoundoffOfWriter) * terms_m +
         kRoundoffPerVertex * from_anchor_m;
-    const Mat3 moved = s.rotation.toRotationMatrix() * s.deformation;
+    const Mat3 moved = surface->rotation.toRotationMatrix() * surface->deformation;
     apart_m = ((moved - node.linear_scene_mesh).cwiseAbs() * reach_m).norm() +
-              kFrameRoundoff * (length_m + node.translation_m.norm() + from_anchor_m);
+              kFrameRoundoff * (length_m + node.translation_m.norm() + from_anchor_m + 2 * size_m);
   }
 
   Vec3 vertex(const Vec3& v_mesh) const {
     return solver_vertex(surface->node->linear_scene_mesh, translation_solver_m, v_mesh);
   }
+  // Around the surface, with a margin for surfaces so far from the origin that their place is not
+  // certain.
   Box box_solver(const Box& box_mesh) const {
-    const Mat3& linear = surface->node->linear_scene_mesh;
+    const NodeDescription& node = *surface->node;
     const Vec3 centre = vertex(0.5 * (box_mesh.low + box_mesh.high));
-    const Vec3 reach = linear.cwiseAbs() * (0.5 * (box_mesh.high - box_mesh.low));
-    return Box{centre - reach, centre + reach};
+    const Vec3 half = node.linear_scene_mesh.cwiseAbs() * (0.5 * (box_mesh.high - box_mesh.low));
+    const double far_m = node.translation_m.lpNorm<1>() + node.product.translation_m;
+    return Box{centre - half, centre + half}.grown(kRoundoffPerTransform * far_m);
   }
 };
 
@@ -172,14 +179,13 @@ class SeamSearch {
   SeamSearch(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
              const Vec3& anchor_scene_m, double size_m)
       : meshes_(meshes),
+        size_m_(size_m),
         most_m_(kMostJoinPerStandOff * SolverScale::of(size_m, 0.0).stand_off_m),
         most_apart_m_(kMostFramePerStandOff * SolverScale::of(size_m, 0.0).stand_off_m) {
     outlines_.reserve(meshes.size());
     for (const SurfaceMesh& mesh : meshes) outlines_.push_back(outline_of(mesh));
     placed_.reserve(surfaces.size());
-    for (const SeamSurface& s : surfaces) {
-      placed_.emplace_back(s, anchor_scene_m, outlines_[s.node->mesh].reach_m);
-    }
+    for (const SeamSurface& s : surfaces) placed_.emplace_back(s, anchor_scene_m);
   }
 
   Seams find() {
@@ -204,13 +210,13 @@ class SeamSearch {
     std::vector<bool> open;
     boxes.reserve(placed_.size());
     for (std::uint32_t s = 0; s < placed_.size(); ++s) {
-      const double margin_m = most_m_ + placed_[s].rounding_m + placed_[s].apart_m;
-      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(margin_m));
+      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(most_m_ + most_apart_m_));
       open.push_back(is_open(s));
     }
     const std::vector<bool> touches = may_touch_marked(boxes, open);
     for (std::uint32_t s = 0; s < placed_.size(); ++s) {
       if (!touches[s]) continue;
+      placed_[s].bound(outline(s).reach_m, size_m_);
       // Two may add up to what is allowed. Not so if it is no number, either.
       const bool is_certain =
           2 * placed_[s].rounding_m <= most_m_ && placed_[s].apart_m <= most_apart_m_;
@@ -302,6 +308,7 @@ class SeamSearch {
   }
 
   const std::vector<SurfaceMesh>& meshes_;
+  double size_m_;        // of the scene
   double most_m_;        // that two vertices may be apart and be joined
   double most_apart_m_;  // that an index may be apart
   std::vector<MeshOutline> outlines_;

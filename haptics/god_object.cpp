@@ -21,6 +21,9 @@ constexpr int kMaxShortenings = 8;
 // soon.
 constexpr double kNearPerStandOff = 2.0;
 
+// A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
+constexpr double kAtVertexPerStandOff = 64.0;
+
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
 
@@ -435,6 +438,50 @@ void GodObject::return_to(const ProxyPlace& place) {
   plane_count_ = place.plane_count;
   projection_ = place.projection;
   planes_are_current_ = place.planes_are_current;
+}
+
+// Whether a point rests at a corner of one of the faces that hold it.
+bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
+  const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
+  return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
+    const ContactBody& body = world_->body(contact.face.body);
+    const TriangleGeometry& t = body.index->triangle(contact.face.slot);
+    const Vec3 p_body = body.to_body(proxy_);
+    const auto is_near = [&](const Vec3& corner) {
+      return (p_body - corner).squaredNorm() <= near_m * near_m;
+    };
+    return is_near(t.a) || is_near(t.b) || is_near(t.c);
+  });
+}
+
+// The least displacement that puts the proxy a stop above the planes of these faces and brings it
+// nearer to none around. Zero if there is none near by.
+Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
+                           std::span<const FaceContact> around) const {
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  std::size_t count = 0;
+  const auto add = [&](const Vec3& normal, double offset_m) {
+    const ContactPlane plane{normal, offset_m};
+    const auto kept = motion_plane_normal_ ? within_plane(plane, *motion_plane_normal_)
+                                           : std::optional<ContactPlane>(plane);
+    if (kept) planes[count++] = *kept;
+  };
+  for (const FaceContact& face : faces) add(face.normal, scale().stop_m - face.clearance_m);
+  for (const FaceContact& met : around) {
+    const FaceContact nearest = tracer_.nearest_contact(met.face, proxy_);
+    add(nearest.normal, std::min(0.0, scale().stop_m - nearest.clearance_m));
+  }
+  const PlaneProjection lift =
+      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
+  const double most_m = kAtVertexPerStandOff * scale().stand_off_m;
+  const bool is_near = lift.solved && lift.displacement_m.squaredNorm() <= most_m * most_m;
+  return is_near ? lift.displacement_m : Vec3(Vec3::Zero());
+}
+
+// Whether the proxy has come nearer to the goal, by more than little.
+bool GodObject::leads_on(const Vec3& before) const {
+  const double gain_m = (before - goal_).norm() - (proxy_ - goal_).norm();
+  return gain_m > kLittlePerStandOff * scale().stand_off_m;
 }
 
 // Whether a sphere touches the same place of a curved feature in both contacts.

@@ -182,6 +182,8 @@ class GodObject {
   ProxyState move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                   Friction& friction);
   template <typename Friction>
+  void name_what_holds(Friction& friction);
+  template <typename Friction>
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool roll_to_answer();
@@ -204,6 +206,14 @@ class GodObject {
   void return_to(const ProxyPlace& place);
   template <typename Friction>
   bool leaves_edges(Friction& friction);
+  bool is_at_vertex(std::span<const FaceContact> contacts) const;
+  template <typename Friction>
+  bool slides_at_vertex(std::span<const FaceContact> around, Friction& friction);
+  template <typename Friction>
+  bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> around,
+                        Friction& friction);
+  Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> around) const;
+  bool leads_on(const Vec3& before) const;
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;

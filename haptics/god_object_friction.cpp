@@ -47,10 +47,15 @@ struct CoulombFriction {
     wants_to_slide = false;
   }
 
-  // Of the contact, after the last step.
-  bool slides_on() const { return slides && !is_below_cone; }
+  // Of the contact, after the tick. One that has slid goes on, though planes that it met on the way
+  // may hold it now: whether it sticks there is for the next tick.
+  bool slides_on() const { return slides && (slid || !is_below_cone); }
 
   ProxyState complete(ProxyState state) const {
+    // Cut short between two faces, it has its state from before.
+    if (state.in_contact && state.active_planes == 0 && slides) {
+      state.friction = FrictionState::kSlides;
+    }
     if (!state.in_contact || state.active_planes == 0 || !cone.holds()) return state;
     state.is_held = true;
     state.slid = slid;

@@ -84,11 +84,24 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
     }
   }
+  if (capped) name_what_holds(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   confirmed_ = !capped;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
+}
+
+// A tick that was cut short when the proxy had just met a face tells that face, too.
+template <typename Friction>
+void GodObject::name_what_holds(Friction& friction) {
+  if (projection_.active_count > 0) return;
+  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  if (!projection_.solved) projection_ = {};
+  if constexpr (Friction::kHolds) {
+    hold_by(friction);
+    friction.wants_to_slide = false;
+  }
 }
 
 template <typename Friction>
@@ -169,15 +182,16 @@ bool GodObject::leaves_edges(Friction& friction) {
     holding[i] = contacts_[held.active[i]];
     beside += holding[i].feature != TriangleFeature::kFace;
   }
-  if (beside == 0) return false;
+  const bool is_vertex = count > 1 && is_at_vertex(std::span(holding).first(count));
+  if (beside == 0 && !is_vertex) return false;
   std::array<FaceContact, 3> nearest = holding;
   for (std::size_t i = 0; i < count; ++i) {
     if (holding[i].feature != TriangleFeature::kFace) {
       nearest[i] = tracer_.nearest_contact(holding[i].face, proxy_);
     }
   }
-  if (slides_along(std::span(nearest).first(count), friction)) return true;
-  for (std::size_t left_out = 0; left_out <= count; ++left_out) {
+  if (beside > 0 && slides_along(std::span(nearest).first(count), friction)) return true;
+  for (std::size_t left_out = 0; beside > 0 && left_out <= count; ++left_out) {
     const bool all = left_out == count;
     if (!all && (beside < 2 || holding[left_out].feature == TriangleFeature::kFace)) continue;
     std::array<FaceContact, 3> others;
@@ -189,16 +203,11 @@ bool GodObject::leaves_edges(Friction& friction) {
     }
     if (slides_along(std::span(others).first(other_count), friction)) return true;
   }
-  std::array<FaceContact, kMostAtVertex> near;
-  const double around_m = kAroundPerStandOff * scale().stand_off_m;
-  const std::size_t near_count = count < 2 ? 0 : tracer_.contacts_around(proxy_, around_m, near);
-  for (std::size_t i = 0; i < near_count; ++i) {
-    const FaceContact alone[] = {near[i]};
-    if (slides_along(alone, friction)) return true;
-    for (std::size_t j = 0; j < i; ++j) {
-      const FaceContact pair[] = {near[i], near[j]};
-      if (slides_along(pair, friction)) return true;
-    }
+  if (is_vertex || beside > 0) {
+    std::array<FaceContact, kMostAtVertex> around;
+    const double around_m = kAroundPerStandOff * scale().stand_off_m;
+    const std::size_t around_count = tracer_.contacts_around(proxy_, around_m, around);
+    if (slides_at_vertex(std::span(around).first(around_count), friction)) return true;
   }
   plane_count_ = 0;
   for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);
@@ -207,7 +216,46 @@ bool GodObject::leaves_edges(Friction& friction) {
   return false;
 }
 
-// Takes a step held by these planes alone; true if it led anywhere.
+// Tries the faces around a vertex: each alone, each two, and each two from above both, where the
+// proxy is beside a crease that it could follow and lower than it may be over one of its sides.
+template <typename Friction>
+bool GodObject::slides_at_vertex(std::span<const FaceContact> around, Friction& friction) {
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const FaceContact alone[] = {around[i]};
+    if (slides_along(alone, friction)) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      const FaceContact pair[] = {around[i], around[j]};
+      if (slides_along(pair, friction)) return true;
+      const bool is_low = std::min(pair[0].clearance_m, pair[1].clearance_m) < scale().stop_m;
+      if (is_low && lifts_and_slides(pair, around, friction)) return true;
+    }
+  }
+  return false;
+}
+
+// Lifts the proxy above both faces, nearer to none of those around, and lets it slide along them;
+// true if all that led on by more than little.
+template <typename Friction>
+bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
+                                 std::span<const FaceContact> around, Friction& friction) {
+  const Vec3 lift = lift_above(pair, around);
+  if (lift.isZero(0.0) || tracer_.trace(proxy_, proxy_ + lift)) return false;
+  const Vec3 before = proxy_;
+  const std::size_t corners = path_.size();
+  const Friction friction_before = friction;
+  commit(proxy_ + lift);
+  std::array<FaceContact, 2> above;
+  for (std::size_t i = 0; i < 2; ++i) {
+    above[i] = tracer_.contact_over(pair[i].face, proxy_, pair[i].normal);
+  }
+  if (slides_along(above, friction) && leads_on(before)) return true;
+  friction = friction_before;
+  proxy_ = before;
+  path_.resize(corners);
+  return false;
+}
+
+// Takes a step held by these planes alone; true if it led on by more than little.
 template <typename Friction>
 bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
   plane_count_ = 0;
@@ -216,7 +264,7 @@ bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& fr
   const std::size_t corners = path_.size();
   const Friction friction_before = friction;
   take_step(friction);
-  if (!is_none(proxy_ - before)) {
+  if (leads_on(before)) {
     if constexpr (Friction::kHolds) friction.end_step(true);
     return true;
   }

@@ -554,6 +554,11 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
   for (const double proxy_radius_m : {0.0, 2e-3}) {
     OwnedWorld world(Soup{mesh.positions_m, mesh.triangles}, {}, proxy_radius_m);
     world.set_effects(with_friction(0.8, 0.4));
+    // A sphere that is within a stand-off h of an edge and of the face beyond is held by either:
+    // their normals differ by sqrt(2 h / r), and the ratio by (1 + 0.4^2) times that.
+    const double stand_off_m = SolverScale::of(world.world().size_m, proxy_radius_m).stand_off_m;
+    const double rounded =
+        proxy_radius_m > 0.0 ? 1.16 * std::sqrt(2 * stand_off_m / proxy_radius_m) : 1e-9;
     for (int run = 0; run < 20; ++run) {
       HapticSettings s = settings();
       s.god_object.radius_m = proxy_radius_m;
@@ -574,7 +579,8 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
         ASSERT_EQ(record.friction, FrictionState::kSlides) << run << " " << angle;
         const double press_N = record.force_device_N.dot(record.normal_scene);
         const double side_N = (record.force_device_N - press_N * record.normal_scene).norm();
-        ASSERT_NEAR(side_N / press_N, 0.4, 1e-9) << run << " " << angle;
+        if ((record.faults & kFaultSolverCapped) != 0) continue;
+        ASSERT_NEAR(side_N / press_N, 0.4, rounded) << run << " " << angle;
         ++slides;
       }
       EXPECT_GT(slides, 200);
