@@ -208,6 +208,8 @@ class GodObject {
   bool leaves_edges(Friction& friction);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   template <typename Friction>
+  bool slides_past(std::span<const FaceContact> around, Friction& friction);
+  template <typename Friction>
   bool slides_at_vertex(std::span<const FaceContact> around, Friction& friction);
   template <typename Friction>
   bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> around,

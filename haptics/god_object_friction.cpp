@@ -109,14 +109,14 @@ bool GodObject::hold_by(Friction& friction) {
   return true;
 }
 
-// Whether friction holds a proxy where the last tick left it: then there is nothing to look for,
+// Whether friction holds a proxy where the last tick left it: then there is nothing more to look for,
 // and it keeps its place to the bit.
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
   if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved || !hold_by(friction)) return false;
-  if (!projection_.displacement_m.isZero(0.0)) return false;
+  if (!projection_.displacement_m.isZero(0.0) || leaves_edges(friction)) return false;
   keep_contacts_for_next_tick(false);
   return true;
 }

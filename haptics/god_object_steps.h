@@ -183,7 +183,7 @@ bool GodObject::leaves_edges(Friction& friction) {
     beside += holding[i].feature != TriangleFeature::kFace;
   }
   const bool is_vertex = count > 1 && is_at_vertex(std::span(holding).first(count));
-  if (beside == 0 && !is_vertex) return false;
+  if (beside == 0 && !is_vertex && !(Friction::kHolds && count > 1)) return false;
   std::array<FaceContact, 3> nearest = holding;
   for (std::size_t i = 0; i < count; ++i) {
     if (holding[i].feature != TriangleFeature::kFace) {
@@ -203,17 +203,32 @@ bool GodObject::leaves_edges(Friction& friction) {
     }
     if (slides_along(std::span(others).first(other_count), friction)) return true;
   }
+  std::array<FaceContact, kMaxContactPlanes> around;
+  const double around_m = kAroundPerStandOff * scale().stand_off_m;
+  const std::size_t around_count = tracer_.contacts_around(proxy_, around_m, around);
+  if constexpr (Friction::kHolds) {
+    if (count > 1 && slides_past(std::span(around).first(around_count), friction)) return true;
+  }
   if (is_vertex || beside > 0) {
-    std::array<FaceContact, kMostAtVertex> around;
-    const double around_m = kAroundPerStandOff * scale().stand_off_m;
-    const std::size_t around_count = tracer_.contacts_around(proxy_, around_m, around);
-    if (slides_at_vertex(std::span(around).first(around_count), friction)) return true;
+    const std::size_t tried = std::min(around_count, kMostAtVertex);
+    if (slides_at_vertex(std::span(around).first(tried), friction)) return true;
   }
   plane_count_ = 0;
   for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);
   projection_ = held;
   for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
   return false;
+}
+
+// Among many faces in a narrow groove, the two that hold the proxy may bear, wedged between them,
+// more than any two that it would slide along. True if it goes on along all of them.
+template <typename Friction>
+bool GodObject::slides_past(std::span<const FaceContact> around, Friction& friction) {
+  std::array<FaceContact, kMaxContactPlanes> nearest;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    nearest[i] = tracer_.nearest_contact(around[i].face, proxy_);
+  }
+  return slides_along(std::span(nearest).first(around.size()), friction);
 }
 
 // Tries the faces around a vertex: each alone, each two, and each two from above both, where the

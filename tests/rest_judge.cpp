@@ -218,8 +218,14 @@ class Search {
     const auto offer = [&](const Wide3& part, std::size_t i, std::size_t j, Wide hold_m,
                            Wide error) {
       const Wide part_m = part.norm();
-      if (part_m <= best_m || !is_worth_it(part_m)) return;
+      if (!is_worth_it(part_m)) return;
       const Wide3 direction = part / part_m;
+      // Many pairs of walls may have one line, which any of them holds along.
+      if (best && (direction - best->direction).norm() <= kSameNormal + error) {
+        best->hold_m = std::max(best->hold_m, hold_m);
+        return;
+      }
+      if (part_m <= best_m) return;
       for (std::size_t k = 0; k < cone.size(); ++k) {
         if (k == i || k == j) continue;
         if (direction.dot(cone[k].away) < -(cone[k].slope_error + error)) return;
