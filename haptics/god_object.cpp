@@ -454,6 +454,14 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
   });
 }
 
+// After other planes have been tried.
+void GodObject::hold_again(std::span<const FaceContact> holding, const PlaneProjection& held) {
+  plane_count_ = 0;
+  for (const FaceContact& contact : holding) add_plane(contact);
+  projection_ = held;
+  for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
+}
+
 // The least displacement that puts the proxy a stop above the planes of these faces and brings it
 // nearer to none around. Zero if there is none near by.
 Vec3 GodObject::lift_above(std::span<const FaceContact> faces,

@@ -207,6 +207,9 @@ class GodObject {
   template <typename Friction>
   bool leaves_edges(Friction& friction);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
+  void hold_again(std::span<const FaceContact> holding, const PlaneProjection& held);
+  template <typename Friction>
+  bool slides_up_to_what_holds(Friction& friction);
   template <typename Friction>
   bool slides_past(std::span<const FaceContact> around, Friction& friction);
   template <typename Friction>

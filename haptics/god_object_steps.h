@@ -173,6 +173,7 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
 // along each face around and each two are tried. True if any of that led on.
 template <typename Friction>
 bool GodObject::leaves_edges(Friction& friction) {
+  if (Friction::kHolds && slides_up_to_what_holds(friction)) return true;
   if (tracer_.radius_m() > 0.0) return false;
   const PlaneProjection held = projection_;
   std::array<FaceContact, 3> holding;
@@ -213,10 +214,26 @@ bool GodObject::leaves_edges(Friction& friction) {
     const std::size_t tried = std::min(around_count, kMostAtVertex);
     if (slides_at_vertex(std::span(around).first(tried), friction)) return true;
   }
-  plane_count_ = 0;
-  for (std::size_t i = 0; i < count; ++i) add_plane(holding[i]);
-  projection_ = held;
-  for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
+  hold_again(std::span(holding).first(count), held);
+  return false;
+}
+
+// Of two faces that friction would wedge the proxy between, one may not be touched yet: as far as to
+// there, only the other one holds.
+template <typename Friction>
+bool GodObject::slides_up_to_what_holds(Friction& friction) {
+  const PlaneProjection held = projection_;
+  const auto count = static_cast<std::size_t>(held.active_count);
+  std::array<FaceContact, 3> holding;
+  std::array<FaceContact, 3> touched;
+  std::size_t touched_count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    holding[i] = contacts_[held.active[i]];
+    if (holding[i].clearance_m <= scale().stand_off_m) touched[touched_count++] = holding[i];
+  }
+  if (touched_count == 0 || touched_count == count) return false;
+  if (slides_along(std::span(touched).first(touched_count), friction)) return true;
+  hold_again(std::span(holding).first(count), held);
   return false;
 }
 
