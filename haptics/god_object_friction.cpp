@@ -109,8 +109,8 @@ bool GodObject::hold_by(Friction& friction) {
   return true;
 }
 
-// Whether friction holds a proxy where the last tick left it: then there is nothing more to look for,
-// and it keeps its place to the bit.
+// Whether friction holds a proxy where the last tick left it: then there is nothing more to look
+// for, and it keeps its place to the bit.
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
   if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;

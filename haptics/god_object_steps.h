@@ -218,8 +218,8 @@ bool GodObject::leaves_edges(Friction& friction) {
   return false;
 }
 
-// Of two faces that friction would wedge the proxy between, one may not be touched yet: as far as to
-// there, only the other one holds.
+// Of two faces that friction would wedge the proxy between, one may not be touched yet: as far as
+// to there, only the other one holds.
 template <typename Friction>
 bool GodObject::slides_up_to_what_holds(Friction& friction) {
   const PlaneProjection held = projection_;

@@ -43,8 +43,9 @@ struct TraceHit {
 //
 // A step is the segment between two points given in double, the very ones that will be committed. A
 // step without a hit is certified: no triangle touches the swept proxy, exactly for a point, up to
-// rounding bounds that err on the side of a hit for a sphere. A point and a triangle are taken in the
-// frame of the body, or in the solver frame where the body has corners there (solver_corners.h).
+// rounding bounds that err on the side of a hit for a sphere. A point and a triangle are taken in
+// the frame of the body, or in the solver frame where the body has corners there
+// (solver_corners.h).
 //
 // Triangles are taken from the cached packs around the proxy while the step stays in their safe
 // zone, and from a segment query otherwise; of bodies that move, always from one. Packs are asked

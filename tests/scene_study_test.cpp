@@ -56,9 +56,12 @@ TEST(SceneStudy, TellsTimesErrorsAndTheRateOfAScene) {
   EXPECT_LT(study->presets[1].worst_error_m, study->floor_m);
   const SafeRate& safe = study->safe_rate;
   ASSERT_FALSE(safe.trials.empty());
-  for (std::size_t i = 0; i + 1 < safe.trials.size(); ++i) {
-    EXPECT_TRUE(safe.trials[i].passed());
-    EXPECT_LT(safe.trials[i].rate_Hz, safe.trials[i + 1].rate_Hz);
+  // How many rates this machine keeps is not for a test: a busy one may keep the slowest alone.
+  for (std::size_t i = 0; i < safe.trials.size(); ++i) {
+    EXPECT_EQ(safe.trials[i].passed(), safe.trials[i].rate_Hz <= safe.by_trial_Hz);
+    if (i > 0) {
+      EXPECT_LT(safe.trials[i - 1].rate_Hz, safe.trials[i].rate_Hz);
+    }
   }
   EXPECT_LE(safe.rate_Hz(), safe.by_trial_Hz);
   EXPECT_LE(safe.rate_Hz(), safe.by_computing_Hz);
