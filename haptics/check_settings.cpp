@@ -63,13 +63,12 @@ std::optional<Error> check_coupling(const ContactWorld& world, const HapticSetti
 
 }  // namespace
 
-double farthest_sample_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
-  return kFarthestSamplePerSize *
-         (world.size_m + world.anchor_scene_m.norm() + T_device_scene.translation_m.norm());
+double extent_m(const ContactWorld& world) noexcept {
+  return world.size_m + world.anchor_scene_m.norm();
 }
 
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
-  return 4.0 * farthest_sample_m(world, T_device_scene);
+  return 4.0 * farthest_sample_m(extent_m(world), T_device_scene);
 }
 
 std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings) {

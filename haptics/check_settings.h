@@ -45,8 +45,14 @@ std::optional<Error> check_settings(const ContactWorld& world, const HapticSetti
 // of those that double has.
 inline constexpr double kFarthestSamplePerSize = 0x1p26;
 
-// The farthest from the device's origin that a sample counts. m.
-double farthest_sample_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept;
+// The size of a world and how far it is from the scene's origin. m.
+double extent_m(const ContactWorld& world) noexcept;
+
+// The farthest from the device's origin that a sample counts. world_extent_m: extent_m(). m.
+inline double farthest_sample_m(double world_extent_m,
+                                const RigidTransform& T_device_scene) noexcept {
+  return kFarthestSamplePerSize * (world_extent_m + T_device_scene.translation_m.norm());
+}
 
 // The largest lag that samples can give which count. The goal is within farthest_sample_m() of the
 // device's origin and the scene's middle within a 2^26th of that, so the goal is less than twice as

@@ -88,12 +88,6 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
                 kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
 }
 
-// Finite, and so near that squares of lengths are.
-bool GodObject::is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
-  return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
-         (!motion_plane_normal || motion_plane_normal->allFinite());
-}
-
 bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
   return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&
          std::isfinite(T_solver_body.translation_m.squaredNorm());
@@ -226,11 +220,14 @@ void GodObject::seed_from_last_tick() {
 // Takes up what the proxy touches of a face that it has met. A point is held by the edge of a face
 // only where it has just been stopped there: see leaves_edges().
 void GodObject::add_if_touched(const FaceContact& met) {
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  const bool is_point = tracer_.radius_m() == 0.0;
+  if (is_point && tracer_.is_far_beside_face(met.face, proxy_, near_m)) return;
   const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
-  if (now.clearance_m > kNearPerStandOff * scale().stand_off_m) return;
+  if (now.clearance_m > near_m) return;
   // The plane of the face, though the proxy is a little beside it.
   const bool is_over = (now.normal - met.normal).norm() <= kSameNormal;
-  if (tracer_.radius_m() > 0.0 || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
+  if (!is_point || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
 }
 
 // Replaces each plane by that of the place of its face which is nearest to the proxy, and leaves
@@ -517,14 +514,14 @@ bool GodObject::settled() const {
 void GodObject::keep_contacts_for_next_tick(bool capped) {
   last_active_count_ = projection_.active_count;
   last_count_ = last_active_count_;
-  std::array<bool, kMaxContactPlanes> is_active{};
   for (int i = 0; i < projection_.active_count; ++i) {
     last_contacts_[i] = contacts_[projection_.active[i]];
-    is_active[static_cast<std::size_t>(projection_.active[i])] = true;
   }
   if (!capped) return;
+  const auto active_end = projection_.active.begin() + projection_.active_count;
   for (int i = 0; i < plane_count_; ++i) {
-    if (!is_active[static_cast<std::size_t>(i)]) last_contacts_[last_count_++] = contacts_[i];
+    const bool is_active = std::find(projection_.active.begin(), active_end, i) != active_end;
+    if (!is_active) last_contacts_[last_count_++] = contacts_[i];
   }
 }
 

@@ -3,6 +3,7 @@
 // The god-object: the proxy that stays on the surface while the device point goes into it.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -169,7 +170,11 @@ class GodObject {
     kStuck     // no use going on with these planes
   };
 
-  bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const;
+  // Finite, and so near that squares of lengths are.
+  bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
+    return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
+           (!motion_plane_normal || motion_plane_normal->allFinite());
+  }
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
   ProxyState refused() const;
   void take_bounds();

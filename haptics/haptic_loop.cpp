@@ -25,7 +25,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       theoretical_rotation_(actuation, settings.a4.table1),
       T_device_scene_(settings.initial_pose),
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()),
-      has_bad_settings_(check_settings(world, settings).has_value()) {
+      has_bad_settings_(check_settings(world, settings).has_value()),
+      world_extent_m_(extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
@@ -70,7 +71,7 @@ std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   last_sample_.age_s += dt_s;
   last_good_sample_.age_s += dt_s;
   if (!record_.device_m.allFinite()) return kFaultNonFiniteSample;
-  const double farthest_m = farthest_sample_m(*world_, T_device_scene_);
+  const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene_);
   if (!(record_.device_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
   return jumps(record_.device_m) ? kFaultJump : kFaultNone;
 }

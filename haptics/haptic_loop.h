@@ -200,6 +200,7 @@ class HapticLoop {
   TickRecord record_;
   bool has_proxy_ = false;
   bool has_bad_settings_;
+  double world_extent_m_;  // extent_m()
 
   Step step_;
   Step feel_bare_;                         // what is left of a step where no effect is near

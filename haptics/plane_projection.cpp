@@ -29,7 +29,7 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 
 using Candidate = std::optional<Vec3>;
 
-Candidate on_one(const ContactPlane& i, const Vec3& target) {
+inline Candidate on_one(const ContactPlane& i, const Vec3& target) {
   const double multiplier = i.offset_m - i.normal.dot(target);
   if (multiplier < 0.0) return std::nullopt;
   return Vec3(target + multiplier * i.normal);
@@ -97,8 +97,9 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
   int most = -1;
   double by_m = 0.0;
   for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
+    if (basis.has(i)) continue;
     const double v_m = violation_m(planes[static_cast<std::size_t>(i)], basis.displacement_m);
-    if (v_m <= by_m || basis.has(i)) continue;
+    if (v_m <= by_m) continue;
     most = i;
     by_m = v_m;
   }
@@ -152,6 +153,14 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
   int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
   for (int added; (added = most_violated(planes, basis)) >= 0;) {
     if (left-- == 0) return {};
+    if (basis.count == 0) {
+      const auto y = on_one(planes[static_cast<std::size_t>(added)], target);
+      if (!y) return {};
+      basis.planes[0] = added;
+      basis.count = 1;
+      basis.displacement_m = *y;
+      continue;
+    }
     const auto next = exchange(planes, target, basis, added);
     if (!next) return {};
     basis = *next;

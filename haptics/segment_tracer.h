@@ -84,6 +84,12 @@ class SegmentTracer {
   // moment to look for the candidates that the next ones will need.
   void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
+  // Whether a point is beside a face by more than reach_m (is_far_beside). Not for a sphere.
+  bool is_far_beside_face(const FaceRef& face, const Vec3& p, double reach_m) const noexcept {
+    const ContactBody& body = world_->body(face.body);
+    return is_far_beside(body.index->triangle(face.slot), body.to_body(p), reach_m);
+  }
+
   // The contact of a proxy at p with the place of a face that is nearest to it.
   FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
 
