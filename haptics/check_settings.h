@@ -17,9 +17,8 @@ struct HapticSettings;
 // as "accuracy.tolerance". In range are:
 //
 //   radius_m              finite, >= 0, and no larger than what each index of the world and its
-//   tree
-//                         were built for: SurfaceIndex::sweep_radius_m() >= radius_m + a stand-off,
-//                         kLargestSweep_m at most
+//                         tree were built for: SurfaceIndex::sweep_radius_m() >= radius_m + a
+//                         stand-off, kLargestSweep_m at most
 //   accuracy.iterations   1 to Accuracy::kMostIterations
 //   accuracy.tolerance    finite, > 0
 //

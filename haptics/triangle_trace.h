@@ -37,8 +37,8 @@ inline bool is_rather_over(const TriangleGeometry& t, const Vec3& direction) noe
 
 // Point proxy from p to q; it is stopped at stop_m from the triangle, or where it is if that is
 // nearer. A step that passes the triangle by but ends within the clearance of it is stopped, too.
-// Returns false if neither is so. Whether it crosses, and from which
-// side, is exact for the very doubles p and q.
+// Returns false if neither is so. Whether it crosses, and from which side, is exact for the very
+// doubles p and q.
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit) noexcept;
 
