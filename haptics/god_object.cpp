@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// A step that is stopped is shortened at most so often; then the proxy stays where it is. Each time
-// is a triangle within a stand-off of the last stop: faces of one vertex, as a rule.
+// A step that is stopped is shortened at most so often, then by half, and then the proxy stays
+// where it is. Each time is a triangle within a stand-off of the last stop: faces of one vertex, as
+// a rule.
 constexpr int kMaxShortenings = 8;
 
 // What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
@@ -263,19 +264,23 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   const auto moves = [&] { return !is_none(stop - proxy_); };
   // The face it is stopped by may not be the only one that is close there. What is committed has
   // been traced to its very end.
-  for (int shortened = 0; settings_.accuracy.certify && moves(); ++shortened) {
+  int shortened = 0;
+  for (; settings_.accuracy.certify && moves(); ++shortened) {
     const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
     if (!nearer) break;
     hit = nearer;
-    if (shortened == kMaxShortenings) stop = proxy_;
-    stop = proxy_ + nearer->fraction.value() * (stop - proxy_);
+    const double less = shortened < kMaxShortenings    ? 1.0
+                        : shortened == kMaxShortenings ? 0.5
+                                                       : 0.0;
+    stop = proxy_ + less * nearer->fraction.value() * (stop - proxy_);
   }
   const bool moved = moves();
   if (moved) advance_to(stop);
   FaceContact contact = hit->contact;
+  const bool is_off_stop = shortened > kMaxShortenings;
   if (tracer_.radius_m() > 0.0) {
     planes_are_current_ = false;
-  } else if (contact.feature != TriangleFeature::kFace) {
+  } else if (is_off_stop || contact.feature != TriangleFeature::kFace) {
     contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
   }
   bool is_new = add_plane(contact);
@@ -286,6 +291,28 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     if (steepest && add_plane(*steepest)) is_new = true;
   }
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
+}
+
+// Whether the proxy touches none of the planes that are to hold it. Friction holds by what is
+// touched.
+bool GodObject::is_off_planes() const {
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    if (planes_of_contact_[projection_.active[i]].offset_m >= -near_m) return false;
+  }
+  return projection_.active_count > 0;
+}
+
+// The part of the way to the goal that leads to the first of them.
+Vec3 GodObject::way_to_planes() const {
+  const Vec3 way = goal_ - proxy_;
+  double part = 1.0;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
+    const double approach_m = plane.normal.dot(way);
+    if (approach_m < 0.0) part = std::min(part, plane.offset_m / approach_m);
+  }
+  return part * way;
 }
 
 // Takes a proxy that is outside everything straight to where things begin. False if it has reached

@@ -191,6 +191,8 @@ class GodObject {
   template <typename Friction>
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
+  bool is_off_planes() const;
+  Vec3 way_to_planes() const;
   bool roll_to_answer();
   bool is_none(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;

@@ -109,8 +109,15 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
+  bool flies = false;
   if constexpr (Friction::kHolds) {
-    if (!hold_by(friction) && roll_to_answer()) return Progress::kStopped;
+    flies = is_off_planes();
+    if (flies) {
+      friction.begin_step();
+      projection_.displacement_m = way_to_planes();
+    } else if (!hold_by(friction) && roll_to_answer()) {
+      return Progress::kStopped;
+    }
   } else {
     if (roll_to_answer()) return Progress::kStopped;
   }
@@ -127,7 +134,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (leaves) target = proxy_ + leave_bounds(step) * step;  // nothing to touch beyond
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   if (leaves && is_free) commit(goal_);
-  return Progress::kMoved;
+  return flies ? Progress::kStopped : Progress::kMoved;
 }
 
 // Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane
