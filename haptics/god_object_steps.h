@@ -180,7 +180,9 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
 // along each face around and each two are tried. True if any of that led on.
 template <typename Friction>
 bool GodObject::leaves_edges(Friction& friction) {
-  if (Friction::kHolds && slides_up_to_what_holds(friction)) return true;
+  if constexpr (Friction::kHolds) {
+    if (slides_up_to_what_holds(friction)) return true;
+  }
   if (tracer_.radius_m() > 0.0) return false;
   const PlaneProjection held = projection_;
   std::array<FaceContact, 3> holding;
@@ -233,13 +235,37 @@ bool GodObject::slides_up_to_what_holds(Friction& friction) {
   const auto count = static_cast<std::size_t>(held.active_count);
   std::array<FaceContact, 3> holding;
   std::array<FaceContact, 3> touched;
+  std::array<Vec3, 3> normals;  // in the plane of motion, if there is one
   std::size_t touched_count = 0;
   for (std::size_t i = 0; i < count; ++i) {
     holding[i] = contacts_[held.active[i]];
-    if (holding[i].clearance_m <= scale().stand_off_m) touched[touched_count++] = holding[i];
+    if (holding[i].clearance_m > scale().stand_off_m) continue;
+    normals[touched_count] = plane_normal(i);
+    touched[touched_count++] = holding[i];
   }
   if (touched_count == 0 || touched_count == count) return false;
   if (slides_along(std::span(touched).first(touched_count), friction)) return true;
+  // Those that are touched, and not pressed, lead along them to the other.
+  const Vec3 before = proxy_;
+  const std::size_t corners = path_.size();
+  const Vec3 lag = goal_ - proxy_;
+  const auto leads_along = [&](const Vec3& along, const FaceContact& face) {
+    const FrictionCone cone = friction.source->cone(friction.source->context, face, proxy_);
+    const double held_m = cone.static_friction * (lag - along).norm();
+    if (!(along.norm() > held_m)) return false;
+    stop_at_first_hit(proxy_ + (1.0 - held_m / along.norm()) * along);
+    if (leads_on(before)) return true;
+    proxy_ = before;
+    path_.resize(corners);
+    return false;
+  };
+  for (std::size_t i = 0; i < touched_count; ++i) {
+    if (leads_along(lag - lag.dot(normals[i]) * normals[i], touched[i])) return true;
+  }
+  if (touched_count == 2) {
+    const Vec3 line = normals[0].cross(normals[1]);
+    if (leads_along(lag.dot(line) / line.squaredNorm() * line, touched[0])) return true;
+  }
   hold_again(std::span(holding).first(count), held);
   return false;
 }
