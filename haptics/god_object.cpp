@@ -25,12 +25,11 @@ constexpr double kNearPerStandOff = 2.0;
 // A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
 constexpr double kAtVertexPerStandOff = 64.0;
 
+// The cosine of the angle between two slides that lead on in one direction.
+constexpr double kSameWay = 0.9;
+
 // By how much farther a proxy that leaves a place of greatest lag goes each time.
 constexpr double kFasterEachTime = 4.0;
-
-// By how much farther a proxy that goes on as its slides say goes than the last time, at most: a
-// surface that curves otherwise farther on is found out in small steps.
-constexpr double kMostGrowth = 16.0;
 
 // A sphere goes round a feature along tangents that turn by so much at a time at most: their
 // corners are 0.8 % of the radius off the arc.
@@ -440,18 +439,13 @@ bool GodObject::roll_to_answer() {
 double GodObject::reach_of(const Vec3& slide) {
   const double last_m = last_slide_m_.norm();
   const double now_m = slide.norm();
-  if (last_m == 0.0) {
+  if (last_m == 0.0 || slide.dot(last_slide_m_) < kSameWay * last_m * now_m) {
     overreach_ = 1.0;
-    return overreach_;
-  }
-  if (slide.dot(last_slide_m_) < kSameWay * last_m * now_m) {
-    overreach_ *= kFasterEachTime;
     return overreach_;
   }
   // Where slides do not shrink, the proxy leaves a place where the lag is greatest.
   const double shrinks = 1.0 - now_m / last_m;
-  overreach_ = shrinks > 0.0 ? std::min(1.0 / shrinks, kMostGrowth * overreach_)
-                             : kFasterEachTime * overreach_;
+  overreach_ = shrinks > 0.0 ? 1.0 / shrinks : kFasterEachTime * overreach_;
   return overreach_;
 }
 

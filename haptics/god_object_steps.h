@@ -31,9 +31,6 @@ constexpr int kPatience = 8;
 // To a slow proxy a step of so many stand-offs, a tenth of what a way has to gain, is none.
 constexpr double kLittlePerStandOff = 10.0;
 
-// The cosine of the angle between two slides that lead on in one direction.
-constexpr double kSameWay = 0.9;
-
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
@@ -43,9 +40,6 @@ constexpr std::size_t kMostAtVertex = 12;
 // How far from a vertex they are looked for: three planes hold a point within a few stand-offs of
 // it.
 constexpr double kAroundPerStandOff = 4.0;
-
-// Of what it went too far, what it begins with the next time.
-constexpr double kLessAfterFailure = 1.0 / 64;
 
 // How much farther from the goal it may get on the way, of the radius.
 constexpr double kDetourPerRadius = 0.008;
@@ -65,13 +59,11 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   bool capped = true;
   settled_ = false;
   is_slow_ = false;
-  // A tick that was cut short goes on as it was.
-  const bool goes_on = !confirmed_ && last_count_ > 0;
-  if (!goes_on) last_slide_m_.setZero();
+  last_slide_m_.setZero();
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
-    is_slow_ = goes_on || iteration > kPatience;
+    is_slow_ = iteration > kPatience;
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
     const Progress progress = take_step(friction);
@@ -157,19 +149,15 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
                          : Vec3(Vec3::Zero());
   if (slide.isZero(0.0)) return 0;
   const double reach = reach_of(slide);
-  // Between two features it goes to and fro, and on by what both slides lead together.
-  const Vec3 way = slide.dot(last_slide_m_) >= kSameWay * slide.norm() * last_slide_m_.norm()
-                       ? slide
-                       : Vec3(slide + last_slide_m_);
   last_slide_m_ = slide;
-  if (reach <= 1.0 || way.isZero(0.0) || most_steps < kStepsToFall) return 0;
+  if (reach <= 1.0 || most_steps < kStepsToFall) return 0;
   const ProxyPlace before = place_now();
   const double lag_m = (proxy_ - goal_).norm();
   int steps = 1;
   // At a foot, a distance x along the slide leads x^2 / (2 lag) away, to the first order.
   const double farthest_m = std::sqrt(2.0 * kDetourPerRadius * tracer_.radius_m() * lag_m);
-  const double beyond_m = std::min((reach - 1.0) * way.norm(), farthest_m);
-  const Vec3 target = proxy_ + beyond_m * way.normalized();
+  const double beyond_m = std::min((reach - 1.0) * slide.norm(), farthest_m);
+  const Vec3 target = proxy_ + beyond_m * slide.normalized();
   if (!bounds_.contains(target)) return 0;
   stop_at_first_hit(target);
   plane_count_ = 0;
@@ -181,7 +169,7 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
     if (fall != Progress::kStopped) update_planes();
   }
   return_to(before);
-  overreach_ = std::max(1.0, kLessAfterFailure * beyond_m / way.norm());
+  overreach_ = 1.0;
   return steps;
 }
 
