@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs, builds and runs the whole test suite; arguments go to ctest.
-# PRESET=asan ./test.sh (or debug) runs it on another build. PRESET=tsan builds and runs the tests
-# of threads only: nothing else has a race to find. PRESET=fuzz fuzzes the glTF reader for 30 s, or
-# for PALPATE_FUZZ_SECONDS; arguments go to libFuzzer.
+# PRESET=debug ./test.sh runs it on another build. PRESET=asan builds and runs the tests of what files
+# and hands from outside reach (label memory), PRESET=tsan those of threads (rt): nothing else has such
+# errors to find. PRESET=fuzz fuzzes the glTF reader for 30 s, or for PALPATE_FUZZ_SECONDS; arguments
+# go to libFuzzer.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 # Fuzzes from the seeds that the project makes and from what earlier runs have found to be new.
@@ -24,10 +25,15 @@ if [ "$preset" = fuzz ]; then
   exit
 fi
 install_missing_packages
-if [ "$preset" = tsan ]; then
-  build_preset tsan rt_tests
-  set -- -L rt "$@"
-else
-  build_preset "$preset"
-fi
+case $preset in
+  asan)
+    build_preset asan memory_tests
+    set -- -L memory "$@"
+    ;;
+  tsan)
+    build_preset tsan rt_tests
+    set -- -L '^rt' "$@"
+    ;;
+  *) build_preset "$preset" ;;
+esac
 exec ctest --test-dir "$palpate_root/build/$preset" --output-on-failure "$@"
