@@ -6,7 +6,7 @@
 
 #include "haptics/body_push.h"
 #include "haptics/check_settings.h"
-#include "haptics/god_object_steps.h"
+#include "haptics/god_object_ways.h"
 
 namespace palpate {
 namespace {
@@ -24,6 +24,14 @@ constexpr double kNearPerStandOff = 2.0;
 
 // A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
 constexpr double kAtVertexPerStandOff = 64.0;
+
+// Planes taken in, one after the other, of many that may hold a proxy.
+constexpr int kMostExchanges = 64;
+
+// The rounding of a direction to what is touched: a proxy's place and what it is brought to a body
+// by, 64 roundings of the scene's size, seen from where it has been stopped.
+constexpr double kSlopeRoundoff =
+    32 * kEpsilon / (SolverScale::kStopPerStandOff * SolverScale::kStandOffPerSize);
 
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
@@ -246,11 +254,14 @@ void GodObject::update_planes() {
   planes_are_current_ = true;
 }
 
-// The part of a step that lies inside the world's bounds; all of it if it starts outside.
-double GodObject::leave_bounds(const Vec3& step) const {
+// The target of a step, or where the step leaves the world's bounds: there is nothing to touch
+// beyond. A step that starts outside goes all the way.
+Vec3 GodObject::within_bounds(const Vec3& target) const {
+  if (bounds_.contains(target)) return target;
+  const Vec3 step = target - proxy_;
   double enter = 0.0;
   double leave = 1.0;
-  return bounds_.clip(proxy_, step, enter, leave) ? leave : 1.0;
+  return bounds_.clip(proxy_, step, enter, leave) ? Vec3(proxy_ + leave * step) : target;
 }
 
 // Goes to the target as far as the way is free. Nothing if all of it is.
@@ -269,10 +280,9 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
     if (!nearer) break;
     hit = nearer;
-    const double less = shortened < kMaxShortenings    ? 1.0
-                        : shortened == kMaxShortenings ? 0.5
-                                                       : 0.0;
-    stop = proxy_ + less * nearer->fraction.value() * (stop - proxy_);
+    double part = nearer->fraction.value();
+    if (shortened >= kMaxShortenings) part = shortened == kMaxShortenings ? 0.5 * part : 0.0;
+    stop = proxy_ + part * (stop - proxy_);
   }
   const bool moved = moves();
   if (moved) advance_to(stop);
@@ -464,6 +474,58 @@ void GodObject::return_to(const ProxyPlace& place) {
   planes_are_current_ = place.planes_are_current;
 }
 
+GodObject::Faces GodObject::holding_faces() const {
+  Faces holding;
+  for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
+  return holding;
+}
+
+// Of any number of contacts takes the planes that hold the proxy: while one of them is violated,
+// the most violated one comes in.
+void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
+  plane_count_ = 0;
+  projection_ = project_onto_planes({}, goal_ - proxy_);
+  for (int left = kMostExchanges; left > 0; --left) {
+    const FaceContact* most = nullptr;
+    double by_m = 0.0;
+    for (const FaceContact& contact : contacts) {
+      const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
+      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
+      if (violation_m <= by_m) continue;
+      by_m = violation_m;
+      most = &contact;
+    }
+    if (!most || !add_plane(*most)) return;
+    projection_ = project_onto_planes(planes(), goal_ - proxy_);
+    if (!projection_.solved) return;
+  }
+}
+
+// Whether that is nearer to the goal by more than little.
+bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
+  return (from - goal_).norm() - (to - goal_).norm() > kLittlePerStandOff * scale().stand_off_m;
+}
+
+// Of the faces around, the contacts with what is nearest of those that a point touches. Returns how
+// many there are.
+std::size_t GodObject::take_touched(std::span<const FaceContact> around,
+                                    std::span<FaceContact> touched) const {
+  std::size_t count = 0;
+  for (const FaceContact& face : around) {
+    const FaceContact nearest = tracer_.nearest_contact(face.face, proxy_);
+    if (nearest.clearance_m <= scale().stand_off_m) touched[count++] = nearest;
+  }
+  return count;
+}
+
+// Whether a step in this direction falls towards none of what is touched, but for rounding. The
+// distance to a triangle is convex, so then it comes nearer to none of it however long it is.
+bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
+  const double least = -kSlopeRoundoff * step.norm();
+  return std::all_of(touched.begin(), touched.end(),
+                     [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
+}
+
 // Whether a point rests at a corner of one of the faces that hold it.
 bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
   const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
@@ -476,14 +538,6 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
     };
     return is_near(t.a) || is_near(t.b) || is_near(t.c);
   });
-}
-
-// After other planes have been tried.
-void GodObject::hold_again(std::span<const FaceContact> holding, const PlaneProjection& held) {
-  plane_count_ = 0;
-  for (const FaceContact& contact : holding) add_plane(contact);
-  projection_ = held;
-  for (int i = 0; i < held.active_count; ++i) projection_.active[i] = i;
 }
 
 // The least displacement that puts the proxy a stop above the planes of these faces and brings it
@@ -508,12 +562,6 @@ Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
   const double most_m = kAtVertexPerStandOff * scale().stand_off_m;
   const bool is_near = lift.solved && lift.displacement_m.squaredNorm() <= most_m * most_m;
   return is_near ? lift.displacement_m : Vec3(Vec3::Zero());
-}
-
-// Whether the proxy has come nearer to the goal, by more than little.
-bool GodObject::leads_on(const Vec3& before) const {
-  const double gain_m = (before - goal_).norm() - (proxy_ - goal_).norm();
-  return gain_m > kLittlePerStandOff * scale().stand_off_m;
 }
 
 // Whether a sphere touches the same place of a curved feature in both contacts.

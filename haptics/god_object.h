@@ -211,26 +211,54 @@ class GodObject {
   struct ProxyPlace;
   ProxyPlace place_now() const;
   void return_to(const ProxyPlace& place);
+  // Defined in god_object_ways.h.
+  struct Faces;
   template <typename Friction>
   bool leaves_edges(Friction& friction);
-  bool is_at_vertex(std::span<const FaceContact> contacts) const;
-  void hold_again(std::span<const FaceContact> holding, const PlaneProjection& held);
+  template <typename Friction>
+  bool slides_without_edges(const Faces& holding, Friction& friction);
   template <typename Friction>
   bool slides_up_to_what_holds(Friction& friction);
   template <typename Friction>
+  bool slides_by(const Vec3& along, const FaceContact& face, Friction& friction);
+  template <typename Friction>
   bool slides_past(std::span<const FaceContact> around, Friction& friction);
+  template <typename Friction>
+  bool slides_between(std::span<const FaceContact> around, Friction& friction);
+  template <typename Friction>
+  bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
   bool slides_at_vertex(std::span<const FaceContact> around, Friction& friction);
   template <typename Friction>
   bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> around,
                         Friction& friction);
-  Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> around) const;
-  bool leads_on(const Vec3& before) const;
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
+  template <typename Friction>
+  bool goes_past_obstacles(std::span<const FaceContact> around, Friction& friction);
+  template <typename Friction>
+  bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
+  template <typename Friction>
+  bool goes_straight(const Vec3& step, Friction& friction);
+  template <typename Friction, typename Step>
+  bool tries(Friction& friction, Step step);
+  static bool is_beside_face(const FaceContact& contact) {
+    return contact.feature != TriangleFeature::kFace;
+  }
+  bool is_gain(const Vec3& from, const Vec3& to) const;
+  bool may_gain_by(const Vec3& step) const {
+    return step.allFinite() && is_gain(proxy_, proxy_ + step);
+  }
+  std::size_t take_touched(std::span<const FaceContact> around,
+                           std::span<FaceContact> touched) const;
+  Faces holding_faces() const;
+  bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
+  void hold_by_most_violated(std::span<const FaceContact> contacts);
+  bool is_at_vertex(std::span<const FaceContact> contacts) const;
+  Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> around) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  double leave_bounds(const Vec3& step) const;
+  Vec3 within_bounds(const Vec3& target) const;
   bool is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const;
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "haptics/god_object_steps.h"
+#include "haptics/god_object_ways.h"
 
 namespace palpate {
 namespace {

@@ -1,0 +1,297 @@
+#pragma once
+
+// Whether anything leads on from where planes hold the proxy, for the files that move it with and
+// without friction.
+
+#include <algorithm>
+
+#include "haptics/god_object_steps.h"
+
+namespace palpate {
+
+// Pairs of faces tried at a vertex are made of so many. Among more of them a free way is hardly
+// wider than a stand-off.
+constexpr std::size_t kMostAtVertex = 12;
+
+// How far from a vertex they are looked for: three planes hold a point within a few stand-offs of
+// it.
+constexpr double kAroundPerStandOff = 4.0;
+
+// Faces near a proxy that are looked at.
+constexpr std::size_t kMostAround = 256;
+
+// How often a way past them may bend.
+constexpr int kMostBends = 8;
+
+// How often a way between one that is blocked and one that is not is halved: to a 4,000th.
+constexpr int kMostHalvings = 12;
+
+// A few faces.
+struct GodObject::Faces {
+  std::array<FaceContact, 3> contacts;
+  std::size_t count = 0;
+
+  void add(const FaceContact& contact) { contacts[count++] = contact; }
+  std::span<FaceContact> all() { return std::span(contacts).first(count); }
+  std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
+};
+
+// A point beside a triangle is held by its plane, or by its edge or vertex, also where another
+// triangle goes on beyond and is what the point is over. Before it is said to rest there, it tries
+// without each such contact, and along all that is near. At a vertex the room is not convex, and a
+// pair of other faces can leave a way on between them: slides along each face around and each two
+// are tried. True if any of that led on.
+template <typename Friction>
+bool GodObject::leaves_edges(Friction& friction) {
+  if constexpr (Friction::kHolds) {
+    if (slides_up_to_what_holds(friction)) return true;
+  }
+  if (tracer_.radius_m() > 0.0) return false;
+  const Faces holding = holding_faces();
+  const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
+  const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
+  const bool may_be_wedged = Friction::kHolds && holding.count > 1;
+  if (!is_beside && !is_vertex && !may_be_wedged) return false;
+  const ProxyPlace here = place_now();
+  if (is_beside && slides_without_edges(holding, friction)) return true;
+  std::array<FaceContact, kMostAround> contacts;
+  const double around_m = kAroundPerStandOff * scale().stand_off_m;
+  const auto around =
+      std::span(contacts).first(tracer_.contacts_around(proxy_, around_m, contacts));
+  if (slides_past(around, friction)) return true;
+  if (slides_between(around, friction)) return true;
+  if ((is_beside || is_vertex) && slides_at_vertex(around, friction)) return true;
+  if constexpr (!Friction::kHolds) {
+    if (goes_past_obstacles(around, friction)) return true;
+  }
+  return_to(here);
+  return false;
+}
+
+// Takes each contact beside a face for what is nearest of the face, and then leaves them out, each
+// alone and all.
+template <typename Friction>
+bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
+  Faces nearest = holding;
+  Faces over;
+  for (FaceContact& contact : nearest.all()) {
+    if (is_beside_face(contact)) {
+      contact = tracer_.nearest_contact(contact.face, proxy_);
+    } else {
+      over.add(contact);
+    }
+  }
+  if (slides_along(nearest.all(), friction)) return true;
+  const std::size_t beside = holding.count - over.count;
+  for (std::size_t left_out = 0; beside > 1 && left_out < holding.count; ++left_out) {
+    if (!is_beside_face(holding.contacts[left_out])) continue;
+    Faces others;
+    for (std::size_t i = 0; i < holding.count; ++i) {
+      if (i != left_out) others.add(holding.contacts[i]);
+    }
+    if (slides_along(others.all(), friction)) return true;
+  }
+  return slides_along(over.all(), friction);
+}
+
+// Of the faces that friction would wedge the proxy between, one may not be touched yet: as far as
+// to there, only the others hold.
+template <typename Friction>
+bool GodObject::slides_up_to_what_holds(Friction& friction) {
+  Faces touched;
+  std::array<Vec3, 3> normals;  // in the plane of motion, if there is one
+  const auto count = static_cast<std::size_t>(projection_.active_count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const FaceContact& contact = contacts_[projection_.active[i]];
+    if (contact.clearance_m > scale().stand_off_m) continue;
+    normals[touched.count] = plane_normal(i);
+    touched.add(contact);
+  }
+  if (touched.count == 0 || touched.count == count) return false;
+  const ProxyPlace here = place_now();
+  if (slides_along(touched.all(), friction)) return true;
+  // Those that are touched, and not pressed, lead along them to the other.
+  const Vec3 lag = goal_ - proxy_;
+  for (std::size_t i = 0; i < touched.count; ++i) {
+    const Vec3 along = lag - lag.dot(normals[i]) * normals[i];
+    if (slides_by(along, touched.contacts[i], friction)) return true;
+  }
+  if (touched.count == 2) {
+    const Vec3 line = normals[0].cross(normals[1]);
+    const Vec3 along = lag.dot(line) / line.squaredNorm() * line;
+    if (slides_by(along, touched.contacts[0], friction)) return true;
+  }
+  return_to(here);
+  return false;
+}
+
+// Goes along a part of the lag as far as the friction of this face leaves it.
+template <typename Friction>
+bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& friction) {
+  return tries(friction, [&] {
+    friction.begin_step();
+    friction.cone = friction.source->cone(friction.source->context, face, proxy_);
+    const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
+    stop_at_first_hit(proxy_ + part * along);
+  });
+}
+
+// Goes on along all that is near, each as the plane of what is nearest of it, and along what it
+// meets then.
+template <typename Friction>
+bool GodObject::slides_past(std::span<const FaceContact> around, Friction& friction) {
+  std::array<FaceContact, kMostAround> nearest;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    nearest[i] = tracer_.nearest_contact(around[i].face, proxy_);
+  }
+  hold_by_most_violated(std::span(nearest).first(around.size()));
+  return tries(friction, [&] {
+    for (int bend = 0; bend < kMostBends; ++bend) {
+      if (take_step(friction) != Progress::kStopped) break;
+    }
+  });
+}
+
+// Goes on along one or two of those that it touches, where that falls towards no other. What holds
+// the proxy may be two faces that bear more, wedged between them by friction.
+template <typename Friction>
+bool GodObject::slides_between(std::span<const FaceContact> around, Friction& friction) {
+  std::array<FaceContact, kMostAround> all;
+  const std::size_t count = take_touched(around, all);
+  const auto touched = std::span<const FaceContact>(all).first(count);
+  const Vec3 lag = goal_ - proxy_;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3& n = touched[i].normal;
+    const FaceContact alone[] = {touched[i]};
+    const Vec3 on_plane = lag - lag.dot(n) * n;
+    if (falls_to_none(on_plane, touched) && follows(on_plane, alone, friction)) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      const FaceContact pair[] = {touched[i], touched[j]};
+      const Vec3 line = n.cross(touched[j].normal);
+      const Vec3 on_line = lag.dot(line) / line.squaredNorm() * line;
+      if (falls_to_none(on_line, touched) && follows(on_line, pair, friction)) return true;
+    }
+  }
+  return false;
+}
+
+// Takes a step along these contacts, wherever else their planes would lead.
+template <typename Friction>
+bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
+                        Friction& friction) {
+  plane_count_ = 0;
+  for (const FaceContact& contact : contacts) add_plane(contact);
+  projection_ = {step, {0, 1, 2}, plane_count_, true};
+  return tries(friction, [&] {
+    if constexpr (Friction::kHolds) hold_by(friction);
+    stop_at_first_hit(within_bounds(proxy_ + projection_.displacement_m));
+  });
+}
+
+// Goes down as steeply as what it touches leaves it, and where an obstacle is met at once, as what
+// that leaves, too: or between the two ways, past the obstacle.
+template <typename Friction>
+bool GodObject::goes_past_obstacles(std::span<const FaceContact> around, Friction& friction) {
+  std::array<FaceContact, kMostAround + kMostBends> walls;
+  std::size_t count = take_touched(around, walls);
+  for (FaceContact& wall : std::span(walls).first(count)) wall.clearance_m = scale().stop_m;
+  Vec3 blocked = Vec3::Zero();
+  for (int bend = 0; bend < kMostBends; ++bend) {
+    hold_by_most_violated(std::span(walls).first(count));
+    const Vec3 free = projection_.displacement_m;
+    if (bend > 0 && goes_between(blocked, free, friction)) return true;
+    if (!may_gain_by(free)) return false;
+    const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + free));
+    if (goes_straight(free, friction)) return true;
+    if (!hit) return false;
+    walls[count] = hit->contact;
+    walls[count++].clearance_m = scale().stop_m;
+    blocked = free;
+  }
+  return false;
+}
+
+// Between a way that is blocked and one that is not, or does not lead on.
+template <typename Friction>
+bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
+  for (int i = 0; i < kMostHalvings; ++i) {
+    const Vec3 direction = (blocked + free).normalized();
+    const Vec3 middle = direction.dot(goal_ - proxy_) * direction;
+    if (!may_gain_by(middle)) {
+      free = middle;
+    } else if (goes_straight(middle, friction)) {
+      return true;
+    } else {
+      blocked = middle;
+    }
+  }
+  return false;
+}
+
+template <typename Friction>
+bool GodObject::goes_straight(const Vec3& step, Friction& friction) {
+  return tries(friction, [&] { stop_at_first_hit(within_bounds(proxy_ + step)); });
+}
+
+// Tries the faces around a vertex: each alone, each two, and each two from above both, where the
+// proxy is beside a crease that it could follow and lower than it may be over one of its sides.
+template <typename Friction>
+bool GodObject::slides_at_vertex(std::span<const FaceContact> around, Friction& friction) {
+  const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };
+  const std::size_t tried = std::min(around.size(), kMostAtVertex);
+  for (std::size_t i = 0; i < tried; ++i) {
+    const FaceContact alone[] = {around[i]};
+    if (slides_along(alone, friction)) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      const FaceContact pair[] = {around[i], around[j]};
+      if (slides_along(pair, friction)) return true;
+      if (!is_low(pair[0]) && !is_low(pair[1])) continue;
+      if (lifts_and_slides(pair, around.first(tried), friction)) return true;
+    }
+  }
+  return false;
+}
+
+// Lifts the proxy above both faces, nearer to none of those around, and lets it slide along them.
+template <typename Friction>
+bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
+                                 std::span<const FaceContact> around, Friction& friction) {
+  const Vec3 lift = lift_above(pair, around);
+  if (lift.isZero(0.0) || tracer_.trace(proxy_, proxy_ + lift)) return false;
+  return tries(friction, [&] {
+    commit(proxy_ + lift);
+    Faces above;
+    for (const FaceContact& face : pair) {
+      above.add(tracer_.contact_over(face.face, proxy_, face.normal));
+    }
+    slides_along(above.all(), friction);
+  });
+}
+
+// Takes a step held by these planes alone.
+template <typename Friction>
+bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
+  plane_count_ = 0;
+  for (const FaceContact& contact : contacts) add_plane(contact);
+  return tries(friction, [&] { take_step(friction); });
+}
+
+// True if what is done leads nearer to the goal by more than little; takes it back otherwise, but
+// for planes.
+template <typename Friction, typename Step>
+bool GodObject::tries(Friction& friction, Step step) {
+  const Vec3 before = proxy_;
+  const std::size_t corners = path_.size();
+  const Friction friction_before = friction;
+  step();
+  if (is_gain(before, proxy_)) {
+    if constexpr (Friction::kHolds) friction.end_step(true);
+    return true;
+  }
+  friction = friction_before;
+  proxy_ = before;
+  path_.resize(corners);
+  return false;
+}
+
+}  // namespace palpate
