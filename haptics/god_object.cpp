@@ -39,10 +39,22 @@ constexpr double kSameWay = 0.9;
 // By how much farther a proxy that leaves a place of greatest lag goes each time.
 constexpr double kFasterEachTime = 4.0;
 
+// By how much farther a proxy that goes on as its slides say goes than the last time, at most: a
+// surface that curves otherwise farther on is found out in small steps.
+constexpr double kMostGrowth = 16.0;
+
+// How much farther from the goal a sphere may get on its way, of the radius.
+constexpr double kDetourPerRadius = 0.008;
+
 // A sphere goes round a feature along tangents that turn by so much at a time at most: their
 // corners are 0.8 % of the radius off the arc.
 constexpr double kRollTurn_rad = 0.25;
-constexpr std::size_t kMostRollCorners = 7;  // the turn is less than 90 degrees
+constexpr std::size_t kMostRollCorners = 7;  // the turn is 90 degrees at most
+
+// A slow proxy halves a turn that is not free so often, if there is any use in it: if so much of it
+// is free.
+constexpr int kMostHalvedTurns = 4;
+constexpr double kLeastTurn = 1.0 / 32;
 
 // A step goes into the world's bounds and then straight on or round a feature; an iteration takes
 // one, and one more if it is a way out.
@@ -412,9 +424,7 @@ void GodObject::advance_to(const Vec3& target) {
 // A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
 // tangent plane that drops back converges step by step, the slower the nearer the goal is to the
 // feature. Instead, the sphere goes round to the answer, which is straight out from the feature
-// through the goal. The distance to the goal falls all the way round; the tangents that the sphere
-// follows for it have corners a little farther out, so they are taken together or not at all. False
-// if there is nothing to roll over, or something in the way.
+// through the goal. False if there is nothing to roll over, or something in the way.
 bool GodObject::roll_to_answer() {
   if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return false;
   const FaceContact now = contacts_[projection_.active[0]];
@@ -423,25 +433,101 @@ bool GodObject::roll_to_answer() {
   const auto leaves_plane = [&](const Vec3& normal) {
     return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
   };
-  if (answer.normal.dot(now.normal) <= 0.0 || leaves_plane(now.normal) ||
-      leaves_plane(answer.normal) || is_same_place(now, answer)) {
+  if (leaves_plane(now.normal) || leaves_plane(answer.normal) || is_same_place(now, answer)) {
     return false;
   }
-  const double reach = tracer_.radius_m() + scale().stop_m;
-  const Vec3 target = answer.feature_point + reach * answer.normal;
-  if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
-
-  std::array<Vec3, kMostRollCorners + 1> corners;
-  const std::size_t count = tangents_round(now, answer, reach, corners);
-  corners[count] = target;
-  for (std::size_t i = 0; i <= count; ++i) {
-    if (tracer_.trace(i == 0 ? proxy_ : corners[i - 1], corners[i])) return false;
-  }
-  for (std::size_t i = 0; i <= count; ++i) commit(corners[i]);
+  if (!goes_round(now, answer, tracer_.radius_m() + scale().stop_m)) return false;
   plane_count_ = 0;
   answer.clearance_m = scale().stop_m;
   add_plane(answer);
   projection_.active[0] = 0;
+  return true;
+}
+
+// Goes round from one contact to another, for a centre that keeps `reach` from the feature: by a
+// right angle at most, and a slow proxy only a part of that if something is in the way of the rest.
+// The distance to the goal falls all the way round; the tangents that are followed for it have
+// corners a little farther out, so they are taken together or not at all. Tells in `to` where it
+// ends.
+bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach) {
+  if (to.normal.dot(from.normal) <= 0.0) {
+    const Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
+    if (!is_slow_ || across.norm() <= kCancelledNormal) return false;
+    to.normal = across.normalized();
+    to.feature_point = from.feature_point;
+  }
+  std::array<Vec3, kMostRollCorners + 1> corners;
+  for (int halved = 0; halved <= kMostHalvedTurns; ++halved) {
+    const Vec3 target = to.feature_point + reach * to.normal;
+    if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
+    if (is_same_place(from, to)) return false;
+    const std::size_t count = tangents_round(from, to, reach, corners);
+    corners[count] = target;
+    const double part = part_free(std::span(corners).first(count + 1));
+    if (part == 1.0) {
+      for (const Vec3& corner : std::span(corners).first(count + 1)) commit(corner);
+      return true;
+    }
+    if (!is_slow_ || part < kLeastTurn) return false;
+    to.normal = (from.normal + to.normal).normalized();
+    to.feature_point = 0.5 * (from.feature_point + to.feature_point);
+  }
+  return false;
+}
+
+// How far from the goal a sphere may get on its way from where it is now.
+void GodObject::limit_detours() {
+  const double radius_m = tracer_.radius_m();
+  if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
+}
+
+// The part of the way along these corners that is free, and not too far from the goal.
+double GodObject::part_free(std::span<const Vec3> corners) {
+  const auto count = static_cast<double>(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3& from = i == 0 ? proxy_ : corners[i - 1];
+    const bool is_far = (corners[i] - goal_).squaredNorm() > most_lag_m_ * most_lag_m_;
+    const auto hit = tracer_.trace(from, corners[i]);
+    if (hit) return std::min(static_cast<double>(i) + hit->fraction.value(), count - 0.5) / count;
+    if (is_far) return 0.0;
+  }
+  return 1.0;
+}
+
+// A sphere between two edges or vertices goes round one and then the other, to and fro, or slides
+// along the line of their planes, which it leaves at once.
+bool GodObject::roll_between_last_two() {
+  if (projection_.active_count == 0 || motion_plane_normal_) return false;
+  const FaceContact now = contacts_[projection_.active[0]];
+  if (now.feature == TriangleFeature::kFace) return false;
+  const std::optional<FaceContact> last = last_round_;
+  last_round_ = now;
+  if (projection_.active_count == 2) return roll_between(contacts_[projection_.active[1]], now);
+  return projection_.active_count == 1 && last && roll_between(*last, now);
+}
+
+// The places where it touches two points are a circle about the line through them. Goes round on
+// it, towards what is nearest to the goal.
+bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
+  const Vec3 axis = 0.5 * (other.feature_point - one.feature_point);
+  const double reach = tracer_.radius_m() + scale().stop_m;
+  const double radius2 = reach * reach - axis.squaredNorm();
+  if (one.feature == TriangleFeature::kFace || axis.isZero(0.0) || radius2 <= 0.0) return false;
+  const Vec3 centre = one.feature_point + axis;
+  const auto on_circle = [&](const Vec3& p) {
+    FaceContact contact = other;
+    const Vec3 out = p - centre;
+    contact.normal = (out - out.dot(axis) / axis.squaredNorm() * axis).normalized();
+    contact.feature_point = centre;
+    return contact;
+  };
+  FaceContact target = on_circle(goal_);
+  if (!goes_round(on_circle(proxy_), target, std::sqrt(radius2))) return false;
+  plane_count_ = 0;
+  for (const FaceContact& contact : {one, other}) {
+    add_plane(tracer_.contact_at(contact.face, proxy_, contact.normal));
+  }
+  planes_are_current_ = true;
   return true;
 }
 
@@ -455,7 +541,8 @@ double GodObject::reach_of(const Vec3& slide) {
   }
   // Where slides do not shrink, the proxy leaves a place where the lag is greatest.
   const double shrinks = 1.0 - now_m / last_m;
-  overreach_ = shrinks > 0.0 ? 1.0 / shrinks : kFasterEachTime * overreach_;
+  overreach_ = shrinks > 0.0 ? std::min(1.0 / shrinks, kMostGrowth * overreach_)
+                             : kFasterEachTime * overreach_;
   return overreach_;
 }
 

@@ -208,6 +208,11 @@ class GodObject {
   template <typename Friction>
   int overreach(Progress progress, int most_steps, Friction& friction);
   double reach_of(const Vec3& slide);
+  bool roll_between_last_two();
+  bool roll_between(const FaceContact& one, const FaceContact& other);
+  bool goes_round(const FaceContact& from, FaceContact& to, double reach);
+  void limit_detours();
+  double part_free(std::span<const Vec3> corners);
   struct ProxyPlace;
   ProxyPlace place_now() const;
   void return_to(const ProxyPlace& place);
@@ -292,9 +297,11 @@ class GodObject {
   }
 
   // Of the present tick.
-  bool is_slow_ = false;              // more than kPatience steps
-  Vec3 last_slide_m_ = Vec3::Zero();  // the last whole slide along planes
-  double overreach_ = 1.0;            // by how much the last one was extended
+  double most_lag_m_ = 0.0;                // that a sphere's path may have
+  bool is_slow_ = false;                   // more than kPatience steps
+  Vec3 last_slide_m_ = Vec3::Zero();       // the last whole slide along planes
+  double overreach_ = 1.0;                 // by how much the last one was extended
+  std::optional<FaceContact> last_round_;  // the feature that a sphere went round last
 
   bool settled_ = false;    // the last tick ended at a local minimum
   bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since

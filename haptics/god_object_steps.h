@@ -34,8 +34,8 @@ constexpr double kLittlePerStandOff = 10.0;
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
-// How much farther from the goal it may get on the way, of the radius.
-constexpr double kDetourPerRadius = 0.008;
+// Of how far it went too far, what it begins with the next time.
+constexpr double kLessAfterFailure = 1.0 / 64;
 
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
@@ -46,17 +46,23 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   path_.push_back(proxy_);
   if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
   seed_from_last_tick();
+  limit_detours();
   if constexpr (Friction::kHolds) {
     if (stays_at_rest(friction)) return friction.complete(report(1, false));
   }
   bool capped = true;
   settled_ = false;
-  is_slow_ = false;
-  last_slide_m_.setZero();
+  // A tick that was cut short is gone on with.
+  const bool goes_on = !confirmed_ && last_count_ > 0;
+  if (!goes_on) {
+    last_slide_m_.setZero();
+    last_round_.reset();
+  }
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
-    is_slow_ = iteration > kPatience;
+    is_slow_ = goes_on || iteration > kPatience;
+    limit_detours();
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
     const Progress progress = take_step(friction);
@@ -71,10 +77,13 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     }
     capped = !settled_;
     if (settled_ || (progress == Progress::kStuck && planes_are_current_)) break;
+    const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
+    if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
     update_planes();
     if constexpr (!Friction::kHolds) {
-      if (is_slow_ && tracer_.radius_m() > 0.0)
+      if (may_overreach) {
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
+      }
     }
   }
   if (capped) name_what_holds(friction);
@@ -143,13 +152,17 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
   const double reach = reach_of(slide);
   last_slide_m_ = slide;
   if (reach <= 1.0 || most_steps < kStepsToFall) return 0;
+  limit_detours();
   const ProxyPlace before = place_now();
-  const double lag_m = (proxy_ - goal_).norm();
+  const Vec3 lag = proxy_ - goal_;
+  const double lag_m = lag.norm();
   int steps = 1;
-  // At a foot, a distance x along the slide leads x^2 / (2 lag) away, to the first order.
-  const double farthest_m = std::sqrt(2.0 * kDetourPerRadius * tracer_.radius_m() * lag_m);
+  const Vec3 along = slide.normalized();
+  const double leads_m = -lag.dot(along);
+  const double farthest_m =
+      leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
   const double beyond_m = std::min((reach - 1.0) * slide.norm(), farthest_m);
-  const Vec3 target = proxy_ + beyond_m * slide.normalized();
+  const Vec3 target = proxy_ + beyond_m * along;
   if (!bounds_.contains(target)) return 0;
   stop_at_first_hit(target);
   plane_count_ = 0;
@@ -161,7 +174,7 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
     if (fall != Progress::kStopped) update_planes();
   }
   return_to(before);
-  overreach_ = 1.0;
+  overreach_ = std::max(1.0, kLessAfterFailure * beyond_m / slide.norm());
   return steps;
 }
 

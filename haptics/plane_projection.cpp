@@ -16,6 +16,10 @@ constexpr double kParallelSine = 8 * kEpsilon;
 // Likewise for three normals in one plane.
 constexpr double kCoplanarVolume = 64 * kEpsilon;
 
+// What is left of a target along a plane is no more than rounding if it is less than this of the
+// target: 3 for the product with the normal, 2 for what is taken away, by axis.
+constexpr double kCancelled = 8 * kEpsilon;
+
 // A plane is violated only by more than the rounding of evaluating it.
 constexpr double kViolationRoundoff = 16 * kEpsilon;
 
@@ -29,10 +33,12 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 
 using Candidate = std::optional<Vec3>;
 
-inline Candidate on_one(const ContactPlane& i, const Vec3& target) {
+Candidate on_one(const ContactPlane& i, const Vec3& target) {
   const double multiplier = i.offset_m - i.normal.dot(target);
   if (multiplier < 0.0) return std::nullopt;
-  return Vec3(target + multiplier * i.normal);
+  const Vec3 y = target + multiplier * i.normal;
+  const bool is_rounding = y.squaredNorm() <= kCancelled * kCancelled * target.squaredNorm();
+  return is_rounding ? Vec3(i.offset_m * i.normal) : y;
 }
 
 Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& target) {
