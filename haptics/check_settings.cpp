@@ -63,12 +63,12 @@ std::optional<Error> check_coupling(const ContactWorld& world, const HapticSetti
 
 }  // namespace
 
-double extent_m(const ContactWorld& world) noexcept {
+double world_extent_m(const ContactWorld& world) noexcept {
   return world.size_m + world.anchor_scene_m.norm();
 }
 
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
-  return 4.0 * farthest_sample_m(extent_m(world), T_device_scene);
+  return 4.0 * farthest_sample_m(world_extent_m(world), T_device_scene);
 }
 
 std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings) {

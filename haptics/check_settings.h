@@ -45,9 +45,9 @@ std::optional<Error> check_settings(const ContactWorld& world, const HapticSetti
 inline constexpr double kFarthestSamplePerSize = 0x1p26;
 
 // The size of a world and how far it is from the scene's origin. m.
-double extent_m(const ContactWorld& world) noexcept;
+double world_extent_m(const ContactWorld& world) noexcept;
 
-// The farthest from the device's origin that a sample counts. world_extent_m: extent_m(). m.
+// The farthest from the device's origin that a sample counts. m.
 inline double farthest_sample_m(double world_extent_m,
                                 const RigidTransform& T_device_scene) noexcept {
   return kFarthestSamplePerSize * (world_extent_m + T_device_scene.translation_m.norm());

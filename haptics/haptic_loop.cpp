@@ -26,7 +26,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       T_device_scene_(settings.initial_pose),
       R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()),
       has_bad_settings_(check_settings(world, settings).has_value()),
-      world_extent_m_(extent_m(world)) {
+      world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;

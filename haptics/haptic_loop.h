@@ -200,7 +200,7 @@ class HapticLoop {
   TickRecord record_;
   bool has_proxy_ = false;
   bool has_bad_settings_;
-  double world_extent_m_;  // extent_m()
+  double world_extent_m_;  // as farthest_sample_m() asks
 
   Step step_;
   Step feel_bare_;                         // what is left of a step where no effect is near

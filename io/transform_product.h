@@ -27,6 +27,7 @@ struct TransformProduct {
   double translation_m = 0.0;   // the sum of the translations' lengths, each as lengthened
 
   static TransformProduct of(const Mat3& linear, const Vec3& translation_m) {
+    // Spares most nodes a decomposition.
     if (linear == Mat3::Identity()) return {1, 1.0, Vec3::Ones(), translation_m.norm()};
     return {1, lengthening(linear), linear.colwise().norm(), translation_m.norm()};
   }
