@@ -266,10 +266,9 @@ void GodObject::update_planes() {
   planes_are_current_ = true;
 }
 
-// The target of a step, or where the step leaves the world's bounds: there is nothing to touch
-// beyond. A step that starts outside goes all the way.
-Vec3 GodObject::within_bounds(const Vec3& target) const {
-  if (bounds_.contains(target)) return target;
+// Where a step to a target that is outside of the world's bounds leaves them. One that starts
+// outside goes all the way.
+Vec3 GodObject::leave_bounds(const Vec3& target) const {
   const Vec3 step = target - proxy_;
   double enter = 0.0;
   double leave = 1.0;

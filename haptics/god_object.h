@@ -263,7 +263,11 @@ class GodObject {
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> around) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  Vec3 within_bounds(const Vec3& target) const;
+  // The target of a step, or where it leaves the world's bounds: there is nothing to touch beyond.
+  Vec3 within_bounds(const Vec3& target) const {
+    return bounds_.contains(target) ? target : leave_bounds(target);
+  }
+  Vec3 leave_bounds(const Vec3& target) const;
   bool is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const;
   bool add_plane(const FaceContact& contact);
   void drop_inactive_planes();

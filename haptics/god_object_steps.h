@@ -131,10 +131,11 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (is_slow_ && planes_are_current_ && step.norm() <= kLittlePerStandOff * scale().stand_off_m) {
     return Progress::kHeld;
   }
-  if (const auto stopped = stop_at_first_hit(within_bounds(is_free ? goal_ : proxy_ + step))) {
-    return *stopped;
-  }
-  if (is_free) commit(goal_);
+  Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
+  const bool leaves = !bounds_.contains(target);
+  if (leaves) target = leave_bounds(target);
+  if (const auto stopped = stop_at_first_hit(target)) return *stopped;
+  if (leaves && is_free) commit(goal_);
   return flies ? Progress::kStopped : Progress::kMoved;
 }
 

@@ -33,7 +33,7 @@ constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's
 
 using Candidate = std::optional<Vec3>;
 
-Candidate on_one(const ContactPlane& i, const Vec3& target) {
+inline Candidate on_one(const ContactPlane& i, const Vec3& target) {
   const double multiplier = i.offset_m - i.normal.dot(target);
   if (multiplier < 0.0) return std::nullopt;
   const Vec3 y = target + multiplier * i.normal;
