@@ -186,6 +186,7 @@ bool GodObject::place(const Vec3& p) noexcept {
   settled_ = false;
   confirmed_ = false;
   slides_ = false;
+  goes_on_ = false;
   path_.clear();
   last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
@@ -485,10 +486,9 @@ double GodObject::part_free(std::span<const Vec3> corners) {
   const auto count = static_cast<double>(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3& from = i == 0 ? proxy_ : corners[i - 1];
-    const bool is_far = (corners[i] - goal_).squaredNorm() > most_lag_m_ * most_lag_m_;
+    if ((corners[i] - goal_).squaredNorm() > most_lag_m_ * most_lag_m_) return 0.0;
     const auto hit = tracer_.trace(from, corners[i]);
     if (hit) return std::min(static_cast<double>(i) + hit->fraction.value(), count - 0.5) / count;
-    if (is_far) return 0.0;
   }
   return 1.0;
 }
@@ -527,6 +527,7 @@ bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
     add_plane(tracer_.contact_at(contact.face, proxy_, contact.normal));
   }
   planes_are_current_ = true;
+  projection_ = {Vec3::Zero(), {0, 1, 2}, plane_count_, true};
   return true;
 }
 
@@ -592,16 +593,22 @@ bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
   return (from - goal_).norm() - (to - goal_).norm() > kLittlePerStandOff * scale().stand_off_m;
 }
 
-// Of the faces around, the contacts with what is nearest of those that a point touches. Returns how
-// many there are.
-std::size_t GodObject::take_touched(std::span<const FaceContact> around,
-                                    std::span<FaceContact> touched) const {
-  std::size_t count = 0;
-  for (const FaceContact& face : around) {
-    const FaceContact nearest = tracer_.nearest_contact(face.face, proxy_);
-    if (nearest.clearance_m <= scale().stand_off_m) touched[count++] = nearest;
+void GodObject::look_around(Surroundings& around) const {
+  const double around_m = kAroundPerStandOff * scale().stand_off_m;
+  around.count = tracer_.contacts_around(proxy_, around_m, around.faces);
+  for (std::size_t i = 0; i < around.count; ++i) {
+    const FaceContact nearest = tracer_.nearest_contact(around.faces[i].face, proxy_);
+    around.nearest[i] = nearest;
+    const bool is_touched = nearest.clearance_m <= scale().stand_off_m;
+    if (is_touched) around.touched[around.touched_count++] = nearest;
   }
-  return count;
+}
+
+// A direction within the plane of motion, if there is one: nothing if it has no part there.
+std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
+  if (!motion_plane_normal_) return direction;
+  const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
+  return plane ? std::optional(plane->normal) : std::nullopt;
 }
 
 // Whether a step in this direction falls towards none of what is touched, but for rounding. The
@@ -629,7 +636,7 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
 // The least displacement that puts the proxy a stop above the planes of these faces and brings it
 // nearer to none around. Zero if there is none near by.
 Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
-                           std::span<const FaceContact> around) const {
+                           std::span<const FaceContact> nearest) const {
   std::array<ContactPlane, kMaxContactPlanes> planes;
   std::size_t count = 0;
   const auto add = [&](const Vec3& normal, double offset_m) {
@@ -639,9 +646,8 @@ Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
     if (kept) planes[count++] = *kept;
   };
   for (const FaceContact& face : faces) add(face.normal, scale().stop_m - face.clearance_m);
-  for (const FaceContact& met : around) {
-    const FaceContact nearest = tracer_.nearest_contact(met.face, proxy_);
-    add(nearest.normal, std::min(0.0, scale().stop_m - nearest.clearance_m));
+  for (const FaceContact& contact : nearest) {
+    add(contact.normal, std::min(0.0, scale().stop_m - contact.clearance_m));
   }
   const PlaneProjection lift =
       project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);

@@ -218,6 +218,7 @@ class GodObject {
   void return_to(const ProxyPlace& place);
   // Defined in god_object_ways.h.
   struct Faces;
+  struct Surroundings;
   template <typename Friction>
   bool leaves_edges(Friction& friction);
   template <typename Friction>
@@ -227,20 +228,20 @@ class GodObject {
   template <typename Friction>
   bool slides_by(const Vec3& along, const FaceContact& face, Friction& friction);
   template <typename Friction>
-  bool slides_past(std::span<const FaceContact> around, Friction& friction);
+  bool slides_past(const Surroundings& around, Friction& friction);
   template <typename Friction>
-  bool slides_between(std::span<const FaceContact> around, Friction& friction);
+  bool slides_between(const Surroundings& around, Friction& friction);
   template <typename Friction>
   bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
-  bool slides_at_vertex(std::span<const FaceContact> around, Friction& friction);
+  bool slides_at_vertex(const Surroundings& around, Friction& friction);
   template <typename Friction>
-  bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> around,
+  bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> nearest,
                         Friction& friction);
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
-  bool goes_past_obstacles(std::span<const FaceContact> around, Friction& friction);
+  bool goes_past_obstacles(const Surroundings& around, Friction& friction);
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
   template <typename Friction>
@@ -254,13 +255,13 @@ class GodObject {
   bool may_gain_by(const Vec3& step) const {
     return step.allFinite() && is_gain(proxy_, proxy_ + step);
   }
-  std::size_t take_touched(std::span<const FaceContact> around,
-                           std::span<FaceContact> touched) const;
+  void look_around(Surroundings& around) const;
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
   void hold_by_most_violated(std::span<const FaceContact> contacts);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
-  Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> around) const;
+  Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
+  std::optional<Vec3> in_motion_plane(const Vec3& direction) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
   // The target of a step, or where it leaves the world's bounds: there is nothing to touch beyond.
@@ -309,6 +310,7 @@ class GodObject {
 
   bool settled_ = false;    // the last tick ended at a local minimum
   bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since
+  bool goes_on_ = false;    // it was cut short, and this one goes on with it
   // Those that held the proxy first, then others that are worth knowing.
   std::array<FaceContact, kMaxContactPlanes> last_contacts_{};
   int last_count_ = 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "haptics/god_object.h"
 
@@ -52,16 +53,14 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   }
   bool capped = true;
   settled_ = false;
-  // A tick that was cut short is gone on with.
-  const bool goes_on = !confirmed_ && last_count_ > 0;
-  if (!goes_on) {
+  if (!goes_on_) {
     last_slide_m_.setZero();
     last_round_.reset();
   }
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
-    is_slow_ = goes_on || iteration > kPatience;
+    is_slow_ = goes_on_ || iteration > kPatience;
     limit_detours();
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
@@ -90,6 +89,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   confirmed_ = !capped;
+  goes_on_ = capped;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
 }
@@ -158,12 +158,13 @@ int GodObject::overreach(Progress progress, int most_steps, Friction& friction) 
   const Vec3 lag = proxy_ - goal_;
   const double lag_m = lag.norm();
   int steps = 1;
-  const Vec3 along = slide.normalized();
-  const double leads_m = -lag.dot(along);
+  const std::optional<Vec3> along = in_motion_plane(slide.normalized());
+  if (!along) return 0;
+  const double leads_m = -lag.dot(*along);
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
   const double beyond_m = std::min((reach - 1.0) * slide.norm(), farthest_m);
-  const Vec3 target = proxy_ + beyond_m * along;
+  const Vec3 target = proxy_ + beyond_m * *along;
   if (!bounds_.contains(target)) return 0;
   stop_at_first_hit(target);
   plane_count_ = 0;

@@ -4,13 +4,15 @@
 // without friction.
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
 
 #include "haptics/god_object_steps.h"
 
 namespace palpate {
 
-// Pairs of faces tried at a vertex are made of so many. Among more of them a free way is hardly
-// wider than a stand-off.
+// Creases beside a vertex are tried between so many faces.
 constexpr std::size_t kMostAtVertex = 12;
 
 // How far from a vertex they are looked for: three planes hold a point within a few stand-offs of
@@ -36,11 +38,26 @@ struct GodObject::Faces {
   std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
 };
 
+// What is around a point that planes hold.
+struct GodObject::Surroundings {
+  std::array<FaceContact, kMostAround> faces;    // as planes
+  std::array<FaceContact, kMostAround> nearest;  // as the plane of what is nearest of each
+  std::array<FaceContact, kMostAround> touched;  // those that are touched, of the nearest
+  std::size_t count = 0;
+  std::size_t touched_count = 0;
+
+  std::span<const FaceContact> all_faces() const { return std::span(faces).first(count); }
+  std::span<const FaceContact> all_nearest() const { return std::span(nearest).first(count); }
+  std::span<const FaceContact> all_touched() const {
+    return std::span(touched).first(touched_count);
+  }
+};
+
 // A point beside a triangle is held by its plane, or by its edge or vertex, also where another
 // triangle goes on beyond and is what the point is over. Before it is said to rest there, it tries
-// without each such contact, and along all that is near. At a vertex the room is not convex, and a
-// pair of other faces can leave a way on between them: slides along each face around and each two
-// are tried. True if any of that led on.
+// without each such contact. At a vertex the room is not convex, and other faces can leave a way on
+// between them: it tries to go along all that is near, along each one and each two, and past what
+// it meets then. True if any of that led on.
 template <typename Friction>
 bool GodObject::leaves_edges(Friction& friction) {
   if constexpr (Friction::kHolds) {
@@ -54,12 +71,9 @@ bool GodObject::leaves_edges(Friction& friction) {
   if (!is_beside && !is_vertex && !may_be_wedged) return false;
   const ProxyPlace here = place_now();
   if (is_beside && slides_without_edges(holding, friction)) return true;
-  std::array<FaceContact, kMostAround> contacts;
-  const double around_m = kAroundPerStandOff * scale().stand_off_m;
-  const auto around =
-      std::span(contacts).first(tracer_.contacts_around(proxy_, around_m, contacts));
-  if (slides_past(around, friction)) return true;
-  if (slides_between(around, friction)) return true;
+  Surroundings around;
+  look_around(around);
+  if (slides_past(around, friction) || slides_between(around, friction)) return true;
   if ((is_beside || is_vertex) && slides_at_vertex(around, friction)) return true;
   if constexpr (!Friction::kHolds) {
     if (goes_past_obstacles(around, friction)) return true;
@@ -128,23 +142,20 @@ bool GodObject::slides_up_to_what_holds(Friction& friction) {
 // Goes along a part of the lag as far as the friction of this face leaves it.
 template <typename Friction>
 bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& friction) {
+  if (!may_gain_by(along)) return false;
   return tries(friction, [&] {
     friction.begin_step();
     friction.cone = friction.source->cone(friction.source->context, face, proxy_);
     const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
-    stop_at_first_hit(proxy_ + part * along);
+    stop_at_first_hit(within_bounds(proxy_ + part * along));
   });
 }
 
 // Goes on along all that is near, each as the plane of what is nearest of it, and along what it
 // meets then.
 template <typename Friction>
-bool GodObject::slides_past(std::span<const FaceContact> around, Friction& friction) {
-  std::array<FaceContact, kMostAround> nearest;
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    nearest[i] = tracer_.nearest_contact(around[i].face, proxy_);
-  }
-  hold_by_most_violated(std::span(nearest).first(around.size()));
+bool GodObject::slides_past(const Surroundings& around, Friction& friction) {
+  hold_by_most_violated(around.all_nearest());
   return tries(friction, [&] {
     for (int bend = 0; bend < kMostBends; ++bend) {
       if (take_step(friction) != Progress::kStopped) break;
@@ -155,21 +166,21 @@ bool GodObject::slides_past(std::span<const FaceContact> around, Friction& frict
 // Goes on along one or two of those that it touches, where that falls towards no other. What holds
 // the proxy may be two faces that bear more, wedged between them by friction.
 template <typename Friction>
-bool GodObject::slides_between(std::span<const FaceContact> around, Friction& friction) {
-  std::array<FaceContact, kMostAround> all;
-  const std::size_t count = take_touched(around, all);
-  const auto touched = std::span<const FaceContact>(all).first(count);
+bool GodObject::slides_between(const Surroundings& around, Friction& friction) {
+  const auto touched = around.all_touched();
   const Vec3 lag = goal_ - proxy_;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3& n = touched[i].normal;
+  const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
+    return may_gain_by(step) && falls_to_none(step, touched) && follows(step, along, friction);
+  };
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    const std::optional<Vec3> n = in_motion_plane(touched[i].normal);
+    if (!n) continue;
     const FaceContact alone[] = {touched[i]};
-    const Vec3 on_plane = lag - lag.dot(n) * n;
-    if (falls_to_none(on_plane, touched) && follows(on_plane, alone, friction)) return true;
-    for (std::size_t j = 0; j < i; ++j) {
+    if (leads_on(lag - lag.dot(*n) * *n, alone)) return true;
+    for (std::size_t j = 0; j < i && !motion_plane_normal_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
-      const Vec3 line = n.cross(touched[j].normal);
-      const Vec3 on_line = lag.dot(line) / line.squaredNorm() * line;
-      if (falls_to_none(on_line, touched) && follows(on_line, pair, friction)) return true;
+      const Vec3 line = n->cross(touched[j].normal);
+      if (leads_on(lag.dot(line) / line.squaredNorm() * line, pair)) return true;
     }
   }
   return false;
@@ -191,9 +202,10 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
 // Goes down as steeply as what it touches leaves it, and where an obstacle is met at once, as what
 // that leaves, too: or between the two ways, past the obstacle.
 template <typename Friction>
-bool GodObject::goes_past_obstacles(std::span<const FaceContact> around, Friction& friction) {
+bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
-  std::size_t count = take_touched(around, walls);
+  std::copy(around.touched.begin(), around.touched.begin() + around.touched_count, walls.begin());
+  std::size_t count = around.touched_count;
   for (FaceContact& wall : std::span(walls).first(count)) wall.clearance_m = scale().stop_m;
   Vec3 blocked = Vec3::Zero();
   for (int bend = 0; bend < kMostBends; ++bend) {
@@ -236,17 +248,18 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction) {
 // Tries the faces around a vertex: each alone, each two, and each two from above both, where the
 // proxy is beside a crease that it could follow and lower than it may be over one of its sides.
 template <typename Friction>
-bool GodObject::slides_at_vertex(std::span<const FaceContact> around, Friction& friction) {
+bool GodObject::slides_at_vertex(const Surroundings& around, Friction& friction) {
   const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };
-  const std::size_t tried = std::min(around.size(), kMostAtVertex);
-  for (std::size_t i = 0; i < tried; ++i) {
-    const FaceContact alone[] = {around[i]};
+  const auto faces = around.all_faces().first(std::min(around.count, kMostAtVertex));
+  const auto nearest = around.all_nearest().first(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const FaceContact alone[] = {faces[i]};
     if (slides_along(alone, friction)) return true;
     for (std::size_t j = 0; j < i; ++j) {
-      const FaceContact pair[] = {around[i], around[j]};
+      const FaceContact pair[] = {faces[i], faces[j]};
       if (slides_along(pair, friction)) return true;
       if (!is_low(pair[0]) && !is_low(pair[1])) continue;
-      if (lifts_and_slides(pair, around.first(tried), friction)) return true;
+      if (lifts_and_slides(pair, nearest, friction)) return true;
     }
   }
   return false;
@@ -255,8 +268,8 @@ bool GodObject::slides_at_vertex(std::span<const FaceContact> around, Friction& 
 // Lifts the proxy above both faces, nearer to none of those around, and lets it slide along them.
 template <typename Friction>
 bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
-                                 std::span<const FaceContact> around, Friction& friction) {
-  const Vec3 lift = lift_above(pair, around);
+                                 std::span<const FaceContact> nearest, Friction& friction) {
+  const Vec3 lift = lift_above(pair, nearest);
   if (lift.isZero(0.0) || tracer_.trace(proxy_, proxy_ + lift)) return false;
   return tries(friction, [&] {
     commit(proxy_ + lift);

@@ -168,7 +168,8 @@ TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
       EXPECT_TRUE(check_settings(world.world(), more));
     }
     HapticLoop loop(world.world(), three_axes(), settings);
-    const double farthest_m = farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
+    const double farthest_m =
+        farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
     // Pressed on the upper face of the box, then dragged through it as far as samples go.
     const auto device = [&](const Vec3& p) { return settings.initial_pose.point(pose.point(p)); };
     ASSERT_EQ(loop.tick(device({0, 0, 0.05}), kDt_s).faults, kFaultNone);

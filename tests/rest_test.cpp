@@ -54,6 +54,10 @@ constexpr double kNearUlps = 64;
 constexpr double kFartherRelative = 32 * kEpsilon;
 constexpr double kFartherUlps = 4;
 
+// How far a corner may be off the plane of motion, of the size of the scene and of the way to the
+// goal: the rounding of a hundred steps.
+constexpr double kOffPlaneUlps = 400;
+
 // Of the scene's size; what a user could call an overlap.
 constexpr double kOverlapPerSize = 1e-9;
 
@@ -207,6 +211,12 @@ class Feeling {
     const auto path = god_object_.path();
     EXPECT_TRUE(!path.empty() && path.back() == felt_.proxy && felt_.proxy.allFinite() &&
                 felt_.normal.allFinite());
+    for (const Vec3& corner : path) {
+      if (!plane_normal_) break;
+      const double off_m = std::abs(plane_normal_->dot(corner - goal_));
+      EXPECT_LE(off_m, kOffPlaneUlps * (round_m_ + kEpsilon * (corner - goal_).norm()))
+          << "off the plane of motion, PALPATE_SEED=" << seed_ << ", tick " << tick_;
+    }
     const double least_m = radius_m_ - kNearUlps * round_m_;
     const std::optional<Violation> touch =
         radius_m_ == 0.0 ? exact_.touch_of_point(path) : exact_.touch_of_sphere(path, least_m);
@@ -309,7 +319,8 @@ TEST_P(Rests, LeaveNoWayOn) {
   EXPECT_EQ(totals.overlaps, 0);
   EXPECT_EQ(totals.farther, 0);
   EXPECT_EQ(totals.false_rests, 0);
-  EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
+  // One scene alone says nothing of how often.
+  if (totals.scenes > 1) EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
 }
 
 // In three dimensions, without friction and without a rest, where most ticks have a way to go.
