@@ -43,9 +43,6 @@ constexpr double kFasterEachTime = 4.0;
 // surface that curves otherwise farther on is found out in small steps.
 constexpr double kMostGrowth = 16.0;
 
-// How much farther from the goal a sphere may get on its way, of the radius.
-constexpr double kDetourPerRadius = 0.008;
-
 // A sphere goes round a feature along tangents that turn by so much at a time at most: their
 // corners are 0.8 % of the radius off the arc.
 constexpr double kRollTurn_rad = 0.25;
@@ -475,10 +472,12 @@ bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reac
   return false;
 }
 
-// How far from the goal a sphere may get on its way from where it is now.
-void GodObject::limit_detours() {
-  const double radius_m = tracer_.radius_m();
-  if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
+// A tick that becomes slow has learnt nothing yet; one that goes on with the last has.
+void GodObject::become_slow() {
+  if (is_slow_) return;
+  is_slow_ = true;
+  last_slide_m_.setZero();
+  last_round_.reset();
 }
 
 // The part of the way along these corners that is free, and not too far from the goal.

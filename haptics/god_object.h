@@ -211,6 +211,7 @@ class GodObject {
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
   bool goes_round(const FaceContact& from, FaceContact& to, double reach);
+  void become_slow();
   void limit_detours();
   double part_free(std::span<const Vec3> corners);
   struct ProxyPlace;
@@ -303,7 +304,7 @@ class GodObject {
 
   // Of the present tick.
   double most_lag_m_ = 0.0;                // that a sphere's path may have
-  bool is_slow_ = false;                   // more than kPatience steps
+  bool is_slow_ = false;                   // more than kPatience steps, or goes on
   Vec3 last_slide_m_ = Vec3::Zero();       // the last whole slide along planes
   double overreach_ = 1.0;                 // by how much the last one was extended
   std::optional<FaceContact> last_round_;  // the feature that a sphere went round last

@@ -38,6 +38,15 @@ constexpr int kStepsToFall = 5;
 // Of how far it went too far, what it begins with the next time.
 constexpr double kLessAfterFailure = 1.0 / 64;
 
+// How much farther from the goal a sphere may get on its way, of the radius.
+constexpr double kDetourPerRadius = 0.008;
+
+// How far from the goal a sphere may get on its way from where it is now.
+inline void GodObject::limit_detours() {
+  const double radius_m = tracer_.radius_m();
+  if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
+}
+
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
@@ -47,20 +56,17 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   path_.push_back(proxy_);
   if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
   seed_from_last_tick();
-  limit_detours();
+  is_slow_ = goes_on_;
   if constexpr (Friction::kHolds) {
+    limit_detours();
     if (stays_at_rest(friction)) return friction.complete(report(1, false));
   }
   bool capped = true;
   settled_ = false;
-  if (!goes_on_) {
-    last_slide_m_.setZero();
-    last_round_.reset();
-  }
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
-    is_slow_ = goes_on_ || iteration > kPatience;
+    if (iteration > kPatience) become_slow();
     limit_detours();
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
@@ -96,7 +102,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
 
 // A tick that was cut short when the proxy had just met a face tells that face, too.
 template <typename Friction>
-void GodObject::name_what_holds(Friction& friction) {
+[[gnu::cold]] void GodObject::name_what_holds(Friction& friction) {
   if (projection_.active_count > 0) return;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved) projection_ = {};
@@ -145,7 +151,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 // away from the goal at first, and lets the proxy fall back on the surface. Takes all of it back
 // unless it comes nearer. Returns how many steps that took.
 template <typename Friction>
-int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
+[[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
   const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
                          ? projection_.displacement_m
                          : Vec3(Vec3::Zero());

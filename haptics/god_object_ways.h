@@ -59,7 +59,7 @@ struct GodObject::Surroundings {
 // between them: it tries to go along all that is near, along each one and each two, and past what
 // it meets then. True if any of that led on.
 template <typename Friction>
-bool GodObject::leaves_edges(Friction& friction) {
+[[gnu::cold]] bool GodObject::leaves_edges(Friction& friction) {
   if constexpr (Friction::kHolds) {
     if (slides_up_to_what_holds(friction)) return true;
   }

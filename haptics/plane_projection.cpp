@@ -75,25 +75,22 @@ double violation_m(const ContactPlane& plane, const Vec3& y_m) {
   return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
 }
 
-// Up to three planes, in ascending order, and the displacement that lies on all of them.
-struct Basis {
-  std::array<int, 3> planes{};
-  int count = 0;
-  Vec3 displacement_m = Vec3::Zero();
+// A basis: the planes that are active, in ascending order, and the displacement on all of them.
+using Basis = PlaneProjection;
 
-  bool has(int plane) const {
-    return std::find(planes.begin(), planes.begin() + count, plane) != planes.begin() + count;
-  }
-};
+bool has(const Basis& basis, int plane) {
+  const auto end = basis.active.begin() + basis.active_count;
+  return std::find(basis.active.begin(), end, plane) != end;
+}
 
 // The point of the basis' planes nearest to the target, if every one of them pushes.
 bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basis) {
   const auto plane = [&](std::size_t i) -> const ContactPlane& {
-    return planes[static_cast<std::size_t>(basis.planes[i])];
+    return planes[static_cast<std::size_t>(basis.active[i])];
   };
-  const Candidate y = basis.count == 1   ? on_one(plane(0), target)
-                      : basis.count == 2 ? on_two(plane(0), plane(1), target)
-                                         : on_three(plane(0), plane(1), plane(2), target);
+  const Candidate y = basis.active_count == 1   ? on_one(plane(0), target)
+                      : basis.active_count == 2 ? on_two(plane(0), plane(1), target)
+                                                : on_three(plane(0), plane(1), plane(2), target);
   if (y) basis.displacement_m = *y;
   return y.has_value();
 }
@@ -103,7 +100,7 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
   int most = -1;
   double by_m = 0.0;
   for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
-    if (basis.has(i)) continue;
+    if (has(basis, i)) continue;
     const double v_m = violation_m(planes[static_cast<std::size_t>(i)], basis.displacement_m);
     if (v_m <= by_m) continue;
     most = i;
@@ -116,9 +113,9 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
 std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
                               const Basis& basis, int added) {
   const auto holds_for_all = [&](const Basis& next) {
-    for (int i = 0; i < basis.count; ++i) {
-      const int other = basis.planes[static_cast<std::size_t>(i)];
-      if (next.has(other)) continue;
+    for (int i = 0; i < basis.active_count; ++i) {
+      const int other = basis.active[static_cast<std::size_t>(i)];
+      if (has(next, other)) continue;
       if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > 0.0) {
         return false;
       }
@@ -128,16 +125,16 @@ std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& 
   // The plane added with none, one or two of the others: bits of `chosen`.
   constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
   for (const int chosen : kSubsetsBySize) {
-    if (chosen >> basis.count != 0) continue;
+    if (chosen >> basis.active_count != 0) continue;
     Basis next;
-    next.planes[0] = added;
-    next.count = 1;
-    for (int i = 0; i < basis.count; ++i) {
+    next.active[0] = added;
+    next.active_count = 1;
+    for (int i = 0; i < basis.active_count; ++i) {
       if ((chosen >> i & 1) == 0) continue;
-      next.planes[static_cast<std::size_t>(next.count++)] =
-          basis.planes[static_cast<std::size_t>(i)];
+      next.active[static_cast<std::size_t>(next.active_count++)] =
+          basis.active[static_cast<std::size_t>(i)];
     }
-    std::sort(next.planes.begin(), next.planes.begin() + next.count);
+    std::sort(next.active.begin(), next.active.begin() + next.active_count);
     if (solve(planes, target, next) && holds_for_all(next)) return next;
   }
   return std::nullopt;
@@ -159,12 +156,10 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
   int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
   for (int added; (added = most_violated(planes, basis)) >= 0;) {
     if (left-- == 0) return {};
-    if (basis.count == 0) {
-      const auto y = on_one(planes[static_cast<std::size_t>(added)], target);
-      if (!y) return {};
-      basis.planes[0] = added;
-      basis.count = 1;
-      basis.displacement_m = *y;
+    if (basis.active_count == 0) {
+      basis.active = {added, 0, 0};
+      basis.active_count = 1;
+      if (!solve(planes, target, basis)) return {};
       continue;
     }
     const auto next = exchange(planes, target, basis, added);
@@ -177,12 +172,9 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
                           ? 0.0
                           : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
   if (gain < -kMonotoneRoundoff * target.squaredNorm()) return {};
-  PlaneProjection result;
-  if (gain >= 0.0) result.displacement_m = basis.displacement_m;
-  result.active = basis.planes;
-  result.active_count = basis.count;
-  result.solved = true;
-  return result;
+  if (gain < 0.0) basis.displacement_m.setZero();
+  basis.solved = true;
+  return basis;
 }
 
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,

@@ -50,8 +50,7 @@ struct SegmentTracer::Search {
   Vec3 p, q;  // solver frame
   // Hits beyond do not count. What is searched is the part of the step up to here.
   StepFraction limit;
-  TraceHit best{};  // if found
-  bool found = false;
+  std::optional<TraceHit> best{};
 
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
@@ -129,32 +128,29 @@ struct SegmentTracer::Search {
                          hit);
     }
     return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stop_m,
-                        found ? best.meet_fraction : limit, hit);
+                        best ? best->meet_fraction : limit, hit);
   }
 
   // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
   // Embree, does not show.
   void keep_earlier(const TriangleHit& hit, const FaceRef& face) {
     if (hit.meet_fraction > limit) return;
-    if (found && hit.meet_fraction > best.meet_fraction) return;
-    if (found && hit.meet_fraction == best.meet_fraction && face > best.contact.face) return;
-    found = true;
+    if (best && hit.meet_fraction > best->meet_fraction) return;
+    if (best && hit.meet_fraction == best->meet_fraction && face > best->contact.face) return;
     const bool is_in_solver = placed->is_identity || corners;
     const Vec3 normal =
         is_in_solver ? hit.normal : Vec3(placed->T_solver_body.direction(hit.normal).normalized());
     const Vec3 feature_point =
         is_in_solver ? hit.feature_point : placed->to_solver(hit.feature_point);
-    best = {{face, normal, hit.clearance_m, hit.feature, feature_point},
-            hit.fraction,
-            hit.meet_fraction};
+    best = TraceHit{{face, normal, hit.clearance_m, hit.feature, feature_point},
+                    hit.fraction,
+                    hit.meet_fraction};
   }
 
   // How far along the part searched a triangle can still matter.
   QueryFraction needed() const {
-    return found ? QueryFraction(best.meet_fraction.value() / limit.value()) : QueryFraction::end();
+    return best ? QueryFraction(best->meet_fraction.value() / limit.value()) : QueryFraction::end();
   }
-
-  std::optional<TraceHit> result() const { return found ? std::optional(best) : std::nullopt; }
 };
 
 SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy)
@@ -238,8 +234,8 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
       search_moving(search);
       // Whatever happens inside the ball is known; the first of it counts.
       is_inside =
-          cache_.covers(p + (search.found ? search.best.meet_fraction.value() : look) * (q - p));
-      if (is_inside && (search.found || look == 1.0)) return search.result();
+          cache_.covers(p + (search.best ? search.best->meet_fraction.value() : look) * (q - p));
+      if (is_inside && (search.best || look == 1.0)) return search.best;
     }
     // A step that is too long for any ball is searched along.
     if (attempt == 0 && is_long && cache_.covers(p)) break;
@@ -250,7 +246,7 @@ std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexc
   Search search{*this, p, q, StepFraction::end()};
   search_segment(search);
   search_moving(search);
-  return search.result();
+  return search.best;
 }
 
 std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
@@ -260,7 +256,7 @@ std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const V
   Search search{*this, placed.to_solver(p_body), placed.to_solver(q_body), StepFraction::end()};
   search.enter_body_at(body, p_body, q_body);
   search_body(search, body);
-  return search.result();
+  return search.best;
 }
 
 std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
@@ -278,7 +274,7 @@ std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) 
     search.enter_body(doubtful_[i].body);
     search.consider(doubtful_[i]);
   }
-  return search.result();
+  return search.best;
 }
 
 void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept {

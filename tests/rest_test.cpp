@@ -320,7 +320,9 @@ TEST_P(Rests, LeaveNoWayOn) {
   EXPECT_EQ(totals.farther, 0);
   EXPECT_EQ(totals.false_rests, 0);
   // One scene alone says nothing of how often.
-  if (totals.scenes > 1) EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
+  if (totals.scenes > 1) {
+    EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
+  }
 }
 
 // In three dimensions, without friction and without a rest, where most ticks have a way to go.
