@@ -50,4 +50,17 @@ inline bool is_pose(const RigidTransform& T) noexcept {
   return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
 }
 
+// The same pose, turned by a quaternion of length 1 to within the rounding of double.
+inline RigidTransform unit_pose(const RigidTransform& T) noexcept {
+  constexpr double kRounded = 4 * std::numeric_limits<double>::epsilon();
+  if (std::abs(T.rotation.squaredNorm() - 1.0) <= kRounded) return T;
+  return {T.rotation.normalized(), T.translation_m};
+}
+
+// Of length 1, to within four times as much: so far off is an axis that the matrix of such a
+// rotation turns.
+inline bool is_unit(const Vec3& direction) noexcept {
+  return std::abs(direction.squaredNorm() - 1.0) <= 4 * kUnitQuaternion;
+}
+
 }  // namespace palpate

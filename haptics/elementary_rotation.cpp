@@ -19,6 +19,11 @@ double turned_below_knee(const RotationProfile& profile, double angle_rad, doubl
   const double rate =
       (profile.speed_at_knee_rad_per_s - profile.speed_at_zero_rad_per_s) / profile.knee_rad;
   if (rate == 0.0) return profile.speed_at_zero_rad_per_s * dt_s;
+  if (rate < 0.0) {  // a + S0/k = S(a)/k is a difference then, and may have no digits
+    const double speed =
+        std::max(profile.speed_rad_per_s(angle_rad), profile.speed_at_knee_rad_per_s);
+    return speed * (std::expm1(-rate * dt_s) / -rate);
+  }
   return (angle_rad + profile.speed_at_zero_rad_per_s / rate) * -std::expm1(-rate * dt_s);
 }
 
@@ -37,7 +42,7 @@ double elementary_rotation_rad(const RotationProfile& profile, StepRule rule, do
                  : above_knee_rad +
                        turned_below_knee(profile, angle_rad - above_knee_rad, dt_s - to_knee_s);
   }
-  return std::min(turned, angle_rad);
+  return turned < angle_rad ? turned : angle_rad;  // no number: faster than numbers go
 }
 
 }  // namespace palpate

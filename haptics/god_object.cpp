@@ -125,7 +125,8 @@ void GodObject::take_bounds() {
 }
 
 bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
-  if (!is_motion(body, T_solver_body) || !world_->place(body, T_solver_body)) return false;
+  if (!is_motion(body, T_solver_body)) return false;
+  if (!world_->place(body, unit_pose(T_solver_body))) return false;
   world_->take_bounds(body);
   tracer_.forget_candidates();
   take_bounds();
@@ -135,6 +136,7 @@ bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_bo
 std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
                                    const std::optional<Vec3>& motion_plane_normal) noexcept {
   std::size_t held = motions.size();
+  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return held;
   // One that another was in the way of may get on once that one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
     const std::size_t held_before = held;
@@ -152,7 +154,7 @@ bool GodObject::move_body(const BodyMotion& motion,
                           const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (!is_motion(motion.body, motion.T_solver_body)) return false;
   const RigidTransform before = world_->body(motion.body).T_solver_body;
-  const RigidTransform& after = motion.T_solver_body;
+  const RigidTransform after = unit_pose(motion.T_solver_body);
   if (is_same_pose(before, after)) return true;
   const Vec3 proxy_before = proxy_;
   const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};

@@ -106,8 +106,9 @@ class GodObject {
   bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
 
   // Moves bodies, at most LiveWorld::kMostMoving, each straight to its new pose as far as the proxy
-  // is concerned, which they push out of their way (push_proxy). Returns how many were held back
-  // because there was no room for it, or refused. The next move_to() goes on from there.
+  // is concerned, which they push out of their way (push_proxy): within a plane of motion, if its
+  // normal (unit) is given. Returns how many were held back because there was no room for it, or
+  // refused; with a normal that is none, all are. The next move_to() goes on from there.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
@@ -173,7 +174,7 @@ class GodObject {
   // Finite, and so near that squares of lengths are.
   bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
     return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
-           (!motion_plane_normal || motion_plane_normal->allFinite());
+           (!motion_plane_normal || is_unit(*motion_plane_normal));
   }
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
   ProxyState refused() const;
@@ -263,6 +264,10 @@ class GodObject {
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
   std::optional<Vec3> in_motion_plane(const Vec3& direction) const;
+  // Where two planes meet at a small angle, the rounding of their normals leads out of it.
+  Vec3 onto_motion_plane(const Vec3& p) const {
+    return p - (p - goal_).dot(*motion_plane_normal_) * *motion_plane_normal_;
+  }
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
   // The target of a step, or where it leaves the world's bounds: there is nothing to touch beyond.

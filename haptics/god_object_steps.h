@@ -138,6 +138,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
     return Progress::kHeld;
   }
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
+  if (motion_plane_normal_) target = onto_motion_plane(target);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;

@@ -23,8 +23,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       god_object_(world, settings.god_object),
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1),
-      T_device_scene_(settings.initial_pose),
-      R_device_scene_(settings.initial_pose.rotation.toRotationMatrix()),
+      T_device_scene_(unit_pose(settings.initial_pose)),
+      R_device_scene_(T_device_scene_.rotation.toRotationMatrix()),
       has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0

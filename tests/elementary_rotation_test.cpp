@@ -67,6 +67,30 @@ TEST(ElementaryRotation, NeverTurnsPastAlignment) {
   }
 }
 
+// Whatever speeds a profile has, a tick turns by no less than the slower would, and no more than
+// the faster.
+TEST(ElementaryRotation, KeepsToTheSpeedsOfAnyProfile) {
+  constexpr double kRoundoff = 64 * kEpsilon;
+  Random random(3507);
+  const auto power = [&](double low, double high) {
+    return std::pow(10.0, random.uniform(low, high));
+  };
+  for (int i = 0; i < 100000; ++i) {
+    const double decades = random.index(2) == 0 ? 3.0 : 150.0;
+    const RotationProfile profile{power(-decades, decades), power(-decades, decades),
+                                  power(-decades, 1.0)};
+    const double angle_rad = random.index(4) == 0 ? profile.knee_rad : power(-decades, 0.5);
+    const double dt_s = power(-9.0, 0.0);
+    const auto [slower, faster] =
+        std::minmax({profile.speed_at_zero_rad_per_s, profile.speed_at_knee_rad_per_s});
+    for (const StepRule rule : {StepRule::kExact, StepRule::kSpeedByDt}) {
+      const double turned_rad = elementary_rotation_rad(profile, rule, angle_rad, dt_s);
+      ASSERT_LE(turned_rad, std::min(angle_rad, (1.0 + kRoundoff) * faster * dt_s));
+      ASSERT_GE(turned_rad, std::min(angle_rad, (1.0 - kRoundoff) * slower * dt_s));
+    }
+  }
+}
+
 TEST(ElementaryRotation, SpeedByDtIsThePapersProduct) {
   Random random(3502);
   const RotationProfile profile;

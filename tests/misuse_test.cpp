@@ -267,6 +267,7 @@ TEST(Misuse, OfAGodObjectsSettingsMovesNothing) {
 // Amid a motion along a box, which goes on as if nothing had been asked.
 TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
   Random random(8104);
+  SeededRandom normals(8105);
   for (const double radius_m : {0.0, kRadius_m}) {
     const OwnedBodies bodies(
         {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
@@ -290,10 +291,16 @@ TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
         EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
         EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
         if (bad == 1e200) continue;
-        EXPECT_TRUE(asked.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
         motion.T_solver_body = {Quat(bad, 0, 0, 1), Vec3::Zero()};
         EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
         EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+      }
+      const BodyMotion moved{0, {Quat::Identity(), Vec3(0, 0, 0.001)}};
+      for (const double length : {0.0, 0.5, 2.0, 1e200, kInfinity, kNan}) {
+        const Vec3 normal = length * normals.unit_vector();
+        EXPECT_TRUE(asked.move_to(Vec3::Zero(), normal).is_refused) << length;
+        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
+        EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
       }
       const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};
       EXPECT_EQ(asked.move_bodies({&shrunk, 1}), 1u);

@@ -540,6 +540,34 @@ TEST(HapticLoopWithBodies, KeepsThePlaneOfAPlanarDevice) {
   }
 }
 
+// A quaternion in single precision is not of length 1, and is taken as a rotation all the same: a
+// body that is a little larger in each tick would go past a proxy that friction holds.
+TEST(MovingBodies, WhosePosesAreInSinglePrecisionNeverPassTheProxy) {
+  const FrictionSource sticky{nullptr, [](void*, const FaceContact&, const Vec3&) noexcept {
+                                return FrictionCone{0.5, 0.4};
+                              }};
+  const Vec3 half_m(0.05, 0.04, 0.03);
+  for (const double radius_m : {0.0, 0.002}) {
+    const OwnedBodies bodies({{test::box_soup(half_m), {}}}, radius_m);
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Random random(seed);
+      GodObject god_object(bodies.world(), {radius_m, {}});
+      god_object.place({0.01, 0.01, 0.06});
+      const Vec3 axis = random.unit_vector();
+      for (int n = 1; n <= 400; ++n) {
+        const Quat exact(Eigen::AngleAxisd(1e-3 * n, axis));
+        const RigidTransform pose{exact.cast<float>().cast<double>(), Vec3::Zero()};
+        const BodyMotion motion{0, pose};
+        god_object.move_bodies({&motion, 1});
+        const Vec3 goal = pose.point(Vec3(0.01 + 3e-5 * n, 0.01, 0.02));
+        god_object.move_with_friction(goal, std::nullopt, sticky);
+        const Vec3 p_body = god_object.world().body(0).to_body(god_object.proxy());
+        ASSERT_GE((p_body.cwiseAbs() - half_m).maxCoeff(), radius_m) << "tick " << n;
+      }
+    }
+  }
+}
+
 // A body that is in the way of a bad sample moves on when samples are good again.
 TEST(HapticLoopWithBodies, HoldsBodiesWhileSamplesAreBad) {
   const RigidTransform at_first{Quat::Identity(), Vec3(0.0, 0.0, 0.02)};

@@ -54,9 +54,10 @@ constexpr double kNearUlps = 64;
 constexpr double kFartherRelative = 32 * kEpsilon;
 constexpr double kFartherUlps = 4;
 
-// How far a corner may be off the plane of motion, of the size of the scene and of the way to the
-// goal: the rounding of a hundred steps.
-constexpr double kOffPlaneUlps = 400;
+// How far a corner may be off the plane of motion for each step of the tick, which are at least as
+// many as a balanced tick may have, of the size of the scene and of the way to the goal.
+constexpr double kOffPlaneUlps = 6;
+constexpr int kStepsAtLeast = 64;
 
 // Of the scene's size; what a user could call an overlap.
 constexpr double kOverlapPerSize = 1e-9;
@@ -214,7 +215,8 @@ class Feeling {
     for (const Vec3& corner : path) {
       if (!plane_normal_) break;
       const double off_m = std::abs(plane_normal_->dot(corner - goal_));
-      EXPECT_LE(off_m, kOffPlaneUlps * (round_m_ + kEpsilon * (corner - goal_).norm()))
+      const double round_m = round_m_ + kEpsilon * (corner - goal_).norm();
+      EXPECT_LE(off_m, kOffPlaneUlps * std::max(kStepsAtLeast, felt_.iterations) * round_m)
           << "off the plane of motion, PALPATE_SEED=" << seed_ << ", tick " << tick_;
     }
     const double least_m = radius_m_ - kNearUlps * round_m_;
