@@ -30,7 +30,13 @@ std::optional<Error> check_number(const char* field, double value, bool zero_all
 
 // radius_m: finite, > 0.
 std::optional<Error> check_sweep(const ContactWorld& world, double radius_m) {
-  const double sweep_m = radius_m + SolverScale::of(world.size_m, radius_m).stand_off_m;
+  const double stand_off_m = SolverScale::of(world.size_m, radius_m).stand_off_m;
+  if (radius_m < stand_off_m) {
+    return invalid("radius_m",
+                   text_of(radius_m) + " m given, expected 0 for a point, or at least the " +
+                       text_of(stand_off_m) + " m that a proxy stays off what it touches");
+  }
+  const double sweep_m = radius_m + stand_off_m;
   double built_for_m = SurfaceIndex::kLargestSweep_m;
   if (world.tree) built_for_m = std::min(built_for_m, world.tree->sweep_radius_m());
   for (const ContactBody& body : world.bodies) {

@@ -598,7 +598,12 @@ void GodObject::look_around(Surroundings& around) const {
   const double around_m = kAroundPerStandOff * scale().stand_off_m;
   around.count = tracer_.contacts_around(proxy_, around_m, around.faces);
   for (std::size_t i = 0; i < around.count; ++i) {
-    const FaceContact nearest = tracer_.nearest_contact(around.faces[i].face, proxy_);
+    FaceContact nearest = tracer_.nearest_contact(around.faces[i].face, proxy_);
+    if (nearest.feature == TriangleFeature::kEdge) {
+      // So near to an edge, the direction to it has few digits. Its own has them all.
+      const Vec3 edge = tracer_.edge_direction(nearest);
+      nearest.normal = (nearest.normal - nearest.normal.dot(edge) * edge).normalized();
+    }
     around.nearest[i] = nearest;
     const bool is_touched = nearest.clearance_m <= scale().stand_off_m;
     if (is_touched) around.touched[around.touched_count++] = nearest;

@@ -54,7 +54,7 @@ struct FrictionSource {
   void* context;
   FrictionCone (*cone)(void* context, const FaceContact& contact, const Vec3& proxy) noexcept;
   // The size of the coordinates that the goal was made from, if larger than its own: it is rounded
-  // as they are.
+  // as they are. Finite, >= 0: no move is made otherwise (ProxyState::is_refused).
   double coordinates_m = 0.0;
 };
 

@@ -124,7 +124,8 @@ bool GodObject::stays_at_rest(Friction& friction) {
 ProxyState GodObject::move_with_friction(const Vec3& goal,
                                          const std::optional<Vec3>& motion_plane_normal,
                                          const FrictionSource& source) noexcept {
-  if (!is_goal(goal, motion_plane_normal)) return refused();
+  const bool is_source = std::isfinite(source.coordinates_m) && source.coordinates_m >= 0.0;
+  if (!is_source || !is_goal(goal, motion_plane_normal)) return refused();
   const double coordinates_m = world_->size_m() + settings_.radius_m + proxy_.lpNorm<1>() +
                                goal.lpNorm<1>() + source.coordinates_m;
   CoulombFriction friction{&source, coordinates_m, slides_};

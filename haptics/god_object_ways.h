@@ -15,9 +15,9 @@ namespace palpate {
 // Creases beside a vertex are tried between so many faces.
 constexpr std::size_t kMostAtVertex = 12;
 
-// How far from a vertex they are looked for: three planes hold a point within a few stand-offs of
-// it.
-constexpr double kAroundPerStandOff = 4.0;
+// How far from what holds a proxy faces are looked at: flat ones that meet at a vertex come apart
+// only many stand-offs from it.
+constexpr double kAroundPerStandOff = 64.0;
 
 // Faces near a proxy that are looked at.
 constexpr std::size_t kMostAround = 256;
@@ -163,8 +163,8 @@ bool GodObject::slides_past(const Surroundings& around, Friction& friction) {
   });
 }
 
-// Goes on along one or two of those that it touches, where that falls towards no other. What holds
-// the proxy may be two faces that bear more, wedged between them by friction.
+// Goes on along one or two of those that it touches, or an edge of one, where that falls towards no
+// other. What holds the proxy may be two faces that bear more, wedged between them by friction.
 template <typename Friction>
 bool GodObject::slides_between(const Surroundings& around, Friction& friction) {
   const auto touched = around.all_touched();
@@ -177,6 +177,10 @@ bool GodObject::slides_between(const Surroundings& around, Friction& friction) {
     if (!n) continue;
     const FaceContact alone[] = {touched[i]};
     if (leads_on(lag - lag.dot(*n) * *n, alone)) return true;
+    if (touched[i].feature == TriangleFeature::kEdge && !motion_plane_normal_) {
+      const Vec3 edge = tracer_.edge_direction(touched[i]);
+      if (leads_on(lag.dot(edge) * edge, alone)) return true;
+    }
     for (std::size_t j = 0; j < i && !motion_plane_normal_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
       const Vec3 line = n->cross(touched[j].normal);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "geometry/pack_queries.h"
 #include "haptics/float_trace.h"
@@ -292,6 +294,22 @@ FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) c
       closest_point_on_triangle(body.index->triangle(face.slot), body.to_body(p));
   return {face, body.direction_to_solver(nearest.direction), nearest.distance - radius_m_,
           nearest.feature, body.to_solver(nearest.point)};
+}
+
+Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
+  const ContactBody& body = world_->body(contact.face.body);
+  const TriangleGeometry& t = body.index->triangle(contact.face.slot);
+  const Vec3 p_body = body.to_body(contact.feature_point);
+  Vec3 nearest = Vec3::Zero();
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
+    const Vec3 direction = (to - from).normalized();
+    const double distance_m = (p_body - from).cross(direction).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest = direction;
+  }
+  return body.direction_to_solver(nearest);
 }
 
 FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,

@@ -93,6 +93,9 @@ class SegmentTracer {
   // The contact of a proxy at p with the place of a face that is nearest to it.
   FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
 
+  // The unit direction of the edge that is touched, of a contact with one.
+  Vec3 edge_direction(const FaceContact& contact) const noexcept;
+
   // The same, but for a point that is rather over the face than beside it (is_rather_over), which
   // is held by its plane. On the side given by the earlier normal where p cannot tell.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;

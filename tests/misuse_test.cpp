@@ -55,7 +55,8 @@ std::vector<BadSetting> bad_settings() {
       all.push_back({field, [=](HapticSettings& s) { set(s, value); }});
     }
   };
-  add("god_object.radius_m", {-1e-3, -0x1p-1074, -kInfinity, kInfinity, kNan, 2e-3, 1.0, 1e300},
+  add("god_object.radius_m",
+      {-1e-3, -0x1p-1074, 0x1p-1074, 1e-100, 1e-14, -kInfinity, kInfinity, kNan, 2e-3, 1.0, 1e300},
       [](HapticSettings& s, double v) { s.god_object.radius_m = v; });
   add("god_object.accuracy.tolerance", {0.0, -0.01, kNan, kInfinity, -kInfinity},
       [](HapticSettings& s, double v) { s.god_object.accuracy.tolerance = v; });
@@ -83,7 +84,7 @@ std::vector<BadSetting> bad_settings() {
 
 TEST(CheckSettings, NamesTheFieldThatIsOutOfRange) {
   const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
-  for (const double radius_m : {0.0, 0x1p-1074, 0.5 * kRadius_m, kRadius_m}) {
+  for (const double radius_m : {0.0, 1e-3 * kRadius_m, 0.5 * kRadius_m, kRadius_m}) {
     const auto error = check_settings(world.world(), good_settings(radius_m));
     ASSERT_FALSE(error) << error->to_string();
     for (const Accuracy& preset : {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()}) {
@@ -301,6 +302,11 @@ TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
         EXPECT_TRUE(asked.move_to(Vec3::Zero(), normal).is_refused) << length;
         EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
         EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
+      }
+      for (const double size_m : {-1.0, kInfinity, -kInfinity, kNan}) {
+        FrictionSource source = kSticky;
+        source.coordinates_m = size_m;
+        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
       }
       const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};
       EXPECT_EQ(asked.move_bodies({&shrunk, 1}), 1u);
