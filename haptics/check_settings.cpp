@@ -28,8 +28,8 @@ std::optional<Error> check_number(const char* field, double value, bool zero_all
                             (zero_allowed ? ">= 0" : "> 0"));
 }
 
-// radius_m: finite, > 0.
-std::optional<Error> check_sweep(const ContactWorld& world, double radius_m) {
+// radius_m: finite, > 0. Neither too small to be told from a point, nor larger than indices allow.
+std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   const double stand_off_m = SolverScale::of(world.size_m, radius_m).stand_off_m;
   if (radius_m < stand_off_m) {
     return invalid("radius_m",
@@ -80,7 +80,7 @@ double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_s
 std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings) {
   if (auto error = check_number("radius_m", settings.radius_m, true)) return error;
   if (settings.radius_m > 0.0) {
-    if (auto error = check_sweep(world, settings.radius_m)) return error;
+    if (auto error = check_sphere(world, settings.radius_m)) return error;
   }
   const Accuracy& accuracy = settings.accuracy;
   if (accuracy.iterations < 1 || accuracy.iterations > Accuracy::kMostIterations) {

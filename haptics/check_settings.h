@@ -16,11 +16,10 @@ struct HapticSettings;
 // The first setting that is out of range, or nothing. Error::element is the name of the field, such
 // as "accuracy.tolerance". In range are:
 //
-//   radius_m              finite; 0 for a point, or at least a stand-off (SolverScale), for a
-//   sphere
-//                         that is smaller has no digits; no larger than what each index of the
-//                         world and its tree were built for: SurfaceIndex::sweep_radius_m() >=
-//                         radius_m + a stand-off, kLargestSweep_m at most
+//   radius_m              finite; 0, a point, or at least a stand-off (SolverScale): a smaller
+//                         sphere has no digits. No larger than what each index of the world and its
+//                         tree were built for: SurfaceIndex::sweep_radius_m() >= radius_m + a
+//                         stand-off, kLargestSweep_m at most
 //   accuracy.iterations   1 to Accuracy::kMostIterations
 //   accuracy.tolerance    finite, > 0
 //

@@ -292,6 +292,7 @@ TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
         EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
         EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
         if (bad == 1e200) continue;
+        EXPECT_TRUE(asked.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
         motion.T_solver_body = {Quat(bad, 0, 0, 1), Vec3::Zero()};
         EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
         EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
