@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "haptics/body_push.h"
 #include "haptics/check_settings.h"
@@ -32,6 +33,10 @@ constexpr int kMostExchanges = 64;
 // by, 64 roundings of the scene's size, seen from where it has been stopped.
 constexpr double kSlopeRoundoff =
     32 * kEpsilon / (SolverScale::kStopPerStandOff * SolverScale::kStandOffPerSize);
+
+// A sphere on a feature is so far from where it is to be, of the scene's size: its place, and that
+// of the feature, are rounded.
+constexpr double kTurnRoundoff = 8 * kEpsilon;
 
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
@@ -591,23 +596,40 @@ void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
 
 // Whether that is nearer to the goal by more than little.
 bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
-  return (from - goal_).norm() - (to - goal_).norm() > kLittlePerStandOff * scale().stand_off_m;
+  return (from - goal_).norm() - (to - goal_).norm() > little_m();
 }
 
+// What is around the proxy, the nearest first: of much of it, only so many can be tried.
 void GodObject::look_around(Surroundings& around) const {
-  const double around_m = kAroundPerStandOff * scale().stand_off_m;
-  around.count = tracer_.contacts_around(proxy_, around_m, around.faces);
+  const double near_m = (tracer_.radius_m() > 0.0 ? 1.0 : kAroundPerStandOff) * scale().stand_off_m;
+  const double around_m = tracer_.radius_m() + near_m;
+  std::array<FaceContact, kMostAround> faces;
+  around.count = tracer_.contacts_around(proxy_, around_m, faces);
+  std::array<FaceContact, kMostAround> nearest;
+  std::array<std::size_t, kMostAround> order;
   for (std::size_t i = 0; i < around.count; ++i) {
-    FaceContact nearest = tracer_.nearest_contact(around.faces[i].face, proxy_);
-    if (nearest.feature == TriangleFeature::kEdge) {
+    order[i] = i;
+    nearest[i] = tracer_.nearest_contact(faces[i].face, proxy_);
+    if (nearest[i].feature == TriangleFeature::kEdge) {
       // So near to an edge, the direction to it has few digits. Its own has them all.
-      const Vec3 edge = tracer_.edge_direction(nearest);
-      nearest.normal = (nearest.normal - nearest.normal.dot(edge) * edge).normalized();
+      const Vec3 edge = tracer_.edge_direction(nearest[i]);
+      nearest[i].normal = (nearest[i].normal - nearest[i].normal.dot(edge) * edge).normalized();
     }
-    around.nearest[i] = nearest;
-    const bool is_touched = nearest.clearance_m <= scale().stand_off_m;
-    if (is_touched) around.touched[around.touched_count++] = nearest;
   }
+  const auto is_nearer = [&](std::size_t a, std::size_t b) {
+    return std::tie(nearest[a].clearance_m, a) < std::tie(nearest[b].clearance_m, b);
+  };
+  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(around.count), is_nearer);
+  for (std::size_t i = 0; i < around.count; ++i) {
+    around.faces[i] = faces[order[i]];
+    around.nearest[i] = nearest[order[i]];
+  }
+  const auto is_touched = [&](const FaceContact& contact) {
+    return contact.clearance_m <= scale().stand_off_m;
+  };
+  const auto all = around.all_nearest();
+  const auto end = std::partition_point(all.begin(), all.end(), is_touched);
+  around.touched_count = static_cast<std::size_t>(end - all.begin());
 }
 
 // A direction within the plane of motion, if there is one: nothing if it has no part there.
@@ -662,9 +684,22 @@ Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
   return is_near ? lift.displacement_m : Vec3(Vec3::Zero());
 }
 
-// Whether a sphere touches the same place of a curved feature in both contacts.
+// Whether a sphere touches the same place of a curved feature in both contacts, and what a tangent
+// gains on the way from one to the other, a turn's square of the lag, is little.
 bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const {
-  return (a.normal - b.normal).norm() * tracer_.radius_m() <= scale().stand_off_m;
+  const double turn = (a.normal - b.normal).norm();
+  const double turned_m = turn * tracer_.radius_m();
+  if (turned_m > scale().stand_off_m) return false;
+  const double gain_m = turn * turn * (proxy_ - goal_).norm();
+  return gain_m <= little_m() || turned_m <= kTurnRoundoff * world_->size_m();
+}
+
+// Whether a point is no longer held by a face that it has been stopped by. What is rounded far away
+// comes back on the plane of motion, and off a face that is hardly inclined to it.
+bool GodObject::is_above(const FaceContact& contact) const {
+  if (tracer_.radius_m() > 0.0) return false;
+  const FaceContact now = tracer_.contact_over(contact.face, proxy_, contact.normal);
+  return now.clearance_m > scale().stand_off_m;
 }
 
 // True iff the face that pushes is really there, under the proxy, and not only its plane. Of two or
@@ -675,6 +710,7 @@ bool GodObject::settled() const {
   for (int i = 0; i < projection_.active_count; ++i) {
     const FaceContact& contact = contacts_[projection_.active[i]];
     if (!tracer_.is_over(contact, proxy_)) return false;
+    if (motion_plane_normal_ && is_above(contact)) return false;
     if (tracer_.radius_m() > 0.0 &&
         !is_same_place(contact, tracer_.contact_at(contact.face, proxy_, contact.normal))) {
       return false;

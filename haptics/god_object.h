@@ -195,6 +195,9 @@ class GodObject {
   bool is_off_planes() const;
   Vec3 way_to_planes() const;
   bool roll_to_answer();
+  // To a slow proxy a step of so little, a tenth of what a way has to gain, is none.
+  static constexpr double kLittlePerStandOff = 10.0;
+  double little_m() const { return kLittlePerStandOff * scale().stand_off_m; }
   bool is_none(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
@@ -224,6 +227,8 @@ class GodObject {
   template <typename Friction>
   bool leaves_edges(Friction& friction);
   template <typename Friction>
+  bool leaves_wedge(Friction& friction);
+  template <typename Friction>
   bool slides_without_edges(const Faces& holding, Friction& friction);
   template <typename Friction>
   bool slides_up_to_what_holds(Friction& friction);
@@ -244,6 +249,8 @@ class GodObject {
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
   bool goes_past_obstacles(const Surroundings& around, Friction& friction);
+  template <typename Friction>
+  bool goes_along_lines(const Surroundings& around, Friction& friction);
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
   template <typename Friction>
@@ -280,6 +287,7 @@ class GodObject {
   void drop_inactive_planes();
   void advance_to(const Vec3& target);
   void commit(const Vec3& proxy);
+  bool is_above(const FaceContact& contact) const;
   bool settled() const;
   void keep_contacts_for_next_tick(bool capped);
   ProxyState report(int iterations, bool capped) const;

@@ -29,9 +29,6 @@ struct GodObject::ProxyPlace {
 // Steps after which a tick is slow, and is helped on.
 constexpr int kPatience = 8;
 
-// To a slow proxy a step of so many stand-offs, a tenth of what a way has to gain, is none.
-constexpr double kLittlePerStandOff = 10.0;
-
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
@@ -134,7 +131,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   const bool is_free = projection_.active_count == 0;
   const Vec3& step = projection_.displacement_m;
   if (!is_free && is_none(step)) return Progress::kHeld;
-  if (is_slow_ && planes_are_current_ && step.norm() <= kLittlePerStandOff * scale().stand_off_m) {
+  if (is_slow_ && planes_are_current_ && step.norm() <= little_m()) {
     return Progress::kHeld;
   }
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);

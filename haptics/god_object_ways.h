@@ -19,6 +19,9 @@ constexpr std::size_t kMostAtVertex = 12;
 // only many stand-offs from it.
 constexpr double kAroundPerStandOff = 64.0;
 
+// The lines in which they cross are tried of so many.
+constexpr std::size_t kMostCrossing = 32;
+
 // Faces near a proxy that are looked at.
 constexpr std::size_t kMostAround = 256;
 
@@ -42,14 +45,13 @@ struct GodObject::Faces {
 struct GodObject::Surroundings {
   std::array<FaceContact, kMostAround> faces;    // as planes
   std::array<FaceContact, kMostAround> nearest;  // as the plane of what is nearest of each
-  std::array<FaceContact, kMostAround> touched;  // those that are touched, of the nearest
   std::size_t count = 0;
-  std::size_t touched_count = 0;
+  std::size_t touched_count = 0;  // the first so many
 
   std::span<const FaceContact> all_faces() const { return std::span(faces).first(count); }
   std::span<const FaceContact> all_nearest() const { return std::span(nearest).first(count); }
   std::span<const FaceContact> all_touched() const {
-    return std::span(touched).first(touched_count);
+    return std::span(nearest).first(touched_count);
   }
 };
 
@@ -63,7 +65,7 @@ template <typename Friction>
   if constexpr (Friction::kHolds) {
     if (slides_up_to_what_holds(friction)) return true;
   }
-  if (tracer_.radius_m() > 0.0) return false;
+  if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
   const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
@@ -77,8 +79,24 @@ template <typename Friction>
   if ((is_beside || is_vertex) && slides_at_vertex(around, friction)) return true;
   if constexpr (!Friction::kHolds) {
     if (goes_past_obstacles(around, friction)) return true;
+    if (is_vertex && goes_along_lines(around, friction)) return true;
   }
   return_to(here);
+  return false;
+}
+
+// Friction may wedge a sphere between faces that bear it together, though along one of them, or
+// two, it would slide.
+template <typename Friction>
+bool GodObject::leaves_wedge(Friction& friction) {
+  if constexpr (Friction::kHolds) {
+    if (projection_.active_count < 2) return false;
+    const ProxyPlace here = place_now();
+    Surroundings around;
+    look_around(around);
+    if (slides_between(around, friction)) return true;
+    return_to(here);
+  }
   return false;
 }
 
@@ -208,8 +226,8 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
 template <typename Friction>
 bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
-  std::copy(around.touched.begin(), around.touched.begin() + around.touched_count, walls.begin());
   std::size_t count = around.touched_count;
+  std::copy_n(around.nearest.begin(), count, walls.begin());
   for (FaceContact& wall : std::span(walls).first(count)) wall.clearance_m = scale().stop_m;
   Vec3 blocked = Vec3::Zero();
   for (int bend = 0; bend < kMostBends; ++bend) {
@@ -223,6 +241,23 @@ bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& fricti
     walls[count] = hit->contact;
     walls[count++].clearance_m = scale().stop_m;
     blocked = free;
+  }
+  return false;
+}
+
+// Goes along the line in which two planes around a vertex meet, touched or not.
+template <typename Friction>
+bool GodObject::goes_along_lines(const Surroundings& around, Friction& friction) {
+  if (motion_plane_normal_) return false;
+  const auto faces = around.all_faces().first(std::min(around.count, kMostCrossing));
+  const Vec3 lag = goal_ - proxy_;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3 line = faces[i].normal.cross(faces[j].normal);
+      const Vec3 step = lag.dot(line) / line.squaredNorm() * line;
+      const bool leads_on = may_gain_by(step) && falls_to_none(step, around.all_touched());
+      if (leads_on && goes_straight(step, friction)) return true;
+    }
   }
   return false;
 }

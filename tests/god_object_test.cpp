@@ -21,8 +21,8 @@ constexpr double kRelativeAccuracy = 1e-9;  // of the scene's size, asked for by
 // A proxy that lives in the scene frame of its world.
 class SceneProxy {
  public:
-  explicit SceneProxy(const OwnedWorld& world, double radius_m = 0.0)
-      : world_(world.world()), god_object_(world_, {.radius_m = radius_m}) {}
+  explicit SceneProxy(const OwnedWorld& world, double radius_m = 0.0, const Accuracy& accuracy = {})
+      : world_(world.world()), god_object_(world_, {.radius_m = radius_m, .accuracy = accuracy}) {}
 
   void place(const Vec3& p_scene) { god_object_.place(world_.to_solver(p_scene)); }
   ProxyState move_to(const Vec3& p_scene) {
@@ -117,6 +117,34 @@ TEST_P(GodObjectOfRadius, StaysInsideABoxItStartedIn) {
       ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size())
           << "goal " << goal.transpose();
     }
+  }
+}
+
+// Each tick has one step. What stops the last one of a tick does not hold the proxy yet; without it
+// the next tick would run into it again, and again.
+TEST_P(GodObjectOfRadius, GoesOnWithWhatACappedTickHasMet) {
+  const double radius = GetParam();
+  constexpr int kMostTicks = 10;
+  Accuracy one_step;
+  one_step.iterations = 1;
+  Random random(19);
+  const Vec3 half(0.5, 0.4, 0.3);
+  for (int trial = 0; trial < 100; ++trial) {
+    const RigidTransform pose = random.pose(10.0);
+    const OwnedWorld world(box_soup(half), pose, radius);
+    SceneProxy proxy(world, radius, one_step);
+    proxy.place(pose.point(Vec3::Zero()));
+    const Vec3 goal = (2.0 * half).cwiseProduct(random.in_box(1.0));
+    ProxyState state;
+    int ticks = 0;
+    do {
+      state = proxy.move_to(pose.point(goal));
+      ++ticks;
+    } while (state.capped && ticks < kMostTicks);
+    const Vec3 room = half - Vec3::Constant(radius);
+    const Vec3 expected = goal.cwiseMin(room).cwiseMax(-room);
+    ASSERT_FALSE(state.capped) << "goal " << goal.transpose();
+    ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size());
   }
 }
 

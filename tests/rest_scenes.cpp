@@ -419,6 +419,35 @@ RestScene float_lattices(ProxyKind proxy, Random& random) {
   return {std::move(soup), radius_m, {}, {}, kGrid_m};
 }
 
+// Triangles of all directions that meet at one vertex and cut through each other.
+RestScene hubs(ProxyKind proxy, Random& random) {
+  Soup soup;
+  for (int i = between(random, 20, 370); i > 0; --i) {
+    const Vec3 out = random.unit_vector();
+    const Vec3 beside = (out + log_uniform(random, 0.02, 1.0) * random.unit_vector()).normalized();
+    soup.add(Vec3::Zero(), 0.08 * random.uniform(0.2, 1.0) * out,
+             0.08 * random.uniform(0.2, 1.0) * beside);
+  }
+  soup = in_float(posed(soup, random));
+  return {soup, some_radius_m(proxy, 1e-5, 1e-2, random), {}, {soup.positions.front()}};
+}
+
+// Sheets on each other, a part of a stand-off to some ten apart, parallel or not quite.
+RestScene stacked_sheets(ProxyKind proxy, Random& random) {
+  constexpr double kSize_m = 0.2;
+  constexpr double kStandOff_m = SolverScale::kStandOffPerSize * kSize_m;
+  Soup soup;
+  double z = 0.0;
+  for (int i = between(random, 3, 14); i > 0; --i) {
+    const double half = 0.5 * kSize_m * random.uniform(0.4, 1.0);
+    const double tilt_m = random.index(2) ? 0.0 : kStandOff_m * random.uniform(-10.0, 10.0);
+    soup.add_quad({-half, -half, z - tilt_m}, {half, -half, z + tilt_m}, {half, half, z + tilt_m},
+                  {-half, half, z - tilt_m});
+    z += log_uniform(random, 0.05, 40.0) * kStandOff_m;
+  }
+  return {posed(soup, random), some_radius_m(proxy, 1e-6, 1e-2, random)};
+}
+
 constexpr double kAnyCapped = 0.5;  // less than that: uncapped ticks are the greater part
 constexpr double kPointCapped = 0.01;
 constexpr double kSphereCapped = 0.05;
@@ -475,6 +504,10 @@ constexpr RestClass kClasses[] = {
     {"ThinSlabs", kSphere, thin_slabs, kAnyCapped},
     {"FloatLattices", kPoint, float_lattices, kAnyCapped},
     {"FloatLattices", kSphere, float_lattices, kAnyCapped},
+    {"Hubs", kPoint, hubs, kAnyCapped},
+    {"Hubs", kSphere, hubs, kAnyCapped},
+    {"StackedSheets", kPoint, stacked_sheets, kAnyCapped},
+    {"StackedSheets", kSphere, stacked_sheets, kAnyCapped},
 };
 
 constexpr RestClass kFineClasses[] = {{"FineBalls", kSphere, fine_balls, kSphereCapped},

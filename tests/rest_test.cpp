@@ -55,7 +55,7 @@ constexpr double kFartherRelative = 32 * kEpsilon;
 constexpr double kFartherUlps = 4;
 
 // How far a corner may be off the plane of motion for each step of the tick, which are at least as
-// many as a balanced tick may have, of the size of the scene and of the way to the goal.
+// many as a balanced tick may have, of the size of the scene and of coordinates.
 constexpr double kOffPlaneUlps = 6;
 constexpr int kStepsAtLeast = 64;
 
@@ -215,7 +215,7 @@ class Feeling {
     for (const Vec3& corner : path) {
       if (!plane_normal_) break;
       const double off_m = std::abs(plane_normal_->dot(corner - goal_));
-      const double round_m = round_m_ + kEpsilon * (corner - goal_).norm();
+      const double round_m = round_m_ + kEpsilon * (corner.norm() + goal_.norm());
       EXPECT_LE(off_m, kOffPlaneUlps * std::max(kStepsAtLeast, felt_.iterations) * round_m)
           << "off the plane of motion, PALPATE_SEED=" << seed_ << ", tick " << tick_;
     }
