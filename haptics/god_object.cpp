@@ -329,6 +329,15 @@ bool GodObject::is_off_planes() const {
   return projection_.active_count > 0;
 }
 
+// Whether the proxy touches each of the faces that hold it. From a little farther off it could pass
+// by an edge that it has right in front.
+bool GodObject::touches_planes() const {
+  for (int i = 0; i < projection_.active_count; ++i) {
+    if (contacts_[projection_.active[i]].clearance_m > scale().stand_off_m) return false;
+  }
+  return true;
+}
+
 // The part of the way to the goal that leads to the first of them.
 Vec3 GodObject::way_to_planes() const {
   const Vec3 way = goal_ - proxy_;

@@ -193,6 +193,7 @@ class GodObject {
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool is_off_planes() const;
+  bool touches_planes() const;
   Vec3 way_to_planes() const;
   bool roll_to_answer();
   // To a slow proxy a step of so little, a tenth of what a way has to gain, is none.

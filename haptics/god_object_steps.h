@@ -131,7 +131,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   const bool is_free = projection_.active_count == 0;
   const Vec3& step = projection_.displacement_m;
   if (!is_free && is_none(step)) return Progress::kHeld;
-  if (is_slow_ && planes_are_current_ && step.norm() <= little_m()) {
+  if (is_slow_ && planes_are_current_ && step.norm() <= little_m() && touches_planes()) {
     return Progress::kHeld;
   }
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);

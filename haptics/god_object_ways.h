@@ -245,15 +245,25 @@ bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& fricti
   return false;
 }
 
-// Goes along the line in which two planes around a vertex meet, touched or not.
+// Goes along the line in which two planes around a vertex meet, touched or not: of faces, and of
+// what is nearest of them.
 template <typename Friction>
 bool GodObject::goes_along_lines(const Surroundings& around, Friction& friction) {
   if (motion_plane_normal_) return false;
-  const auto faces = around.all_faces().first(std::min(around.count, kMostCrossing));
+  std::array<Vec3, 2 * kMostCrossing> normals;
+  std::size_t count = 0;
+  const auto add = [&](const Vec3& normal) {
+    const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
+    if (std::find(normals.begin(), end, normal) == end) normals[count++] = normal;
+  };
+  for (std::size_t i = 0; i < std::min(around.count, kMostCrossing); ++i) {
+    add(around.faces[i].normal);
+    add(around.nearest[i].normal);
+  }
   const Vec3 lag = goal_ - proxy_;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Vec3 line = faces[i].normal.cross(faces[j].normal);
+      const Vec3 line = normals[i].cross(normals[j]);
       const Vec3 step = lag.dot(line) / line.squaredNorm() * line;
       const bool leads_on = may_gain_by(step) && falls_to_none(step, around.all_touched());
       if (leads_on && goes_straight(step, friction)) return true;

@@ -42,6 +42,9 @@ Soup posed(const Soup& soup, Random& random) {
   return moved;
 }
 
+// Of a sphere in a scene of 0.1 to 0.2 m: ten stand-offs.
+constexpr double kFewStandOffs_m = 10 * 0.2 * SolverScale::kStandOffPerSize;
+
 double some_radius_m(ProxyKind proxy, double low, double high, Random& random) {
   return proxy == ProxyKind::kPoint ? 0.0 : log_uniform(random, low, high);
 }
@@ -414,8 +417,10 @@ RestScene float_lattices(ProxyKind proxy, Random& random) {
     soup.add_quad(kGrid_m * Vec3(-8, -8, -1), kGrid_m * Vec3(8, -8, -1), kGrid_m * Vec3(8, 8, -1),
                   kGrid_m * Vec3(-8, 8, -1));
   }
-  constexpr double kRadii_m[] = {kGrid_m / 8, kGrid_m / 2, kGrid_m, 2 * kGrid_m};
-  const double radius_m = proxy == ProxyKind::kPoint ? 0.0 : kRadii_m[random.index(4)];
+  constexpr double kRadii_m[] = {kFewStandOffs_m, 0x1p-24 * kGrid_m, kGrid_m / 8,
+                                 kGrid_m / 2,     kGrid_m,           2 * kGrid_m};
+  const double radius_m =
+      proxy == ProxyKind::kPoint ? 0.0 : kRadii_m[random.index(std::size(kRadii_m))];
   return {std::move(soup), radius_m, {}, {}, kGrid_m};
 }
 
@@ -429,7 +434,7 @@ RestScene hubs(ProxyKind proxy, Random& random) {
              0.08 * random.uniform(0.2, 1.0) * beside);
   }
   soup = in_float(posed(soup, random));
-  return {soup, some_radius_m(proxy, 1e-5, 1e-2, random), {}, {soup.positions.front()}};
+  return {soup, some_radius_m(proxy, kFewStandOffs_m, 1e-2, random), {}, {soup.positions.front()}};
 }
 
 // Sheets on each other, a part of a stand-off to some ten apart, parallel or not quite.
@@ -445,7 +450,7 @@ RestScene stacked_sheets(ProxyKind proxy, Random& random) {
                   {-half, half, z - tilt_m});
     z += log_uniform(random, 0.05, 40.0) * kStandOff_m;
   }
-  return {posed(soup, random), some_radius_m(proxy, 1e-6, 1e-2, random)};
+  return {posed(soup, random), some_radius_m(proxy, kFewStandOffs_m, 1e-2, random)};
 }
 
 constexpr double kAnyCapped = 0.5;  // less than that: uncapped ticks are the greater part
