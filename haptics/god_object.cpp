@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "haptics/body_push.h"
 #include "haptics/check_settings.h"
@@ -23,21 +22,6 @@ constexpr int kMaxShortenings = 8;
 // soon.
 constexpr double kNearPerStandOff = 2.0;
 
-// A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
-constexpr double kAtVertexPerStandOff = 64.0;
-
-// Planes taken in, one after the other, of many that may hold a proxy.
-constexpr int kMostExchanges = 64;
-
-// The rounding of a direction to what is touched: a proxy's place and what it is brought to a body
-// by, 64 roundings of the scene's size, seen from where it has been stopped.
-constexpr double kSlopeRoundoff =
-    32 * kEpsilon / (SolverScale::kStopPerStandOff * SolverScale::kStandOffPerSize);
-
-// A sphere on a feature is so far from where it is to be, of the scene's size: its place, and that
-// of the feature, are rounded.
-constexpr double kTurnRoundoff = 8 * kEpsilon;
-
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
 
@@ -48,39 +32,9 @@ constexpr double kFasterEachTime = 4.0;
 // surface that curves otherwise farther on is found out in small steps.
 constexpr double kMostGrowth = 16.0;
 
-// A sphere goes round a feature along tangents that turn by so much at a time at most: their
-// corners are 0.8 % of the radius off the arc.
-constexpr double kRollTurn_rad = 0.25;
-constexpr std::size_t kMostRollCorners = 7;  // the turn is 90 degrees at most
-
-// A slow proxy halves a turn that is not free so often, if there is any use in it: if so much of it
-// is free.
-constexpr int kMostHalvedTurns = 4;
-constexpr double kLeastTurn = 1.0 / 32;
-
 // A step goes into the world's bounds and then straight on or round a feature; an iteration takes
 // one, and one more if it is a way out.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
-
-// The corners of the tangents from one contact of a sphere round to another with the same face, for
-// a centre that keeps `reach` from the feature. Returns how many there are.
-std::size_t tangents_round(const FaceContact& from, const FaceContact& to, double reach,
-                           std::array<Vec3, kMostRollCorners + 1>& corners) {
-  const Vec3 across = (to.normal - to.normal.dot(from.normal) * from.normal).normalized();
-  const double angle_rad = std::atan2(to.normal.dot(across), to.normal.dot(from.normal));
-  const double count = std::ceil(angle_rad / kRollTurn_rad);
-  const double radius = reach / std::cos(0.5 * angle_rad / count);
-  for (double k = 0.5; k < count; k += 1.0) {
-    const double turn_rad = k / count * angle_rad;
-    const Vec3 feature = from.feature_point + k / count * (to.feature_point - from.feature_point);
-    corners[static_cast<std::size_t>(k)] =
-        feature + radius * (std::cos(turn_rad) * from.normal + std::sin(turn_rad) * across);
-  }
-  return static_cast<std::size_t>(count);
-}
-
-// A contact normal with a larger part than this out of the plane of motion does not belong to it.
-constexpr double kOutOfPlane = 64 * kEpsilon;
 
 // How often bodies that are held back try again in one tick: a chain of so many, each in the way of
 // the next, moves as one.
@@ -89,9 +43,6 @@ constexpr int kMostPushPasses = 4;
 bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
   return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
 }
-
-// Unit normals that sum to less than their rounding cancel.
-constexpr double kCancelledNormal = 16 * kEpsilon;
 
 // Normals of two contacts with one face count as the same plane where a cosine cannot tell them
 // apart; those of two faces where they differ by rounding.
@@ -434,116 +385,12 @@ void GodObject::advance_to(const Vec3& target) {
   }
 }
 
-// A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
-// tangent plane that drops back converges step by step, the slower the nearer the goal is to the
-// feature. Instead, the sphere goes round to the answer, which is straight out from the feature
-// through the goal. False if there is nothing to roll over, or something in the way.
-bool GodObject::roll_to_answer() {
-  if (tracer_.radius_m() == 0.0 || projection_.active_count != 1) return false;
-  const FaceContact now = contacts_[projection_.active[0]];
-  if (now.feature == TriangleFeature::kFace) return false;
-  FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
-  const auto leaves_plane = [&](const Vec3& normal) {
-    return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
-  };
-  if (leaves_plane(now.normal) || leaves_plane(answer.normal) || is_same_place(now, answer)) {
-    return false;
-  }
-  if (!goes_round(now, answer, tracer_.radius_m() + scale().stop_m)) return false;
-  plane_count_ = 0;
-  answer.clearance_m = scale().stop_m;
-  add_plane(answer);
-  projection_.active[0] = 0;
-  return true;
-}
-
-// Goes round from one contact to another, for a centre that keeps `reach` from the feature: by a
-// right angle at most, and a slow proxy only a part of that if something is in the way of the rest.
-// The distance to the goal falls all the way round; the tangents that are followed for it have
-// corners a little farther out, so they are taken together or not at all. Tells in `to` where it
-// ends.
-bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach) {
-  if (to.normal.dot(from.normal) <= 0.0) {
-    const Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
-    if (!is_slow_ || across.norm() <= kCancelledNormal) return false;
-    to.normal = across.normalized();
-    to.feature_point = from.feature_point;
-  }
-  std::array<Vec3, kMostRollCorners + 1> corners;
-  for (int halved = 0; halved <= kMostHalvedTurns; ++halved) {
-    const Vec3 target = to.feature_point + reach * to.normal;
-    if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
-    if (is_same_place(from, to)) return false;
-    const std::size_t count = tangents_round(from, to, reach, corners);
-    corners[count] = target;
-    const double part = part_free(std::span(corners).first(count + 1));
-    if (part == 1.0) {
-      for (const Vec3& corner : std::span(corners).first(count + 1)) commit(corner);
-      return true;
-    }
-    if (!is_slow_ || part < kLeastTurn) return false;
-    to.normal = (from.normal + to.normal).normalized();
-    to.feature_point = 0.5 * (from.feature_point + to.feature_point);
-  }
-  return false;
-}
-
 // A tick that becomes slow has learnt nothing yet; one that goes on with the last has.
 void GodObject::become_slow() {
   if (is_slow_) return;
   is_slow_ = true;
   last_slide_m_.setZero();
   last_round_.reset();
-}
-
-// The part of the way along these corners that is free, and not too far from the goal.
-double GodObject::part_free(std::span<const Vec3> corners) {
-  const auto count = static_cast<double>(corners.size());
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3& from = i == 0 ? proxy_ : corners[i - 1];
-    if ((corners[i] - goal_).squaredNorm() > most_lag_m_ * most_lag_m_) return 0.0;
-    const auto hit = tracer_.trace(from, corners[i]);
-    if (hit) return std::min(static_cast<double>(i) + hit->fraction.value(), count - 0.5) / count;
-  }
-  return 1.0;
-}
-
-// A sphere between two edges or vertices goes round one and then the other, to and fro, or slides
-// along the line of their planes, which it leaves at once.
-bool GodObject::roll_between_last_two() {
-  if (projection_.active_count == 0 || motion_plane_normal_) return false;
-  const FaceContact now = contacts_[projection_.active[0]];
-  if (now.feature == TriangleFeature::kFace) return false;
-  const std::optional<FaceContact> last = last_round_;
-  last_round_ = now;
-  if (projection_.active_count == 2) return roll_between(contacts_[projection_.active[1]], now);
-  return projection_.active_count == 1 && last && roll_between(*last, now);
-}
-
-// The places where it touches two points are a circle about the line through them. Goes round on
-// it, towards what is nearest to the goal.
-bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
-  const Vec3 axis = 0.5 * (other.feature_point - one.feature_point);
-  const double reach = tracer_.radius_m() + scale().stop_m;
-  const double radius2 = reach * reach - axis.squaredNorm();
-  if (one.feature == TriangleFeature::kFace || axis.isZero(0.0) || radius2 <= 0.0) return false;
-  const Vec3 centre = one.feature_point + axis;
-  const auto on_circle = [&](const Vec3& p) {
-    FaceContact contact = other;
-    const Vec3 out = p - centre;
-    contact.normal = (out - out.dot(axis) / axis.squaredNorm() * axis).normalized();
-    contact.feature_point = centre;
-    return contact;
-  };
-  FaceContact target = on_circle(goal_);
-  if (!goes_round(on_circle(proxy_), target, std::sqrt(radius2))) return false;
-  plane_count_ = 0;
-  for (const FaceContact& contact : {one, other}) {
-    add_plane(tracer_.contact_at(contact.face, proxy_, contact.normal));
-  }
-  planes_are_current_ = true;
-  projection_ = {Vec3::Zero(), {0, 1, 2}, plane_count_, true};
-  return true;
 }
 
 // By what a slide is to be multiplied to lead to where it and all that follow lead.
@@ -576,69 +423,9 @@ void GodObject::return_to(const ProxyPlace& place) {
   planes_are_current_ = place.planes_are_current;
 }
 
-GodObject::Faces GodObject::holding_faces() const {
-  Faces holding;
-  for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
-  return holding;
-}
-
-// Of any number of contacts takes the planes that hold the proxy: while one of them is violated,
-// the most violated one comes in.
-void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
-  plane_count_ = 0;
-  projection_ = project_onto_planes({}, goal_ - proxy_);
-  for (int left = kMostExchanges; left > 0; --left) {
-    const FaceContact* most = nullptr;
-    double by_m = 0.0;
-    for (const FaceContact& contact : contacts) {
-      const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
-      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
-      if (violation_m <= by_m) continue;
-      by_m = violation_m;
-      most = &contact;
-    }
-    if (!most || !add_plane(*most)) return;
-    projection_ = project_onto_planes(planes(), goal_ - proxy_);
-    if (!projection_.solved) return;
-  }
-}
-
 // Whether that is nearer to the goal by more than little.
 bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
   return (from - goal_).norm() - (to - goal_).norm() > little_m();
-}
-
-// What is around the proxy, the nearest first: of much of it, only so many can be tried.
-void GodObject::look_around(Surroundings& around) const {
-  const double near_m = (tracer_.radius_m() > 0.0 ? 1.0 : kAroundPerStandOff) * scale().stand_off_m;
-  const double around_m = tracer_.radius_m() + near_m;
-  std::array<FaceContact, kMostAround> faces;
-  around.count = tracer_.contacts_around(proxy_, around_m, faces);
-  std::array<FaceContact, kMostAround> nearest;
-  std::array<std::size_t, kMostAround> order;
-  for (std::size_t i = 0; i < around.count; ++i) {
-    order[i] = i;
-    nearest[i] = tracer_.nearest_contact(faces[i].face, proxy_);
-    if (nearest[i].feature == TriangleFeature::kEdge) {
-      // So near to an edge, the direction to it has few digits. Its own has them all.
-      const Vec3 edge = tracer_.edge_direction(nearest[i]);
-      nearest[i].normal = (nearest[i].normal - nearest[i].normal.dot(edge) * edge).normalized();
-    }
-  }
-  const auto is_nearer = [&](std::size_t a, std::size_t b) {
-    return std::tie(nearest[a].clearance_m, a) < std::tie(nearest[b].clearance_m, b);
-  };
-  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(around.count), is_nearer);
-  for (std::size_t i = 0; i < around.count; ++i) {
-    around.faces[i] = faces[order[i]];
-    around.nearest[i] = nearest[order[i]];
-  }
-  const auto is_touched = [&](const FaceContact& contact) {
-    return contact.clearance_m <= scale().stand_off_m;
-  };
-  const auto all = around.all_nearest();
-  const auto end = std::partition_point(all.begin(), all.end(), is_touched);
-  around.touched_count = static_cast<std::size_t>(end - all.begin());
 }
 
 // A direction within the plane of motion, if there is one: nothing if it has no part there.
@@ -646,61 +433,6 @@ std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
   if (!motion_plane_normal_) return direction;
   const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
   return plane ? std::optional(plane->normal) : std::nullopt;
-}
-
-// Whether a step in this direction falls towards none of what is touched, but for rounding. The
-// distance to a triangle is convex, so then it comes nearer to none of it however long it is.
-bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
-  const double least = -kSlopeRoundoff * step.norm();
-  return std::all_of(touched.begin(), touched.end(),
-                     [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
-}
-
-// Whether a point rests at a corner of one of the faces that hold it.
-bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
-  const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
-  return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
-    const ContactBody& body = world_->body(contact.face.body);
-    const TriangleGeometry& t = body.index->triangle(contact.face.slot);
-    const Vec3 p_body = body.to_body(proxy_);
-    const auto is_near = [&](const Vec3& corner) {
-      return (p_body - corner).squaredNorm() <= near_m * near_m;
-    };
-    return is_near(t.a) || is_near(t.b) || is_near(t.c);
-  });
-}
-
-// The least displacement that puts the proxy a stop above the planes of these faces and brings it
-// nearer to none around. Zero if there is none near by.
-Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
-                           std::span<const FaceContact> nearest) const {
-  std::array<ContactPlane, kMaxContactPlanes> planes;
-  std::size_t count = 0;
-  const auto add = [&](const Vec3& normal, double offset_m) {
-    const ContactPlane plane{normal, offset_m};
-    const auto kept = motion_plane_normal_ ? within_plane(plane, *motion_plane_normal_)
-                                           : std::optional<ContactPlane>(plane);
-    if (kept) planes[count++] = *kept;
-  };
-  for (const FaceContact& face : faces) add(face.normal, scale().stop_m - face.clearance_m);
-  for (const FaceContact& contact : nearest) {
-    add(contact.normal, std::min(0.0, scale().stop_m - contact.clearance_m));
-  }
-  const PlaneProjection lift =
-      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
-  const double most_m = kAtVertexPerStandOff * scale().stand_off_m;
-  const bool is_near = lift.solved && lift.displacement_m.squaredNorm() <= most_m * most_m;
-  return is_near ? lift.displacement_m : Vec3(Vec3::Zero());
-}
-
-// Whether a sphere touches the same place of a curved feature in both contacts, and what a tangent
-// gains on the way from one to the other, a turn's square of the lag, is little.
-bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const {
-  const double turn = (a.normal - b.normal).norm();
-  const double turned_m = turn * tracer_.radius_m();
-  if (turned_m > scale().stand_off_m) return false;
-  const double gain_m = turn * turn * (proxy_ - goal_).norm();
-  return gain_m <= little_m() || turned_m <= kTurnRoundoff * world_->size_m();
 }
 
 // Whether a point is no longer held by a face that it has been stopped by. What is rounded far away

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "haptics/god_object.h"
@@ -25,6 +26,12 @@ struct GodObject::ProxyPlace {
   PlaneProjection projection;
   bool planes_are_current;
 };
+
+// Corners of the tangents along which a sphere goes round a right angle, the most that it turns.
+constexpr std::size_t kMostRollCorners = 7;
+
+// Unit normals that sum to less than their rounding cancel.
+constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
 
 // Steps after which a tick is slow, and is helped on.
 constexpr int kPatience = 8;
@@ -114,17 +121,18 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
+  const bool is_sphere = tracer_.radius_m() > 0.0;
   bool flies = false;
   if constexpr (Friction::kHolds) {
     flies = is_off_planes();
     if (flies) {
       friction.begin_step();
       projection_.displacement_m = way_to_planes();
-    } else if (!hold_by(friction) && roll_to_answer()) {
+    } else if (!hold_by(friction) && is_sphere && roll_to_answer()) {
       return Progress::kStopped;
     }
   } else {
-    if (roll_to_answer()) return Progress::kStopped;
+    if (is_sphere && roll_to_answer()) return Progress::kStopped;
   }
   // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
   // converged when it hardly moves.

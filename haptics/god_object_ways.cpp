@@ -1,0 +1,131 @@
+// What is around a proxy that may have a way on: see god_object_ways.h.
+
+#include "haptics/god_object_ways.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <tuple>
+
+namespace palpate {
+namespace {
+
+// A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
+constexpr double kAtVertexPerStandOff = 64.0;
+
+// Planes taken in, one after the other, of many that may hold a proxy.
+constexpr int kMostExchanges = 64;
+
+// The rounding of a direction to what is touched: a proxy's place and what it is brought to a body
+// by, 64 roundings of the scene's size, seen from where it has been stopped.
+constexpr double kSlopeRoundoff = 32 * std::numeric_limits<double>::epsilon() /
+                                  (SolverScale::kStopPerStandOff * SolverScale::kStandOffPerSize);
+
+}  // namespace
+
+GodObject::Faces GodObject::holding_faces() const {
+  Faces holding;
+  for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
+  return holding;
+}
+
+// Of any number of contacts takes the planes that hold the proxy: while one of them is violated,
+// the most violated one comes in.
+void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
+  plane_count_ = 0;
+  projection_ = project_onto_planes({}, goal_ - proxy_);
+  for (int left = kMostExchanges; left > 0; --left) {
+    const FaceContact* most = nullptr;
+    double by_m = 0.0;
+    for (const FaceContact& contact : contacts) {
+      const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
+      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
+      if (violation_m <= by_m) continue;
+      by_m = violation_m;
+      most = &contact;
+    }
+    if (!most || !add_plane(*most)) return;
+    projection_ = project_onto_planes(planes(), goal_ - proxy_);
+    if (!projection_.solved) return;
+  }
+}
+
+// What is around the proxy, the nearest first: of much of it, only so many can be tried.
+void GodObject::look_around(Surroundings& around) const {
+  const double near_m = (tracer_.radius_m() > 0.0 ? 1.0 : kAroundPerStandOff) * scale().stand_off_m;
+  const double around_m = tracer_.radius_m() + near_m;
+  std::array<FaceContact, kMostAround> faces;
+  around.count = tracer_.contacts_around(proxy_, around_m, faces);
+  std::array<FaceContact, kMostAround> nearest;
+  std::array<std::size_t, kMostAround> order;
+  for (std::size_t i = 0; i < around.count; ++i) {
+    order[i] = i;
+    nearest[i] = tracer_.nearest_contact(faces[i].face, proxy_);
+    if (nearest[i].feature == TriangleFeature::kEdge) {
+      // So near to an edge, the direction to it has few digits. Its own has them all.
+      const Vec3 edge = tracer_.edge_direction(nearest[i]);
+      nearest[i].normal = (nearest[i].normal - nearest[i].normal.dot(edge) * edge).normalized();
+    }
+  }
+  const auto is_nearer = [&](std::size_t a, std::size_t b) {
+    return std::tie(nearest[a].clearance_m, a) < std::tie(nearest[b].clearance_m, b);
+  };
+  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(around.count), is_nearer);
+  for (std::size_t i = 0; i < around.count; ++i) {
+    around.faces[i] = faces[order[i]];
+    around.nearest[i] = nearest[order[i]];
+  }
+  const auto is_touched = [&](const FaceContact& contact) {
+    return contact.clearance_m <= scale().stand_off_m;
+  };
+  const auto all = around.all_nearest();
+  const auto end = std::partition_point(all.begin(), all.end(), is_touched);
+  around.touched_count = static_cast<std::size_t>(end - all.begin());
+}
+
+// Whether a step in this direction falls towards none of what is touched, but for rounding. The
+// distance to a triangle is convex, so then it comes nearer to none of it however long it is.
+bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
+  const double least = -kSlopeRoundoff * step.norm();
+  return std::all_of(touched.begin(), touched.end(),
+                     [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
+}
+
+// Whether a point rests at a corner of one of the faces that hold it.
+bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
+  const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
+  return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
+    const ContactBody& body = world_->body(contact.face.body);
+    const TriangleGeometry& t = body.index->triangle(contact.face.slot);
+    const Vec3 p_body = body.to_body(proxy_);
+    const auto is_near = [&](const Vec3& corner) {
+      return (p_body - corner).squaredNorm() <= near_m * near_m;
+    };
+    return is_near(t.a) || is_near(t.b) || is_near(t.c);
+  });
+}
+
+// The least displacement that puts the proxy a stop above the planes of these faces and brings it
+// nearer to none around. Zero if there is none near by.
+Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
+                           std::span<const FaceContact> nearest) const {
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  std::size_t count = 0;
+  const auto add = [&](const Vec3& normal, double offset_m) {
+    const ContactPlane plane{normal, offset_m};
+    const auto kept = motion_plane_normal_ ? within_plane(plane, *motion_plane_normal_)
+                                           : std::optional<ContactPlane>(plane);
+    if (kept) planes[count++] = *kept;
+  };
+  for (const FaceContact& face : faces) add(face.normal, scale().stop_m - face.clearance_m);
+  for (const FaceContact& contact : nearest) {
+    add(contact.normal, std::min(0.0, scale().stop_m - contact.clearance_m));
+  }
+  const PlaneProjection lift =
+      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
+  const double most_m = kAtVertexPerStandOff * scale().stand_off_m;
+  const bool is_near = lift.solved && lift.displacement_m.squaredNorm() <= most_m * most_m;
+  return is_near ? lift.displacement_m : Vec3(Vec3::Zero());
+}
+
+}  // namespace palpate
