@@ -55,12 +55,17 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
     : has_bad_settings_(check_settings(world, settings).has_value()),
       settings_(has_bad_settings_ ? GodObjectSettings{} : settings),
       world_(std::make_unique<LiveWorld>(world)),
-      tracer_(*world_, settings_.radius_m, settings_.accuracy) {
+      tracer_(*world_, settings_.radius_m, settings_.accuracy),
+      around_(std::make_unique<Surroundings>()) {
   step_tolerance_m_ = settings_.accuracy.tolerance * scale().stand_off_m;
   take_bounds();
   path_.reserve(1 +
                 kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
 }
+
+GodObject::GodObject(GodObject&&) noexcept = default;
+GodObject& GodObject::operator=(GodObject&&) noexcept = default;
+GodObject::~GodObject() = default;
 
 bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
   return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&

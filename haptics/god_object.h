@@ -96,6 +96,9 @@ class GodObject {
  public:
   // The surfaces of the world must outlive the god-object, which has poses of its own for them.
   GodObject(const ContactWorld& world, const GodObjectSettings& settings);
+  GodObject(GodObject&&) noexcept;
+  GodObject& operator=(GodObject&&) noexcept;
+  ~GodObject();
 
   // Puts the proxy at p. If that is within a stand-off of the surface, where sides cannot be told,
   // it is lifted to the front of the faces there by as much. False if p is refused.
@@ -236,22 +239,22 @@ class GodObject {
   template <typename Friction>
   bool slides_by(const Vec3& along, const FaceContact& face, Friction& friction);
   template <typename Friction>
-  bool slides_past(const Surroundings& around, Friction& friction);
+  bool slides_past(Friction& friction);
   template <typename Friction>
-  bool slides_between(const Surroundings& around, Friction& friction);
+  bool slides_between(Friction& friction);
   template <typename Friction>
   bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
-  bool slides_at_vertex(const Surroundings& around, Friction& friction);
+  bool slides_at_vertex(Friction& friction);
   template <typename Friction>
   bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> nearest,
                         Friction& friction);
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
-  bool goes_past_obstacles(const Surroundings& around, Friction& friction);
+  bool goes_past_obstacles(Friction& friction);
   template <typename Friction>
-  bool goes_along_lines(const Surroundings& around, Friction& friction);
+  bool goes_along_lines(Friction& friction);
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
   template <typename Friction>
@@ -265,7 +268,9 @@ class GodObject {
   bool may_gain_by(const Vec3& step) const {
     return step.allFinite() && is_gain(proxy_, proxy_ + step);
   }
-  void look_around(Surroundings& around) const;
+  void look_around();
+  FaceContact contact_of_nearest(const FaceRef& face) const;
+  bool is_held_by_faces();
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
   void hold_by_most_violated(std::span<const FaceContact> contacts);
@@ -315,6 +320,8 @@ class GodObject {
   std::span<const ContactPlane> planes() const {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
+
+  std::unique_ptr<Surroundings> around_;  // of the proxy where it was when it last looked around
 
   // Of the present tick.
   double most_lag_m_ = 0.0;                // that a sphere's path may have

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <tuple>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -50,37 +50,54 @@ void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
   }
 }
 
-// What is around the proxy, the nearest first: of much of it, only so many can be tried.
-void GodObject::look_around(Surroundings& around) const {
+// Of much that is around, only so many can be tried: the nearest are the first.
+void GodObject::look_around() {
+  Surroundings& around = *around_;
   const double near_m = (tracer_.radius_m() > 0.0 ? 1.0 : kAroundPerStandOff) * scale().stand_off_m;
-  const double around_m = tracer_.radius_m() + near_m;
-  std::array<FaceContact, kMostAround> faces;
-  around.count = tracer_.contacts_around(proxy_, around_m, faces);
-  std::array<FaceContact, kMostAround> nearest;
+  around.count = tracer_.contacts_around(proxy_, tracer_.radius_m() + near_m, around.faces);
   std::array<std::size_t, kMostAround> order;
   for (std::size_t i = 0; i < around.count; ++i) {
     order[i] = i;
-    nearest[i] = tracer_.nearest_contact(faces[i].face, proxy_);
-    if (nearest[i].feature == TriangleFeature::kEdge) {
-      // So near to an edge, the direction to it has few digits. Its own has them all.
-      const Vec3 edge = tracer_.edge_direction(nearest[i]);
-      nearest[i].normal = (nearest[i].normal - nearest[i].normal.dot(edge) * edge).normalized();
-    }
+    around.scratch[i] = contact_of_nearest(around.faces[i].face);
   }
   const auto is_nearer = [&](std::size_t a, std::size_t b) {
-    return std::tie(nearest[a].clearance_m, a) < std::tie(nearest[b].clearance_m, b);
+    return std::pair(around.scratch[a].clearance_m, a) <
+           std::pair(around.scratch[b].clearance_m, b);
   };
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(around.count), is_nearer);
-  for (std::size_t i = 0; i < around.count; ++i) {
-    around.faces[i] = faces[order[i]];
-    around.nearest[i] = nearest[order[i]];
-  }
+  for (std::size_t i = 0; i < around.count; ++i) around.nearest[i] = around.scratch[order[i]];
+  for (std::size_t i = 0; i < around.count; ++i) around.scratch[i] = around.faces[order[i]];
+  std::copy_n(around.scratch.begin(), around.count, around.faces.begin());
   const auto is_touched = [&](const FaceContact& contact) {
     return contact.clearance_m <= scale().stand_off_m;
   };
   const auto all = around.all_nearest();
   const auto end = std::partition_point(all.begin(), all.end(), is_touched);
   around.touched_count = static_cast<std::size_t>(end - all.begin());
+}
+
+// So near to an edge, the direction to it has few digits. Its own has them all.
+FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
+  FaceContact nearest = tracer_.nearest_contact(face, proxy_);
+  if (nearest.feature == TriangleFeature::kEdge) {
+    const Vec3 edge = tracer_.edge_direction(nearest);
+    nearest.normal = (nearest.normal - nearest.normal.dot(edge) * edge).normalized();
+  }
+  return nearest;
+}
+
+// Whether even the steepest descent that comes nearer to none of the faces that the proxy is over,
+// and touches, gains little: then nothing leads on, whatever else is near. A few of them may do.
+bool GodObject::is_held_by_faces() {
+  auto& faces = around_->scratch;
+  std::size_t count = 0;
+  for (const FaceContact& contact : around_->all_touched()) {
+    if (is_beside_face(contact)) continue;
+    faces[count] = contact;
+    faces[count++].clearance_m = scale().stop_m;
+  }
+  hold_by_most_violated(std::span(faces).first(count));
+  return projection_.solved && !may_gain_by(projection_.displacement_m);
 }
 
 // Whether a step in this direction falls towards none of what is touched, but for rounding. The

@@ -41,10 +41,11 @@ struct GodObject::Faces {
   std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
 };
 
-// What is around a point that planes hold.
+// What is around a proxy that planes hold, the nearest first. Large, so it is made once.
 struct GodObject::Surroundings {
   std::array<FaceContact, kMostAround> faces;    // as planes
   std::array<FaceContact, kMostAround> nearest;  // as the plane of what is nearest of each
+  std::array<FaceContact, kMostAround> scratch;
   std::size_t count = 0;
   std::size_t touched_count = 0;  // the first so many
 
@@ -68,18 +69,23 @@ template <typename Friction>
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
   const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
+  // Faces that it is over, and touches, leave no direction that falls to none of them and gains.
+  if (!Friction::kHolds && !is_beside && touches_planes()) return false;
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const bool may_be_wedged = Friction::kHolds && holding.count > 1;
   if (!is_beside && !is_vertex && !may_be_wedged) return false;
   const ProxyPlace here = place_now();
+  look_around();
+  if (is_held_by_faces()) {
+    return_to(here);
+    return false;
+  }
   if (is_beside && slides_without_edges(holding, friction)) return true;
-  Surroundings around;
-  look_around(around);
-  if (slides_past(around, friction) || slides_between(around, friction)) return true;
-  if ((is_beside || is_vertex) && slides_at_vertex(around, friction)) return true;
+  if (slides_past(friction) || slides_between(friction)) return true;
+  if ((is_beside || is_vertex) && slides_at_vertex(friction)) return true;
   if constexpr (!Friction::kHolds) {
-    if (goes_past_obstacles(around, friction)) return true;
-    if (is_vertex && goes_along_lines(around, friction)) return true;
+    if (goes_past_obstacles(friction)) return true;
+    if (is_vertex && goes_along_lines(friction)) return true;
   }
   return_to(here);
   return false;
@@ -92,9 +98,8 @@ bool GodObject::leaves_wedge(Friction& friction) {
   if constexpr (Friction::kHolds) {
     if (projection_.active_count < 2) return false;
     const ProxyPlace here = place_now();
-    Surroundings around;
-    look_around(around);
-    if (slides_between(around, friction)) return true;
+    look_around();
+    if (slides_between(friction)) return true;
     return_to(here);
   }
   return false;
@@ -172,8 +177,8 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
 // Goes on along all that is near, each as the plane of what is nearest of it, and along what it
 // meets then.
 template <typename Friction>
-bool GodObject::slides_past(const Surroundings& around, Friction& friction) {
-  hold_by_most_violated(around.all_nearest());
+bool GodObject::slides_past(Friction& friction) {
+  hold_by_most_violated(around_->all_nearest());
   return tries(friction, [&] {
     for (int bend = 0; bend < kMostBends; ++bend) {
       if (take_step(friction) != Progress::kStopped) break;
@@ -184,8 +189,8 @@ bool GodObject::slides_past(const Surroundings& around, Friction& friction) {
 // Goes on along one or two of those that it touches, or an edge of one, where that falls towards no
 // other. What holds the proxy may be two faces that bear more, wedged between them by friction.
 template <typename Friction>
-bool GodObject::slides_between(const Surroundings& around, Friction& friction) {
-  const auto touched = around.all_touched();
+bool GodObject::slides_between(Friction& friction) {
+  const auto touched = around_->all_touched();
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     return may_gain_by(step) && falls_to_none(step, touched) && follows(step, along, friction);
@@ -224,10 +229,10 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
 // Goes down as steeply as what it touches leaves it, and where an obstacle is met at once, as what
 // that leaves, too: or between the two ways, past the obstacle.
 template <typename Friction>
-bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& friction) {
+bool GodObject::goes_past_obstacles(Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
-  std::size_t count = around.touched_count;
-  std::copy_n(around.nearest.begin(), count, walls.begin());
+  std::size_t count = around_->touched_count;
+  std::copy_n(around_->nearest.begin(), count, walls.begin());
   for (FaceContact& wall : std::span(walls).first(count)) wall.clearance_m = scale().stop_m;
   Vec3 blocked = Vec3::Zero();
   for (int bend = 0; bend < kMostBends; ++bend) {
@@ -248,7 +253,7 @@ bool GodObject::goes_past_obstacles(const Surroundings& around, Friction& fricti
 // Goes along the line in which two planes around a vertex meet, touched or not: of faces, and of
 // what is nearest of them.
 template <typename Friction>
-bool GodObject::goes_along_lines(const Surroundings& around, Friction& friction) {
+bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
   std::array<Vec3, 2 * kMostCrossing> normals;
   std::size_t count = 0;
@@ -256,16 +261,16 @@ bool GodObject::goes_along_lines(const Surroundings& around, Friction& friction)
     const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
     if (std::find(normals.begin(), end, normal) == end) normals[count++] = normal;
   };
-  for (std::size_t i = 0; i < std::min(around.count, kMostCrossing); ++i) {
-    add(around.faces[i].normal);
-    add(around.nearest[i].normal);
+  for (std::size_t i = 0; i < std::min(around_->count, kMostCrossing); ++i) {
+    add(around_->faces[i].normal);
+    add(around_->nearest[i].normal);
   }
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Vec3 line = normals[i].cross(normals[j]);
       const Vec3 step = lag.dot(line) / line.squaredNorm() * line;
-      const bool leads_on = may_gain_by(step) && falls_to_none(step, around.all_touched());
+      const bool leads_on = may_gain_by(step) && falls_to_none(step, around_->all_touched());
       if (leads_on && goes_straight(step, friction)) return true;
     }
   }
@@ -297,10 +302,10 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction) {
 // Tries the faces around a vertex: each alone, each two, and each two from above both, where the
 // proxy is beside a crease that it could follow and lower than it may be over one of its sides.
 template <typename Friction>
-bool GodObject::slides_at_vertex(const Surroundings& around, Friction& friction) {
+bool GodObject::slides_at_vertex(Friction& friction) {
   const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };
-  const auto faces = around.all_faces().first(std::min(around.count, kMostAtVertex));
-  const auto nearest = around.all_nearest().first(faces.size());
+  const auto faces = around_->all_faces().first(std::min(around_->count, kMostAtVertex));
+  const auto nearest = around_->all_nearest().first(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const FaceContact alone[] = {faces[i]};
     if (slides_along(alone, friction)) return true;
