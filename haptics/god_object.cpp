@@ -44,6 +44,10 @@ bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
   return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
 }
 
+// The height of a point over a plane through another, of the distance between the two: 1 rounding
+// for their difference, 3 for the product and 4 for the length of the normal.
+constexpr double kInPlaneRoundoff = 4 * kEpsilon;
+
 // Normals of two contacts with one face count as the same plane where a cosine cannot tell them
 // apart; those of two faces where they differ by rounding.
 constexpr double kSameNormal = 0x1p-25;
@@ -285,8 +289,7 @@ bool GodObject::is_off_planes() const {
   return projection_.active_count > 0;
 }
 
-// Whether the proxy touches each of the faces that hold it. From a little farther off it could pass
-// by an edge that it has right in front.
+// Whether the proxy touches each of the faces that hold it.
 bool GodObject::touches_planes() const {
   for (int i = 0; i < projection_.active_count; ++i) {
     if (contacts_[projection_.active[i]].clearance_m > scale().stand_off_m) return false;
@@ -349,11 +352,9 @@ bool GodObject::add_plane(const FaceContact& contact) {
   if (is_known(contact, plane, known)) {
     ContactPlane& there = planes_of_contact_[known];
     const ContactPlane before = there;
-    if (contacts_[known].face == contact.face) {
+    if (contacts_[known].face == contact.face || plane.offset_m > there.offset_m) {
       there = plane;
       contacts_[known] = contact;
-    } else {
-      there.offset_m = std::max(there.offset_m, plane.offset_m);
     }
     return there.normal != before.normal || there.offset_m != before.offset_m;
   }
@@ -438,6 +439,17 @@ std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
   if (!motion_plane_normal_) return direction;
   const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
   return plane ? std::optional(plane->normal) : std::nullopt;
+}
+
+// A step that ends in the plane of motion. Where two planes meet at a small angle, the rounding of
+// their normals leads out of it. Once the proxy is in it, but for rounding, it keeps its place
+// there: that of a goal far away is rounded more.
+Vec3 GodObject::onto_motion_plane(const Vec3& step) const {
+  const Vec3& n = *motion_plane_normal_;
+  const Vec3 lag = goal_ - proxy_;
+  const double height_m = lag.dot(n);
+  const bool is_in_plane = std::abs(height_m) <= kInPlaneRoundoff * lag.lpNorm<1>();
+  return step + ((is_in_plane ? 0.0 : height_m) - step.dot(n)) * n;
 }
 
 // Whether a point is no longer held by a face that it has been stopped by. What is rounded far away

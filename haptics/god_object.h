@@ -96,6 +96,7 @@ class GodObject {
  public:
   // The surfaces of the world must outlive the god-object, which has poses of its own for them.
   GodObject(const ContactWorld& world, const GodObjectSettings& settings);
+  // What has been moved from is only to be destroyed.
   GodObject(GodObject&&) noexcept;
   GodObject& operator=(GodObject&&) noexcept;
   ~GodObject();
@@ -199,7 +200,8 @@ class GodObject {
   bool touches_planes() const;
   Vec3 way_to_planes() const;
   bool roll_to_answer();
-  // To a slow proxy a step of so little, a tenth of what a way has to gain, is none.
+  // A tenth of what a way has to gain: a way that gains so little is none, and neither is a step of
+  // a slow proxy, nor a turn of a sphere.
   static constexpr double kLittlePerStandOff = 10.0;
   double little_m() const { return kLittlePerStandOff * scale().stand_off_m; }
   bool is_none(const Vec3& step) const {
@@ -228,6 +230,7 @@ class GodObject {
   // Defined in god_object_ways.h.
   struct Faces;
   struct Surroundings;
+  struct MostGaining;
   template <typename Friction>
   bool leaves_edges(Friction& friction);
   template <typename Friction>
@@ -270,6 +273,8 @@ class GodObject {
   }
   void look_around();
   FaceContact contact_of_nearest(const FaceRef& face) const;
+  bool is_touched_face(const FaceContact& contact) const;
+  bool are_proof(std::span<const FaceContact> holding) const;
   bool is_held_by_faces();
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
@@ -277,10 +282,7 @@ class GodObject {
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
   std::optional<Vec3> in_motion_plane(const Vec3& direction) const;
-  // Where two planes meet at a small angle, the rounding of their normals leads out of it.
-  Vec3 onto_motion_plane(const Vec3& p) const {
-    return p - (p - goal_).dot(*motion_plane_normal_) * *motion_plane_normal_;
-  }
+  Vec3 onto_motion_plane(const Vec3& step) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
   // The target of a step, or where it leaves the world's bounds: there is nothing to touch beyond.

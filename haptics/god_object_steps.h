@@ -137,13 +137,14 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
   // converged when it hardly moves.
   const bool is_free = projection_.active_count == 0;
-  const Vec3& step = projection_.displacement_m;
+  Vec3& step = projection_.displacement_m;
+  if (motion_plane_normal_ && !is_free) step = onto_motion_plane(step);
   if (!is_free && is_none(step)) return Progress::kHeld;
-  if (is_slow_ && planes_are_current_ && step.norm() <= little_m() && touches_planes()) {
-    return Progress::kHeld;
-  }
+  // To a slow one, little is none, but not from farther off than it touches: it could pass by an
+  // edge that it has right in front.
+  const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
+  if (may_rest && step.norm() <= little_m() && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
-  if (motion_plane_normal_) target = onto_motion_plane(target);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;

@@ -16,10 +16,12 @@ constexpr double kAtVertexPerStandOff = 64.0;
 // Planes taken in, one after the other, of many that may hold a proxy.
 constexpr int kMostExchanges = 64;
 
-// The rounding of a direction to what is touched: a proxy's place and what it is brought to a body
-// by, 64 roundings of the scene's size, seen from where it has been stopped.
-constexpr double kSlopeRoundoff = 32 * std::numeric_limits<double>::epsilon() /
-                                  (SolverScale::kStopPerStandOff * SolverScale::kStandOffPerSize);
+// How far the place of a proxy is rounded, and what it is brought to a body by, of the scene's
+// size.
+constexpr double kPlaceRoundoff = 32 * std::numeric_limits<double>::epsilon();
+
+// A unit vector, and its product with another.
+constexpr double kDirectionRoundoff = 8 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -86,13 +88,27 @@ FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
   return nearest;
 }
 
-// Whether even the steepest descent that comes nearer to none of the faces that the proxy is over,
-// and touches, gains little: then nothing leads on, whatever else is near. A few of them may do.
+// Whether a face is where its contact says, under a point that touches it: a step that falls to it
+// comes nearer to it then. Corners in the solver frame are not quite where the contact is.
+bool GodObject::is_touched_face(const FaceContact& contact) const {
+  return !is_beside_face(contact) && contact.clearance_m <= scale().stand_off_m &&
+         !tracer_.decides_by_corners(world_->body(contact.face.body));
+}
+
+// Whether faces that hold a point prove that nothing leads on. Planes that hold it leave no
+// direction that falls to none of them and gains.
+bool GodObject::are_proof(std::span<const FaceContact> holding) const {
+  return std::all_of(holding.begin(), holding.end(),
+                     [&](const FaceContact& contact) { return is_touched_face(contact); });
+}
+
+// The same of all faces that it touches: whether even the steepest descent that falls to none of
+// them gains little. The search for it may end with some of them, which leave more to gain.
 bool GodObject::is_held_by_faces() {
   auto& faces = around_->scratch;
   std::size_t count = 0;
   for (const FaceContact& contact : around_->all_touched()) {
-    if (is_beside_face(contact)) continue;
+    if (!is_touched_face(contact)) continue;
     faces[count] = contact;
     faces[count++].clearance_m = scale().stop_m;
   }
@@ -100,10 +116,13 @@ bool GodObject::is_held_by_faces() {
   return projection_.solved && !may_gain_by(projection_.displacement_m);
 }
 
-// Whether a step in this direction falls towards none of what is touched, but for rounding. The
-// distance to a triangle is convex, so then it comes nearer to none of it however long it is.
+// Whether a step in this direction falls towards none of what is touched, but for the rounding of
+// the directions from there to the proxy. The distance to a triangle is convex, so then it comes
+// nearer to none of it however long it is.
 bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
-  const double least = -kSlopeRoundoff * step.norm();
+  const double place_m = kPlaceRoundoff * world_->size_m();
+  const double slope = kDirectionRoundoff + place_m / (tracer_.radius_m() + scale().stop_m);
+  const double least = -slope * step.norm();
   return std::all_of(touched.begin(), touched.end(),
                      [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
 }

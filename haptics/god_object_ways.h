@@ -19,8 +19,11 @@ constexpr std::size_t kMostAtVertex = 12;
 // only many stand-offs from it.
 constexpr double kAroundPerStandOff = 64.0;
 
-// The lines in which they cross are tried of so many.
+// So many of them have the lines tried in which their planes cross.
 constexpr std::size_t kMostCrossing = 32;
+
+// So many of these lines are tried, those first that gain most.
+constexpr std::size_t kMostLines = 32;
 
 // Faces near a proxy that are looked at.
 constexpr std::size_t kMostAround = 256;
@@ -56,6 +59,27 @@ struct GodObject::Surroundings {
   }
 };
 
+// Of steps that are parts of the lag, those that gain most, the longest first: what one gains is
+// the longer, the longer it is.
+struct GodObject::MostGaining {
+  std::array<Vec3, kMostLines> steps;
+  std::size_t count = 0;
+
+  std::span<const Vec3> all() const { return std::span(steps).first(count); }
+
+  void add(const Vec3& step) {
+    const auto is_longer = [](const Vec3& a, const Vec3& b) {
+      return a.squaredNorm() > b.squaredNorm();
+    };
+    if (count == kMostLines && !is_longer(step, steps.back())) return;
+    if (count < kMostLines) ++count;
+    const auto last = steps.begin() + static_cast<std::ptrdiff_t>(count) - 1;
+    const auto place = std::upper_bound(steps.begin(), last, step, is_longer);
+    std::copy_backward(place, last, last + 1);
+    *place = step;
+  }
+};
+
 // A point beside a triangle is held by its plane, or by its edge or vertex, also where another
 // triangle goes on beyond and is what the point is over. Before it is said to rest there, it tries
 // without each such contact. At a vertex the room is not convex, and other faces can leave a way on
@@ -68,9 +92,8 @@ template <typename Friction>
   }
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
+  if (!Friction::kHolds && are_proof(holding.all())) return false;
   const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
-  // Faces that it is over, and touches, leave no direction that falls to none of them and gains.
-  if (!Friction::kHolds && !is_beside && touches_planes()) return false;
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const bool may_be_wedged = Friction::kHolds && holding.count > 1;
   if (!is_beside && !is_vertex && !may_be_wedged) return false;
@@ -190,10 +213,11 @@ bool GodObject::slides_past(Friction& friction) {
 // other. What holds the proxy may be two faces that bear more, wedged between them by friction.
 template <typename Friction>
 bool GodObject::slides_between(Friction& friction) {
-  const auto touched = around_->all_touched();
+  const auto all_touched = around_->all_touched();
+  const auto touched = all_touched.first(std::min(all_touched.size(), kMostCrossing));
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
-    return may_gain_by(step) && falls_to_none(step, touched) && follows(step, along, friction);
+    return may_gain_by(step) && falls_to_none(step, all_touched) && follows(step, along, friction);
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const std::optional<Vec3> n = in_motion_plane(touched[i].normal);
@@ -265,16 +289,17 @@ bool GodObject::goes_along_lines(Friction& friction) {
     add(around_->faces[i].normal);
     add(around_->nearest[i].normal);
   }
+  MostGaining steps;
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Vec3 line = normals[i].cross(normals[j]);
       const Vec3 step = lag.dot(line) / line.squaredNorm() * line;
-      const bool leads_on = may_gain_by(step) && falls_to_none(step, around_->all_touched());
-      if (leads_on && goes_straight(step, friction)) return true;
+      if (may_gain_by(step) && falls_to_none(step, around_->all_touched())) steps.add(step);
     }
   }
-  return false;
+  return std::any_of(steps.all().begin(), steps.all().end(),
+                     [&](const Vec3& step) { return goes_straight(step, friction); });
 }
 
 // Between a way that is blocked and one that is not, or does not lead on.
@@ -327,6 +352,7 @@ bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
   if (lift.isZero(0.0) || tracer_.trace(proxy_, proxy_ + lift)) return false;
   return tries(friction, [&] {
     commit(proxy_ + lift);
+    planes_are_current_ = false;
     Faces above;
     for (const FaceContact& face : pair) {
       above.add(tracer_.contact_over(face.face, proxy_, face.normal));

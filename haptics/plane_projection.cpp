@@ -154,7 +154,9 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
   Basis basis;
   basis.displacement_m = target;
   int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
-  for (int added; (added = most_violated(planes, basis)) >= 0;) {
+  while (static_cast<std::size_t>(basis.active_count) < planes.size()) {
+    const int added = most_violated(planes, basis);
+    if (added < 0) break;
     if (left-- == 0) return {};
     if (basis.active_count == 0) {
       basis.active = {added, 0, 0};

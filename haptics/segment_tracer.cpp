@@ -44,6 +44,34 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
   return scale;
 }
 
+// Of the contacts of a point at p that it is given, the nearest that there is room for.
+class NearestContacts {
+ public:
+  NearestContacts(const Vec3& p, std::span<FaceContact> room) : p_(p), room_(room) {}
+
+  void add(const FaceContact& contact) {
+    const auto is_nearer = [this](const FaceContact& a, const FaceContact& b) {
+      return (a.feature_point - p_).squaredNorm() < (b.feature_point - p_).squaredNorm();
+    };
+    if (count_ < room_.size()) {
+      room_[count_++] = contact;
+      if (count_ == room_.size()) std::make_heap(room_.begin(), room_.end(), is_nearer);
+      return;
+    }
+    if (!is_nearer(contact, room_.front())) return;
+    std::pop_heap(room_.begin(), room_.end(), is_nearer);
+    room_.back() = contact;
+    std::push_heap(room_.begin(), room_.end(), is_nearer);
+  }
+
+  std::size_t count() const { return count_; }
+
+ private:
+  Vec3 p_;
+  std::span<FaceContact> room_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 // One query in flight.
@@ -357,39 +385,36 @@ std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
     return body_count < bodies.size();
   });
   std::sort(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(body_count));
-  std::size_t count = 0;
-  for (std::size_t n = 0; n < body_count; ++n) {
-    count += contacts_of_body(bodies[n], p, reach_m, contacts.subspan(count));
+  NearestContacts nearest(p, contacts);
+  const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
+  for (const std::uint32_t b : std::span(bodies).first(body_count)) {
+    visit_contacts(b, p, reach_m, add);
   }
-  for (const std::uint32_t b : world_->moving()) {
-    count += contacts_of_body(b, p, reach_m, contacts.subspan(count));
-  }
-  return count;
+  for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, add);
+  return nearest.count();
 }
 
-std::size_t SegmentTracer::contacts_of_body(std::uint32_t b, const Vec3& p, double reach_m,
-                                            std::span<FaceContact> contacts) const noexcept {
+template <typename Visitor>
+void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_m,
+                                   const Visitor& visit) const noexcept {
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
   std::array<std::uint32_t, CandidateCache::kCapacity> packs;
   const std::size_t found = std::min(packs.size(), body.index->packs_near(p_body, reach_m, packs));
   std::sort(packs.begin(), packs.begin() + static_cast<std::ptrdiff_t>(found));
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < found; ++i) {
-    for (int lane = 0; lane < body.index->pack(packs[i]).count; ++lane) {
-      if (count == contacts.size()) return count;
-      const std::uint32_t slot = SurfaceIndex::slot(packs[i], lane);
+  for (const std::uint32_t pack : std::span(packs).first(found)) {
+    for (int lane = 0; lane < body.index->pack(pack).count; ++lane) {
+      const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
       const TriangleGeometry& t = body.index->triangle(slot);
       const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
       if (nearest.distance > reach_m) continue;
-      contacts[count++] = {{b, slot},
-                           body.direction_to_solver(t.normal),
-                           t.normal.dot(p_body - t.a),
-                           TriangleFeature::kFace,
-                           body.to_solver(nearest.point)};
+      visit({{b, slot},
+             body.direction_to_solver(t.normal),
+             t.normal.dot(p_body - t.a),
+             TriangleFeature::kFace,
+             body.to_solver(nearest.point)});
     }
   }
-  return count;
 }
 
 std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,

@@ -106,8 +106,8 @@ class SegmentTracer {
   // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Contacts of a point at p with the faces closer than reach_m, seen from their fronts, or from
-  // where p is. Return how many were written, at most contacts.size().
+  // Contacts of a point at p with the faces closer than reach_m, the nearest if there is not room
+  // for all, in no order: seen from their fronts, or from where p is. Return how many were written.
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
                                 std::span<FaceContact> contacts) const noexcept;
   std::size_t contacts_around(const Vec3& p, double reach_m,
@@ -120,6 +120,13 @@ class SegmentTracer {
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
 
+  // Whether a point is stopped by the corners that a body has in the solver frame
+  // (solver_corners.h). Contacts are taken in the frame of the body all the same, which may be
+  // kMostApartPerStandOff apart.
+  bool decides_by_corners(const ContactBody& body) const {
+    return body.corners && radius_m_ == 0.0 && !is_in_float_;
+  }
+
  private:
   struct Search;
 
@@ -128,19 +135,17 @@ class SegmentTracer {
   void search_segment(Search& search) noexcept;
   void search_moving(Search& search) noexcept;
   void search_body(Search& search, std::uint32_t body) noexcept;
-  std::size_t contacts_of_body(std::uint32_t body, const Vec3& p, double reach_m,
-                               std::span<FaceContact> contacts) const noexcept;
+  template <typename Visitor>
+  void visit_contacts(std::uint32_t body, const Vec3& p, double reach_m,
+                      const Visitor& visit) const noexcept;
   void forget_doubtful();
   void remember(const FaceRef& face);
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
   // For queries of whole segments, whose float margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
-  // A point is judged by the corners of a body that has them (solver_corners.h); what sorts out for
-  // that in the frame of the body looks as much farther as the two may be apart.
-  bool decides_by_corners(const ContactBody& body) const {
-    return body.corners && radius_m_ == 0.0 && !is_in_float_;
-  }
+  // What sorts out in the frame of the body looks as much farther as that and its corners may be
+  // apart.
   double clearance_m(const ContactBody& body) const {
     return scale_.clearance_m +
            (decides_by_corners(body) ? kMostApartPerStandOff * scale_.stand_off_m : 0.0);
