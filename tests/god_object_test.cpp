@@ -292,5 +292,54 @@ TEST(GodObject, KeepsToThePlaneOfMotion) {
   }
 }
 
+// Where the edges of a box around the origin cross a plane through the origin.
+std::vector<Vec3> corners_in_plane(const Vec3& half_extent, const Vec3& normal) {
+  std::vector<Vec3> corners;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (normal[axis] == 0.0) continue;
+    for (const double u : {-1.0, 1.0}) {
+      for (const double v : {-1.0, 1.0}) {
+        Vec3 p = Vec3::Zero();
+        p[(axis + 1) % 3] = u * half_extent[(axis + 1) % 3];
+        p[(axis + 2) % 3] = v * half_extent[(axis + 2) % 3];
+        p[axis] = -normal.dot(p) / normal[axis];
+        if (std::abs(p[axis]) <= half_extent[axis]) corners.push_back(p);
+      }
+    }
+  }
+  return corners;
+}
+
+// Faces make any angle with the plane of motion, and the goal is rounded far more than they are.
+TEST(GodObject, RestsInThePlaneOfMotionHoweverFarTheGoalIs) {
+  constexpr double kSize = 1.0;
+  constexpr double kLeastGain = 1e-9 * kSize;
+  const Vec3 half_extent(0.5, 0.4, 0.3);
+  Random random(23);
+  for (int trial = 0; trial < 200; ++trial) {
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(box_soup(half_extent), pose);
+    const auto solver = [&](const Vec3& p) { return world.world().to_solver(pose.point(p)); };
+    const Vec3 normal = random.unit_vector();
+    const Vec3 across = normal.cross(random.unit_vector()).normalized();
+    const std::vector<Vec3> corners = corners_in_plane(half_extent, normal);
+    GodObject god_object(world.world(), {});
+    god_object.place(solver(Vec3::Zero()));
+    for (int tick = 0; tick < 20; ++tick) {
+      const double angle_rad = random.uniform(0.0, 2 * std::numbers::pi);
+      const double far_m = std::pow(10.0, random.uniform(0.0, 6.0)) * kSize;
+      const Vec3 direction =
+          std::cos(angle_rad) * across + std::sin(angle_rad) * normal.cross(across);
+      const Vec3 goal = solver(far_m * direction);
+      const ProxyState state = god_object.move_to(goal, pose.direction(normal));
+      ASSERT_FALSE(state.capped) << far_m;
+      const double lag_m = (state.proxy - goal).norm();
+      for (const Vec3& corner : corners) {
+        ASSERT_LE(lag_m, (solver(corner) - goal).norm() + kLeastGain) << far_m;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate
