@@ -16,8 +16,8 @@ constexpr double kParallelSine = 8 * kEpsilon;
 // Likewise for three normals in one plane.
 constexpr double kCoplanarVolume = 64 * kEpsilon;
 
-// What is left of a target along a plane is no more than rounding if it is less than this of the
-// target: 3 for the product with the normal, 2 for what is taken away, by axis.
+// The rounding of what is left of a target along a plane, of the target: 3 for the product with the
+// normal, 2 for what is taken away, by axis.
 constexpr double kCancelled = 8 * kEpsilon;
 
 // A plane is violated only by more than the rounding of evaluating it.
@@ -165,8 +165,14 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
       continue;
     }
     const auto next = exchange(planes, target, basis, added);
-    if (!next) return {};
-    basis = *next;
+    if (next) {
+      basis = *next;
+      continue;
+    }
+    // Of two planes that are nearly one, each answer may violate the other, by its rounding.
+    const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
+    if (violation_m(violated, basis.displacement_m) > kCancelled * target.norm()) return {};
+    break;
   }
   // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
   // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
