@@ -407,10 +407,15 @@ double GodObject::reach_of(const Vec3& slide) {
     overreach_ = 1.0;
     return overreach_;
   }
-  // Where slides do not shrink, the proxy leaves a place where the lag is greatest.
   const double shrinks = 1.0 - now_m / last_m;
-  overreach_ = shrinks > 0.0 ? std::min(1.0 / shrinks, kMostGrowth * overreach_)
-                             : kFasterEachTime * overreach_;
+  if (shrinks > 0.0) {
+    overreach_ = std::min(1.0 / shrinks, kMostGrowth * overreach_);
+  } else {
+    // The proxy leaves a place where the lag is greatest: so far at least that what it gains is
+    // more than by what it may be nearer to a face before than after.
+    const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / now_m;
+    overreach_ = std::max(kFasterEachTime * overreach_, least_m / now_m);
+  }
   return overreach_;
 }
 
