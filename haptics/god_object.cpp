@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "haptics/body_push.h"
 #include "haptics/check_settings.h"
@@ -24,9 +25,6 @@ constexpr double kNearPerStandOff = 2.0;
 
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
-
-// By how much farther a proxy that leaves a place of greatest lag goes each time.
-constexpr double kFasterEachTime = 4.0;
 
 // By how much farther a proxy that goes on as its slides say goes than the last time, at most: a
 // surface that curves otherwise farther on is found out in small steps.
@@ -395,26 +393,32 @@ void GodObject::advance_to(const Vec3& target) {
 void GodObject::become_slow() {
   if (is_slow_) return;
   is_slow_ = true;
-  last_slide_m_.setZero();
+  last_slide_m_ = 0.0;
   last_round_.reset();
+  leap_from_ = proxy_;
+  leap_reach_ = 1.0;
+  steps_to_leap_ = kStepsPerLeap;
 }
 
-// By what a slide is to be multiplied to lead to where it and all that follow lead.
+// By what a slide is to be multiplied to lead to where it and all that follow lead: where slides
+// vanish, if they shrink along the way as they have from the last one on (a secant).
 double GodObject::reach_of(const Vec3& slide) {
-  const double last_m = last_slide_m_.norm();
-  const double now_m = slide.norm();
-  if (last_m == 0.0 || slide.dot(last_slide_m_) < kSameWay * last_m * now_m) {
+  const Vec3 from = proxy_ - slide;
+  const Vec3 way = from - std::exchange(last_slide_from_, from);
+  const double last_m = std::exchange(last_slide_m_, slide.norm());
+  const double way_m = way.norm();
+  if (last_m == 0.0 || slide.dot(way) < kSameWay * last_slide_m_ * way_m) {
     overreach_ = 1.0;
     return overreach_;
   }
-  const double shrinks = 1.0 - now_m / last_m;
-  if (shrinks > 0.0) {
-    overreach_ = std::min(1.0 / shrinks, kMostGrowth * overreach_);
+  const double shrinks_m = last_m - last_slide_m_;
+  if (shrinks_m > 0.0) {
+    overreach_ = std::min(way_m / shrinks_m, kMostGrowth * overreach_);
   } else {
     // The proxy leaves a place where the lag is greatest: so far at least that what it gains is
     // more than by what it may be nearer to a face before than after.
-    const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / now_m;
-    overreach_ = std::max(kFasterEachTime * overreach_, least_m / now_m);
+    const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / last_slide_m_;
+    overreach_ = std::max(kFasterEachTime * overreach_, least_m / last_slide_m_);
   }
   return overreach_;
 }

@@ -218,6 +218,15 @@ class GodObject {
   template <typename Friction>
   int overreach(Progress progress, int most_steps, Friction& friction);
   double reach_of(const Vec3& slide);
+  template <typename Friction>
+  int leap(int most_steps, Friction& friction);
+  struct Attempt {
+    int steps = 0;
+    double beyond_m = 0.0;
+    bool is_nearer = false;
+  };
+  template <typename Friction>
+  Attempt fall_from_beyond(const Vec3& way, int most_steps, Friction& friction);
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
   bool goes_round(const FaceContact& from, FaceContact& to, double reach);
@@ -326,10 +335,14 @@ class GodObject {
   std::unique_ptr<Surroundings> around_;  // of the proxy where it was when it last looked around
 
   // Of the present tick.
-  double most_lag_m_ = 0.0;                // that a sphere's path may have
-  bool is_slow_ = false;                   // more than kPatience steps, or goes on
-  Vec3 last_slide_m_ = Vec3::Zero();       // the last whole slide along planes
-  double overreach_ = 1.0;                 // by how much the last one was extended
+  double most_lag_m_ = 0.0;              // that a sphere's path may have
+  bool is_slow_ = false;                 // more than kPatience steps, or goes on
+  double last_slide_m_ = 0.0;            // length of the last whole slide along planes
+  Vec3 last_slide_from_ = Vec3::Zero();  // where it began
+  double overreach_ = 1.0;               // by how much the last one was extended
+  Vec3 leap_from_ = Vec3::Zero();        // where the way of the next leap begins
+  double leap_reach_ = 1.0;              // of that way, how much farther it goes
+  int steps_to_leap_ = 0;
   std::optional<FaceContact> last_round_;  // the feature that a sphere went round last
 
   bool settled_ = false;    // the last tick ended at a local minimum

@@ -39,6 +39,12 @@ constexpr int kPatience = 8;
 // Steps in which a proxy that has gone too far must have come nearer.
 constexpr int kStepsToFall = 5;
 
+// Steps from one leap of a slow sphere to the next.
+constexpr int kStepsPerLeap = 8;
+
+// By how much farther a proxy goes each time, as long as that leads on.
+constexpr double kFasterEachTime = 4.0;
+
 // Of how far it went too far, what it begins with the next time.
 constexpr double kLessAfterFailure = 1.0 / 64;
 
@@ -92,6 +98,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     if constexpr (!Friction::kHolds) {
       if (may_overreach) {
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
+        iteration += leap(settings_.accuracy.iterations - iteration, friction);
       }
     }
   }
@@ -154,9 +161,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 
 // Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane
 // leads only a small part of the way, and so does each one after it: of a slide y, the next ones
-// are k y, k^2 y, ... Goes on as far as they will lead together, y / (1 - k), though that leads
-// away from the goal at first, and lets the proxy fall back on the surface. Takes all of it back
-// unless it comes nearer. Returns how many steps that took.
+// are k y, k^2 y, ... Goes on as far as they will lead together. Returns how many steps that took.
 template <typename Friction>
 [[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
   const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
@@ -164,33 +169,59 @@ template <typename Friction>
                          : Vec3(Vec3::Zero());
   if (slide.isZero(0.0)) return 0;
   const double reach = reach_of(slide);
-  last_slide_m_ = slide;
-  if (reach <= 1.0 || most_steps < kStepsToFall) return 0;
+  if (reach <= 1.0) return 0;
+  const Attempt attempt = fall_from_beyond((reach - 1.0) * slide, most_steps, friction);
+  if (attempt.steps > 0 && !attempt.is_nearer) {
+    overreach_ = std::max(1.0, kLessAfterFailure * attempt.beyond_m / slide.norm());
+  }
+  return attempt.steps;
+}
+
+// Slides that go to and fro between features say little of the way that they lead together. Every
+// few steps, goes on that way, the farther the more often that has led on.
+template <typename Friction>
+[[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
+  if (--steps_to_leap_ > 0) return 0;
+  const Vec3 way = leap_reach_ * (proxy_ - leap_from_);
+  const Attempt attempt = fall_from_beyond(way, most_steps, friction);
+  if (attempt.steps == 0) return 0;
+  leap_reach_ = attempt.is_nearer ? kFasterEachTime * leap_reach_ : 1.0;
+  leap_from_ = proxy_;
+  steps_to_leap_ = kStepsPerLeap;
+  return attempt.steps;
+}
+
+// Goes on by so much, though that leads away from the goal at first, and lets the proxy fall back
+// on the surface. Takes all of it back unless it comes nearer. No steps: there are too few, or
+// there is no such way.
+template <typename Friction>
+GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
+                                               Friction& friction) {
+  const double way_m = way.norm();
+  if (way_m == 0.0 || most_steps < kStepsToFall) return {};
+  const std::optional<Vec3> along = in_motion_plane(way / way_m);
+  if (!along) return {};
   limit_detours();
-  const ProxyPlace before = place_now();
   const Vec3 lag = proxy_ - goal_;
   const double lag_m = lag.norm();
-  int steps = 1;
-  const std::optional<Vec3> along = in_motion_plane(slide.normalized());
-  if (!along) return 0;
   const double leads_m = -lag.dot(*along);
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
-  const double beyond_m = std::min((reach - 1.0) * slide.norm(), farthest_m);
+  const double beyond_m = std::min(way_m, farthest_m);
   const Vec3 target = proxy_ + beyond_m * *along;
-  if (!bounds_.contains(target)) return 0;
+  if (!bounds_.contains(target)) return {};
+  const ProxyPlace before = place_now();
   stop_at_first_hit(target);
   plane_count_ = 0;
   planes_are_current_ = true;
+  int steps = 1;
   for (; steps < kStepsToFall; ++steps) {
     const Progress fall = take_step(friction);
-    const double lag_now_m = (proxy_ - goal_).norm();
-    if (lag_now_m < lag_m) return steps;
+    if ((proxy_ - goal_).norm() < lag_m) return {steps, beyond_m, true};
     if (fall != Progress::kStopped) update_planes();
   }
   return_to(before);
-  overreach_ = std::max(1.0, kLessAfterFailure * beyond_m / slide.norm());
-  return steps;
+  return {steps, beyond_m, false};
 }
 
 }  // namespace palpate
