@@ -45,7 +45,8 @@ Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& targe
   const Vec3 edge = i.normal.cross(j.normal);
   const double sine = edge.norm();
   if (sine <= kParallelSine) return std::nullopt;
-  const Vec3 along = edge / sine;
+  // Of nearly parallel normals the product is rounded in any direction, also out of the plane.
+  const Vec3 along = (edge - edge.dot(i.normal) * i.normal).normalized();
   const Vec3 across = along.cross(i.normal);  // completes i.normal and along to a basis
   const double cosine = i.normal.dot(j.normal);
   const double height = (j.offset_m - cosine * i.offset_m) / sine;
@@ -109,14 +110,15 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
   return most;
 }
 
-// The basis that holds for the planes of `basis` and the one added, which it violates.
+// The basis that holds for the planes of `basis`, but for slack_m, and the one added, which it
+// violates.
 std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
-                              const Basis& basis, int added) {
+                              const Basis& basis, int added, double slack_m) {
   const auto holds_for_all = [&](const Basis& next) {
     for (int i = 0; i < basis.active_count; ++i) {
       const int other = basis.active[static_cast<std::size_t>(i)];
       if (has(next, other)) continue;
-      if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > 0.0) {
+      if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > slack_m) {
         return false;
       }
     }
@@ -164,15 +166,16 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
       if (!solve(planes, target, basis)) return {};
       continue;
     }
-    const auto next = exchange(planes, target, basis, added);
-    if (next) {
-      basis = *next;
-      continue;
+    auto next = exchange(planes, target, basis, added, 0.0);
+    if (!next) {
+      // Of planes that are nearly one, each answer may violate the others, by its own rounding.
+      const double rounding_m = kCancelled * target.norm();
+      const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
+      if (violation_m(violated, basis.displacement_m) <= rounding_m) break;
+      next = exchange(planes, target, basis, added, rounding_m);
+      if (!next) return {};
     }
-    // Of two planes that are nearly one, each answer may violate the other, by its rounding.
-    const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
-    if (violation_m(violated, basis.displacement_m) > kCancelled * target.norm()) return {};
-    break;
+    basis = *next;
   }
   // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
   // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
