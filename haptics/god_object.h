@@ -255,7 +255,8 @@ class GodObject {
   template <typename Friction>
   bool slides_between(Friction& friction);
   template <typename Friction>
-  bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
+  bool follows(const Vec3& step, double most, std::span<const FaceContact> contacts,
+               Friction& friction);
   template <typename Friction>
   bool slides_at_vertex(Friction& friction);
   template <typename Friction>
@@ -267,6 +268,8 @@ class GodObject {
   bool goes_past_obstacles(Friction& friction);
   template <typename Friction>
   bool goes_along_lines(Friction& friction);
+  template <typename Friction>
+  bool goes_along_line(const Vec3& step, Friction& friction);
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
   template <typename Friction>
@@ -283,10 +286,11 @@ class GodObject {
   void look_around();
   FaceContact contact_of_nearest(const FaceRef& face) const;
   bool is_touched_face(const FaceContact& contact) const;
-  bool are_proof(std::span<const FaceContact> holding) const;
+  bool is_held_by(std::span<const FaceContact> holding) const;
   bool is_held_by_faces();
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
+  double part_above(std::span<const FaceContact> touched, const Vec3& step) const;
   void hold_by_most_violated(std::span<const FaceContact> contacts);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
@@ -344,6 +348,8 @@ class GodObject {
   double leap_reach_ = 1.0;              // of that way, how much farther it goes
   int steps_to_leap_ = 0;
   std::optional<FaceContact> last_round_;  // the feature that a sphere went round last
+
+  bool rounding_decides_ = false;  // whether a way leads on
 
   bool settled_ = false;    // the last tick ended at a local minimum
   bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since

@@ -116,7 +116,8 @@ bool GodObject::stays_at_rest(Friction& friction) {
   if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved || !hold_by(friction)) return false;
-  if (!projection_.displacement_m.isZero(0.0) || leaves_edges(friction)) return false;
+  if (!projection_.displacement_m.isZero(0.0)) return false;
+  if (leaves_edges(friction) || rounding_decides_) return false;
   keep_contacts_for_next_tick(false);
   return true;
 }

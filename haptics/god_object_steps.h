@@ -73,6 +73,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   }
   bool capped = true;
   settled_ = false;
+  rounding_decides_ = false;
   int iteration = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
@@ -87,11 +88,12 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // a proxy that planes hold which are all those of what it touches here (update_planes).
     settled_ = progress != Progress::kStuck && settled();
     if (!settled_ && progress == Progress::kHeld && planes_are_current_) {
-      settled_ = !leaves_edges(friction);
-      if (!settled_) continue;
+      if (leaves_edges(friction)) continue;
+      settled_ = !rounding_decides_;
     }
     capped = !settled_;
-    if (settled_ || (progress == Progress::kStuck && planes_are_current_)) break;
+    const bool is_stuck = progress == Progress::kStuck || rounding_decides_;
+    if (settled_ || (is_stuck && planes_are_current_)) break;
     const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
     if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
     update_planes();

@@ -95,22 +95,29 @@ bool GodObject::is_touched_face(const FaceContact& contact) const {
          !tracer_.decides_by_corners(world_->body(contact.face.body));
 }
 
-// Whether faces that hold a point prove that nothing leads on. Planes that hold it leave no
-// direction that falls to none of them and gains.
-bool GodObject::are_proof(std::span<const FaceContact> holding) const {
-  return std::all_of(holding.begin(), holding.end(),
-                     [&](const FaceContact& contact) { return is_touched_face(contact); });
+// Whether the faces that hold a point prove that nothing leads on: the steepest descent that falls
+// to none of them gains little. To come nearer to a face by rounding is not to fall: between faces
+// that are nearly parallel that leads far.
+bool GodObject::is_held_by(std::span<const FaceContact> holding) const {
+  std::array<ContactPlane, 3> planes;
+  for (std::size_t i = 0; i < holding.size(); ++i) {
+    if (!is_touched_face(holding[i])) return false;
+    planes[i] = {plane_normal(i), -kPlaceRoundoff * world_->size_m()};
+  }
+  const PlaneProjection descent =
+      project_onto_planes(std::span(planes).first(holding.size()), goal_ - proxy_);
+  return descent.solved && !may_gain_by(descent.displacement_m);
 }
 
-// The same of all faces that it touches: whether even the steepest descent that falls to none of
-// them gains little. The search for it may end with some of them, which leave more to gain.
+// The same of all faces that it touches. The search for those that hold may end with some of them,
+// which leave more to gain.
 bool GodObject::is_held_by_faces() {
   auto& faces = around_->scratch;
   std::size_t count = 0;
   for (const FaceContact& contact : around_->all_touched()) {
     if (!is_touched_face(contact)) continue;
     faces[count] = contact;
-    faces[count++].clearance_m = scale().stop_m;
+    faces[count++].clearance_m = scale().stop_m + kPlaceRoundoff * world_->size_m();
   }
   hold_by_most_violated(std::span(faces).first(count));
   return projection_.solved && !may_gain_by(projection_.displacement_m);
@@ -125,6 +132,17 @@ bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> tou
   const double least = -slope * step.norm();
   return std::all_of(touched.begin(), touched.end(),
                      [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
+}
+
+// The part of a step that comes nearer to the faces touched by rounding only. Between two that are
+// nearly parallel all of it comes nearer by more.
+double GodObject::part_above(std::span<const FaceContact> touched, const Vec3& step) const {
+  double fall_m = kPlaceRoundoff * world_->size_m();
+  const double rounding_m = fall_m;
+  for (const FaceContact& contact : touched) {
+    if (is_touched_face(contact)) fall_m = std::max(fall_m, -contact.normal.dot(step));
+  }
+  return rounding_m / fall_m;
 }
 
 // Whether a point rests at a corner of one of the faces that hold it.

@@ -22,8 +22,12 @@ constexpr double kAroundPerStandOff = 64.0;
 // So many of them have the lines tried in which their planes cross.
 constexpr std::size_t kMostCrossing = 32;
 
-// So many of these lines are tried, those first that gain most.
-constexpr std::size_t kMostLines = 32;
+// So many of these lines are tried, those first that gain most: at a hub of hundreds of triangles
+// the one that is free may be late among them.
+constexpr std::size_t kMostLines = 512;
+
+// How far such a line may turn by rounding: half the digits of double.
+constexpr double kLineRoundoff = 1e-8;
 
 // Faces near a proxy that are looked at.
 constexpr std::size_t kMostAround = 256;
@@ -59,8 +63,8 @@ struct GodObject::Surroundings {
   }
 };
 
-// Of steps that are parts of the lag, those that gain most, the longest first: what one gains is
-// the longer, the longer it is.
+// Of steps that are each the lag's part along a line, those that gain most, the longest first: a
+// longer one gains more.
 struct GodObject::MostGaining {
   std::array<Vec3, kMostLines> steps;
   std::size_t count = 0;
@@ -84,15 +88,17 @@ struct GodObject::MostGaining {
 // triangle goes on beyond and is what the point is over. Before it is said to rest there, it tries
 // without each such contact. At a vertex the room is not convex, and other faces can leave a way on
 // between them: it tries to go along all that is near, along each one and each two, and past what
-// it meets then. True if any of that led on.
+// it meets then. True if any of that led on. Between faces that are nearly parallel, and nearer to
+// each other than a proxy may come, rounding decides whether anything would.
 template <typename Friction>
 [[gnu::cold]] bool GodObject::leaves_edges(Friction& friction) {
+  rounding_decides_ = false;
   if constexpr (Friction::kHolds) {
     if (slides_up_to_what_holds(friction)) return true;
   }
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
-  if (!Friction::kHolds && are_proof(holding.all())) return false;
+  if (!Friction::kHolds && is_held_by(holding.all())) return false;
   const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const bool may_be_wedged = Friction::kHolds && holding.count > 1;
@@ -217,7 +223,13 @@ bool GodObject::slides_between(Friction& friction) {
   const auto touched = all_touched.first(std::min(all_touched.size(), kMostCrossing));
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
-    return may_gain_by(step) && falls_to_none(step, all_touched) && follows(step, along, friction);
+    if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
+    if (follows(step, 1.0, along, friction)) return true;
+    const double part = part_above(all_touched, step);
+    if (part == 1.0 || !may_gain_by(part * step)) return false;
+    if (follows(step, part, along, friction)) return true;
+    rounding_decides_ = true;
+    return false;
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const std::optional<Vec3> n = in_motion_plane(touched[i].normal);
@@ -237,16 +249,18 @@ bool GodObject::slides_between(Friction& friction) {
   return false;
 }
 
-// Takes a step along these contacts, wherever else their planes would lead.
+// Takes a step along these contacts, or as much of it as may be, wherever else their planes would
+// lead.
 template <typename Friction>
-bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
+bool GodObject::follows(const Vec3& step, double most, std::span<const FaceContact> contacts,
                         Friction& friction) {
   plane_count_ = 0;
   for (const FaceContact& contact : contacts) add_plane(contact);
   projection_ = {step, {0, 1, 2}, plane_count_, true};
   return tries(friction, [&] {
     if constexpr (Friction::kHolds) hold_by(friction);
-    stop_at_first_hit(within_bounds(proxy_ + projection_.displacement_m));
+    const double part = std::min(1.0, most * step.norm() / projection_.displacement_m.norm());
+    stop_at_first_hit(within_bounds(proxy_ + part * projection_.displacement_m));
   });
 }
 
@@ -299,7 +313,20 @@ bool GodObject::goes_along_lines(Friction& friction) {
     }
   }
   return std::any_of(steps.all().begin(), steps.all().end(),
-                     [&](const Vec3& step) { return goes_straight(step, friction); });
+                     [&](const Vec3& step) { return goes_along_line(step, friction); });
+}
+
+// The line of two planes that are nearly parallel is rounded, and may run into what it should pass:
+// goes on along that.
+template <typename Friction>
+bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
+  if (goes_straight(step, friction)) return true;
+  const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + step));
+  if (!hit) return false;
+  const double fall_m = -hit->contact.normal.dot(step);
+  if (fall_m <= 0.0 || fall_m > kLineRoundoff * step.norm()) return false;
+  const Vec3 beside = step + fall_m * hit->contact.normal;
+  return falls_to_none(beside, around_->all_touched()) && goes_straight(beside, friction);
 }
 
 // Between a way that is blocked and one that is not, or does not lead on.
