@@ -204,6 +204,11 @@ class GodObject {
   // a slow proxy, nor a turn of a sphere.
   static constexpr double kLittlePerStandOff = 10.0;
   double little_m() const { return kLittlePerStandOff * scale().stand_off_m; }
+  // In one tick a proxy comes to where it stays; over several ones, to where a way gains little: in
+  // a flat valley that is far away.
+  bool is_little(const Vec3& step) const {
+    return goal_waits_ ? !may_gain_by(step) : step.norm() <= little_m();
+  }
   bool is_none(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
@@ -341,6 +346,7 @@ class GodObject {
   // Of the present tick.
   double most_lag_m_ = 0.0;              // that a sphere's path may have
   bool is_slow_ = false;                 // more than kPatience steps, or goes on
+  bool goal_waits_ = false;              // the last one had this goal, and did not reach it at once
   double last_slide_m_ = 0.0;            // length of the last whole slide along planes
   Vec3 last_slide_from_ = Vec3::Zero();  // where it began
   double overreach_ = 1.0;               // by how much the last one was extended
@@ -353,7 +359,7 @@ class GodObject {
 
   bool settled_ = false;    // the last tick ended at a local minimum
   bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since
-  bool goes_on_ = false;    // it was cut short, and this one goes on with it
+  bool goes_on_ = false;  // it was cut short, or its goal had waited, and this one goes on with it
   // Those that held the proxy first, then others that are worth knowing.
   std::array<FaceContact, kMaxContactPlanes> last_contacts_{};
   int last_count_ = 0;

@@ -60,6 +60,7 @@ inline void GodObject::limit_detours() {
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
+  goal_waits_ = goes_on_ && goal == goal_;
   goal_ = goal;
   motion_plane_normal_ = motion_plane_normal;
   path_.clear();
@@ -108,7 +109,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   confirmed_ = !capped;
-  goes_on_ = capped;
+  goes_on_ = capped || goal_waits_;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
 }
@@ -152,7 +153,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // To a slow one, little is none, but not from farther off than it touches: it could pass by an
   // edge that it has right in front.
   const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
-  if (may_rest && step.norm() <= little_m() && touches_planes()) return Progress::kHeld;
+  if (may_rest && is_little(step) && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);
