@@ -48,9 +48,11 @@ std::size_t tangents_round(const FaceContact& from, const FaceContact& to, doubl
 // A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
 // tangent plane that drops back converges step by step, the slower the nearer the goal is to the
 // feature. Instead, the sphere goes round to the answer, which is straight out from the feature
-// through the goal. False if there is nothing to roll over, or something in the way.
+// through the goal. False if there is nothing to roll over, or something in the way, or no use in
+// it: round a feature that is the goal, all places are as near.
 bool GodObject::roll_to_answer() {
   if (projection_.active_count != 1) return false;
+  if (goal_waits_ && !may_gain_by(projection_.displacement_m)) return false;
   const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);

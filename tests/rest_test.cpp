@@ -367,12 +367,14 @@ INSTANTIATE_TEST_SUITE_P(Of, RestlessHands, testing::ValuesIn(test::restless_cla
 // do in a few.
 class LargeSpheres : public testing::TestWithParam<RestClass> {};
 
-TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicks) {
+TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
   constexpr int kTicks = 10;
+  constexpr double kStaysWithin = 1e-9;  // sizes
   const int goals = std::max(200, ticks_of(GetParam()) / 10);
   int late = 0;
   int most = 0;
   int asked = 0;
+  int left = 0;
   for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); asked < goals; ++seed) {
     Random random(seed);
     const RestScene scene = GetParam().make(GetParam().proxy, random);
@@ -394,6 +396,10 @@ TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicks) {
         ++tick;
       } while (felt.capped && tick < 10 * kTicks);
       most = std::max(most, tick);
+      if (tick > 1 && !felt.capped) {
+        const ProxyState held = god_object.move_to(goal);
+        left += held.capped || (held.proxy - felt.proxy).norm() > kStaysWithin * size_m;
+      }
       if (tick <= kTicks) continue;
       if (++late <= 3) {
         std::printf("  PALPATE_SEED=%llu, goal %d %s, radius %g m: %d ticks\n",
@@ -406,6 +412,7 @@ TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicks) {
   std::printf("%-22s %d goals, %d late, at most %d ticks\n", GetParam().full_name().c_str(), asked,
               late, most);
   EXPECT_EQ(late, 0);
+  EXPECT_EQ(left, 0) << "goals that had waited were reached and left";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LargeSpheres, testing::ValuesIn(test::large_sphere_classes()),
