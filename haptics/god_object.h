@@ -36,7 +36,7 @@ struct ProxyState {
   FrictionState friction = FrictionState::kNone;
   FrictionCone cone;  // of what it touches
   int iterations = 0;
-  bool capped = false;  // stopped by Accuracy::iterations before it converged
+  bool capped = false;  // ended before it converged: GodObject says what that means
   // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
   // for where the proxy is, is as without contact.
   bool is_refused = false;
@@ -76,9 +76,10 @@ struct BodyMotion {
 // goal by more than 1e-9 of the scene's size. Under friction, slides along what is touched count as
 // far as the lag along them exceeds what friction holds. Not for Accuracy::fast().
 //
-// Capped: the tick ran out of steps. The proxy is where a longer tick would have come through, free
-// and no farther from the goal than before; the faces that it has met are known to the next tick,
-// which goes on from there.
+// Capped: the tick ran out of steps, or a point is between faces that are nearly parallel, where
+// rounding decides whether a way leads on. The proxy is where a longer tick would have come
+// through, free and no farther from the goal than before; the faces that it has met are known to
+// the next tick, which goes on from there.
 //
 // A proxy that starts within a stand-off of a triangle, or as a sphere overlaps one, may leave it
 // or keep its distance, and comes no nearer: place() lifts a point off what it is put on.
