@@ -139,6 +139,8 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animatio
   walk.scene = scene_to_read(model);
   const bool has_skins = asset.json.contains("skins");
   if (has_skins) walk.T_scene_nodes.resize(model.nodes.size());
+  walk.tree.reserve(model.nodes.size());
+  walk.mesh_nodes.reserve(model.nodes.size());
   std::vector<bool> visited(model.nodes.size(), false);
   std::vector<PendingNode> pending;
   push_all(scene_roots(model, walk.scene, *parents, warnings), {}, pending);

@@ -169,6 +169,7 @@ class SceneReader {
     auto materials = GltfMaterials::open(asset_.json, extras_, options_.overrides);
     if (!materials) return materials.error();
     materials_ = &*materials;
+    scene_.nodes.reserve(walk->mesh_nodes.size());
     for (const PlacedNode& placed : walk->mesh_nodes) {
       if (auto error = add_node(placed)) return *error;
     }
