@@ -113,8 +113,8 @@ class Rooms : public testing::TestWithParam<test::ProxyKind> {};
 TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
   constexpr int kTicksPerRoom = 100;
   const bool is_point = GetParam() == test::ProxyKind::kPoint;
-  const char* asked = std::getenv("PALPATE_REST_TICKS");
-  const int ticks = asked ? std::atoi(asked) : test::in_soak_or_else(400'000, 4'000);
+  const auto ticks = static_cast<int>(
+      test::from_environment("PALPATE_REST_TICKS", test::in_soak_or_else(400'000u, 4'000u)));
   int contacts = 0;
   int capped = 0;
   int misses = 0;

@@ -225,11 +225,6 @@ class Feeling {
   int tick_ = 0;
 };
 
-std::uint64_t first_scene() {
-  const char* text = std::getenv("PALPATE_FIRST_SCENE");
-  return text ? std::strtoull(text, nullptr, 10) : kFirstScene;
-}
-
 class HardScenes : public testing::TestWithParam<HardKind> {};
 
 void expect_no_leak(HardKind kind, bool with_friction) {
@@ -237,7 +232,8 @@ void expect_no_leak(HardKind kind, bool with_friction) {
   Totals totals;
   int failures = 0;
   const int ticks = ticks_per_scene();
-  for (std::uint64_t scene = first_scene(); totals.ticks < ticks_per_kind(); ++scene) {
+  for (std::uint64_t scene = test::from_environment("PALPATE_FIRST_SCENE", kFirstScene);
+       totals.ticks < ticks_per_kind(); ++scene) {
     Random random(scene);
     Feeling feeling(kind, random, with_friction);
     totals.triangles += feeling.judge().triangles().size();

@@ -29,6 +29,7 @@ namespace palpate {
 namespace {
 
 using test::ExactJudge;
+using test::from_environment;
 using test::hex;
 using test::JudgedBody;
 using test::OwnedBodies;
@@ -47,11 +48,6 @@ constexpr double kOverlapPerSize = 1e-9;
 
 // Bodies may go as far as this from the middle, in sizes; coordinates are rounded there.
 constexpr double kFarthest = 4.0;
-
-std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
 
 // How the bodies of a class move.
 struct Pace {

@@ -33,6 +33,7 @@ namespace {
 using test::Corners;
 using test::DeviceMotion;
 using test::ExactJudge;
+using test::from_environment;
 using test::hex;
 using test::OwnedWorld;
 using test::ProxyKind;
@@ -61,11 +62,6 @@ constexpr int kStepsAtLeast = 64;
 
 // Of the scene's size; what a user could call an overlap.
 constexpr double kOverlapPerSize = 1e-9;
-
-std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
 
 // Ten million in a soak, over all classes. Huge spheres take a tenth: theirs are long.
 int ticks_of(const RestClass& rest_class) {
