@@ -247,7 +247,7 @@ class GodObject {
   struct Surroundings;
   struct MostGaining;
   template <typename Friction>
-  bool leaves_edges(Friction& friction);
+  bool leaves_edges(Progress progress, Friction& friction);
   template <typename Friction>
   bool leaves_wedge(Friction& friction);
   template <typename Friction>

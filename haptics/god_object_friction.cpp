@@ -117,7 +117,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
-  if (leaves_edges(friction) || rounding_decides_) return false;
+  if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;
   keep_contacts_for_next_tick(false);
   return true;
 }

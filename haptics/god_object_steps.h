@@ -88,9 +88,9 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // A point that went to where one plane lets it go, and has its face under it, is at rest. So is
     // a proxy that planes hold which are all those of what it touches here (update_planes).
     settled_ = progress != Progress::kStuck && settled();
-    if (!settled_ && progress == Progress::kHeld && planes_are_current_) {
-      if (leaves_edges(friction)) continue;
-      settled_ = !rounding_decides_;
+    if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
+      if (leaves_edges(progress, friction)) continue;
+      settled_ = progress == Progress::kHeld && !rounding_decides_;
     }
     capped = !settled_;
     const bool is_stuck = progress == Progress::kStuck || rounding_decides_;

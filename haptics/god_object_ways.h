@@ -89,9 +89,10 @@ struct GodObject::MostGaining {
 // without each such contact. At a vertex the room is not convex, and other faces can leave a way on
 // between them: it tries to go along all that is near, along each one and each two, and past what
 // it meets then. True if any of that led on. Between faces that are nearly parallel, and nearer to
-// each other than a proxy may come, rounding decides whether anything would.
+// each other than a proxy may come, rounding decides whether anything would. One that is stuck may
+// be lower over its face than it may come to be over the next one, the edge of which is in its way.
 template <typename Friction>
-[[gnu::cold]] bool GodObject::leaves_edges(Friction& friction) {
+[[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
   rounding_decides_ = false;
   if constexpr (Friction::kHolds) {
     if (slides_up_to_what_holds(friction)) return true;
@@ -99,7 +100,9 @@ template <typename Friction>
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
   if (!Friction::kHolds && is_held_by(holding.all())) return false;
-  const bool is_beside = std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
+  const bool is_stuck = progress == Progress::kStuck;
+  const bool is_beside =
+      is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const bool may_be_wedged = Friction::kHolds && holding.count > 1;
   if (!is_beside && !is_vertex && !may_be_wedged) return false;

@@ -1,6 +1,7 @@
 #include "haptics/god_object.h"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -337,6 +338,65 @@ TEST(GodObject, RestsInThePlaneOfMotionHoweverFarTheGoalIs) {
       for (const Vec3& corner : corners) {
         ASSERT_LE(lag_m, (solver(corner) - goal).norm() + kLeastGain) << far_m;
       }
+    }
+  }
+}
+
+// A bowl of 9 to 256 squares, 1 across, of a depth from next to nothing to 1 %.
+Soup shallow_bowl(Random& random) {
+  const int n = 3 + static_cast<int>(random.index(14));
+  const double depth = 1e-6 * std::pow(1e4, random.uniform(0.0, 1.0));
+  const Vec3 middle = 0.2 * random.unit_vector();
+  Soup soup;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      Vec3 p(i / static_cast<double>(n) - 0.5, j / static_cast<double>(n) - 0.5, 0.0);
+      p.z() = depth * (p - middle).head<2>().squaredNorm();
+      soup.positions.push_back(p);
+    }
+  }
+  const auto stride = static_cast<std::uint32_t>(n + 1);
+  for (std::uint32_t a = 0; a < stride * (stride - 1); ++a) {
+    if (a % stride == stride - 1) continue;
+    const std::uint32_t b = a + stride;
+    if (random.index(2)) {
+      soup.triangles.insert(soup.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}});
+    } else {
+      soup.triangles.insert(soup.triangles.end(), {{a, b, a + 1}, {b, b + 1, a + 1}});
+    }
+  }
+  return soup;
+}
+
+// A point that has come down over a face as far as it may is held back by the edge of the next one,
+// if that is higher by rounding: as if there were a groove.
+TEST(GodObject, IsNotStuckAtCreasesThatAreAlmostFlat) {
+  Random random(31);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Soup soup = shallow_bowl(random);
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(soup, pose);
+    const auto solver = [&](const Vec3& p) { return world.world().to_solver(pose.point(p)); };
+    GodObject god_object(world.world(), {});
+    Vec3 from(0.0, 0.0, 0.1);
+    god_object.place(solver(from));
+    for (int n = 0; n < 10; ++n) {
+      Vec3 goal(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), -random.uniform(0.001, 0.3));
+      if (random.index(3) == 0) {
+        goal = soup.positions[random.index(soup.positions.size())] -
+               random.uniform(0.0, 0.1) * Vec3::UnitZ();
+      }
+      const auto steps = static_cast<int>(1 + random.index(30));
+      ProxyState state;
+      for (int step = 1; step <= steps; ++step) {
+        state =
+            god_object.move_to(solver(from + step / static_cast<double>(steps) * (goal - from)));
+      }
+      for (int tick = 0; state.capped && tick < 10; ++tick) {
+        state = god_object.move_to(solver(goal));
+      }
+      ASSERT_FALSE(state.capped) << "bowl " << trial << ", goal " << n;
+      from = goal;
     }
   }
 }
