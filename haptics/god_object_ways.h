@@ -228,6 +228,7 @@ bool GodObject::slides_between(Friction& friction) {
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, 1.0, along, friction)) return true;
+    if constexpr (Friction::kHolds) return false;  // what is in the way may be friction
     const double part = part_above(all_touched, step);
     if (part == 1.0 || !may_gain_by(part * step)) return false;
     if (follows(step, part, along, friction)) return true;
