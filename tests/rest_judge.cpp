@@ -28,6 +28,11 @@ constexpr Wide kWayUlps = 8;
 // Slopes of unit vectors made in long double.
 constexpr Wide kSlopeUlps = 16;
 
+// By how much the direction to what is touched turns where it is rounded to doubles, as those that
+// friction goes by are, times the distance in sizes; and the line in which two planes cross, times
+// the sine of the angle between them.
+constexpr Wide kTurnUlps = 4;
+
 // Two normals that differ by less are one.
 constexpr Wide kSameNormal = 1e-15L;
 
@@ -48,6 +53,7 @@ struct Near {
   Wide3 away;    // unit, from its nearest point to the proxy
   Wide3 normal;  // of its plane
   Wide slope_error;
+  bool is_over;  // the triangle, not beside it
 };
 
 // Ways must not fall towards it.
@@ -97,11 +103,11 @@ class Search {
       : bodies_(bodies), rest_(rest), proxy_(rest.proxy.cast<Wide>()), tolerance_m_(tolerance_m) {
     const Wide extent_m = std::max<Wide>(
         {static_cast<Wide>(size_m), static_cast<Wide>(radius_m), proxy_.cwiseAbs().maxCoeff()});
-    const Wide ulp_m = kDoubleEpsilon * extent_m;
-    round_m_ = kWayUlps * ulp_m;
+    ulp_m_ = kDoubleEpsilon * extent_m;
+    round_m_ = kWayUlps * ulp_m_;
     radius_m_ = static_cast<Wide>(radius_m);
     keep_m_ = radius_m_ + static_cast<Wide>(stand_off_m);
-    touch_m_ = keep_m_ + kTouchUlps * ulp_m;
+    touch_m_ = keep_m_ + kTouchUlps * ulp_m_;
     near_m_ = keep_m_ + (kNearStandOffs - 1) * static_cast<Wide>(stand_off_m);
     lag_ = rest.goal.cast<Wide>() - proxy_;
     if (rest_.motion_plane_normal) {
@@ -150,7 +156,7 @@ class Search {
       }
       arm_m = std::max(arm_m, to_proxy.norm());
     }
-    Near near{body, triangle, distance_m, {}, frame.R_solver_body * d.normal, 0};
+    Near near{body, triangle, distance_m, {}, frame.R_solver_body * d.normal, 0, is_over};
     if (is_over) {
       const Wide height_m = d.normal.dot(frame.proxy_body - t.a.cast<Wide>());
       near.distance_m = std::abs(height_m);
@@ -193,6 +199,8 @@ class Search {
     for (const Near& near : near_) {
       if (near.distance_m > touch_m_) break;
       add_wall(near.away, near.slope_error, cone_);
+      if (near.is_over) continue;
+      turn_m_ = std::max(turn_m_, kTurnUlps * ulp_m_ / near.distance_m * lag_m_);
     }
   }
 
@@ -239,7 +247,7 @@ class Search {
     for (std::size_t i = 0; i < cone.size(); ++i) {
       const Wide press_m = -lag_.dot(cone[i].away);
       if (press_m <= 0) continue;
-      offer(part_across(cone[i].away), i, i, held_m(press_m), kSlopeUlps * kWideEpsilon);
+      offer(part_across(cone[i].away), i, i, held_by_one_m(press_m), kSlopeUlps * kWideEpsilon);
     }
     for (std::size_t i = 0; i < cone.size() && !motion_normal_; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
@@ -267,16 +275,21 @@ class Search {
 
   Wide held_m(Wide press_m) const { return static_cast<Wide>(rest_.static_friction) * press_m; }
 
+  // The same along one plane.
+  Wide held_by_one_m(Wide press_m) const { return is_held() ? held_m(press_m) + turn_m_ : 0; }
+
   // What friction holds along the line of two planes: each by what it bears.
   Wide held_by_two_m(const Wide3& n, const Wide3& m) const {
     if (rest_.static_friction == 0.0) return 0;
     const Wide cosine = n.dot(m);
-    const Wide sine2 = 1 - cosine * cosine;
+    const Wide sine2 = n.cross(m).squaredNorm();  // 1 - cosine^2 has no digits of a narrow slit
     const Wide on_n = -lag_.dot(n);
     const Wide on_m = -lag_.dot(m);
     const Wide part_n = std::max<Wide>(0, (on_n - cosine * on_m) / sine2);
     const Wide part_m = std::max<Wide>(0, (on_m - cosine * on_n) / sine2);
-    return held_m(part_n + part_m);
+    const Wide across_m = std::hypot(on_n, (on_m - cosine * on_n) / std::sqrt(sine2));
+    const Wide rounding_m = kTurnUlps * kDoubleEpsilon / std::sqrt(sine2) * lag_m_;
+    return std::max(held_m(part_n + part_m), held_m(across_m) + rounding_m) + turn_m_;
   }
 
   // How far it goes, if nothing is in the way. Whatever bears the part of the lag across holds by
@@ -520,7 +533,7 @@ class Search {
     for (std::size_t i = 0; i < normals.size(); ++i) {
       const Wide3 part = part_across(normals[i]);
       if (!is_worth_it(part.norm())) continue;
-      const Slide slide{part.normalized(), held_m(std::abs(lag_.dot(normals[i])))};
+      const Slide slide{part.normalized(), held_by_one_m(std::abs(lag_.dot(normals[i])))};
       if (auto way = try_slide(slide, "along a plane")) return way;
     }
     for (std::size_t i = 0; i < normals.size() && !motion_normal_; ++i) {
@@ -542,7 +555,9 @@ class Search {
   Wide3 proxy_;
   Wide tolerance_m_;
   Wide radius_m_ = 0;
+  Wide ulp_m_ = 0;
   Wide round_m_ = 0;
+  Wide turn_m_ = 0;   // of the lag, what the rounding of directions may turn
   Wide keep_m_ = 0;   // from triangles: radius and stand-off
   Wide touch_m_ = 0;  // the same, and the rounding of stops
   Wide near_m_ = 0;
