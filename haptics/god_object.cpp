@@ -178,6 +178,7 @@ ProxyState GodObject::move_freely() {
   commit(goal_);
   plane_count_ = 0;
   projection_ = {};
+  goes_on_ = false;
   tracer_.look_ahead(proxy_, step, true);
   ProxyState state;
   state.proxy = proxy_;
@@ -512,7 +513,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   state.active_planes = projection_.active_count;
   state.slid = path_.size() > 1;
   if (projection_.active_count == 2) {
-    state.free_direction = plane_normal(0).cross(plane_normal(1)).normalized();
+    state.free_direction = crossing_line(plane_normal(0), plane_normal(1));
   }
   for (int i = 0; i < projection_.active_count; ++i) {
     state.normal += planes_of_contact_[projection_.active[i]].normal;

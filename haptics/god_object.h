@@ -76,10 +76,11 @@ struct BodyMotion {
 // goal by more than 1e-9 of the scene's size. Under friction, slides along what is touched count as
 // far as the lag along them exceeds what friction holds. Not for Accuracy::fast().
 //
-// Capped: the tick ran out of steps, or a point is between faces that are nearly parallel, where
-// rounding decides whether a way leads on. The proxy is where a longer tick would have come
-// through, free and no farther from the goal than before; the faces that it has met are known to
-// the next tick, which goes on from there.
+// Capped: the tick ran out of steps; or a point is between faces that are nearly parallel, where
+// rounding decides whether a way leads on; or what a point has met last tells nothing new, and no
+// way that is tried leads on. The proxy is where a longer tick would have come through, free and no
+// farther from the goal than before; the faces that it has met are known to the next tick, which
+// goes on from there.
 //
 // A proxy that starts within a stand-off of a triangle, or as a sphere overlaps one, may leave it
 // or keep its distance, and comes no nearer: place() lifts a point off what it is put on.
@@ -245,7 +246,6 @@ class GodObject {
   // Defined in god_object_ways.h.
   struct Faces;
   struct Surroundings;
-  struct MostGaining;
   template <typename Friction>
   bool leaves_edges(Progress progress, Friction& friction);
   template <typename Friction>
@@ -261,8 +261,7 @@ class GodObject {
   template <typename Friction>
   bool slides_between(Friction& friction);
   template <typename Friction>
-  bool follows(const Vec3& step, double most, std::span<const FaceContact> contacts,
-               Friction& friction);
+  bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
   bool slides_at_vertex(Friction& friction);
   template <typename Friction>
@@ -279,7 +278,8 @@ class GodObject {
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);
   template <typename Friction>
-  bool goes_straight(const Vec3& step, Friction& friction);
+  bool goes_straight(const Vec3& step, Friction& friction,
+                     std::optional<TraceHit>* obstacle = nullptr);
   template <typename Friction, typename Step>
   bool tries(Friction& friction, Step step);
   static bool is_beside_face(const FaceContact& contact) {
@@ -294,9 +294,10 @@ class GodObject {
   bool is_touched_face(const FaceContact& contact) const;
   bool is_held_by(std::span<const FaceContact> holding) const;
   bool is_held_by_faces();
+  double place_roundoff_m() const;
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
-  double part_above(std::span<const FaceContact> touched, const Vec3& step) const;
+  bool is_stopped_by_rounding(const Vec3& step);
   void hold_by_most_violated(std::span<const FaceContact> contacts);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;

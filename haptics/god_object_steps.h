@@ -89,7 +89,10 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // a proxy that planes hold which are all those of what it touches here (update_planes).
     settled_ = progress != Progress::kStuck && settled();
     if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
-      if (leaves_edges(progress, friction)) continue;
+      if (leaves_edges(progress, friction)) {
+        rounding_decides_ = false;
+        continue;
+      }
       settled_ = progress == Progress::kHeld && !rounding_decides_;
     }
     capped = !settled_;
@@ -174,7 +177,7 @@ template <typename Friction>
   const double reach = reach_of(slide);
   if (reach <= 1.0) return 0;
   const Attempt attempt = fall_from_beyond((reach - 1.0) * slide, most_steps, friction);
-  if (attempt.steps > 0 && !attempt.is_nearer) {
+  if (!attempt.is_nearer) {
     overreach_ = std::max(1.0, kLessAfterFailure * attempt.beyond_m / slide.norm());
   }
   return attempt.steps;
@@ -184,7 +187,7 @@ template <typename Friction>
 // few steps, goes on that way, the farther the more often that has led on.
 template <typename Friction>
 [[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
-  if (--steps_to_leap_ > 0) return 0;
+  if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;
   const Vec3 way = leap_reach_ * (proxy_ - leap_from_);
   const Attempt attempt = fall_from_beyond(way, most_steps, friction);
   if (attempt.steps == 0) return 0;

@@ -25,6 +25,10 @@ constexpr double kDirectionRoundoff = 8 * std::numeric_limits<double>::epsilon()
 
 }  // namespace
 
+double GodObject::place_roundoff_m() const {
+  return kPlaceRoundoff * world_->size_m();
+}
+
 GodObject::Faces GodObject::holding_faces() const {
   Faces holding;
   for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
@@ -102,7 +106,7 @@ bool GodObject::is_held_by(std::span<const FaceContact> holding) const {
   std::array<ContactPlane, 3> planes;
   for (std::size_t i = 0; i < holding.size(); ++i) {
     if (!is_touched_face(holding[i])) return false;
-    planes[i] = {plane_normal(i), -kPlaceRoundoff * world_->size_m()};
+    planes[i] = {plane_normal(i), -place_roundoff_m()};
   }
   const PlaneProjection descent =
       project_onto_planes(std::span(planes).first(holding.size()), goal_ - proxy_);
@@ -117,7 +121,7 @@ bool GodObject::is_held_by_faces() {
   for (const FaceContact& contact : around_->all_touched()) {
     if (!is_touched_face(contact)) continue;
     faces[count] = contact;
-    faces[count++].clearance_m = scale().stop_m + kPlaceRoundoff * world_->size_m();
+    faces[count++].clearance_m = scale().stop_m + place_roundoff_m();
   }
   hold_by_most_violated(std::span(faces).first(count));
   return projection_.solved && !may_gain_by(projection_.displacement_m);
@@ -127,22 +131,25 @@ bool GodObject::is_held_by_faces() {
 // the directions from there to the proxy. The distance to a triangle is convex, so then it comes
 // nearer to none of it however long it is.
 bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
-  const double place_m = kPlaceRoundoff * world_->size_m();
-  const double slope = kDirectionRoundoff + place_m / (tracer_.radius_m() + scale().stop_m);
+  const double slope =
+      kDirectionRoundoff + place_roundoff_m() / (tracer_.radius_m() + scale().stop_m);
   const double least = -slope * step.norm();
   return std::all_of(touched.begin(), touched.end(),
                      [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
 }
 
-// The part of a step that comes nearer to the faces touched by rounding only. Between two that are
-// nearly parallel all of it comes nearer by more.
-double GodObject::part_above(std::span<const FaceContact> touched, const Vec3& step) const {
-  double fall_m = kPlaceRoundoff * world_->size_m();
-  const double rounding_m = fall_m;
-  for (const FaceContact& contact : touched) {
-    if (is_touched_face(contact)) fall_m = std::max(fall_m, -contact.normal.dot(step));
-  }
-  return rounding_m / fall_m;
+// Whether a step is stopped by a face that it touches, though all of it comes nearer to none of
+// those by more than rounding.
+bool GodObject::is_stopped_by_rounding(const Vec3& step) {
+  const auto touched = around_->all_touched();
+  const bool falls = std::any_of(touched.begin(), touched.end(), [&](const FaceContact& contact) {
+    return -contact.normal.dot(step) > place_roundoff_m();
+  });
+  if (falls) return false;
+  const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + step));
+  return hit && std::any_of(touched.begin(), touched.end(), [&](const FaceContact& contact) {
+           return contact.face == hit->contact.face;
+         });
 }
 
 // Whether a point rests at a corner of one of the faces that hold it.

@@ -7,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "haptics/god_object_steps.h"
 
@@ -22,9 +23,9 @@ constexpr double kAroundPerStandOff = 64.0;
 // So many of them have the lines tried in which their planes cross.
 constexpr std::size_t kMostCrossing = 32;
 
-// So many of these lines are tried, those first that gain most: at a hub of hundreds of triangles
-// the one that is free may be late among them.
-constexpr std::size_t kMostLines = 512;
+// The planes that they have: of faces, and of what is nearest of each. Any two may cross.
+constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
+constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes - 1) / 2;
 
 // How far such a line may turn by rounding: half the digits of double.
 constexpr double kLineRoundoff = 1e-8;
@@ -48,6 +49,13 @@ struct GodObject::Faces {
   std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
 };
 
+// The lag's part along the line in which two planes cross.
+struct LineStep {
+  Vec3 step;
+  double length_m;
+  std::size_t order;  // among all of them
+};
+
 // What is around a proxy that planes hold, the nearest first. Large, so it is made once.
 struct GodObject::Surroundings {
   std::array<FaceContact, kMostAround> faces;    // as planes
@@ -55,32 +63,12 @@ struct GodObject::Surroundings {
   std::array<FaceContact, kMostAround> scratch;
   std::size_t count = 0;
   std::size_t touched_count = 0;  // the first so many
+  std::array<LineStep, kMostLines> lines;
 
   std::span<const FaceContact> all_faces() const { return std::span(faces).first(count); }
   std::span<const FaceContact> all_nearest() const { return std::span(nearest).first(count); }
   std::span<const FaceContact> all_touched() const {
     return std::span(nearest).first(touched_count);
-  }
-};
-
-// Of steps that are each the lag's part along a line, those that gain most, the longest first: a
-// longer one gains more.
-struct GodObject::MostGaining {
-  std::array<Vec3, kMostLines> steps;
-  std::size_t count = 0;
-
-  std::span<const Vec3> all() const { return std::span(steps).first(count); }
-
-  void add(const Vec3& step) {
-    const auto is_longer = [](const Vec3& a, const Vec3& b) {
-      return a.squaredNorm() > b.squaredNorm();
-    };
-    if (count == kMostLines && !is_longer(step, steps.back())) return;
-    if (count < kMostLines) ++count;
-    const auto last = steps.begin() + static_cast<std::ptrdiff_t>(count) - 1;
-    const auto place = std::upper_bound(steps.begin(), last, step, is_longer);
-    std::copy_backward(place, last, last + 1);
-    *place = step;
   }
 };
 
@@ -103,9 +91,8 @@ template <typename Friction>
   const bool is_stuck = progress == Progress::kStuck;
   const bool is_beside =
       is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
+  if (!is_beside && holding.count < 2) return false;
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
-  const bool may_be_wedged = Friction::kHolds && holding.count > 1;
-  if (!is_beside && !is_vertex && !may_be_wedged) return false;
   const ProxyPlace here = place_now();
   look_around();
   if (is_held_by_faces()) {
@@ -116,7 +103,7 @@ template <typename Friction>
   if (slides_past(friction) || slides_between(friction)) return true;
   if ((is_beside || is_vertex) && slides_at_vertex(friction)) return true;
   if constexpr (!Friction::kHolds) {
-    if (goes_past_obstacles(friction)) return true;
+    if ((is_beside || is_vertex) && goes_past_obstacles(friction)) return true;
     if (is_vertex && goes_along_lines(friction)) return true;
   }
   return_to(here);
@@ -186,9 +173,8 @@ bool GodObject::slides_up_to_what_holds(Friction& friction) {
     if (slides_by(along, touched.contacts[i], friction)) return true;
   }
   if (touched.count == 2) {
-    const Vec3 line = normals[0].cross(normals[1]);
-    const Vec3 along = lag.dot(line) / line.squaredNorm() * line;
-    if (slides_by(along, touched.contacts[0], friction)) return true;
+    const Vec3 line = crossing_line(normals[0], normals[1]);
+    if (slides_by(lag.dot(line) * line, touched.contacts[0], friction)) return true;
   }
   return_to(here);
   return false;
@@ -227,12 +213,9 @@ bool GodObject::slides_between(Friction& friction) {
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
-    if (follows(step, 1.0, along, friction)) return true;
-    if constexpr (Friction::kHolds) return false;  // what is in the way may be friction
-    const double part = part_above(all_touched, step);
-    if (part == 1.0 || !may_gain_by(part * step)) return false;
-    if (follows(step, part, along, friction)) return true;
-    rounding_decides_ = true;
+    if (follows(step, along, friction)) return true;
+    const Vec3 way = projection_.displacement_m;  // what friction leaves of the step
+    if (may_gain_by(way) && is_stopped_by_rounding(way)) rounding_decides_ = true;
     return false;
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
@@ -246,25 +229,23 @@ bool GodObject::slides_between(Friction& friction) {
     }
     for (std::size_t j = 0; j < i && !motion_plane_normal_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
-      const Vec3 line = n->cross(touched[j].normal);
-      if (leads_on(lag.dot(line) / line.squaredNorm() * line, pair)) return true;
+      const Vec3 line = crossing_line(*n, touched[j].normal);
+      if (leads_on(lag.dot(line) * line, pair)) return true;
     }
   }
   return false;
 }
 
-// Takes a step along these contacts, or as much of it as may be, wherever else their planes would
-// lead.
+// Takes a step along these contacts, wherever else their planes would lead.
 template <typename Friction>
-bool GodObject::follows(const Vec3& step, double most, std::span<const FaceContact> contacts,
+bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
                         Friction& friction) {
   plane_count_ = 0;
   for (const FaceContact& contact : contacts) add_plane(contact);
   projection_ = {step, {0, 1, 2}, plane_count_, true};
   return tries(friction, [&] {
     if constexpr (Friction::kHolds) hold_by(friction);
-    const double part = std::min(1.0, most * step.norm() / projection_.displacement_m.norm());
-    stop_at_first_hit(within_bounds(proxy_ + part * projection_.displacement_m));
+    stop_at_first_hit(within_bounds(proxy_ + projection_.displacement_m));
   });
 }
 
@@ -282,8 +263,8 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
     const Vec3 free = projection_.displacement_m;
     if (bend > 0 && goes_between(blocked, free, friction)) return true;
     if (!may_gain_by(free)) return false;
-    const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + free));
-    if (goes_straight(free, friction)) return true;
+    std::optional<TraceHit> hit;
+    if (goes_straight(free, friction, &hit)) return true;
     if (!hit) return false;
     walls[count] = hit->contact;
     walls[count++].clearance_m = scale().stop_m;
@@ -293,11 +274,12 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
 }
 
 // Goes along the line in which two planes around a vertex meet, touched or not: of faces, and of
-// what is nearest of them.
+// what is nearest of them. The longest step first, which gains most: at a hub of hundreds of
+// triangles the one that is free may be late among them.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
-  std::array<Vec3, 2 * kMostCrossing> normals;
+  std::array<Vec3, kMostPlanes> normals;
   std::size_t count = 0;
   const auto add = [&](const Vec3& normal) {
     const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
@@ -307,25 +289,31 @@ bool GodObject::goes_along_lines(Friction& friction) {
     add(around_->faces[i].normal);
     add(around_->nearest[i].normal);
   }
-  MostGaining steps;
+  std::size_t line_count = 0;
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Vec3 line = normals[i].cross(normals[j]);
-      const Vec3 step = lag.dot(line) / line.squaredNorm() * line;
-      if (may_gain_by(step) && falls_to_none(step, around_->all_touched())) steps.add(step);
+      const Vec3 line = crossing_line(normals[i], normals[j]);
+      const Vec3 step = lag.dot(line) * line;
+      if (!may_gain_by(step) || !falls_to_none(step, around_->all_touched())) continue;
+      around_->lines[line_count] = {step, step.norm(), line_count};
+      ++line_count;
     }
   }
-  return std::any_of(steps.all().begin(), steps.all().end(),
-                     [&](const Vec3& step) { return goes_along_line(step, friction); });
+  const auto lines = std::span(around_->lines).first(line_count);
+  std::sort(lines.begin(), lines.end(), [](const LineStep& a, const LineStep& b) {
+    return std::pair(-a.length_m, a.order) < std::pair(-b.length_m, b.order);
+  });
+  return std::any_of(lines.begin(), lines.end(),
+                     [&](const LineStep& line) { return goes_along_line(line.step, friction); });
 }
 
 // The line of two planes that are nearly parallel is rounded, and may run into what it should pass:
 // goes on along that.
 template <typename Friction>
 bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
-  if (goes_straight(step, friction)) return true;
-  const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + step));
+  std::optional<TraceHit> hit;
+  if (goes_straight(step, friction, &hit)) return true;
   if (!hit) return false;
   const double fall_m = -hit->contact.normal.dot(step);
   if (fall_m <= 0.0 || fall_m > kLineRoundoff * step.norm()) return false;
@@ -350,9 +338,15 @@ bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
   return false;
 }
 
+// Tells what is in the way, if anything is. Most such ways are blocked at once.
 template <typename Friction>
-bool GodObject::goes_straight(const Vec3& step, Friction& friction) {
-  return tries(friction, [&] { stop_at_first_hit(within_bounds(proxy_ + step)); });
+bool GodObject::goes_straight(const Vec3& step, Friction& friction,
+                              std::optional<TraceHit>* obstacle) {
+  const Vec3 target = within_bounds(proxy_ + step);
+  const auto hit = tracer_.trace(proxy_, target);
+  if (obstacle) *obstacle = hit;
+  if (hit && !may_gain_by(hit->fraction.value() * (target - proxy_))) return false;
+  return tries(friction, [&] { stop_at_first_hit(target); });
 }
 
 // Tries the faces around a vertex: each alone, each two, and each two from above both, where the

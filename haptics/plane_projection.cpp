@@ -45,8 +45,7 @@ Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& targe
   const Vec3 edge = i.normal.cross(j.normal);
   const double sine = edge.norm();
   if (sine <= kParallelSine) return std::nullopt;
-  // Of nearly parallel normals the product is rounded in any direction, also out of the plane.
-  const Vec3 along = (edge - edge.dot(i.normal) * i.normal).normalized();
+  const Vec3 along = crossing_line(i.normal, j.normal);
   const Vec3 across = along.cross(i.normal);  // completes i.normal and along to a basis
   const double cosine = i.normal.dot(j.normal);
   const double height = (j.offset_m - cosine * i.offset_m) / sine;

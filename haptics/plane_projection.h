@@ -46,6 +46,14 @@ std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> nor
 // The same in shares of the sum.
 std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
 
+// The direction, unit, of the line in which planes with these unit normals cross; zero if they are
+// parallel. Of nearly parallel normals the product is rounded in any direction: what leads out of
+// the first plane is taken away, so that out of the other no more than rounding leads, either.
+inline Vec3 crossing_line(const Vec3& normal, const Vec3& other) noexcept {
+  const Vec3 line = normal.cross(other);
+  return (line - line.dot(normal) * normal).normalized();
+}
+
 // What a contact plane is for a proxy that keeps to a plane of motion with this unit normal.
 // Nothing if the two are parallel to within half the digits of double: it cannot push the proxy
 // there.

@@ -401,5 +401,59 @@ TEST(GodObject, IsNotStuckAtCreasesThatAreAlmostFlat) {
   }
 }
 
+// A groove along x, 1 long and 0.3 deep, between two flat banks.
+Soup groove(double half_width) {
+  Soup soup;
+  for (const double side : {-1.0, 1.0}) {
+    const double y = side * half_width;
+    soup.add_quad({-0.5, y, 0.3}, {0.5, y, 0.3}, {0.5, 0.0, 0.0}, {-0.5, 0.0, 0.0});
+    soup.add_quad({-0.5, y, 0.3}, {0.5, y, 0.3}, {0.5, 0.5 * side, 0.3}, {-0.5, 0.5 * side, 0.3});
+  }
+  return soup;
+}
+
+// Its walls may be as good as parallel: what holds the point there is not taken for rounding, nor
+// does the point creep on by it.
+TEST(GodObject, RestsInGroovesHoweverNarrowAndKeepsItsPlace) {
+  Random random(47);
+  for (int trial = 0; trial < 400; ++trial) {
+    const double half_width = 1e-8 * std::pow(3e7, random.uniform(0.0, 1.0));
+    const RigidTransform pose = random.pose(1.0);
+    const OwnedWorld world(groove(half_width), pose);
+    GodObject god_object(world.world(), {});
+    FrictionCone cone{random.uniform(0.1, 1.0), 0.0};
+    cone.dynamic_friction = cone.static_friction * random.uniform(0.5, 1.0);
+    const FrictionSource friction{&cone,
+                                  [](void* of_all, const FaceContact&, const Vec3&) noexcept {
+                                    return *static_cast<const FrictionCone*>(of_all);
+                                  }};
+    const bool has_friction = random.index(3) == 0;
+    std::optional<Vec3> plane;  // along the groove
+    if (!has_friction && random.index(2)) plane = pose.direction(Vec3::UnitY());
+    Vec3 from(random.uniform(-0.4, 0.4), 0.0, 0.5);
+    const auto move_to = [&](const Vec3& p) {
+      const Vec3 goal = world.world().to_solver(pose.point(p));
+      return has_friction ? god_object.move_with_friction(goal, plane, friction)
+                          : god_object.move_to(goal, plane);
+    };
+    god_object.place(world.world().to_solver(pose.point(from)));
+    for (int n = 0; n < 10; ++n) {
+      const double aside = plane ? 0.0 : random.uniform(-0.1, 0.1);
+      const Vec3 goal(random.uniform(-0.4, 0.4), aside * half_width,
+                      -0.3 * std::pow(300.0, -random.uniform(0.0, 1.0)));
+      ProxyState state;
+      for (int step = 1; step <= 20; ++step) state = move_to(from + step / 20.0 * (goal - from));
+      for (int tick = 0; tick < 5; ++tick) state = move_to(goal);
+      const Vec3 rest = state.proxy;
+      for (int tick = 0; tick < 25; ++tick) {
+        state = move_to(goal);
+        ASSERT_FALSE(state.capped) << "groove " << trial << ", half as wide as " << half_width;
+        ASSERT_EQ(state.proxy, rest) << "groove " << trial << ", half as wide as " << half_width;
+      }
+      from = goal;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate
