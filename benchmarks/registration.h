@@ -28,6 +28,8 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
 // In this order for one size: ticks are compared with peers of the index.
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
+// scan_<proxy>/<triangles, about>, where a scan goes with the size.
+void register_scan_benchmarks(int subdivisions, const SampleCounts& counts);
 // tick_sliding_with_<effect>/<triangles>.
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 

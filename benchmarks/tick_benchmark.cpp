@@ -1,19 +1,16 @@
 // One full tick of the haptic loop: default accuracy, default coupling.
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/medians.h"
-#include "benchmarks/percentiles.h"
 #include "benchmarks/proxy_neighbours.h"
 #include "benchmarks/registration.h"
 #include "benchmarks/sphere.h"
+#include "benchmarks/timed_ticks.h"
 #include "benchmarks/trajectories.h"
 #include "geometry/simd.h"
-#include "haptics/haptic_loop.h"
 
 namespace palpate::bench {
 namespace {
@@ -124,70 +121,12 @@ constexpr TickCase kCases[] = {
      .proxy_radius_m = kSphereProxyRadius_m},
 };
 
-// What the loop did, to prove that the right thing was timed.
-struct Tally {
-  double ticks = 0.0;
-  double contacts = 0.0;
-  double iterations = 0.0;
-  double capped = 0.0;
-  bool other_faults = false;
-  std::vector<Vec3> proxies_scene_m;  // of the first pass
-
-  void add(const TickRecord& record) {
-    ticks += 1.0;
-    contacts += record.contact ? 1.0 : 0.0;
-    iterations += record.solver_iterations;
-    capped += (record.faults & kFaultSolverCapped) != 0 ? 1.0 : 0.0;
-    other_faults = other_faults || (record.faults & ~kFaultSolverCapped) != 0;
-  }
-};
-
-Tally time_ticks(benchmark::State& state, const ContactWorld& world, const TickCase& tick_case,
-                 const ActuationModel& actuation, const DevicePath& path) {
-  HapticSettings settings;
-  settings.god_object.radius_m = tick_case.proxy_radius_m;
-  settings.god_object.accuracy = tick_case.accuracy;
-  settings.a4.enabled = tick_case.actuators < 3;
-  std::optional<HapticLoop> loop;
-  const TickRecord* record = nullptr;
-  Vec3 next_device_m;
-  Vec3 p_device_m;
-  Tally tally;
-  // The path is given in the scene frame, so that the proxy meets the same triangles whether A4
-  // turns the scene or not. Aimed before caches are evicted: it reads the loop's pose.
-  const auto aim = [&](const Vec3& p_scene_m) {
-    next_device_m = loop->T_device_scene().point(p_scene_m);
-  };
-  time_path(
-      state, {path.timed_m.size(), tick_case.caches},
-      [&] {
-        loop.emplace(world, actuation, settings);
-        for (const Vec3& p_scene_m : path.lead_in_m) {
-          aim(p_scene_m);
-          loop->tick(next_device_m, kDt_s);
-        }
-        aim(path.timed_m.front());
-      },
-      [&](std::size_t) { p_device_m = next_device_m; },
-      [&](std::size_t) { record = &loop->tick(p_device_m, kDt_s); },
-      [&](std::size_t n) {
-        tally.add(*record);
-        if (tally.proxies_scene_m.size() < path.timed_m.size()) {
-          tally.proxies_scene_m.push_back(record->proxy_m);
-        }
-        if (n + 1 < path.timed_m.size()) aim(path.timed_m[n + 1]);
-        return SampleError{};
-      });
-  return tally;
-}
-
 // Null if the run did what the case says.
 SampleError what_went_wrong(const TickCase& tick_case, const Tally& tally) {
   if (tally.other_faults) return "a tick had a fault";
   if (tally.capped > 0.0 && !tick_case.may_be_capped) return "a tick ran out of iterations";
-  const double contact_share = tally.contacts / tally.ticks;
-  const bool as_told =
-      contact_share >= tick_case.contact.least && contact_share <= tick_case.contact.most;
+  const bool as_told = tally.contact_share() >= tick_case.contact.least &&
+                       tally.contact_share() <= tick_case.contact.most;
   return as_told ? nullptr : "the proxy was not in contact as the case says";
 }
 
@@ -197,17 +136,18 @@ void run(benchmark::State& state, const TickCase& tick_case, int subdivisions,
   if (!scene) return state.SkipWithError("the sphere could not be compiled");
   const Result<ActuationModel> actuation = ActuationModel::from_counts(3, tick_case.actuators);
   if (!actuation) return state.SkipWithError("the actuation was refused");
+  HapticSettings settings;
+  settings.god_object.radius_m = tick_case.proxy_radius_m;
+  settings.god_object.accuracy = tick_case.accuracy;
+  settings.a4.enabled = tick_case.actuators < 3;
   limit_simd_level(tick_case.simd);
-  const Tally tally =
-      time_ticks(state, scene->world(), tick_case, *actuation, tick_case.path(tick_case, counts));
+  const Tally tally = time_ticks(state, scene->world(), *actuation, settings,
+                                 tick_case.path(tick_case, counts), tick_case.caches);
   limit_simd_level(SimdLevel::kAvx512);
   if (const SampleError error = what_went_wrong(tick_case, tally)) {
     return state.SkipWithError(error);
   }
   state.counters["triangles"] = static_cast<double>(sphere_triangles(subdivisions));
-  state.counters["solver_iterations"] = tally.iterations / tally.ticks;
-  state.counters["contact_share"] = tally.contacts / tally.ticks;
-  state.counters["capped_share"] = tally.capped / tally.ticks;
   if (tick_case.proxy_radius_m > 0.0) {
     const ProxyNeighbours mean =
         mean_proxy_neighbours(*scene, tally.proxies_scene_m, tick_case.proxy_radius_m, kStep_m);

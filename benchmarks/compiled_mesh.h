@@ -1,0 +1,15 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/scene.h"
+#include "models/primitives.h"
+
+namespace palpate::bench {
+
+// A scene of one mesh, for a proxy of that radius; nothing if it could not be compiled.
+std::optional<Scene> compile_mesh(const std::string& name, TriangleMesh mesh,
+                                  double proxy_radius_m);
+
+}  // namespace palpate::bench

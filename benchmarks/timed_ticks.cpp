@@ -1,0 +1,58 @@
+#include "benchmarks/timed_ticks.h"
+
+#include <optional>
+
+#include "benchmarks/trajectories.h"
+
+namespace palpate::bench {
+namespace {
+
+void add(const TickRecord& record, Tally& tally) {
+  tally.ticks += 1.0;
+  tally.contacts += record.contact ? 1.0 : 0.0;
+  tally.iterations += record.solver_iterations;
+  tally.capped += (record.faults & kFaultSolverCapped) != 0 ? 1.0 : 0.0;
+  tally.other_faults = tally.other_faults || (record.faults & ~kFaultSolverCapped) != 0;
+}
+
+}  // namespace
+
+Tally time_ticks(benchmark::State& state, const ContactWorld& world,
+                 const ActuationModel& actuation, const HapticSettings& settings,
+                 const DevicePath& path, Caches caches) {
+  std::optional<HapticLoop> loop;
+  const TickRecord* record = nullptr;
+  Vec3 next_device_m;
+  Vec3 p_device_m;
+  Tally tally;
+  // Aimed before caches are evicted: it reads the loop's pose.
+  const auto aim = [&](const Vec3& p_scene_m) {
+    next_device_m = loop->T_device_scene().point(p_scene_m);
+  };
+  time_path(
+      state, {path.timed_m.size(), caches},
+      [&] {
+        loop.emplace(world, actuation, settings);
+        for (const Vec3& p_scene_m : path.lead_in_m) {
+          aim(p_scene_m);
+          loop->tick(next_device_m, kDt_s);
+        }
+        aim(path.timed_m.front());
+      },
+      [&](std::size_t) { p_device_m = next_device_m; },
+      [&](std::size_t) { record = &loop->tick(p_device_m, kDt_s); },
+      [&](std::size_t n) {
+        add(*record, tally);
+        if (tally.proxies_scene_m.size() < path.timed_m.size()) {
+          tally.proxies_scene_m.push_back(record->proxy_m);
+        }
+        if (n + 1 < path.timed_m.size()) aim(path.timed_m[n + 1]);
+        return SampleError{};
+      });
+  state.counters["solver_iterations"] = tally.iterations / tally.ticks;
+  state.counters["contact_share"] = tally.contact_share();
+  state.counters["capped_share"] = tally.capped_share();
+  return tally;
+}
+
+}  // namespace palpate::bench
