@@ -30,7 +30,7 @@ struct PackKernels {
                             const double* p, const double* d, double clearance, PackLanes* out);
   // See lanes_in_reach().
   std::size_t (*in_reach)(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
-                          const double* p, const double* d, double reach, PackLanes* out);
+                          const double* p, const double* d, double reach, PackApproach* out);
   // See boxes_overlapping().
   std::size_t (*boxes_overlapping)(const BoxPack* packs, std::size_t pack_count, const float* low,
                                    const float* high, std::uint32_t* out);

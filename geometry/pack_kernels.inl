@@ -257,16 +257,16 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
   return found;
 }
 
-// Beyond which distance the tangent of the distance at the start of a step says that a triangle
-// stays out of reach to its end. The nearest point found is at most `error` too far off, so the
-// direction to it is off by sqrt(2 error / reach), which over a pack, less than 3.5 across, hides
-// this much. To be added: the rounding of what the step adds.
-inline float tangent_limit(float reach, float error) {
-  return reach + error + 3.5f * __builtin_sqrtf(2 * error / reach);
+// By what angle the direction to the nearest point of a triangle out of reach may be off, whose
+// distance is off by `error`: the point found is in the triangle but for that, and no farther away
+// than the nearest by more.
+inline float direction_error(float reach, float error) {
+  const float part = error / reach;
+  return __builtin_sqrtf(part * (2 + part)) + part;
 }
 
 std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
-                     const double* p, const double* d, double reach, PackLanes* out) {
+                     const double* p, const double* d, double reach, PackApproach* out) {
   const Doubles start = load3(p);
   const Doubles move = load3(d);
   std::size_t found = 0;
@@ -283,20 +283,29 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
     }
     lanes &= pack.lanes();
     if (lanes == 0) continue;
-    const float limit =
-        tangent_limit(radius, distance_error(pack, q)) + kHeightError * step.norm1();
-    const Lanes squared_limit = fill(limit * limit * (1 + 16 * kUnit));
+    const float distance_off = distance_error(pack, q);
+    const float length = step.norm1();
+    const float limit = radius + distance_off + kHeightError * length;
+    // Of triangles that a step so long can reach, distance times slope may be off by so much.
+    const float fall_off = direction_error(radius, distance_off) * length * (limit + 2 * length);
+    PackApproach& approach = out[found];
+    approach.squared_limit = limit * limit * (1 + 16 * kUnit);
+    const Lanes squared_limit = fill(approach.squared_limit);
     std::uint32_t apart = 0;
     for (int part = 0; part < kParts; ++part) {
       const Nearest nearest = nearest_points(pack, part * kWidth, q);
       // Out of reach at the start, and d + n . step still is, times d.
-      const Lanes end = nearest.squared + least(dot(nearest.apart, step), Lanes{});
+      const Lanes fall = most(-dot(nearest.apart, step), Lanes{}) + fall_off;
+      const Lanes end = nearest.squared - fall;
+      *reinterpret_cast<Lanes*>(approach.squared + part * kWidth) = nearest.squared;
+      *reinterpret_cast<Lanes*>(approach.fall + part * kWidth) = fall;
       apart |= (greater(nearest.squared, squared_limit) & greater(end, Lanes{}) &
                 greater(end * end, squared_limit * nearest.squared))
                << (part * kWidth);
     }
-    lanes &= ~apart;
-    if (lanes != 0) out[found++] = {ids[i], lanes};
+    approach.pack = ids[i];
+    approach.lanes = lanes & ~apart;
+    found += approach.lanes != 0;
   }
   return found;
 }

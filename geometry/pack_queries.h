@@ -24,10 +24,11 @@ inline std::size_t lanes_in_the_way(const TrianglePack* packs, std::span<const s
 }
 
 // Triangles that the segment may come as near to as reach_m > 0. Sorts out the better the shorter
-// the segment is next to the reach.
+// the segment is next to the reach. Writes the packs that have any; out must have room for all of
+// ids.
 inline std::size_t lanes_in_reach(const TrianglePack* packs, std::span<const std::uint32_t> ids,
                                   const Vec3& p, const Vec3& d, double reach_m,
-                                  PackLanes* out) noexcept {
+                                  PackApproach* out) noexcept {
   return pack_kernels().in_reach(packs, ids.data(), ids.size(), p.data(), d.data(), reach_m, out);
 }
 

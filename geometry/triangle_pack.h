@@ -48,4 +48,24 @@ struct PackLanes {
   std::uint32_t lanes;
 };
 
+// Some lanes of one pack that a sphere may come near to on a step, and by when it may.
+struct alignas(64) PackApproach {
+  std::uint32_t pack;
+  std::uint32_t lanes;
+  float squared_limit;  // of a distance out of reach
+  // Squared distances at the start, and by how much they fall in all of the step: distance times
+  // its derivative there. Local units.
+  alignas(64) float squared[TrianglePack::kLanes];
+  float fall[TrianglePack::kLanes];
+
+  bool is_in_reach_at_start(int lane) const { return !(squared[lane] > squared_limit); }
+
+  // Whether a triangle may be in reach by that fraction of the step, rounded up. A distance is
+  // convex along the step, so it stays above its tangent at the start.
+  bool may_be_in_reach_by(float fraction, int lane) const {
+    const float end = squared[lane] - fraction * fall[lane];
+    return is_in_reach_at_start(lane) || !(end > 0.0f && end * end > squared_limit * squared[lane]);
+  }
+};
+
 }  // namespace palpate

@@ -24,6 +24,9 @@ constexpr double kShortStep = 0.125;
 constexpr double kFirstLook = 0.01;
 constexpr double kFartherLook = 16.0;
 
+// Packs that are asked in one go.
+constexpr std::size_t kPacksAtOnce = 16;
+
 // Bodies that a point may be in contact with at once, of those at rest.
 constexpr std::size_t kMostBodiesAround = 64;
 
@@ -113,25 +116,51 @@ struct SegmentTracer::Search {
 
   // Packs of the body entered.
   void consider_packs(std::span<const std::uint32_t> packs) {
-    constexpr std::size_t kAtOnce = 16;
-    std::array<PackLanes, kAtOnce> doubtful;
-    const TrianglePack* all = placed->index->packs();
-    const double clearance_m = tracer.clearance_m(*placed);
     while (!packs.empty()) {
-      const auto some = packs.first(std::min(packs.size(), kAtOnce));
+      const auto some = packs.first(std::min(packs.size(), kPacksAtOnce));
       packs = packs.subspan(some.size());
-      const std::size_t count =
-          tracer.radius_m_ == 0.0
-              ? lanes_in_the_way(all, some, p_body, d_body, clearance_m, doubtful.data())
-              : lanes_in_reach(all, some, p_body, d_body, tracer.reach_m(), doubtful.data());
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
-          const FaceRef face{body, SurfaceIndex::slot(doubtful[i].pack, take_lane(lanes))};
-          tracer.remember(face);
-          consider(face);
-        }
+      tracer.radius_m_ == 0.0 ? consider_for_point(some) : consider_for_sphere(some);
+    }
+  }
+
+  void consider_for_point(std::span<const std::uint32_t> packs) {
+    std::array<PackLanes, kPacksAtOnce> doubtful;
+    const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_body, d_body,
+                                               tracer.clearance_m(*placed), doubtful.data());
+    for (const PackLanes& in : std::span(doubtful).first(count)) {
+      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
+        consider_lane(in.pack, take_lane(lanes));
       }
     }
+  }
+
+  // First what the sphere touches where it is: as a rule that stops it, and tells the rest apart.
+  void consider_for_sphere(std::span<const std::uint32_t> packs) {
+    std::array<PackApproach, kPacksAtOnce> doubtful;
+    const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_body, d_body,
+                                             tracer.reach_m(), doubtful.data());
+    const auto some = std::span(doubtful).first(count);
+    for (PackApproach& in : some) {
+      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
+        const int lane = take_lane(lanes);
+        if (!in.is_in_reach_at_start(lane)) continue;
+        in.lanes &= ~(1u << lane);
+        consider_lane(in.pack, lane);
+      }
+    }
+    for (const PackApproach& in : some) {
+      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
+        const int lane = take_lane(lanes);
+        const auto by = static_cast<float>(needed().value()) * (1 + 0x1p-20f);
+        if (in.may_be_in_reach_by(by, lane)) consider_lane(in.pack, lane);
+      }
+    }
+  }
+
+  void consider_lane(std::uint32_t pack, int lane) {
+    const FaceRef face{body, SurfaceIndex::slot(pack, lane)};
+    tracer.remember(face);
+    consider(face);
   }
 
   // A triangle of the body entered.
