@@ -9,12 +9,12 @@
 namespace palpate::bench {
 namespace {
 
-// How far the walk turns from sample to sample (standard deviation): it looks about within some
-// millimetres, and gets round the body in a minute.
+// How far the walk turns from sample to sample (standard deviation): it has forgotten where it was
+// heading after a centimetre.
 constexpr double kTurn_rad = 0.1;
 
-// The device follows at no more than so many steps a sample.
-constexpr double kMostSteps = 3.0;
+// As far as the device follows in a sample.
+constexpr double kFarthest_m = 3.0 * kSpherePathStep_m;
 
 class Walk {
  public:
@@ -68,8 +68,7 @@ DevicePath contact_walk(const ScannedBody& body, const WalkStyle& style, std::si
     walk.step();
     const Vec3 to = device_at(middle_m + swing_m * std::cos(2.0 * std::numbers::pi * turns));
     const Vec3 way = to - device_m;
-    const double way_m = way.norm();
-    device_m += std::min(1.0, kMostSteps * kSpherePathStep_m / std::max(way_m, 1e-300)) * way;
+    device_m = way.norm() <= kFarthest_m ? to : Vec3(device_m + kFarthest_m * way.normalized());
     path.timed_m.push_back(device_m);
   }
   return path;

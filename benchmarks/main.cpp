@@ -3,10 +3,9 @@
 //
 // subdivisions: sizes of the sphere, 5 for 20,480 triangles and four times as many with each
 // further one (8: 1.3 million, 9: 5.2 million); with 5, 7, 8 and 9 go scans of 0.1 to 6 million
-// triangles. ticks: length of the paths, in samples of 1 ms; a
-// quarter of it where caches are evicted or the input is meant to be slow. accuracy: full, quick or
-// off: how much work goes into what accuracy costs, as `palpate accuracy` measures it from the same
-// seed.
+// triangles. ticks: length of the paths, in samples of 1 ms; a quarter of it where caches are
+// evicted or the input is meant to be slow. accuracy: full, quick or off: how much work goes into
+// what accuracy costs, as `palpate accuracy` measures it from the same seed.
 
 #include <charconv>
 #include <cstdint>

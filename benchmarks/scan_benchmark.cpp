@@ -63,6 +63,7 @@ const Scene* scan_scene(double cell_m, double proxy_radius_m) {
   return scene ? &*scene : nullptr;
 }
 
+// Those of the largest sphere are slow.
 std::size_t samples_of(const ScanCase& scan_case, const SampleCounts& counts) {
   return scan_case.proxy_radius_m > 1e-3 ? counts.fewer() : counts.for_caches(scan_case.caches);
 }
@@ -82,8 +83,9 @@ void run(benchmark::State& state, const ScanSize& size, const ScanCase& scan_cas
   const Tally tally =
       time_ticks(state, scene->world(), *actuation, settings, path, scan_case.caches);
   if (tally.other_faults) return state.SkipWithError("a tick had a fault");
-  if (tally.contact_share() < kLeastContact)
+  if (tally.contact_share() < kLeastContact) {
     return state.SkipWithError("the hand was seldom in contact");
+  }
   state.counters["triangles"] = static_cast<double>(scene->statistics().instanced_triangles);
 }
 

@@ -119,7 +119,11 @@ struct SegmentTracer::Search {
     while (!packs.empty()) {
       const auto some = packs.first(std::min(packs.size(), kPacksAtOnce));
       packs = packs.subspan(some.size());
-      tracer.radius_m_ == 0.0 ? consider_for_point(some) : consider_for_sphere(some);
+      if (tracer.radius_m_ == 0.0) {
+        consider_for_point(some);
+      } else {
+        consider_for_sphere(some);
+      }
     }
   }
 
@@ -148,11 +152,13 @@ struct SegmentTracer::Search {
         consider_lane(in.pack, lane);
       }
     }
+    float needed_up = needed_rounded_up();
     for (const PackApproach& in : some) {
       for (std::uint32_t lanes = in.lanes; lanes != 0;) {
         const int lane = take_lane(lanes);
-        const auto by = static_cast<float>(needed().value()) * (1 + 0x1p-20f);
-        if (in.may_be_in_reach_by(by, lane)) consider_lane(in.pack, lane);
+        if (!in.may_be_in_reach_by(needed_up, lane)) continue;
+        consider_lane(in.pack, lane);
+        needed_up = needed_rounded_up();
       }
     }
   }
@@ -209,6 +215,9 @@ struct SegmentTracer::Search {
   // How far along the part searched a triangle can still matter.
   QueryFraction needed() const {
     return best ? QueryFraction(best->meet_fraction.value() / limit.value()) : QueryFraction::end();
+  }
+  float needed_rounded_up() const {
+    return static_cast<float>(needed().value()) * (1 + 2 * std::numeric_limits<float>::epsilon());
   }
 };
 

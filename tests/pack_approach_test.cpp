@@ -1,9 +1,9 @@
 // Which triangles a sphere cannot reach on a step, or on the first part of it, as told in single
 // precision: never one that it reaches, by long double.
 
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
