@@ -1,24 +1,68 @@
 #include "geometry/box_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <limits>
+#include <span>
 
 #include "geometry/embree_boxes.h"
+#include "geometry/pack_queries.h"
 
 namespace palpate {
 namespace {
 
+constexpr std::uint32_t kLanes = TrianglePack::kLanes;
+
+// Boxes that are found at once, to be sorted; where there are more, they are searched in order.
+constexpr std::size_t kFoundAtOnce = 256;
+
+// What Embree leads to, as long as there is room.
+struct FoundBoxes {
+  std::array<std::uint32_t, kFoundAtOnce> numbers;
+  std::size_t count = 0;
+  bool are_too_many = false;
+
+  // Returns whether there is room for more.
+  bool add(std::uint32_t number) {
+    are_too_many = are_too_many || count == numbers.size();
+    if (!are_too_many) numbers[count++] = number;
+    return !are_too_many;
+  }
+};
+
 struct AlongQuery {
   SegmentQuery segment;
-  BoxTree::AlongVisitor visitor;
-  void* state;
+  FoundBoxes* found;
 };
 
 void visit_box(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const auto* query = reinterpret_cast<const AlongQuery*>(args->context);
-  query->segment.end_at(query->visitor(query->state, args->primID), args);
+  if (!query->found->add(args->primID)) SegmentQuery::end(args);
+}
+
+// Visits those that were found, or if they are too many all, from number `first` on: those that
+// pass the test.
+template <typename Test>
+void visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups, const OrderedBoxes& ordered,
+                    std::uint32_t first, Test test, BoxTree::Visitor visitor, void* state) {
+  if (!found.are_too_many) {
+    const auto numbers = std::span(found.numbers).first(found.count);
+    std::sort(numbers.begin(), numbers.end());
+    for (const std::uint32_t number : numbers) {
+      const bool passes = test(groups[number / kLanes]) >> (number % kLanes) & 1u;
+      if (number >= first && passes && !visitor(state, number)) return;
+    }
+    return;
+  }
+  for (auto group = ordered.next(first / kLanes, test); group;
+       group = ordered.next(*group + 1, test)) {
+    for (std::uint32_t lanes = test(groups[*group]); lanes != 0;) {
+      const std::uint32_t number = *group * kLanes + static_cast<std::uint32_t>(take_lane(lanes));
+      if (number >= first && !visitor(state, number)) return;
+    }
+  }
 }
 
 Box around(const std::vector<Box>& boxes) {
@@ -28,46 +72,73 @@ Box around(const std::vector<Box>& boxes) {
   return box;
 }
 
+// In float, rounded outwards, sixteen to a group.
+std::vector<BoxPack> groups_of(const std::vector<Box>& boxes, double margin) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  std::vector<BoxPack> groups((boxes.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < groups.size() * kLanes; ++i) {
+    BoxPack& group = groups[i / kLanes];
+    for (int k = 0; k < 3; ++k) {
+      const bool is_there = i < boxes.size();
+      group.low[k][i % kLanes] = is_there ? round_down(boxes[i].low[k] - margin) : kInfinity;
+      group.high[k][i % kLanes] = is_there ? round_up(boxes[i].high[k] + margin) : -kInfinity;
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 BoxTree::BoxTree(const std::vector<Box>& boxes, double sweep_radius_m)
     : bounds_(around(boxes)), sweep_radius_m_(sweep_radius_m) {
   const double reach =
       std::max(bounds_.low.cwiseAbs().maxCoeff(), bounds_.high.cwiseAbs().maxCoeff());
-  const double margin = sweep_radius_m + kFloatMarginUlps * std::numeric_limits<float>::epsilon() *
-                                             (reach + sweep_radius_m);
+  const double float_margin =
+      kFloatMarginUlps * std::numeric_limits<float>::epsilon() * (reach + sweep_radius_m);
+  // Twice the margin for Embree: its tree leads to each box that passes on its own.
   std::vector<Box> grown;
   grown.reserve(boxes.size());
-  for (const Box& box : boxes) grown.push_back(box.grown(margin));
-  bounds_ = bounds_.grown(margin);
+  for (const Box& box : boxes) grown.push_back(box.grown(2 * float_margin + sweep_radius_m));
+  bounds_ = bounds_.grown(float_margin + sweep_radius_m);
   boxes_ = std::make_unique<EmbreeBoxes>(grown, visit_box);
+  groups_ = groups_of(boxes, float_margin);
+  ordered_groups_ = OrderedBoxes(groups_);
 }
 
 BoxTree::~BoxTree() = default;
 
-void BoxTree::visit_near(const Vec3& p, double radius_m, NearVisitor visitor,
+void BoxTree::visit_near(const Vec3& p, double radius_m, Search search, Visitor visitor,
                          void* state) const noexcept {
   if (bounds_.squared_distance(p) > radius_m * radius_m) return;
   const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
                             static_cast<float>(p.z())};
   const float radius = round_up(radius_m + float_point_margin_m(p));
-  // Embree goes on to boxes at no distance, and to the rest of a leaf, whatever radius is left.
-  bool wants_more = true;
-  boxes_->query_point(p_float, radius, [&](std::uint32_t box) {
-    wants_more = wants_more && visitor(state, box);
-    return wants_more ? radius : 0.0f;
-  });
+  const auto test = [&](const BoxPack& boxes) {
+    BoxDistances distances;
+    return boxes_within(boxes, p_float, radius, distances);
+  };
+  FoundBoxes found;
+  found.are_too_many = search == Search::kInOrder;
+  if (search == Search::kWithEmbree) {
+    // Embree goes on to boxes at no distance, and to the rest of a leaf, whatever radius is left.
+    boxes_->query_point(p_float, radius,
+                        [&](std::uint32_t box) { return found.add(box) ? radius : 0.0f; });
+  }
+  visit_in_order(found, groups_, ordered_groups_, 0, test, visitor, state);
 }
 
-void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,
-                          void* state) const noexcept {
+void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
+                          Visitor visitor, void* state) const noexcept {
   assert(radius_m <= sweep_radius_m_);
-  static_cast<void>(radius_m);
-  AlongQuery query{};
+  FoundBoxes found;
+  AlongQuery query{{}, &found};
   if (!query.segment.begin(bounds_, p, d)) return;
-  query.visitor = visitor;
-  query.state = state;
   boxes_->query_segment(query.segment);
+  const float radius = round_up(radius_m);
+  const auto test = [&](const BoxPack& boxes) {
+    return boxes_on_segment(boxes, query.segment.origin, query.segment.displacement, radius);
+  };
+  visit_in_order(found, groups_, ordered_groups_, first, test, visitor, state);
 }
 
 }  // namespace palpate

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "geometry/box.h"
-#include "geometry/fraction.h"
+#include "geometry/ordered_boxes.h"
+#include "geometry/triangle_pack.h"
 
 namespace palpate {
 
@@ -15,7 +16,7 @@ class EmbreeBoxes;
 
 // An immutable BVH over axis-aligned boxes in one frame, metres, which should have its origin near
 // their middle. Answers in single precision, on the safe side: a box may be reported that is a
-// rounding too far away, none is missed.
+// rounding too far away, none is missed. Which ones are does not depend on the instruction set.
 //
 // Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread; they may be
 // made from inside a visitor of another tree or index. Query points must be finite.
@@ -28,23 +29,24 @@ class BoxTree {
   BoxTree& operator=(const BoxTree&) = delete;
 
   // Told of a box by its index; returns whether more are wanted. Must not throw.
-  using NearVisitor = bool (*)(void* state, std::uint32_t box);
-  // Visits the boxes that come within radius_m of p, and none after one that was the last wanted.
-  void visit_near(const Vec3& p, double radius_m, NearVisitor visitor, void* state) const noexcept;
-
-  // Told of a box by its index; returns the fraction of the segment beyond which boxes are of no
-  // interest any more (its end to see them all). Must not throw.
-  using AlongVisitor = QueryFraction (*)(void* state, std::uint32_t box);
-  // Visits the boxes that come within radius_m <= sweep_radius_m of the segment p to p + d, roughly
-  // in order along it. A segment of no length visits nothing.
-  void visit_along(const Vec3& p, const Vec3& d, double radius_m, AlongVisitor visitor,
-                   void* state) const noexcept;
+  using Visitor = bool (*)(void* state, std::uint32_t box);
+  // Embree is fast where few boxes are near, but can't be stopped where very many hold the point.
+  enum class Search : std::uint8_t { kWithEmbree, kInOrder };
+  // Visits the boxes that come within radius_m of p, in ascending order.
+  void visit_near(const Vec3& p, double radius_m, Search search, Visitor visitor,
+                  void* state) const noexcept;
+  // Visits the boxes that come within radius_m <= sweep_radius_m of the segment p to p + d, in
+  // ascending order, from number `first` on. A segment of no length visits nothing.
+  void visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
+                   Visitor visitor, void* state) const noexcept;
 
   double sweep_radius_m() const { return sweep_radius_m_; }
 
  private:
   Box bounds_;  // around all boxes, with all margins
   double sweep_radius_m_;
+  std::vector<BoxPack> groups_;  // the boxes with the margins of rounding
+  OrderedBoxes ordered_groups_;
   std::unique_ptr<EmbreeBoxes> boxes_;
 };
 

@@ -58,6 +58,12 @@ struct SegmentQuery {
     float& tfar = RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0);
     tfar = std::min(tfar, round_up((fraction.value() - enter) * length_m));
   }
+
+  // For the callback: nothing more is wanted, not even boxes that hold the origin.
+  static void end(const RTCIntersectFunctionNArguments* args) {
+    RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0) =
+        -std::numeric_limits<float>::infinity();
+  }
 };
 
 class EmbreeBoxes {

@@ -17,8 +17,12 @@ int exact_side(const TriangleGeometry& t, const Vec3& p) {
   return orientation_in_doubt(t.a, t.b, t.c, p);
 }
 
-// On which sides of the edges ab, bc, ca the line from p to q passes.
-std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Vec3& q) {
+// Signs that meets_in_plane() may have to take exactly.
+constexpr int kMostSignsInPlane = 12;
+
+// On which sides of the edges ab, bc, ca the line from p to q passes. Counts what was in doubt.
+std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
+                              int& in_doubt) {
   const Vec3 d = q - p;
   const Vec3 a = t.a - p;
   const Vec3 b = t.b - p;
@@ -33,6 +37,7 @@ std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Ve
   // Two certain sides that differ settle it.
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return sides;
+  in_doubt += static_cast<int>(std::count(sides.begin(), sides.end(), 0));
   if (sides[0] == 0) sides[0] = orientation_in_doubt(p, q, t.a, t.b);
   if (sides[1] == 0) sides[1] = orientation_in_doubt(p, q, t.b, t.c);
   if (sides[2] == 0) sides[2] = orientation_in_doubt(p, q, t.c, t.a);
@@ -105,13 +110,15 @@ SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Ve
   int end = certain_sign(crossing.height_end, bound_end);
   if (start * end > 0) return crossing;
   // The line first: it is what settles most that remain, and without the exact sides.
-  const std::array<int, 3> sides = line_sides(t, p, q);
+  const std::array<int, 3> sides = line_sides(t, p, q, crossing.signs_in_doubt);
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return crossing;
+  crossing.signs_in_doubt += (start == 0) + (end == 0);
   if (start == 0) start = exact_side(t, p);
   if (end == 0) end = exact_side(t, q);
   if (start * end > 0) return crossing;
   if (start == 0 && end == 0) {
+    crossing.signs_in_doubt += kMostSignsInPlane;
     cross_in_plane(t, p, q, crossing);
     return crossing;
   }

@@ -33,6 +33,56 @@ struct ClusterPacks {
   std::span<const std::uint32_t> span() const { return std::span(ids).first(count); }
 };
 
+// What a visitor of a segment returns to see nothing more at all.
+constexpr QueryFraction kNoMore(-1.0);
+
+// Where there are more packs than are found at once, the boxes are searched in order,
+// and before that a part of the segment that has so few: so many times shorter each time, and so
+// often.
+constexpr double kShorterEachTime = 1.0 / 16;
+constexpr int kMostShortenings = 5;
+
+// So many packs at most that come near a segment, in ascending order.
+struct FoundPacks {
+  std::array<std::uint32_t, kMostPacksAtOnce> packs;
+  std::size_t count = 0;
+  bool are_too_many = false;
+
+  FoundPacks(const SurfaceIndex& index, const Vec3& p, const Vec3& d, double radius_m) {
+    index.visit_segment(p, d, radius_m, add, this);
+    std::sort(packs.data(), packs.data() + count);
+  }
+
+  std::span<const std::uint32_t> all() const { return std::span(packs).first(count); }
+
+ private:
+  static QueryFraction add(void* state, std::span<const std::uint32_t> more) {
+    auto& found = *static_cast<FoundPacks*>(state);
+    found.are_too_many = found.are_too_many || found.count + more.size() > found.packs.size();
+    if (found.are_too_many) return kNoMore;
+    std::copy(more.begin(), more.end(), found.packs.data() + found.count);
+    found.count += more.size();
+    return QueryFraction::end();
+  }
+};
+
+// Visits the packs of clusters in order, from one on: those whose boxes pass the test.
+template <typename Test, typename Visit>
+void visit_clusters(const OrderedBoxes& ordered, std::span<const BoxPack> clusters,
+                    std::uint32_t first, Test test, Visit visit) {
+  const std::uint32_t first_cluster = first / TrianglePack::kLanes;
+  auto cluster = ordered.next(first_cluster, test);
+  while (cluster) {
+    std::uint32_t lanes = test(clusters[*cluster]);
+    if (*cluster == first_cluster) {
+      lanes = lanes >> (first % TrianglePack::kLanes) << (first % TrianglePack::kLanes);
+    }
+    const ClusterPacks packs(*cluster, lanes);
+    if (packs.count > 0 && !visit(packs.span())) return;
+    cluster = ordered.next(*cluster + 1, test);
+  }
+}
+
 void visit_cluster(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const auto* search = reinterpret_cast<const PackSearch*>(args->context);
@@ -41,7 +91,9 @@ void visit_cluster(const RTCIntersectFunctionNArguments* args) {
       args->primID, boxes_on_segment(search->index->cluster_boxes(args->primID), segment.origin,
                                      segment.displacement, search->radius));
   if (packs.count == 0) return;
-  segment.end_at(search->visitor(search->state, packs.span()), args);
+  const QueryFraction needed = search->visitor(search->state, packs.span());
+  if (needed < QueryFraction::start()) return SegmentQuery::end(args);
+  segment.end_at(needed, args);
 }
 
 }  // namespace
@@ -94,7 +146,9 @@ std::vector<Box> SurfaceIndex::build_clusters() {
       cluster_boxes_.back().high[k][lane] = round_up(grown.high[k]);
     }
   }
-  for (Box& bounds : cluster_bounds) bounds = bounds.grown(float_margin_m_ + sweep_radius_m_);
+  ordered_clusters_ = OrderedBoxes(cluster_boxes_);
+  // Twice the margin of the packs: Embree's tree leads to each pack whose own box passes.
+  for (Box& bounds : cluster_bounds) bounds = bounds.grown(2 * float_margin_m_ + sweep_radius_m_);
   return cluster_bounds;
 }
 
@@ -111,6 +165,7 @@ MemoryBreakdown SurfaceIndex::memory() const {
       surface_.triangles.size() * (sizeof(TriangleGeometry) + sizeof(std::uint32_t));
   memory.index_packs = pack_count() * sizeof(TrianglePack);
   memory.index_boxes = sizeof(*this) + cluster_boxes_.capacity() * sizeof(BoxPack) +
+                       ordered_clusters_.memory_bytes() +
                        cluster_boxes_.size() * kEmbreeBytesPerCluster;
   return memory;
 }
@@ -161,6 +216,7 @@ std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m,
                             static_cast<float>(p.z())};
   const float radius = round_up(radius_m + float_point_margin_m(p));
   clusters_->query_point(p_float, radius, [&](std::uint32_t cluster) {
+    if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
     BoxDistances distances;
     const ClusterPacks found(cluster,
                              boxes_within(cluster_boxes_[cluster], p_float, radius, distances));
@@ -178,12 +234,66 @@ void SurfaceIndex::visit_segment(const Vec3& p, const Vec3& d, double radius_m, 
   assert(radius_m <= sweep_radius_m_);
   if (surface_.packs.empty()) return;
   PackSearch search{};
-  if (!search.segment.begin(box_.grown(float_margin_m_ + radius_m), p, d)) return;
+  if (!search.segment.begin(box_.grown(grown_by_m(radius_m)), p, d)) return;
   search.index = this;
   search.visitor = visitor;
   search.state = state;
   search.radius = round_up(radius_m);
   clusters_->query_segment(search.segment);
+}
+
+bool SurfaceIndex::may_meet(const Vec3& p, const Vec3& d, double radius_m) const noexcept {
+  double enter = 0.0;
+  double leave = 1.0;
+  return !surface_.packs.empty() && box_.grown(grown_by_m(radius_m)).clip(p, d, enter, leave);
+}
+
+void SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                                     std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
+                                     void* state) const noexcept {
+  QueryFraction needed = QueryFraction::end();
+  double part = 1.0;
+  for (int shortened = 0; !first && shortened <= kMostShortenings; ++shortened) {
+    const FoundPacks found(*this, p, part * d, radius_m);
+    if (found.are_too_many) {
+      part *= kShorterEachTime;
+      continue;
+    }
+    if (found.count > 0) needed = visitor(state, found.all(), shortened == 0);
+    if (needed <= QueryFraction(part)) return;
+    break;
+  }
+  SegmentQuery segment;
+  if (!segment.begin(box_.grown(grown_by_m(radius_m)), p, d)) return;
+  const float radius = round_up(radius_m);
+  const auto test = [&](const BoxPack& boxes) {
+    return boxes_on_segment(boxes, segment.origin, segment.displacement, radius);
+  };
+  const auto visit = [&](std::span<const std::uint32_t> packs) {
+    const QueryFraction now_needed = visitor(state, packs, true);
+    if (now_needed < QueryFraction::start()) return false;
+    if (now_needed < needed) {
+      needed = now_needed;
+      SegmentQuery shorter;
+      if (shorter.begin(box_.grown(grown_by_m(radius_m)), p, needed.value() * d)) segment = shorter;
+    }
+    return true;
+  };
+  visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0), test, visit);
+}
+
+void SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
+                                    NearPackVisitor visitor, void* state) const noexcept {
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return;
+  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z())};
+  const float radius = round_up(radius_m + float_point_margin_m(p));
+  const auto test = [&](const BoxPack& boxes) {
+    BoxDistances distances;
+    return boxes_within(boxes, p_float, radius, distances);
+  };
+  const auto visit = [&](std::span<const std::uint32_t> packs) { return visitor(state, packs); };
+  visit_clusters(ordered_clusters_, cluster_boxes_, first, test, visit);
 }
 
 std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) const noexcept {

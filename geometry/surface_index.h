@@ -13,6 +13,7 @@
 #include "geometry/fixed_array.h"
 #include "geometry/fraction.h"
 #include "geometry/memory_breakdown.h"
+#include "geometry/ordered_boxes.h"
 #include "geometry/surface_mesh.h"
 #include "geometry/triangle.h"
 #include "geometry/triangle_pack.h"
@@ -55,8 +56,18 @@ struct AffineMap {
 };
 
 // Called with up to sixteen packs near a segment; returns the fraction of the segment beyond which
-// packs are of no interest any more (its end to see them all). Must not throw.
+// packs are of no interest any more (its end to see them all, less than its start to see none).
+// Must not throw.
 using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs);
+
+// Called with packs in ascending order, up to kMostPacksAtOnce; returns the fraction of the segment
+// beyond which packs are of no interest any more (its end to see them all, less than its start to
+// see none). in_order: all packs with lower numbers have been visited. Must not throw.
+inline constexpr std::size_t kMostPacksAtOnce = 256;
+using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
+                                             bool in_order);
+// Called with up to sixteen packs, in ascending order; returns whether more are wanted.
+using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> packs);
 
 // An immutable index over one surface, in a frame of its own (the index frame), which should have
 // its origin near the middle of the surface: then nothing is lost to large coordinates. Embree's
@@ -93,6 +104,22 @@ class SurfaceIndex {
   void visit_segment(const Vec3& p, const Vec3& d, double radius_m, PackVisitor visitor,
                      void* state) const noexcept;
 
+  // Whether there is anything to visit: the segment, grown by radius_m, meets the index's box.
+  bool may_meet(const Vec3& p, const Vec3& d, double radius_m) const noexcept;
+
+  // Visits the same packs so that a search can end anywhere and go on from there: in ascending
+  // order, from number `first` on if it is given. If not, and there are very many, some that are
+  // near the start come before all others: where one of them is met, the rest is not visited. Which
+  // packs they are and how they are grouped does not depend on the instruction set, unlike the
+  // boxes that Embree's tree leads to.
+  void visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                         std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
+                         void* state) const noexcept;
+  // The packs that packs_near() writes, likewise; without Embree, whose search for what is near a
+  // point can't be ended where very many boxes hold it.
+  void visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
+                        NearPackVisitor visitor, void* state) const noexcept;
+
   // Triangles are named by slots: slot n is lane n % kLanes of pack n / kLanes.
   static std::uint32_t slot(std::uint32_t pack, int lane) {
     return pack * TrianglePack::kLanes + static_cast<std::uint32_t>(lane);
@@ -128,9 +155,11 @@ class SurfaceIndex {
 
  private:
   std::vector<Box> build_clusters();
+  double grown_by_m(double radius_m) const { return float_margin_m_ + radius_m; }
 
   PackedSurface surface_;
   std::vector<BoxPack> cluster_boxes_;
+  OrderedBoxes ordered_clusters_;
   Box box_;
   double sweep_radius_m_ = 0.0;
   double float_margin_m_ = 0.0;

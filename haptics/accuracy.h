@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "haptics/work.h"
+
 namespace palpate {
 
 // The arithmetic that decides where a point proxy meets a triangle; a sphere's is always double.
@@ -30,14 +32,20 @@ struct Accuracy {
   // rounding to a second face, and lose its side there.
   bool certify = true;
 
+  // What a tick may do, counted (work.h): >= 1. A tick that runs out of it is capped; the next one
+  // goes on with what it has examined.
+  WorkUnits work_budget = 20000;
+
   // The corners of a tick's way have room from the start, however many steps it takes: 28 MB for so
   // many.
   static constexpr int kMostIterations = 1 << 16;
 
   // Not in float: measured, its larger stand-off costs more steps than its arithmetic saves.
-  static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false}; }
+  static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false, 5000}; }
   static constexpr Accuracy balanced() { return {}; }
-  static constexpr Accuracy exact() { return {512, 1e-4, NarrowPhase::kDouble, true, true}; }
+  static constexpr Accuracy exact() {
+    return {512, 1e-4, NarrowPhase::kDouble, true, true, 160000};
+  }
 };
 
 // "fast", "balanced" or "exact".

@@ -34,6 +34,7 @@ class PushedProxy {
     Vec3 target = proxy_;
     for (int met = 0; met <= kMaxContactPlanes; ++met) {
       const auto hit = first_obstacle(target);
+      if (tracer_.is_cut_short()) return std::nullopt;
       if (!hit) return target;
       if (met == kMaxContactPlanes || !add_plane(*hit)) return std::nullopt;
       const auto planes = std::span(planes_).first(static_cast<std::size_t>(plane_count_));

@@ -18,6 +18,9 @@ constexpr double kBallPerPackDiagonal = 0.6;
 // before it, and half of one to turn round in.
 constexpr double kLead = 0.5;
 
+// Bodies whose boxes a ball may come near to, whether they have packs there or not.
+constexpr std::size_t kMostBodies = 256;
+
 // A refill that finds more packs than there is room for tries half the ball, so often.
 constexpr int kMostHalvings = 4;
 
@@ -43,6 +46,26 @@ double finest_pack_diagonal(const LiveWorld& world) {
   return finest;
 }
 
+// As SurfaceIndex::packs_near(), but stopped as soon as there are too many.
+std::size_t packs_in_order(const SurfaceIndex& index, const Vec3& p, double reach_m,
+                           std::span<std::uint32_t> room) {
+  struct Found {
+    std::span<std::uint32_t> room;
+    std::size_t count = 0;
+  } found{room};
+  index.visit_packs_near(
+      p, reach_m, 0,
+      [](void* state, std::span<const std::uint32_t> packs) {
+        auto& f = *static_cast<Found*>(state);
+        const std::size_t left = f.room.size() - std::min(f.count, f.room.size());
+        std::copy_n(packs.begin(), std::min(packs.size(), left), f.room.data() + f.count);
+        f.count += packs.size();
+        return f.count <= f.room.size();
+      },
+      &found);
+  return found.count;
+}
+
 }  // namespace
 
 CandidateCache::CandidateCache(const LiveWorld& world, double reach_m)
@@ -50,40 +73,57 @@ CandidateCache::CandidateCache(const LiveWorld& world, double reach_m)
       reach_m_(reach_m),
       usual_ball_m_(kBallPerPackDiagonal * finest_pack_diagonal(world)) {}
 
-bool CandidateCache::refill(const Vec3& p, const Vec3& ahead) noexcept {
+bool CandidateCache::refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) noexcept {
+  if (!may_refill(p)) return false;
+  failed_at_.reset();
   const double length = ahead.norm();
   const Vec3 direction = length > 0.0 ? Vec3(ahead / length) : Vec3(Vec3::Zero());
   double radius = usual_ball_m_;
+  auto search = BoxTree::Search::kWithEmbree;
   for (int halving = 0; halving <= kMostHalvings; ++halving, radius *= 0.5) {
-    if (fill_ball(p + kLead * radius * direction, radius)) return true;
+    if (fill_ball(p + kLead * radius * direction, radius, search, work)) return true;
+    search = BoxTree::Search::kInOrder;
   }
   forget();
+  failed_at_ = p;
   return false;
 }
 
-bool CandidateCache::fill_ball(const Vec3& centre, double radius_m) noexcept {
+bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, BoxTree::Search search,
+                               WorkMeter& work) noexcept {
   centre_ = centre;
   radius_m_ = radius_m;
   squared_radius_m2_ = radius_m * radius_m;
   body_count_ = 0;
   std::size_t used = 0;
+  std::size_t entered = 0;
   bool fits = true;
-  world_->visit_resting_near(centre, radius_m + reach_m_, [&](std::uint32_t b) {
-    fits = fits && add_body(b, used);
+  world_->visit_resting_near(centre, radius_m + reach_m_, search, [&](std::uint32_t b) {
+    const ContactBody& body = world_->body(b);
+    const double distance2 = body.index->box().squared_distance(body.to_body(centre));
+    const double reach_m = radius_m + reach_m_;
+    if (distance2 > reach_m * reach_m) return true;
+    fits = ++entered <= kMostBodies && add_body(b, search, used);
     return fits;
   });
+  work.add(static_cast<WorkUnits>(entered) * work::kBody +
+           static_cast<WorkUnits>(fits ? used : kCapacity) * work::kPackNamed);
   return fits;
 }
 
 // Adds the packs of one body that are near the ball; false if there is no room for them.
-bool CandidateCache::add_body(std::uint32_t b, std::size_t& used) noexcept {
+bool CandidateCache::add_body(std::uint32_t b, BoxTree::Search search, std::size_t& used) noexcept {
   const ContactBody& body = world_->body(b);
   const Vec3 centre_body = body.to_body(centre_);
   const double reach_m = radius_m_ + reach_m_;
   const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
-  const std::size_t count = body.index->packs_near(centre_body, reach_m, room);
+  const std::size_t count = search == BoxTree::Search::kWithEmbree
+                                ? body.index->packs_near(centre_body, reach_m, room)
+                                : packs_in_order(*body.index, centre_body, reach_m, room);
   if (count > room.size()) return false;
   if (count == 0) return true;
+  // In ascending order, whatever Embree's is: the same with each instruction set.
+  std::sort(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count));
   BodyCandidates& candidates = bodies_[body_count_];
   candidates.body = b;
   candidates.first = static_cast<std::uint32_t>(used);

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "geometry/triangle_pack.h"
 #include "haptics/live_world.h"
+#include "haptics/work.h"
 
 namespace palpate {
 
@@ -36,17 +38,23 @@ class CandidateCache {
     return d.squaredNorm() <= 4.0 * usual_ball_m_ * usual_ball_m_;
   }
 
+  // Whether a refill at p may succeed: none has failed near by.
+  bool may_refill(const Vec3& p) const noexcept {
+    return !failed_at_ || (p - *failed_at_).squaredNorm() > 0.25 * usual_ball_m_ * usual_ball_m_;
+  }
+
   // Whether nothing is near the ball, if there is one.
   bool is_empty() const { return body_count_ == 0; }
 
   // Searches anew, with a ball that holds p and extends in the direction `ahead`, where the proxy
-  // is going. False, with nothing cached, if there are too many packs.
-  bool refill(const Vec3& p, const Vec3& ahead) noexcept;
+  // is going. False, with nothing cached, if there are too many packs, or bodies that have none.
+  bool refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) noexcept;
 
   // Nothing is covered any more: one of the bodies has begun to move.
   void forget() noexcept {
     squared_radius_m2_ = -1.0;
     body_count_ = 0;
+    failed_at_.reset();
   }
 
   // The cached packs of the n-th body whose boxes come within the reach of the part of the segment
@@ -68,8 +76,9 @@ class CandidateCache {
     float low[3], high[3];  // box around the ball and the reach, body frame
   };
 
-  bool fill_ball(const Vec3& centre, double radius_m) noexcept;
-  bool add_body(std::uint32_t b, std::size_t& used) noexcept;
+  bool fill_ball(const Vec3& centre, double radius_m, BoxTree::Search search,
+                 WorkMeter& work) noexcept;
+  bool add_body(std::uint32_t b, BoxTree::Search search, std::size_t& used) noexcept;
   void keep_boxes(const BodyCandidates& candidates) noexcept;
 
   const LiveWorld* world_;
@@ -79,6 +88,7 @@ class CandidateCache {
   Vec3 centre_ = Vec3::Zero();
   double radius_m_ = 0.0;
   double squared_radius_m2_ = -1.0;  // < 0: nothing cached, nothing covered
+  std::optional<Vec3> failed_at_;    // where the last refill found too many packs, if it did
   std::size_t body_count_ = 0;
   std::array<BodyCandidates, kBoxPacks> bodies_{};
   std::array<std::uint32_t, kCapacity> packs_{};

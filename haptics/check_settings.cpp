@@ -88,6 +88,10 @@ std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSe
                                               " given, expected 1 to " +
                                               std::to_string(Accuracy::kMostIterations));
   }
+  if (accuracy.work_budget < 1) {
+    return invalid("accuracy.work_budget",
+                   std::to_string(accuracy.work_budget) + " given, expected at least 1");
+  }
   return check_number("accuracy.tolerance", accuracy.tolerance, false);
 }
 

@@ -92,6 +92,7 @@ bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_bo
   if (!world_->place(body, unit_pose(T_solver_body))) return false;
   world_->take_bounds(body);
   tracer_.forget_candidates();
+  around_->of.reset();
   take_bounds();
   return true;
 }
@@ -100,17 +101,60 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
                                    const std::optional<Vec3>& motion_plane_normal) noexcept {
   std::size_t held = motions.size();
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return held;
+  tracer_.begin_tick();
+  bodies_have_moved_ = true;
+  if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
+  tracer_.begin_errand(SegmentTracer::Errand::kPush);
+  if (last_push_ && finishes_push(motions, motion_plane_normal)) return count_not_there(motions);
   // One that another was in the way of may get on once that one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
     const std::size_t held_before = held;
     held = 0;
-    for (const BodyMotion& motion : motions) {
-      if (!move_body(motion, motion_plane_normal)) ++held;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const std::size_t next = (first_motion_ + i) % motions.size();
+      if (2 * tracer_.work().used() > tracer_.work().budget()) {
+        first_motion_ = next;
+        return count_not_there(motions);
+      }
+      tracer_.begin_step();
+      if (!move_body(motions[next], motion_plane_normal)) ++held;
+      if (tracer_.is_cut_short()) {
+        last_push_ = motions[next];
+        first_motion_ = next;
+        return count_not_there(motions);
+      }
     }
     if (held == held_before) break;
   }
+  first_motion_ = 0;
   take_bounds();
   return held;
+}
+
+// Goes on with the push that the last tick was cut short in: to where the body was to be then. True
+// if it has done anything.
+bool GodObject::finishes_push(std::span<const BodyMotion> motions,
+                              const std::optional<Vec3>& motion_plane_normal) noexcept {
+  const BodyMotion push = *last_push_;
+  last_push_.reset();
+  const bool still_moves = std::any_of(motions.begin(), motions.end(),
+                                       [&](const BodyMotion& m) { return m.body == push.body; });
+  if (!still_moves) return false;
+  tracer_.repeat_step();
+  move_body(push, motion_plane_normal);
+  if (tracer_.is_cut_short()) last_push_ = push;
+  take_bounds();
+  return true;
+}
+
+// How many bodies are not where they are to be.
+std::size_t GodObject::count_not_there(std::span<const BodyMotion> motions) const {
+  const auto is_there = [&](const BodyMotion& motion) {
+    return is_motion(motion.body, motion.T_solver_body) &&
+           is_same_pose(world_->body(motion.body).T_solver_body, unit_pose(motion.T_solver_body));
+  };
+  const auto there = std::count_if(motions.begin(), motions.end(), is_there);
+  return motions.size() - static_cast<std::size_t>(there);
 }
 
 bool GodObject::move_body(const BodyMotion& motion,
@@ -123,11 +167,13 @@ bool GodObject::move_body(const BodyMotion& motion,
   const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
   if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
   world_->take_bounds(motion.body);
-  if (proxy_ != proxy_before) settled_ = confirmed_ = false;
+  tracer_.forget_moving();
+  around_->of.reset();
+  if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;
   for (int i = 0; i < last_count_; ++i) {
     FaceContact& contact = last_contacts_[i];
     if (contact.face.body != motion.body) continue;
-    settled_ = confirmed_ = false;
+    settled_ = confirmed_ = repeats_step_ = false;
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
   }
   return true;
@@ -149,6 +195,9 @@ bool GodObject::place(const Vec3& p) noexcept {
   confirmed_ = false;
   slides_ = false;
   goes_on_ = false;
+  repeats_step_ = false;
+  last_push_.reset();
+  tracer_.forget_steps();
   path_.clear();
   last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
@@ -172,6 +221,34 @@ ProxyState GodObject::move_to(const Vec3& goal,
   return move(goal, motion_plane_normal, none);
 }
 
+void GodObject::begin_tick() {
+  if (!bodies_have_moved_) tracer_.begin_tick();
+  bodies_have_moved_ = false;
+  work_of_bodies_ = tracer_.work().used();
+  tracer_.begin_errand(SegmentTracer::Errand::kMove);
+}
+
+// Bodies have taken all the work of this tick.
+ProxyState GodObject::stay(const Vec3& goal) {
+  goal_ = goal;
+  path_.clear();
+  path_.push_back(proxy_);
+  return report(0, true);
+}
+
+// Notes for what the step that has been cut short was begun.
+void GodObject::keep_step_for_next_tick() {
+  repeats_step_ = tracer_.is_cut_short();
+  if (!repeats_step_) return;
+  // A search among bodies that move is of no use any more once they have.
+  const bool had_little = 2 * work_of_bodies_ > tracer_.work().budget();
+  move_has_turn_ = had_little || tracer_.is_unfinished_among_moving();
+  const TraceKey* unfinished = tracer_.unfinished();
+  if (unfinished && unfinished->p == proxy_ && unfinished->q == step_target_) return;
+  step_goal_ = goal_;
+  if (unfinished) step_target_ = unfinished->q;
+}
+
 // There is nothing to touch on the way.
 ProxyState GodObject::move_freely() {
   const Vec3 step = goal_ - proxy_;
@@ -179,10 +256,12 @@ ProxyState GodObject::move_freely() {
   plane_count_ = 0;
   projection_ = {};
   goes_on_ = false;
+  repeats_step_ = false;
   tracer_.look_ahead(proxy_, step, true);
   ProxyState state;
   state.proxy = proxy_;
   state.iterations = 1;
+  state.work = tracer_.work().used();
   return state;
 }
 
@@ -242,6 +321,7 @@ Vec3 GodObject::leave_bounds(const Vec3& target) const {
 // Goes to the target as far as the way is free. Nothing if all of it is.
 std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& target) {
   std::optional<TraceHit> hit = tracer_.trace(proxy_, target);
+  if (tracer_.is_cut_short()) return Progress::kStuck;
   if (!hit) {
     advance_to(target);
     return std::nullopt;
@@ -253,6 +333,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   int shortened = 0;
   for (; settings_.accuracy.certify && moves(); ++shortened) {
     const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
+    if (tracer_.is_cut_short()) return Progress::kStuck;
     if (!nearer) break;
     hit = nearer;
     double part = nearer->fraction.value();
@@ -506,6 +587,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   ProxyState state;
   state.proxy = proxy_;
   state.iterations = iterations;
+  state.work = tracer_.work().used();
   state.capped = capped;
   const Vec3 lag = proxy_ - goal_;
   state.in_contact = lag.norm() > step_tolerance_m_;

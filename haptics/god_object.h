@@ -36,6 +36,7 @@ struct ProxyState {
   FrictionState friction = FrictionState::kNone;
   FrictionCone cone;  // of what it touches
   int iterations = 0;
+  WorkUnits work = 0;   // of the tick, with what its moving bodies took
   bool capped = false;  // ended before it converged: GodObject says what that means
   // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
   // for where the proxy is, is as without contact.
@@ -76,11 +77,19 @@ struct BodyMotion {
 // goal by more than 1e-9 of the scene's size. Under friction, slides along what is touched count as
 // far as the lag along them exceeds what friction holds. Not for Accuracy::fast().
 //
-// Capped: the tick ran out of steps; or a point is between faces that are nearly parallel, where
-// rounding decides whether a way leads on; or what a point has met last tells nothing new, and no
-// way that is tried leads on. The proxy is where a longer tick would have come through, free and no
-// farther from the goal than before; the faces that it has met are known to the next tick, which
-// goes on from there.
+// Capped: the tick ran out of steps, or of work (below); or a point is between faces that are
+// nearly parallel, where rounding decides whether a way leads on; or what a point has met last
+// tells nothing new, and no way that is tried leads on. The proxy is where a longer tick would have
+// come through, free and no farther from the goal than before; the faces that it has met are known
+// to the next tick, which goes on from there.
+//
+// Work: a tick is a call of move_to() with the one of move_bodies() before it, if any. What it does
+// is counted (work.h), and ends where Accuracy::work_budget does. The proxy is where the last step
+// that was finished has led, no farther from the goal than it was; a body whose push is not
+// finished is where it was. The next tick goes on with the search that was cut short, and with all
+// that was found: for the goal of then, or, as long as the step is of use for it, for the one that
+// it was begun for. Pushes begin as long as half of the budget is left, and a move that was cut
+// short for the other half has the next tick for itself.
 //
 // A proxy that starts within a stand-off of a triangle, or as a sphere overlaps one, may leave it
 // or keep its distance, and comes no nearer: place() lifts a point off what it is put on.
@@ -114,7 +123,8 @@ class GodObject {
   // Moves bodies, at most LiveWorld::kMostMoving, each straight to its new pose as far as the proxy
   // is concerned, which they push out of their way (push_proxy): within a plane of motion, if its
   // normal (unit) is given. Returns how many were held back because there was no room for it, or
-  // refused; with a normal that is none, all are. The next move_to() goes on from there.
+  // not enough work left, or refused; with a normal that is none, all are. The next move_to() goes
+  // on from there, in the same tick.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
@@ -186,6 +196,14 @@ class GodObject {
   ProxyState refused() const;
   void take_bounds();
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
+  bool finishes_push(std::span<const BodyMotion> motions,
+                     const std::optional<Vec3>& motion_plane_normal) noexcept;
+  std::size_t count_not_there(std::span<const BodyMotion> motions) const;
+  void begin_tick();
+  ProxyState stay(const Vec3& goal);
+  template <typename Friction>
+  void finish_last_step(Friction& friction);
+  void keep_step_for_next_tick();
   ProxyState move_freely();
   void seed_from_last_tick();
   // Friction is a policy: NoFriction, or what move_with_friction() makes of its source. Defined in
@@ -368,6 +386,17 @@ class GodObject {
   std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
   int last_active_count_ = 0;
   bool slides_ = false;  // the contact of the last tick, under friction
+
+  // Of a tick that was cut short.
+  bool repeats_step_ = false;            // the next one begins with the planes of this one
+  Vec3 step_from_ = Vec3::Zero();        // where the proxy was when the present step began
+  Vec3 step_goal_ = Vec3::Zero();        // what the step was taken for
+  Vec3 step_target_ = Vec3::Zero();      // where the trace was to end
+  std::optional<BodyMotion> last_push_;  // that was cut short
+  std::size_t first_motion_ = 0;         // of the bodies that move, the next to be pushed
+  bool bodies_have_moved_ = false;       // in this tick
+  WorkUnits work_of_bodies_ = 0;         // in this tick, before the move
+  bool move_has_turn_ = false;           // the next tick moves no bodies
 };
 
 }  // namespace palpate

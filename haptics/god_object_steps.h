@@ -60,18 +60,25 @@ inline void GodObject::limit_detours() {
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
-  goal_waits_ = goes_on_ && goal == goal_;
+  begin_tick();
+  if (tracer_.is_cut_short()) return stay(goal);
+  const bool keeps_planes = repeats_step_ && motion_plane_normal == motion_plane_normal_;
+  // As it was begun, to the bit: then what has been found is asked for again.
+  const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
+  if (!repeats) goal_waits_ = goes_on_ && goal == goal_;
   goal_ = goal;
   motion_plane_normal_ = motion_plane_normal;
   path_.clear();
   path_.push_back(proxy_);
   if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
-  seed_from_last_tick();
-  is_slow_ = goes_on_;
+  if (!keeps_planes) seed_from_last_tick();
+  if (!repeats) is_slow_ = goes_on_;
+  if (repeats) tracer_.repeat_step();
   if constexpr (Friction::kHolds) {
     limit_detours();
     if (stays_at_rest(friction)) return friction.complete(report(1, false));
   }
+  if (keeps_planes && !repeats) finish_last_step(friction);
   bool capped = true;
   settled_ = false;
   rounding_decides_ = false;
@@ -80,11 +87,14 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     ++iteration;
     if (iteration > kPatience) become_slow();
     limit_detours();
+    if (!repeats || iteration > 1) tracer_.begin_step();
+    step_from_ = proxy_;
     [[maybe_unused]] Vec3 before;
     if constexpr (Friction::kHolds) before = proxy_;
     const Progress progress = take_step(friction);
     if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
     if (progress == Progress::kStopped) continue;
+    if (tracer_.is_cut_short()) break;
     // A point that went to where one plane lets it go, and has its face under it, is at rest. So is
     // a proxy that planes hold which are all those of what it touches here (update_planes).
     settled_ = progress != Progress::kStuck && settled();
@@ -93,6 +103,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
         rounding_decides_ = false;
         continue;
       }
+      if (tracer_.is_cut_short()) break;
       settled_ = progress == Progress::kHeld && !rounding_decides_;
     }
     capped = !settled_;
@@ -108,6 +119,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
       }
     }
   }
+  keep_step_for_next_tick();
   if (capped) name_what_holds(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
@@ -115,6 +127,28 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   goes_on_ = capped || goal_waits_;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
+}
+
+// Goes on with the step that the last tick was cut short in, for an earlier goal, as long as the
+// goal has moved by less than half of the way to it. Where the step leads away from the present
+// goal, it is taken back.
+template <typename Friction>
+[[gnu::cold]] void GodObject::finish_last_step(Friction& friction) {
+  const TraceKey* unfinished = tracer_.unfinished();
+  if (!unfinished || unfinished->p != proxy_ || unfinished->q != step_target_) return;
+  if (2.0 * (goal_ - step_goal_).norm() > (step_goal_ - proxy_).norm()) return;
+  limit_detours();
+  const ProxyPlace before = place_now();
+  const Vec3 target = step_target_;
+  stop_at_first_hit(target);
+  if (tracer_.is_cut_short()) return;
+  if ((proxy_ - goal_).norm() > (before.proxy - goal_).norm()) return_to(before);
+  [[maybe_unused]] const bool moved = proxy_ != before.proxy;
+  if constexpr (Friction::kHolds) {
+    friction.begin_step();
+    friction.wants_to_slide = moved;
+    friction.end_step(moved);
+  }
 }
 
 // A tick that was cut short when the proxy had just met a face tells that face, too.

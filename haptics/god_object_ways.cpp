@@ -56,11 +56,16 @@ void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
   }
 }
 
-// Of much that is around, only so many can be tried: the nearest are the first.
+// Of much that is around, only so many can be tried: the nearest are the first. A step that is
+// taken again knows them.
 void GodObject::look_around() {
   Surroundings& around = *around_;
+  if (around.of == proxy_) return;
   const double near_m = (tracer_.radius_m() > 0.0 ? 1.0 : kAroundPerStandOff) * scale().stand_off_m;
   around.count = tracer_.contacts_around(proxy_, tracer_.radius_m() + near_m, around.faces);
+  around.of.reset();
+  if (tracer_.is_cut_short()) return;
+  around.of = proxy_;
   std::array<std::size_t, kMostAround> order;
   for (std::size_t i = 0; i < around.count; ++i) {
     order[i] = i;

@@ -61,6 +61,7 @@ struct GodObject::Surroundings {
   std::array<FaceContact, kMostAround> faces;    // as planes
   std::array<FaceContact, kMostAround> nearest;  // as the plane of what is nearest of each
   std::array<FaceContact, kMostAround> scratch;
+  std::optional<Vec3> of;  // where the proxy was
   std::size_t count = 0;
   std::size_t touched_count = 0;  // the first so many
   std::array<LineStep, kMostLines> lines;
@@ -95,7 +96,7 @@ template <typename Friction>
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const ProxyPlace here = place_now();
   look_around();
-  if (is_held_by_faces()) {
+  if (tracer_.is_cut_short() || is_held_by_faces()) {
     return_to(here);
     return false;
   }
@@ -118,7 +119,7 @@ bool GodObject::leaves_wedge(Friction& friction) {
     if (projection_.active_count < 2) return false;
     const ProxyPlace here = place_now();
     look_around();
-    if (slides_between(friction)) return true;
+    if (!tracer_.is_cut_short() && slides_between(friction)) return true;
     return_to(here);
   }
   return false;
@@ -212,6 +213,7 @@ bool GodObject::slides_between(Friction& friction) {
   const auto touched = all_touched.first(std::min(all_touched.size(), kMostCrossing));
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
+    if (tracer_.is_cut_short()) return false;
     if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
     const Vec3 way = projection_.displacement_m;  // what friction leaves of the step
@@ -342,6 +344,7 @@ bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
 template <typename Friction>
 bool GodObject::goes_straight(const Vec3& step, Friction& friction,
                               std::optional<TraceHit>* obstacle) {
+  if (tracer_.is_cut_short()) return false;
   const Vec3 target = within_bounds(proxy_ + step);
   const auto hit = tracer_.trace(proxy_, target);
   if (obstacle) *obstacle = hit;
@@ -398,6 +401,7 @@ bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& fr
 // for planes.
 template <typename Friction, typename Step>
 bool GodObject::tries(Friction& friction, Step step) {
+  if (tracer_.is_cut_short()) return false;
   const Vec3 before = proxy_;
   const std::size_t corners = path_.size();
   const Friction friction_before = friction;

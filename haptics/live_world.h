@@ -36,45 +36,25 @@ class LiveWorld {
   // Makes the bounds hold a body where it is. Apart from place(), whose move may be taken back.
   void take_bounds(std::uint32_t b) noexcept;
 
-  // Calls visit(b) for every body at rest that comes within radius_m of p, until it returns false.
+  // Calls visit(b) for every body at rest that comes within radius_m of p, in ascending order,
+  // until it returns false.
   template <typename Visit>
-  void visit_resting_near(const Vec3& p, double radius_m, Visit visit) const noexcept {
-    if (!tree_) {
-      for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
-        if (!is_moving_[b] && !visit(b)) return;
-      }
-      return;
-    }
+  void visit_resting_near(const Vec3& p, double radius_m, BoxTree::Search search,
+                          Visit visit) const noexcept {
+    if (!tree_) return visit_all_resting(0, visit);
     Visitor<Visit> visitor{this, &visit};
-    tree_->visit_near(
-        p, radius_m,
-        [](void* state, std::uint32_t b) {
-          const auto& v = *static_cast<Visitor<Visit>*>(state);
-          return v.world->is_moving_[b] || (*v.visit)(b);
-        },
-        &visitor);
+    tree_->visit_near(p, radius_m, search, Visitor<Visit>::visit_if_resting, &visitor);
   }
 
-  // Calls visit(b) for every body at rest that comes within radius_m of the segment p to p + d,
-  // until the fraction of it that it returns. radius_m: of the proxy, and what the world's tree was
-  // built for.
+  // Calls visit(b) for every body at rest, from number `first` on, that comes within radius_m of
+  // the segment p to p + d, in ascending order, until it returns false. radius_m: of the proxy, and
+  // what the world's tree was built for.
   template <typename Visit>
-  void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m,
+  void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
                            Visit visit) const noexcept {
-    if (!tree_) {
-      for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
-        if (!is_moving_[b]) visit(b);
-      }
-      return;
-    }
+    if (!tree_) return visit_all_resting(first, visit);
     Visitor<Visit> visitor{this, &visit};
-    tree_->visit_along(
-        p, d, radius_m,
-        [](void* state, std::uint32_t b) {
-          const auto& v = *static_cast<Visitor<Visit>*>(state);
-          return v.world->is_moving_[b] ? QueryFraction::end() : (*v.visit)(b);
-        },
-        &visitor);
+    tree_->visit_along(p, d, radius_m, first, Visitor<Visit>::visit_if_resting, &visitor);
   }
 
  private:
@@ -82,7 +62,19 @@ class LiveWorld {
   struct Visitor {
     const LiveWorld* world;
     Visit* visit;
+
+    static bool visit_if_resting(void* state, std::uint32_t b) {
+      const auto& v = *static_cast<Visitor*>(state);
+      return v.world->is_moving_[b] || (*v.visit)(b);
+    }
   };
+
+  template <typename Visit>
+  void visit_all_resting(std::uint32_t first, Visit& visit) const noexcept {
+    for (std::uint32_t b = first; b < bodies_.size(); ++b) {
+      if (!is_moving_[b] && !visit(b)) return;
+    }
+  }
 
   std::vector<ContactBody> bodies_;
   std::shared_ptr<const BoxTree> tree_;  // of the bodies where they were at first; may be null

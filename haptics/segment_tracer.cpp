@@ -27,8 +27,35 @@ constexpr double kFartherLook = 16.0;
 // Packs that are asked in one go.
 constexpr std::size_t kPacksAtOnce = 16;
 
-// Bodies that a point may be in contact with at once, of those at rest.
+// Bodies at rest that contacts around a point are looked for in, and the packs of all bodies that
+// are looked at for that: those with the lowest numbers.
 constexpr std::size_t kMostBodiesAround = 64;
+constexpr std::size_t kMostPacksAround = 256;
+
+// A search for contacts around a point that begins with less than this part of the budget used is
+// not cut short: it is bounded, and what follows may go on in the next tick.
+constexpr WorkUnits kBeginsAroundPart = 4;
+
+// Of a segment that is searched for something before a hit, at least so much is searched: what is
+// at the very start counts, too.
+constexpr double kLeastPart = 0x1p-20;
+
+// A tick notes its traces when it has done so much of its work: most never do, and what they did
+// before is soon done again.
+constexpr WorkUnits kNotedAfterPart = 16;
+
+// Traces that are noted: of a move, all ways out at a vertex; of a push, as far as it is shortened.
+constexpr std::size_t kMostNotedOfMove = 4096;
+constexpr std::size_t kMostNotedOfPush = 256;
+
+// What a search that was cut short answers: the step is stopped where it starts.
+TraceHit nothing_known() {
+  TraceHit hit{};
+  hit.contact.normal.setZero();
+  hit.contact.feature_point.setZero();
+  hit.contact.clearance_m = 0.0;
+  return hit;
+}
 
 // A sphere's narrow phase is always in double: its stand-off is what its index was built for.
 bool is_in_float(double radius_m, const Accuracy& accuracy) {
@@ -92,6 +119,15 @@ struct SegmentTracer::Search {
   Vec3 q_body = Vec3::Zero();
   Vec3 d_body = Vec3::Zero();  // the part searched, rounded: for what only sorts out
 
+  bool is_resumed = false;
+  bool has_begun = false;  // something has been examined for good, so that it can be cut short
+
+  // Searches only what is before the best hit so far.
+  void shorten() {
+    if (!best) return;
+    limit = std::min(limit, StepFraction(std::max(best->meet_fraction.value(), kLeastPart)));
+  }
+
   void enter_body(std::uint32_t id) {
     if (placed && body == id) return;
     body = id;
@@ -114,37 +150,53 @@ struct SegmentTracer::Search {
     corners = nullptr;
   }
 
-  // Packs of the body entered.
-  void consider_packs(std::span<const std::uint32_t> packs) {
-    while (!packs.empty()) {
-      const auto some = packs.first(std::min(packs.size(), kPacksAtOnce));
-      packs = packs.subspan(some.size());
-      if (tracer.radius_m_ == 0.0) {
-        consider_for_point(some);
-      } else {
-        consider_for_sphere(some);
-      }
-    }
+  bool misses_body() const {
+    return !placed->index->may_meet(p_body, d_body, tracer.sweep_radius_m(*placed));
   }
 
-  void consider_for_point(std::span<const std::uint32_t> packs) {
+  bool must_stop() const { return has_begun && tracer.work_.is_spent(); }
+
+  // Packs of the body entered. False if it has to stop before the last of them, in `unexamined`.
+  bool consider_packs(std::span<const std::uint32_t> packs, std::uint32_t& unexamined) {
+    while (!packs.empty()) {
+      unexamined = packs.front();
+      if (must_stop()) return false;
+      const auto some = packs.first(std::min(packs.size(), packs_at_once()));
+      packs = packs.subspan(some.size());
+      if (!(tracer.radius_m_ == 0.0 ? consider_for_point(some) : consider_for_sphere(some))) {
+        return false;
+      }
+      has_begun = true;
+    }
+    return true;
+  }
+
+  // One where a search goes on: so that it gets on however little it may do.
+  std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
+
+  bool consider_for_point(std::span<const std::uint32_t> packs) {
+    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackLanes, kPacksAtOnce> doubtful;
     const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_body, d_body,
                                                tracer.clearance_m(*placed), doubtful.data());
-    for (const PackLanes& in : std::span(doubtful).first(count)) {
-      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
-        consider_lane(in.pack, take_lane(lanes));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;  // never where there is one
+      for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
+        consider_lane(doubtful[i].pack, take_lane(lanes));
       }
     }
+    return true;
   }
 
   // First what the sphere touches where it is: as a rule that stops it, and tells the rest apart.
-  void consider_for_sphere(std::span<const std::uint32_t> packs) {
+  bool consider_for_sphere(std::span<const std::uint32_t> packs) {
+    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackApproach, kPacksAtOnce> doubtful;
     const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_body, d_body,
                                              tracer.reach_m(), doubtful.data());
-    const auto some = std::span(doubtful).first(count);
-    for (PackApproach& in : some) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;
+      PackApproach& in = doubtful[i];
       for (std::uint32_t lanes = in.lanes; lanes != 0;) {
         const int lane = take_lane(lanes);
         if (!in.is_in_reach_at_start(lane)) continue;
@@ -153,7 +205,9 @@ struct SegmentTracer::Search {
       }
     }
     float needed_up = needed_rounded_up();
-    for (const PackApproach& in : some) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;
+      const PackApproach& in = doubtful[i];
       for (std::uint32_t lanes = in.lanes; lanes != 0;) {
         const int lane = take_lane(lanes);
         if (!in.may_be_in_reach_by(needed_up, lane)) continue;
@@ -161,21 +215,26 @@ struct SegmentTracer::Search {
         needed_up = needed_rounded_up();
       }
     }
+    return true;
   }
 
   void consider_lane(std::uint32_t pack, int lane) {
     const FaceRef face{body, SurfaceIndex::slot(pack, lane)};
-    tracer.remember(face);
+    tracer.doubtful_.add(face);
     consider(face);
   }
 
   // A triangle of the body entered.
   void consider(const FaceRef& face) {
     TriangleHit hit;
-    if (meets(face.slot, hit)) keep_earlier(hit, face);
+    TriangleWork work;
+    const bool is_met = meets(face.slot, hit, work);
+    tracer.work_.add(work::kTriangle + work.signs_in_doubt * work::kSignInDoubt +
+                     work.nearest_points * work::kNearestPoint);
+    if (is_met) keep_earlier(hit, face);
   }
 
-  bool meets(std::uint32_t slot, TriangleHit& hit) const {
+  bool meets(std::uint32_t slot, TriangleHit& hit, TriangleWork& work) const {
     const SurfaceIndex& index = *placed->index;
     const SolverScale& scale = tracer.scale_;
     if (tracer.is_in_float_) {
@@ -186,14 +245,14 @@ struct SegmentTracer::Search {
     if (corners) {
       const Vec3 normal = placed->direction_to_solver(index.triangle(slot).normal);
       return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
-                         hit);
+                         hit, work);
     }
     if (tracer.radius_m_ == 0.0) {
       return trace_point(index.triangle(slot), p_body, q_body, {scale.stop_m, scale.clearance_m},
-                         hit);
+                         hit, work);
     }
     return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stop_m,
-                        best ? best->meet_fraction : limit, hit);
+                        best ? std::min(best->meet_fraction, limit) : limit, hit, work);
   }
 
   // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
@@ -213,11 +272,12 @@ struct SegmentTracer::Search {
   }
 
   // How far along the part searched a triangle can still matter.
-  QueryFraction needed() const {
-    return best ? QueryFraction(best->meet_fraction.value() / limit.value()) : QueryFraction::end();
+  double needed() const {
+    return best ? std::max(best->meet_fraction.value() / limit.value(), kLeastPart) : 1.0;
   }
   float needed_rounded_up() const {
-    return static_cast<float>(needed().value()) * (1 + 2 * std::numeric_limits<float>::epsilon());
+    const double needed = best ? best->meet_fraction.value() / limit.value() : 1.0;
+    return static_cast<float>(needed) * (1 + 2 * std::numeric_limits<float>::epsilon());
   }
 };
 
@@ -228,58 +288,100 @@ SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accu
       is_in_float_(is_in_float(radius_m, accuracy)),
       scale_(scale_for(world, radius_m, accuracy)),
       // Half a stand-off is what hits need beyond the radius; two cover rounding as well.
-      cache_(world, radius_m + 2 * scale_.stand_off_m) {}
+      cache_(world, radius_m + 2 * scale_.stand_off_m),
+      work_(accuracy.work_budget),
+      memories_{std::make_unique<Memory>(kMostNotedOfMove),
+                std::make_unique<Memory>(kMostNotedOfPush)},
+      memory_(memories_[0].get()) {}
 
-void SegmentTracer::forget_doubtful() {
-  doubtful_count_ = 0;
-  doubtful_overflowed_ = false;
+void SegmentTracer::begin_tick() noexcept {
+  work_.begin_tick();
+  is_cut_short_ = false;
 }
 
-void SegmentTracer::remember(const FaceRef& face) {
-  if (doubtful_count_ == kMostDoubtful) {
-    doubtful_overflowed_ = true;
-  } else {
-    doubtful_[doubtful_count_++] = face;
+void SegmentTracer::forget_steps() noexcept {
+  for (const auto& memory : memories_) {
+    memory->log.clear();
+    memory->progress.reset();
   }
 }
 
-void SegmentTracer::search_candidates(Search& search) noexcept {
+void SegmentTracer::forget_moving() noexcept {
+  Memory& memory = *memories_[static_cast<std::size_t>(Errand::kMove)];
+  memory.log.clear();
+  if (!memory.progress || !memory.progress->is_among_moving) return;
+  memory.progress->body = memory.progress->pack = 0;
+  memory.progress->best = memory.progress->best_at_rest;
+}
+
+bool SegmentTracer::search_candidates(Search& search) noexcept {
   std::array<std::uint32_t, CandidateCache::kCapacity> packs;
+  std::uint32_t unexamined = 0;
   for (std::size_t n = 0; n < cache_.body_count(); ++n) {
     search.enter_body(cache_.body(n));
+    work_.add(work::kBody);
     const std::size_t count = cache_.packs_along(n, search.p_body, search.d_body, packs);
-    search.consider_packs(std::span(packs).first(count));
+    if (!search.consider_packs(std::span(packs).first(count), unexamined)) return false;
   }
+  return true;
 }
 
-void SegmentTracer::search_segment(Search& search) noexcept {
+bool SegmentTracer::search_resting(Search& search, TraceProgress& progress) noexcept {
+  if (progress.is_among_moving) return true;
+  bool is_complete = true;
   const Vec3 d = search.limit.value() * (search.q - search.p);
-  world_->visit_resting_along(search.p, d, sweep_radius_m(), [&](std::uint32_t b) {
+  world_->visit_resting_along(search.p, d, sweep_radius_m(), progress.body, [&](std::uint32_t b) {
+    if (b != progress.body) {
+      progress.body = b;
+      progress.pack = 0;
+    }
+    search.shorten();
     search.enter_body(b);
-    search_body(search, b);
-    return search.needed();
+    // Without a tree, all bodies come here.
+    if (search.misses_body()) return true;
+    is_complete = search_body(search, progress);
+    return is_complete;
   });
+  if (!is_complete) return false;
+  progress.is_among_moving = true;
+  progress.body = progress.pack = 0;
+  progress.best_at_rest = search.best;
+  return true;
 }
 
-void SegmentTracer::search_moving(Search& search) noexcept {
-  for (const std::uint32_t b : world_->moving()) {
-    if (b == left_out_) continue;
+bool SegmentTracer::search_moving(Search& search, TraceProgress& progress) noexcept {
+  const auto moving = world_->moving();
+  for (; progress.body < moving.size(); ++progress.body, progress.pack = 0) {
+    const std::uint32_t b = moving[progress.body];
+    if (b == progress.key.left_out) continue;
     search.enter_body(b);
-    search_body(search, b);
+    if (!search_body(search, progress)) return false;
   }
+  return true;
 }
 
-// The body that has been entered.
-void SegmentTracer::search_body(Search& search, std::uint32_t body) noexcept {
-  const ContactBody& placed = world_->body(body);
-  placed.index->visit_segment(
-      search.p_body, search.d_body, sweep_radius_m(placed),
-      [](void* state, std::span<const std::uint32_t> packs) {
-        auto& s = *static_cast<Search*>(state);
-        s.consider_packs(packs);
-        return s.needed();
+// The body that has been entered. False if the budget did not suffice for all of it.
+bool SegmentTracer::search_body(Search& search, TraceProgress& progress) noexcept {
+  if (search.must_stop()) return false;
+  work_.add(work::kBody);
+  struct State {
+    Search* search;
+    TraceProgress* progress;
+    bool is_complete;
+  } state{&search, &progress, true};
+  const auto first = progress.is_resumed ? std::optional(progress.pack) : std::nullopt;
+  search.placed->index->visit_packs_along(
+      search.p_body, search.d_body, sweep_radius_m(*search.placed), first,
+      [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
+        State& in = *static_cast<State*>(s);
+        std::uint32_t unexamined = 0;
+        in.is_complete = in.search->consider_packs(packs, unexamined);
+        if (in_order) in.progress->pack = unexamined;
+        return in.is_complete ? QueryFraction(in.search->needed()) : QueryFraction(-1.0);
       },
-      &search);
+      &state);
+  search.has_begun = search.has_begun || state.is_complete;
+  return state.is_complete;
 }
 
 // The less far a sphere looks, the fewer of the triangles about it are in doubt, and one that falls
@@ -290,68 +392,162 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
   return length_m <= kShortStep * radius_m_ ? 1.0 : kFirstLook * radius_m_ / length_m;
 }
 
+// What has been found before, or else is found now; if the budget suffices for it.
+template <typename Find>
+std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key, Find find) noexcept {
+  last_entry_ = nullptr;
+  if (is_cut_short_) return nothing_known();
+  if (memory_->log.has_answers()) {
+    last_entry_ = memory_->log.recall(key);
+    if (last_entry_) {
+      doubtful_.clear();
+      doubtful_.have_overflowed = true;  // nobody knows any more which they were
+      return last_entry_->hit;
+    }
+  }
+  if (work_.is_spent()) {
+    const bool is_known = memory_->progress && memory_->progress->key == key;
+    if (!is_known) memory_->progress = TraceProgress{key};
+    is_cut_short_ = true;
+    return nothing_known();
+  }
+  const bool goes_on = memory_->progress && memory_->progress->key == key;
+  const auto hit = find();
+  if (is_cut_short_) return nothing_known();
+  if (goes_on || kNotedAfterPart * work_.used() >= work_.budget()) {
+    last_entry_ = memory_->log.note(key, hit);
+  }
+  return hit;
+}
+
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
+  const TraceKey key{p, q};
+  return answer(key, [&] { return find(key); });
+}
+
+std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
+                                                    const Vec3& q) noexcept {
+  const TraceKey key{p, q, body};
+  return answer(key, [&] { return find(key); });
+}
+
+std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
+                                                     const Vec3& q_body) noexcept {
+  const TraceKey key{p_body, q_body, TraceKey::kNoBody, body};
+  return answer(key, [&] { return find(key); });
+}
+
+std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
+  if (doubtful_.have_overflowed) return trace(p, q);
+  return answer({p, q}, [&] {
+    Search search{*this, p, q, StepFraction::end()};
+    for (std::size_t i = 0; i < doubtful_.count; ++i) {
+      search.enter_body(doubtful_.faces[i].body);
+      search.consider(doubtful_.faces[i]);
+    }
+    return search.best;
+  });
+}
+
+std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
+  auto& unfinished = memory_->progress;
+  if (unfinished && unfinished->key == key) {
+    const TraceProgress progress = *unfinished;
+    unfinished.reset();
+    doubtful_ = progress.doubtful;
+    return go_on(progress);
+  }
+  std::optional<TraceHit> hit;
+  if (key.only == TraceKey::kNoBody && look_among_candidates(key, hit)) return hit;
+  doubtful_.clear();
+  return go_on({key});
+}
+
+// True if that gave the answer, or is as far as the budget suffices.
+bool SegmentTracer::look_among_candidates(const TraceKey& key,
+                                          std::optional<TraceHit>& hit) noexcept {
+  const Vec3& p = key.p;
+  const Vec3& q = key.q;
   const bool is_long = !cache_.may_cover_step(q - p);
   for (int attempt = 0; accuracy_.reuse_candidates && attempt < 2; ++attempt) {
     bool is_inside = cache_.covers(p);
     for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
       look = std::min(look, 1.0);
-      forget_doubtful();
+      doubtful_.clear();
       Search search{*this, p, q, StepFraction(look)};
-      search_candidates(search);
-      search_moving(search);
+      TraceProgress among_moving{key};
+      if (!search_candidates(search) || !search_moving(search, among_moving)) {
+        cut_short({key, first_look(p, q)});
+        return true;
+      }
       // Whatever happens inside the ball is known; the first of it counts.
       is_inside =
           cache_.covers(p + (search.best ? search.best->meet_fraction.value() : look) * (q - p));
-      if (is_inside && (search.best || look == 1.0)) return search.best;
+      if (is_inside && (search.best || look == 1.0)) {
+        hit = search.best;
+        return true;
+      }
     }
     // A step that is too long for any ball is searched along.
     if (attempt == 0 && is_long && cache_.covers(p)) break;
     if (attempt > 0 || refills_ >= kMostRefills) break;
-    refills_ = cache_.refill(p, motion_) ? refills_ + 1 : kMostRefills;
+    refills_ = cache_.refill(p, motion_, work_) ? refills_ + 1 : kMostRefills;
   }
-  forget_doubtful();
-  Search search{*this, p, q, StepFraction::end()};
-  search_segment(search);
-  search_moving(search);
-  return search.best;
+  return false;
 }
 
-std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
-                                                     const Vec3& q_body) noexcept {
-  forget_doubtful();
-  const ContactBody& placed = world_->body(body);
-  Search search{*this, placed.to_solver(p_body), placed.to_solver(q_body), StepFraction::end()};
-  search.enter_body_at(body, p_body, q_body);
-  search_body(search, body);
-  return search.best;
-}
-
-std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
-                                                    const Vec3& q) noexcept {
-  left_out_ = body;
-  const auto hit = trace(p, q);
-  left_out_ = kNoBody;
-  return hit;
-}
-
-std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
-  if (doubtful_overflowed_) return trace(p, q);
-  Search search{*this, p, q, StepFraction::end()};
-  for (std::size_t i = 0; i < doubtful_count_; ++i) {
-    search.enter_body(doubtful_[i].body);
-    search.consider(doubtful_[i]);
+// Searches all there is along a step, from where an earlier tick was cut short.
+std::optional<TraceHit> SegmentTracer::go_on(TraceProgress progress) noexcept {
+  while (search_all(progress)) {
+    const bool is_met = progress.best && progress.best->meet_fraction.value() <= progress.look;
+    if (is_met || progress.look == 1.0) return progress.best;
+    // Where very many triangles are near the start, each look asks them all.
+    const double most = progress.best ? progress.best->meet_fraction.value() : 1.0;
+    progress.look = std::min(most, kFartherLook * progress.look);
+    progress.begin();
   }
-  return search.best;
+  if (!progress.is_resumed) {
+    // From now on in parts, the nearest first.
+    progress.look = first_look(progress.key.p, progress.key.q);
+    if (progress.look < 1.0) progress.begin();
+  }
+  progress.doubtful = doubtful_;
+  cut_short(progress);
+  return std::nullopt;
+}
+
+// As far as this look goes. False if the budget does not suffice for it.
+bool SegmentTracer::search_all(TraceProgress& progress) noexcept {
+  const TraceKey& key = progress.key;
+  const bool is_in_body = key.only != TraceKey::kNoBody;
+  const ContactBody* body = is_in_body ? &world_->body(key.only) : nullptr;
+  Search search{*this, body ? body->to_solver(key.p) : key.p, body ? body->to_solver(key.q) : key.q,
+                StepFraction(progress.look), progress.best};
+  search.is_resumed = progress.is_resumed;
+  bool is_complete = false;
+  if (is_in_body) {
+    search.enter_body_at(key.only, key.p, key.q);
+    is_complete = search_body(search, progress);
+  } else {
+    is_complete = search_resting(search, progress) && search_moving(search, progress);
+  }
+  progress.best = search.best;
+  return is_complete;
+}
+
+void SegmentTracer::cut_short(const TraceProgress& progress) noexcept {
+  memory_->progress = progress;
+  memory_->progress->is_resumed = true;
+  is_cut_short_ = true;
 }
 
 void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept {
   motion_ = step;
   const bool has_refilled = refills_ > 0;
   refills_ = 0;
-  if (!accuracy_.reuse_candidates || !was_cheap || has_refilled) return;
-  if (cache_.covers(p + kTicksAhead * step)) return;
-  cache_.refill(p, step);
+  if (!accuracy_.reuse_candidates || !was_cheap || has_refilled || work_.is_spent()) return;
+  if (cache_.covers(p + kTicksAhead * step) || !cache_.may_refill(p)) return;
+  cache_.refill(p, step, work_);
 }
 
 FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
@@ -413,35 +609,36 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
 }
 
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
-                                             std::span<FaceContact> contacts) const noexcept {
-  std::array<std::uint32_t, kMostBodiesAround> bodies;
-  std::size_t body_count = 0;
-  world_->visit_resting_near(p, reach_m, [&](std::uint32_t b) {
+                                             std::span<FaceContact> contacts) noexcept {
+  NearestContacts nearest(p, contacts);
+  // One that begins with most of the budget left is completed all the same.
+  may_stop_around_ = kBeginsAroundPart * work_.used() > work_.budget();
+  std::size_t packs_left = kMostPacksAround;
+  std::size_t bodies_left = kMostBodiesAround;
+  const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
+  world_->visit_resting_near(p, reach_m, BoxTree::Search::kInOrder, [&](std::uint32_t b) {
     const ContactBody& body = world_->body(b);
     if (body.index->box().squared_distance(body.to_body(p)) > reach_m * reach_m) return true;
-    bodies[body_count++] = b;
-    return body_count < bodies.size();
+    visit_contacts(b, p, reach_m, packs_left, add);
+    return --bodies_left > 0 && packs_left > 0 && !is_cut_short_;
   });
-  std::sort(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(body_count));
-  NearestContacts nearest(p, contacts);
-  const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
-  for (const std::uint32_t b : std::span(bodies).first(body_count)) {
-    visit_contacts(b, p, reach_m, add);
-  }
-  for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, add);
+  for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, packs_left, add);
   return nearest.count();
 }
 
 template <typename Visitor>
 void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_m,
-                                   const Visitor& visit) const noexcept {
+                                   std::size_t& packs_left, const Visitor& visit) noexcept {
+  if (packs_left == 0 || is_cut_short_) return;
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
-  std::array<std::uint32_t, CandidateCache::kCapacity> packs;
-  const std::size_t found = std::min(packs.size(), body.index->packs_near(p_body, reach_m, packs));
-  std::sort(packs.begin(), packs.begin() + static_cast<std::ptrdiff_t>(found));
-  for (const std::uint32_t pack : std::span(packs).first(found)) {
-    for (int lane = 0; lane < body.index->pack(pack).count; ++lane) {
+  work_.add(work::kBody);
+  const auto consider_pack = [&](std::uint32_t pack) {
+    const int count = body.index->pack(pack).count;
+    if (may_stop_around_ && work_.is_spent()) is_cut_short_ = true;
+    if (is_cut_short_) return false;
+    work_.add(work::kPack + count * work::kNearestPoint);
+    for (int lane = 0; lane < count; ++lane) {
       const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
       const TriangleGeometry& t = body.index->triangle(slot);
       const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
@@ -452,11 +649,19 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
              TriangleFeature::kFace,
              body.to_solver(nearest.point)});
     }
-  }
+    return --packs_left > 0;
+  };
+  using ConsiderPack = decltype(consider_pack);
+  body.index->visit_packs_near(
+      p_body, reach_m, 0,
+      [](void* state, std::span<const std::uint32_t> packs) {
+        return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
+      },
+      const_cast<void*>(static_cast<const void*>(&consider_pack)));
 }
 
 std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
-                                           std::span<FaceContact> contacts) const noexcept {
+                                           std::span<FaceContact> contacts) noexcept {
   const std::size_t count = contacts_in_front(p, reach_m, contacts);
   for (FaceContact& contact : contacts.first(count)) {
     if (contact.clearance_m >= 0.0) continue;
@@ -466,14 +671,24 @@ std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
   return count;
 }
 
-std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p,
-                                                           const Vec3& d) const noexcept {
+std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p, const Vec3& d) noexcept {
+  const bool is_recalled = doubtful_.have_overflowed && doubtful_.count == 0;
+  if (is_recalled) return last_entry_ ? last_entry_->steepest : std::nullopt;
+  const auto steepest = find_steepest_contact(p, d);
+  if (last_entry_) last_entry_->steepest = steepest;
+  return steepest;
+}
+
+std::optional<FaceContact> SegmentTracer::find_steepest_contact(const Vec3& p,
+                                                                const Vec3& d) const {
   std::optional<FaceContact> steepest;
   double least = 0.0;
-  for (std::size_t i = 0; i < doubtful_count_; ++i) {
-    const FaceContact contact = nearest_contact(doubtful_[i], p);
+  for (const FaceRef& face : std::span(doubtful_.faces).first(doubtful_.count)) {
+    const FaceContact contact = nearest_contact(face, p);
     const double approach = contact.normal.dot(d);
-    if (contact.clearance_m > scale_.stop_m || approach >= least) continue;
+    if (contact.clearance_m > scale_.stop_m || approach >= 0.0 || approach > least) continue;
+    // Those that share what is touched lead as steeply: the first of them counts.
+    if (steepest && approach == least && steepest->face < face) continue;
     least = approach;
     steepest = contact;
   }

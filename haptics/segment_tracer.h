@@ -4,40 +4,19 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "geometry/triangle.h"
 #include "haptics/accuracy.h"
 #include "haptics/candidate_cache.h"
+#include "haptics/contact.h"
 #include "haptics/live_world.h"
-#include "haptics/triangle_trace.h"
+#include "haptics/trace_log.h"
+#include "haptics/work.h"
 
 namespace palpate {
-
-// Names one triangle of the world.
-struct FaceRef {
-  std::uint32_t body = 0;
-  std::uint32_t slot = 0;  // of the body's index
-  friend bool operator==(const FaceRef&, const FaceRef&) = default;
-  friend auto operator<=>(const FaceRef&, const FaceRef&) = default;
-};
-
-// A contact plane of a face at some proxy position. Solver frame, metres.
-struct FaceContact {
-  FaceRef face;
-  Vec3 normal;         // unit, from the surface to the proxy
-  double clearance_m;  // of the proxy's surface above the face, along the normal
-  TriangleFeature feature = TriangleFeature::kFace;
-  Vec3 feature_point;  // the point touched
-};
-
-// Where a step is stopped.
-struct TraceHit {
-  FaceContact contact;                                 // at the stopping point
-  StepFraction fraction = StepFraction::start();       // up to which the step may be taken
-  StepFraction meet_fraction = StepFraction::start();  // where they would meet, >= fraction
-};
 
 // Answers "how far can the proxy go" against every triangle of a world. Points and spheres.
 //
@@ -50,12 +29,45 @@ struct TraceHit {
 // Triangles are taken from the cached packs around the proxy while the step stays in their safe
 // zone, and from a segment query otherwise; of bodies that move, always from one. Packs are asked
 // sixteen triangles at a time in single precision; what that cannot rule out is decided in double.
+// A tick's work is counted (work.h). A search that its budget does not suffice for is cut short: it
+// answers that the step is stopped where it starts, by nothing that has a name, and so does each
+// one after it. Asked for the same again in the next tick, it goes on from there.
+//
 // No allocation, lock or exception. One instance serves one thread.
 class SegmentTracer {
  public:
   // The world must outlive the tracer. radius_m >= 0; the world's indices must have been built for
   // sweeps of at least radius_m + the stand-off.
   SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy = {});
+
+  // Which of two searches that may be cut short is told of: each goes on for itself.
+  enum class Errand : std::uint8_t { kMove, kPush };
+
+  // A new tick, with all of its budget.
+  void begin_tick() noexcept;
+  // Whether a search of this tick has been cut short. It knows nothing of what it was asked.
+  bool is_cut_short() const { return is_cut_short_; }
+  const WorkMeter& work() const { return work_; }
+
+  // What is asked from now on is for this.
+  void begin_errand(Errand errand) noexcept {
+    memory_ = memories_[static_cast<std::size_t>(errand)].get();
+  }
+  // What is asked from now on is no step that was cut short.
+  void begin_step() noexcept { memory_->log.clear(); }
+  // What is asked from now on is the same as in the step that was cut short.
+  void repeat_step() noexcept { memory_->log.rewind(); }
+  // What was being asked when it was cut short, if it was.
+  const TraceKey* unfinished() const {
+    return memory_->progress ? &memory_->progress->key : nullptr;
+  }
+  bool is_unfinished_among_moving() const {
+    return memory_->progress && memory_->progress->is_among_moving;
+  }
+  // A body has been put elsewhere, or the proxy has: what was asked before will not be asked again.
+  void forget_steps() noexcept;
+  // A body that moves already has moved on.
+  void forget_moving() noexcept;
 
   // The first obstacle of the proxy on its way from p to q.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
@@ -72,7 +84,10 @@ class SegmentTracer {
   std::optional<TraceHit> trace_others(std::uint32_t body, const Vec3& p, const Vec3& q) noexcept;
 
   // To be told when a body moves for the first time.
-  void forget_candidates() noexcept { cache_.forget(); }
+  void forget_candidates() noexcept {
+    cache_.forget();
+    forget_steps();
+  }
 
   // Whether there is certainly nothing on the way from p to q.
   bool is_free(const Vec3& p, const Vec3& q) const noexcept {
@@ -109,13 +124,13 @@ class SegmentTracer {
   // Contacts of a point at p with the faces closer than reach_m, the nearest if there is not room
   // for all, in no order: seen from their fronts, or from where p is. Return how many were written.
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
-                                std::span<FaceContact> contacts) const noexcept;
+                                std::span<FaceContact> contacts) noexcept;
   std::size_t contacts_around(const Vec3& p, double reach_m,
-                              std::span<FaceContact> contacts) const noexcept;
+                              std::span<FaceContact> contacts) noexcept;
 
   // Of the faces that the last step traced came near to, the contact that the proxy at p has
   // already and that a step along d leads against most steeply. Nothing if there is none.
-  std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) const noexcept;
+  std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
@@ -130,16 +145,30 @@ class SegmentTracer {
  private:
   struct Search;
 
+  // What one errand has found out so far.
+  struct Memory {
+    explicit Memory(std::size_t capacity) : log(capacity) {}
+
+    TraceLog log;
+    std::optional<TraceProgress> progress;  // of the trace that was cut short last
+  };
+
+  template <typename Find>
+  std::optional<TraceHit> answer(const TraceKey& key, Find find) noexcept;
+  std::optional<TraceHit> find(const TraceKey& key) noexcept;
+  bool look_among_candidates(const TraceKey& key, std::optional<TraceHit>& hit) noexcept;
+  std::optional<TraceHit> go_on(TraceProgress progress) noexcept;
+  bool search_all(TraceProgress& progress) noexcept;
+  void cut_short(const TraceProgress& progress) noexcept;
   double first_look(const Vec3& p, const Vec3& q) const;
-  void search_candidates(Search& search) noexcept;
-  void search_segment(Search& search) noexcept;
-  void search_moving(Search& search) noexcept;
-  void search_body(Search& search, std::uint32_t body) noexcept;
+  bool search_candidates(Search& search) noexcept;
+  bool search_resting(Search& search, TraceProgress& progress) noexcept;
+  bool search_moving(Search& search, TraceProgress& progress) noexcept;
+  bool search_body(Search& search, TraceProgress& progress) noexcept;
   template <typename Visitor>
-  void visit_contacts(std::uint32_t body, const Vec3& p, double reach_m,
-                      const Visitor& visit) const noexcept;
-  void forget_doubtful();
-  void remember(const FaceRef& face);
+  void visit_contacts(std::uint32_t body, const Vec3& p, double reach_m, std::size_t& packs_left,
+                      const Visitor& visit) noexcept;
+  std::optional<FaceContact> find_steepest_contact(const Vec3& p, const Vec3& d) const;
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
   // For queries of whole segments, whose float margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
@@ -160,16 +189,18 @@ class SegmentTracer {
   bool is_in_float_;
   SolverScale scale_;
   CandidateCache cache_;
-  static constexpr std::uint32_t kNoBody = ~std::uint32_t{0};
-  std::uint32_t left_out_ = kNoBody;  // of those that move
-  Vec3 motion_ = Vec3::Zero();        // of the proxy in the last tick
-  int refills_ = 0;                   // of the cache, in this tick
+  Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
+  int refills_ = 0;             // of the cache, in this tick
+  WorkMeter work_;
+  bool is_cut_short_ = false;
+  bool may_stop_around_ = false;  // the search for contacts around a point
 
-  // The triangles that the last trace() could not rule out, for trace_part().
-  static constexpr std::size_t kMostDoubtful = 64;
-  std::array<FaceRef, kMostDoubtful> doubtful_;
-  std::size_t doubtful_count_ = 0;
-  bool doubtful_overflowed_ = false;
+  std::array<std::unique_ptr<Memory>, 2> memories_;  // of each errand
+  Memory* memory_;                                   // of the present one
+  TraceLog::Entry* last_entry_ = nullptr;            // of the last trace, if the log has it
+
+  // Of the last trace(), for trace_part().
+  DoubtfulTriangles doubtful_;
 };
 
 }  // namespace palpate

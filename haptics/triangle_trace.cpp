@@ -32,11 +32,12 @@ void stop_before(double meet_fraction, double approach_per_step, double back_off
 // by Newton's iteration as in trace_sphere(). False if the distance does not fall, to within
 // rounding.
 bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double stop_m,
-                 TriangleHit& hit) {
+                 TriangleHit& hit, TriangleWork& work) {
   const Vec3 d = q - p;
   double fraction = 0.0;
   for (int step = 0;; ++step) {
     const TrianglePoint nearest = closest_point_on_triangle(t, p + fraction * d);
+    ++work.nearest_points;
     const double approach = -nearest.direction.dot(d);
     if (approach <= 0.0) return false;
     const double room = nearest.distance - stop_m;
@@ -56,11 +57,12 @@ bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double
 
 // A step that passes the triangle by: is its end too close?
 bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double height_end,
-                   const TraceMargins& margins, TriangleHit& hit) {
+                   const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) {
   if (std::abs(height_end) >= margins.clearance_m) return false;
   const TrianglePoint nearest = closest_point_on_triangle(t, q);
+  ++work.nearest_points;
   if (nearest.distance >= margins.clearance_m) return false;
-  if (stop_beside(t, p, q, margins.stop_m, hit)) return true;
+  if (stop_beside(t, p, q, margins.stop_m, hit, work)) return true;
   // So close to an edge, directions have few digits, and Newton may have been led past the contact.
   // The end is too close all the same: a little less is tried.
   hit.normal = nearest.direction;
@@ -75,13 +77,14 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
 }  // namespace
 
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
-                 const TraceMargins& margins, TriangleHit& hit) noexcept {
+                 const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) noexcept {
   const SegmentCrossing crossing = cross_segment(t, p, q);
+  work.signs_in_doubt += crossing.signs_in_doubt;
   double height = 0.0;
   double approach = 0.0;
   switch (crossing.kind) {
     case SegmentCrossing::Kind::kMiss:
-      return stop_near_end(t, p, q, crossing.height_end, margins, hit);
+      return stop_near_end(t, p, q, crossing.height_end, margins, hit, work);
     case SegmentCrossing::Kind::kWithin:
       return false;  // it was put there: it may leave to either side
     case SegmentCrossing::Kind::kThrough:
@@ -104,17 +107,19 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
   const Vec3 stop = p + hit.fraction.value() * (q - p);
   if (prism_contains(t, stop)) return true;
   const TrianglePoint nearest = closest_point_on_triangle(t, stop);
+  ++work.nearest_points;
   TriangleHit beside;
   if (is_rather_over(t, nearest.direction)) {
     hit.feature = nearest.feature;
-  } else if (stop_beside(t, p, q, margins.stop_m, beside)) {
+  } else if (stop_beside(t, p, q, margins.stop_m, beside, work)) {
     hit = beside;
   }
   return true;
 }
 
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stop_m, StepFraction limit, TriangleHit& hit) noexcept {
+                  double stop_m, StepFraction limit, TriangleHit& hit,
+                  TriangleWork& work) noexcept {
   const Vec3 d = q - p;
   // A hit is coming within half the distance: a sphere that was stopped at the full one can slide
   // along without being stopped again by rounding.
@@ -129,6 +134,7 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
   double fraction = 0.0;
   for (int step = 0;; ++step) {
     const TrianglePoint nearest = closest_point_on_triangle(t, p + fraction * d);
+    ++work.nearest_points;
     if (step == 0) target = std::min(target, nearest.distance);
     const double room = nearest.distance - target;
     const double approach = -nearest.direction.dot(d);

@@ -23,6 +23,12 @@ struct TriangleHit {
   Vec3 feature_point;  // the point of the triangle that is met
 };
 
+// What a trace of one triangle has cost, counted for WorkMeter.
+struct TriangleWork {
+  int signs_in_doubt = 0;
+  int nearest_points = 0;
+};
+
 // Distances that keep a proxy on its side. See SolverScale.
 struct TraceMargins {
   double stop_m;
@@ -37,10 +43,10 @@ inline bool is_rather_over(const TriangleGeometry& t, const Vec3& direction) noe
 
 // Point proxy from p to q; it is stopped at stop_m from the triangle, or where it is if that is
 // nearer. A step that passes the triangle by but ends within the clearance of it is stopped, too.
-// Returns false if neither is so. Whether it crosses, and from which side, is exact for the very
-// doubles p and q.
+// Returns false if neither is so. Adds to `work` what that took. Whether it crosses, and from which
+// side, is exact for the very doubles p and q.
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
-                 const TraceMargins& margins, TriangleHit& hit) noexcept;
+                 const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) noexcept;
 
 // Sphere of radius_m > 0 whose centre goes from p to q; stopped when radius_m + stop_m
 // from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
@@ -54,6 +60,6 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 //
 // Contacts beyond `limit` are of no interest and need not be found.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
-                  double stop_m, StepFraction limit, TriangleHit& hit) noexcept;
+                  double stop_m, StepFraction limit, TriangleHit& hit, TriangleWork& work) noexcept;
 
 }  // namespace palpate

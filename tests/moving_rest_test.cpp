@@ -24,6 +24,7 @@
 #include "tests/rest_judge.h"
 #include "tests/rest_scenes.h"
 #include "tests/soak.h"
+#include "tests/work_budgets.h"
 
 namespace palpate {
 namespace {
@@ -81,7 +82,8 @@ struct Totals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
-  int capped = 0;
+  int ran_out = 0;  // of work
+  int capped = 0;   // of the others
   int held_bodies = 0;
   int judged = 0;
   int leaks = 0;
@@ -155,7 +157,8 @@ class MovingScene {
         scene_(random_scene(moving_class, random)),
         radius_m_(scene_.radius_m),
         bodies_(scene_.bodies, radius_m_),
-        accuracy_(random.index(4) ? Accuracy::balanced() : Accuracy::exact()),
+        accuracy_(test::with_some_budget(random.index(4) ? Accuracy::balanced() : Accuracy::exact(),
+                                         seed)),
         god_object_(bodies_.world(), {radius_m_, accuracy_}),
         size_m_(bodies_.world().size_m),
         round_m_(kEpsilon * (size_m_ + radius_m_)),
@@ -191,7 +194,9 @@ class MovingScene {
     ++tick_;
     ++totals.ticks;
     totals.contacts += felt_.in_contact;
-    totals.capped += felt_.in_contact && felt_.capped;
+    const bool ran_out = felt_.work >= accuracy_.work_budget;
+    totals.ran_out += ran_out;
+    totals.capped += felt_.in_contact && felt_.capped && !ran_out;
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       std::vector<Vec3> path_body;
       for (const Vec3& p : god_object_.path()) path_body.push_back(placed(b).to_body(p));
@@ -364,10 +369,10 @@ class MovingScene {
 
 void print(const MovingClass& moving_class, const Totals& t) {
   std::printf(
-      "%-16s %5d scenes %8d ticks %8d contacts %8d uncapped, capped %6.2f %%, bodies held %d, "
+      "%-16s %5d scenes %8d ticks %8d contacts, %d ran out, capped %6.2f %%, bodies held %d, "
       "leaks "
       "%d, overlaps %d, false rests %d of %d (worst %.2g sizes)\n",
-      moving_class.full_name().c_str(), t.scenes, t.ticks, t.contacts, t.contacts - t.capped,
+      moving_class.full_name().c_str(), t.scenes, t.ticks, t.contacts, t.ran_out,
       t.contacts ? 100.0 * t.capped / t.contacts : 0.0, t.held_bodies, t.leaks, t.overlaps,
       t.false_rests, t.judged, t.worst_gain);
   if (t.failing_scenes.empty()) return;

@@ -26,6 +26,7 @@
 #include "tests/rest_judge.h"
 #include "tests/rest_scenes.h"
 #include "tests/soak.h"
+#include "tests/work_budgets.h"
 
 namespace palpate {
 namespace {
@@ -83,8 +84,9 @@ struct Totals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
-  int capped = 0;  // in contact
-  int judged = 0;  // rests
+  int ran_out = 0;  // of work
+  int capped = 0;   // in contact, of the others
+  int judged = 0;   // rests
   int unproven = 0;
   int leaks = 0;
   int overlaps = 0;
@@ -108,7 +110,8 @@ class Feeling {
         radius_m_(scene_.radius_m),
         world_(scene_.soup, {}, radius_m_),
         exact_(test::solver_triangles(world_)),
-        accuracy_(random.index(4) ? Accuracy::balanced() : Accuracy::exact()),
+        accuracy_(test::with_some_budget(random.index(4) ? Accuracy::balanced() : Accuracy::exact(),
+                                         seed)),
         god_object_(world_.world(), {radius_m_, accuracy_}),
         size_m_(world_.world().size_m),
         round_m_(kEpsilon * std::max(size_m_, radius_m_)),
@@ -138,7 +141,11 @@ class Feeling {
     ++tick_;
     ++totals.ticks;
     totals.contacts += felt_.in_contact;
-    totals.capped += felt_.capped && felt_.in_contact;
+    if (felt_.work >= accuracy_.work_budget) {
+      ++totals.ran_out;
+    } else {
+      totals.capped += felt_.capped && felt_.in_contact;
+    }
     totals.most_iterations = std::max(totals.most_iterations, felt_.iterations);
     if (!judge_path(totals)) return false;
     judge_rest(totals);
@@ -280,10 +287,10 @@ class Feeling {
 void print(const RestClass& rest_class, const Totals& t) {
   const int uncapped = t.contacts - t.capped;
   std::printf(
-      "%-22s %5d scenes %8d ticks %8d contacts %8d uncapped, capped %6.2f %%, "
+      "%-22s %5d scenes %8d ticks %8d contacts, %d ran out, %8d uncapped, capped %6.2f %%, "
       "leaks %d, overlaps %d, farther %d, false rests %d of %d (worst %.2g sizes; %d unproven), "
       "iterations <= %d\n",
-      rest_class.full_name().c_str(), t.scenes, t.ticks, t.contacts, uncapped,
+      rest_class.full_name().c_str(), t.scenes, t.ticks, t.contacts, t.ran_out, uncapped,
       t.contacts ? 100.0 * t.capped / t.contacts : 0.0, t.leaks, t.overlaps, t.farther,
       t.false_rests, t.judged, t.worst_gain_m, t.unproven, t.most_iterations);
   if (t.failing_scenes.empty()) return;
@@ -323,7 +330,8 @@ TEST_P(Rests, LeaveNoWayOn) {
   }
 }
 
-// In three dimensions, without friction and without a rest, where most ticks have a way to go.
+// In three dimensions, without friction and without a rest, where most ticks have a way to go; with
+// all the work they want.
 class RestlessHands : public testing::TestWithParam<RestClass> {};
 
 TEST_P(RestlessHands, AreSeldomCapped) {
@@ -337,7 +345,7 @@ TEST_P(RestlessHands, AreSeldomCapped) {
     const RestScene scene = rest_class.make(rest_class.proxy, random);
     const OwnedWorld world(scene.soup, {}, scene.radius_m);
     const std::vector<Corners> triangles = test::solver_triangles(world);
-    GodObject god_object(world.world(), {.radius_m = scene.radius_m});
+    GodObject god_object(world.world(), {scene.radius_m, test::with_budget({}, test::kNoBudget)});
     ProxyState felt;
     felt.proxy = Vec3(0.0, 0.0, 1.1 * scene.radius_m + world.world().size_m);
     god_object.place(felt.proxy);
@@ -360,7 +368,7 @@ INSTANTIATE_TEST_SUITE_P(Of, RestlessHands, testing::ValuesIn(test::restless_cla
                          [](const auto& rest_class) { return rest_class.param.full_name(); });
 
 // Spheres that are much larger than triangles need not reach a goal in the tick; if it stays they
-// do in a few.
+// do in a few, of all the work they want.
 class LargeSpheres : public testing::TestWithParam<RestClass> {};
 
 TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
@@ -377,7 +385,8 @@ TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
     const OwnedWorld world(scene.soup, {}, scene.radius_m);
     const std::vector<Corners> triangles = test::solver_triangles(world);
     const double size_m = world.world().size_m;
-    const Accuracy accuracy = random.index(4) ? Accuracy::balanced() : Accuracy::exact();
+    const Accuracy accuracy = test::with_budget(
+        random.index(4) ? Accuracy::balanced() : Accuracy::exact(), test::kNoBudget);
     GodObject god_object(world.world(), {scene.radius_m, accuracy});
     ProxyState felt;
     felt.proxy = Vec3(0.0, 0.0, scene.radius_m + size_m);

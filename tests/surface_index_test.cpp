@@ -1,11 +1,15 @@
 #include "geometry/surface_index.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "geometry/segment_triangle.h"
+#include "geometry/simd.h"
 #include "models/primitives.h"
 #include "tests/random.h"
 #include "tests/worlds.h"
@@ -123,6 +127,107 @@ TEST(SurfaceIndex, SaysWhenMorePacksAreNearThanFit) {
   const SurfaceIndex index(mesh);
   std::vector<std::uint32_t> few(5);
   EXPECT_GT(index.packs_near(Vec3::Zero(), 3.0, few), few.size());
+}
+
+std::vector<std::uint32_t> packs_along(const SurfaceIndex& index, const Vec3& p, const Vec3& d,
+                                       double radius, std::optional<std::uint32_t> first) {
+  std::vector<std::uint32_t> packs;
+  index.visit_packs_along(
+      p, d, radius, first,
+      [](void* state, std::span<const std::uint32_t> some, bool in_order) {
+        auto& all = *static_cast<std::vector<std::uint32_t>*>(state);
+        if (in_order) all.insert(all.end(), some.begin(), some.end());
+        return QueryFraction::end();
+      },
+      &packs);
+  return packs;
+}
+
+std::vector<std::uint32_t> packs_near(const SurfaceIndex& index, const Vec3& p, double radius,
+                                      std::uint32_t first) {
+  std::vector<std::uint32_t> packs;
+  index.visit_packs_near(
+      p, radius, first,
+      [](void* state, std::span<const std::uint32_t> some) {
+        auto& all = *static_cast<std::vector<std::uint32_t>*>(state);
+        all.insert(all.end(), some.begin(), some.end());
+        return true;
+      },
+      &packs);
+  return packs;
+}
+
+// Points and boxes on a lattice, so that many touch each other to the bit.
+TEST(SurfaceIndex, VisitsTheSamePacksInOrderFromAnyOfThemOnWithEachInstructionSet) {
+  Random random(37);
+  test::Soup soup;
+  for (int i = 0; i < 40'000; ++i) {
+    const Vec3 a = (16.0 * random.in_box(1.0)).array().round() / 16.0;
+    soup.add(a, a + Vec3::Unit(random.index(3)) / 16.0, a + random.in_box(0.1));
+  }
+  constexpr double kSweep = 0.5;
+  const SurfaceIndex index(SurfaceMesh::build(soup.positions, soup.triangles), {}, kSweep);
+  int most = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const bool on_lattice = trial % 2 == 0;
+    const Vec3 raw = random.in_box(1.0);
+    const Vec3 p = on_lattice ? Vec3((16.0 * raw).array().round() / 16.0) : raw;
+    const Vec3 d =
+        on_lattice
+            ? Vec3(static_cast<double>(random.index(32)) / 16.0 * Vec3::Unit(random.index(3)))
+            : Vec3(std::pow(10.0, random.uniform(-9.0, 0.0)) * random.in_box(1.0));
+    const double radius =
+        on_lattice ? static_cast<double>(random.index(9)) / 16.0 : random.uniform(0.0, kSweep);
+    limit_simd_level(SimdLevel::kAvx512);
+    const auto all = packs_along(index, p, d, radius, 0);
+    const auto near = packs_near(index, p, radius, 0);
+    most = std::max(most, static_cast<int>(all.size()));
+    for (const SimdLevel level : {SimdLevel::kAvx512, SimdLevel::kAvx2, SimdLevel::kBaseline}) {
+      limit_simd_level(level);
+      ASSERT_EQ(packs_along(index, p, d, radius, 0), all);
+      ASSERT_EQ(packs_along(index, p, d, radius, std::nullopt), all) << "as Embree finds them";
+      ASSERT_EQ(packs_near(index, p, radius, 0), near);
+      std::vector<std::uint32_t> found(index.pack_count());
+      found.resize(index.packs_near(p, radius, found));
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, near) << "as Embree finds them";
+    }
+    ASSERT_TRUE(std::is_sorted(all.begin(), all.end()));
+    for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / 7) {
+      const std::vector<std::uint32_t> rest(all.begin() + static_cast<std::ptrdiff_t>(i),
+                                            all.end());
+      ASSERT_EQ(packs_along(index, p, d, radius, all[i]), rest);
+    }
+    for (std::size_t i = 0; i < near.size(); i += 1 + near.size() / 7) {
+      const std::vector<std::uint32_t> rest(near.begin() + static_cast<std::ptrdiff_t>(i),
+                                            near.end());
+      ASSERT_EQ(packs_near(index, p, radius, near[i]), rest);
+    }
+  }
+  EXPECT_GT(most, 256) << "more than are found at once";
+}
+
+// Of very many packs, what is behind a hit is left out.
+TEST(SurfaceIndex, VisitsNoMoreThanIsNeededOfVeryManyPacks) {
+  Random random(38);
+  test::Soup soup;
+  for (int i = 0; i < 40'000; ++i) {
+    const Vec3 a = random.in_box(1.0).cwiseProduct(Vec3(1.0, 0.01, 0.01));
+    soup.add(a, a + random.in_box(0.02), a + random.in_box(0.02));
+  }
+  const SurfaceIndex index(SurfaceMesh::build(soup.positions, soup.triangles));
+  const Vec3 p(-1.1, 0.0, 0.0);
+  const Vec3 d(2.2, 0.0, 0.0);
+  ASSERT_GT(packs_along(index, p, d, 0.0, 0).size(), 256u);
+  int visited = 0;
+  index.visit_packs_along(
+      p, d, 0.0, std::nullopt,
+      [](void* state, std::span<const std::uint32_t> some, bool) {
+        *static_cast<int*>(state) += static_cast<int>(some.size());
+        return QueryFraction(0.05);
+      },
+      &visited);
+  EXPECT_LT(visited, 256);
 }
 
 TEST(SurfaceIndex, FindsTheFirstHitOfASegment) {
