@@ -40,6 +40,7 @@ KNOBS = {
                          *TICK, "m"),
     "certification": Knob("certificate: angle of a groove", "distance to exact proxy", "m", *TICK,
                           "deg"),
+    "work_budget": Knob("work of a tick, units: scene", "distance to unbounded", "m", *TICK),
     "servo_rate": Knob("servo period", "energy gained in a bounce", "", *SECOND, "s"),
     "servo_pressed": Knob("servo period, pressed", "deviation of the path", "", *SECOND, "s"),
     "jitter": Knob("uneven ticks", "energy gained in a bounce", "", *SECOND, "s"),

@@ -7,6 +7,7 @@
 // evicted or the input is meant to be slow. accuracy: full, quick or off: how much work goes into
 // what accuracy costs, as `palpate accuracy` measures it from the same seed.
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -119,6 +120,8 @@ int main(int argc, char** argv) {
     palpate::bench::register_effect_benchmarks(subdivisions, counts);
     palpate::bench::register_scan_benchmarks(subdivisions, counts);
   }
+  const auto largest = std::max_element(options.subdivisions.begin(), options.subdivisions.end());
+  palpate::bench::register_worst_benchmarks(*largest > 5);
   palpate::bench::register_instance_benchmarks(counts);
   palpate::bench::register_side_test_benchmarks();
   if (options.accuracy) {

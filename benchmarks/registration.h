@@ -30,6 +30,8 @@ void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 // scan_<proxy>/<triangles, about>, where a scan goes with the size.
 void register_scan_benchmarks(int subdivisions, const SampleCounts& counts);
+// Of no size: worst_<input>/<triangles or bodies>.
+void register_worst_benchmarks(bool is_large);
 // tick_sliding_with_<effect>/<triangles>.
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 

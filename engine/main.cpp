@@ -49,6 +49,9 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
                  "of the proxy: fast (few steps, uncertified), balanced, or exact")
       ->check(CLI::IsMember({"fast", "balanced", "exact"}))
       ->capture_default_str();
+  app.add_option("--work-budget", options.work_budget,
+                 "what a tick may do at most, in units of 10 to 20 ns; by default as --accuracy "
+                 "says (5000, 20000 or 160000)");
   app.add_option("--rate", options.rate_Hz, "ticks a second, Hz")->capture_default_str();
   app.add_option("--stiffness", options.stiffness_N_per_m,
                  "coupling spring of surfaces without their own, N/m")

@@ -191,6 +191,10 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!accuracy) {
     return invalid("--accuracy", "\"" + options.accuracy + "\" is none of fast, balanced, exact");
   }
+  if (options.work_budget && *options.work_budget < 1) {
+    return invalid("--work-budget",
+                   std::to_string(*options.work_budget) + " given, expected at least 1 unit");
+  }
   const auto velocity = make_velocity(options);
   if (!velocity) return velocity.error();
   auto moves = parse_moves(options.moves);
@@ -198,6 +202,7 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz, std::move(*moves)};
   setup.haptics.god_object.radius_m = options.radius_m;
   setup.haptics.god_object.accuracy = *accuracy;
+  if (options.work_budget) setup.haptics.god_object.accuracy.work_budget = *options.work_budget;
   setup.haptics.coupling = {options.stiffness_N_per_m, options.damping_Ns_per_m, *velocity};
   setup.haptics.force = options.force == "none"   ? ForceMode::kNone
                         : options.force == "full" ? ForceMode::kFull

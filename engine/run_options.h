@@ -27,6 +27,7 @@ struct RunOptions {
   std::string table1 = "corrected";
   std::string a4_step = "exact";
   std::string accuracy = "balanced";
+  std::optional<std::int64_t> work_budget = {};  // units of haptics/work.h; that of --accuracy
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = 1000.0;
   double damping_Ns_per_m = 0.0;

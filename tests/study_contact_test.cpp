@@ -136,6 +136,22 @@ TEST(CertificationKnob, FindsTheBottomOfEveryGroove) {
   }
 }
 
+// What a tick leaves undone, the next ones do: with more work the proxy lags less, and the default
+// is enough for an easy scene.
+TEST(WorkBudgetKnob, MoreWorkIsNoLessExact) {
+  const KnobResult result = measure(work_budget_knob(quick()), quick(), nullptr);
+  expect_no_failure(result);
+  ASSERT_EQ(result.methods.size(), 2u);
+  const auto& hard = result.methods[0].levels;
+  EXPECT_GT(hard.front().raw_error, 1e-5);
+  EXPECT_LT(hard.back().raw_error, 0.5 * hard.front().raw_error);
+  for (const LevelResult& level : result.methods[1].levels) {
+    if (level.value >= static_cast<double>(Accuracy::balanced().work_budget)) {
+      EXPECT_TRUE(level.at_floor) << level.label;
+    }
+  }
+}
+
 TEST(SmoothSurfaces, HaveTheirNormals) {
   SeededRandom random(9);
   for (const SmoothSurface& surface :

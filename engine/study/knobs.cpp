@@ -13,7 +13,7 @@ std::vector<Knob> all_knobs(const StudyEffort& effort) {
   };
   add(mesh_knobs(effort));
   add(solver_knobs(effort));
-  add({narrow_phase_knob(effort), certification_knob(effort)});
+  add({narrow_phase_knob(effort), certification_knob(effort), work_budget_knob(effort)});
   add(servo_knobs(effort));
   add(velocity_knobs(effort));
   add(a4_knobs(effort));

@@ -13,6 +13,7 @@ namespace palpate {
 std::vector<Knob> solver_knobs(const StudyEffort& effort);  // iterations, tolerance, candidates
 Knob narrow_phase_knob(const StudyEffort& effort);          // float against double
 Knob certification_knob(const StudyEffort& effort);
+Knob work_budget_knob(const StudyEffort& effort);
 std::vector<Knob> mesh_knobs(const StudyEffort& effort);      // resolution, sphere against point
 std::vector<Knob> servo_knobs(const StudyEffort& effort);     // rate, jitter, substeps, integrator
 std::vector<Knob> velocity_knobs(const StudyEffort& effort);  // estimator and window

@@ -1,0 +1,73 @@
+// What the budget of a tick bounds: the inputs that ask most of one.
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/caches.h"
+#include "benchmarks/last_built.h"
+#include "benchmarks/percentiles.h"
+#include "benchmarks/registration.h"
+#include "benchmarks/worst_inputs.h"
+
+namespace palpate::bench {
+namespace {
+
+const WorstInput& input_of(const WorstKind& kind, bool is_large) {
+  static LastBuilt<std::pair<std::string, bool>, WorstInput> last;
+  return *last.get({std::string(kind.name), is_large},
+                   [&] { return std::optional(kind.make(is_large ? kind.most : kind.least)); });
+}
+
+// Each tick is the shortest of kRepeats, as in every row: what is bounded is its work, not what the
+// machine does meanwhile.
+void run(benchmark::State& state, const WorstKind& kind, bool is_large, Caches caches) {
+  const WorstInput& input = input_of(kind, is_large);
+  std::optional<GodObject> god_object;
+  ProxyState felt;
+  double capped = 0.0;
+  double ticks = 0.0;
+  WorkUnits most_work = 0;
+  time_path(
+      state, {input.goals_m.size(), caches},
+      [&] {
+        god_object.emplace(input.world, GodObjectSettings{.radius_m = input.proxy_radius_m});
+        god_object->place(input.goals_m.front());
+      },
+      [](std::size_t) {},
+      [&](std::size_t n) {
+        if (!input.motions.empty()) god_object->move_bodies(input.motions[n]);
+        felt = god_object->move_to(input.goals_m[n]);
+      },
+      [&](std::size_t) {
+        ticks += 1.0;
+        capped += felt.capped;
+        most_work = std::max(most_work, felt.work);
+        return SampleError{};
+      });
+  state.counters["capped_share"] = capped / ticks;
+  state.counters["most_work"] = static_cast<double>(most_work);
+}
+
+}  // namespace
+
+void register_worst_benchmarks(bool is_large) {
+  for (const WorstKind& kind : worst_kinds()) {
+    for (const Caches caches : {Caches::kWarm, Caches::kEvicted}) {
+      const std::string name = "worst_" + std::string(kind.name) +
+                               (caches == Caches::kEvicted ? "_evicted" : "") + "/" +
+                               std::to_string(is_large ? kind.most : kind.least);
+      benchmark::RegisterBenchmark(name.c_str(),
+                                   [&kind, is_large, caches](benchmark::State& state) {
+                                     run(state, kind, is_large, caches);
+                                   })
+          ->UseManualTime()
+          ->Iterations(static_cast<benchmark::IterationCount>(kRepeats * kind.ticks));
+    }
+  }
+}
+
+}  // namespace palpate::bench
