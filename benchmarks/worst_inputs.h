@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,9 @@ struct WorstKind {
   std::size_t ticks;  // as many as goals
   WorstInput (*make)(std::size_t count);
 };
+inline void PrintTo(const WorstKind& kind, std::ostream* out) {
+  *out << kind.name;
+}
 const std::vector<WorstKind>& worst_kinds();
 
 }  // namespace palpate::bench

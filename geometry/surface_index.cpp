@@ -33,37 +33,93 @@ struct ClusterPacks {
   std::span<const std::uint32_t> span() const { return std::span(ids).first(count); }
 };
 
+// Sorts packs of which those of a cluster are together and in order already: few runs, as a rule.
+void sort_clusters(std::span<std::uint32_t> packs) {
+  for (std::size_t next = 1; next < packs.size();) {
+    const std::uint32_t cluster = packs[next] / TrianglePack::kLanes;
+    std::size_t end = next + 1;
+    while (end < packs.size() && packs[end] / TrianglePack::kLanes == cluster) ++end;
+    const auto first = packs.begin();
+    const auto run = first + static_cast<std::ptrdiff_t>(next);
+    std::rotate(std::lower_bound(first, run, *run), run, first + static_cast<std::ptrdiff_t>(end));
+    next = end;
+  }
+}
+
 // What a visitor of a segment returns to see nothing more at all.
 constexpr QueryFraction kNoMore(-1.0);
 
 // Where there are more packs than are found at once, the boxes are searched in order,
 // and before that a part of the segment that has so few: so many times shorter each time, and so
 // often.
+constexpr std::size_t kMostPacksAtOnce = 256;
 constexpr double kShorterEachTime = 1.0 / 16;
 constexpr int kMostShortenings = 5;
 
-// So many packs at most that come near a segment, in ascending order.
-struct FoundPacks {
-  std::array<std::uint32_t, kMostPacksAtOnce> packs;
-  std::size_t count = 0;
-  bool are_too_many = false;
-
-  FoundPacks(const SurfaceIndex& index, const Vec3& p, const Vec3& d, double radius_m) {
-    index.visit_segment(p, d, radius_m, add, this);
-    std::sort(packs.data(), packs.data() + count);
+// So many packs at most that come near a segment.
+class FoundPacks {
+ public:
+  FoundPacks(const SurfaceIndex& index, const Vec3& p, const Vec3& d, double radius_m)
+      : index_(index), p_(p), d_(d), radius_m_(radius_m) {
+    index.visit_segment(
+        p, d, radius_m,
+        [](void* state, std::span<const std::uint32_t> packs) {
+          return static_cast<FoundPacks*>(state)->add(packs);
+        },
+        this);
   }
 
-  std::span<const std::uint32_t> all() const { return std::span(packs).first(count); }
+  bool are_too_many() const { return are_too_many_; }
+
+  // In the order in which the segment comes near them, sixteen at a time, until no more are needed.
+  // The segment is this part of one of which the visitor tells what it needs, and so is the answer.
+  QueryFraction visit(double part, OrderedPackVisitor visitor, void* state) {
+    std::sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_));
+    std::array<std::uint32_t, TrianglePack::kLanes> packs;
+    QueryFraction needed = QueryFraction::end();
+    for (std::size_t i = 0; i < count_ && QueryFraction(part * found_[i].entry) <= needed;) {
+      std::size_t some = 0;
+      for (; some < packs.size() && i < count_; ++some, ++i) packs[some] = found_[i].pack;
+      needed = visitor(state, std::span(packs).first(some), false);
+    }
+    return needed;
+  }
 
  private:
-  static QueryFraction add(void* state, std::span<const std::uint32_t> more) {
-    auto& found = *static_cast<FoundPacks*>(state);
-    found.are_too_many = found.are_too_many || found.count + more.size() > found.packs.size();
-    if (found.are_too_many) return kNoMore;
-    std::copy(more.begin(), more.end(), found.packs.data() + found.count);
-    found.count += more.size();
+  struct Found {
+    double entry;  // where the segment comes near it: a fraction, a little too early
+    std::uint32_t pack;
+    friend auto operator<=>(const Found&, const Found&) = default;
+  };
+
+  QueryFraction add(std::span<const std::uint32_t> packs) {
+    are_too_many_ = are_too_many_ || count_ + packs.size() > found_.size();
+    if (are_too_many_) return kNoMore;
+    for (const std::uint32_t pack : packs) found_[count_++] = {entry_of(pack), pack};
     return QueryFraction::end();
   }
+
+  double entry_of(std::uint32_t pack) const {
+    constexpr double kEarly = 1.0 - 1e-9;
+    const BoxPack& boxes = index_.cluster_boxes(pack / TrianglePack::kLanes);
+    const std::uint32_t lane = pack % TrianglePack::kLanes;
+    double entry = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      if (d_[k] == 0.0) continue;
+      const double side = d_[k] > 0.0 ? double{boxes.low[k][lane]} - radius_m_
+                                      : double{boxes.high[k][lane]} + radius_m_;
+      entry = std::max(entry, (side - p_[k]) / d_[k]);
+    }
+    return kEarly * entry;
+  }
+
+  const SurfaceIndex& index_;
+  const Vec3& p_;
+  Vec3 d_;
+  double radius_m_;
+  std::array<Found, kMostPacksAtOnce> found_;
+  std::size_t count_ = 0;
+  bool are_too_many_ = false;
 };
 
 // Visits the packs of clusters in order, from one on: those whose boxes pass the test.
@@ -215,17 +271,24 @@ std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m,
   const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
                             static_cast<float>(p.z())};
   const float radius = round_up(radius_m + float_point_margin_m(p));
+  std::uint32_t last_cluster = 0;
+  bool is_sorted = true;
   clusters_->query_point(p_float, radius, [&](std::uint32_t cluster) {
     if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
     BoxDistances distances;
     const ClusterPacks found(cluster,
                              boxes_within(cluster_boxes_[cluster], p_float, radius, distances));
+    if (found.count > 0) {
+      is_sorted = is_sorted && cluster >= last_cluster;
+      last_cluster = cluster;
+    }
     for (const std::uint32_t id : found.span()) {
       if (count < packs.size()) packs[count] = id;
       ++count;
     }
     return count > packs.size() ? 0.0f : radius;  // full: nothing more is wanted
   });
+  if (!is_sorted && count <= packs.size()) sort_clusters(packs.first(count));
   return count;
 }
 
@@ -254,12 +317,12 @@ void SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius
   QueryFraction needed = QueryFraction::end();
   double part = 1.0;
   for (int shortened = 0; !first && shortened <= kMostShortenings; ++shortened) {
-    const FoundPacks found(*this, p, part * d, radius_m);
-    if (found.are_too_many) {
+    FoundPacks found(*this, p, part * d, radius_m);
+    if (found.are_too_many()) {
       part *= kShorterEachTime;
       continue;
     }
-    if (found.count > 0) needed = visitor(state, found.all(), shortened == 0);
+    needed = found.visit(part, visitor, state);
     if (needed <= QueryFraction(part)) return;
     break;
   }

@@ -60,10 +60,9 @@ struct AffineMap {
 // Must not throw.
 using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs);
 
-// Called with packs in ascending order, up to kMostPacksAtOnce; returns the fraction of the segment
-// beyond which packs are of no interest any more (its end to see them all, less than its start to
-// see none). in_order: all packs with lower numbers have been visited. Must not throw.
-inline constexpr std::size_t kMostPacksAtOnce = 256;
+// Called with up to sixteen packs; returns the fraction of the segment beyond which packs are of no
+// interest any more (its end to see them all, less than its start to see none). in_order: they are
+// in ascending order, and all before them have been visited. Must not throw.
 using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
                                              bool in_order);
 // Called with up to sixteen packs, in ascending order; returns whether more are wanted.
@@ -93,8 +92,9 @@ class SurfaceIndex {
   // First point where the closed segment from p to p + d meets a closed triangle.
   std::optional<SegmentHit> first_hit(const Vec3& p, const Vec3& d) const noexcept;
 
-  // Writes the ids of all packs whose box comes within radius_m of p. Returns how many there are;
-  // when that exceeds packs.size(), the surplus was not written and the search ended early.
+  // Writes the ids of all packs whose box comes within radius_m of p, ascending. Returns how many
+  // there are; when that exceeds packs.size(), the surplus was not written and the search ended
+  // early.
   std::size_t packs_near(const Vec3& p, double radius_m,
                          std::span<std::uint32_t> packs) const noexcept;
 
@@ -108,10 +108,10 @@ class SurfaceIndex {
   bool may_meet(const Vec3& p, const Vec3& d, double radius_m) const noexcept;
 
   // Visits the same packs so that a search can end anywhere and go on from there: in ascending
-  // order, from number `first` on if it is given. If not, and there are very many, some that are
-  // near the start come before all others: where one of them is met, the rest is not visited. Which
-  // packs they are and how they are grouped does not depend on the instruction set, unlike the
-  // boxes that Embree's tree leads to.
+  // order, from number `first` on if it is given. If not, those that the segment comes near first
+  // come first; where there are very many, in the first part of it, and then all in ascending
+  // order. Which packs they are and how they are grouped does not depend on the instruction set,
+  // unlike the boxes that Embree's tree leads to.
   void visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
                          std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
                          void* state) const noexcept;

@@ -96,17 +96,23 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, BoxTree::Sea
   squared_radius_m2_ = radius_m * radius_m;
   body_count_ = 0;
   std::size_t used = 0;
+  // Of few bodies, each is asked whether it is near; of very many, the boxes tell.
+  const bool are_many = world_->bodies().size() > kMostBodies;
   std::size_t entered = 0;
   bool fits = true;
   world_->visit_resting_near(centre, radius_m + reach_m_, search, [&](std::uint32_t b) {
-    const ContactBody& body = world_->body(b);
-    const double distance2 = body.index->box().squared_distance(body.to_body(centre));
-    const double reach_m = radius_m + reach_m_;
-    if (distance2 > reach_m * reach_m) return true;
-    fits = ++entered <= kMostBodies && add_body(b, search, used);
+    if (are_many) {
+      const ContactBody& body = world_->body(b);
+      const double reach_m = radius_m + reach_m_;
+      const double distance2_m2 = body.index->box().squared_distance(body.to_body(centre));
+      if (distance2_m2 > reach_m * reach_m) return true;
+      ++entered;
+    }
+    fits = entered <= kMostBodies && add_body(b, search, used);
     return fits;
   });
-  work.add(static_cast<WorkUnits>(entered) * work::kBody +
+  const std::size_t bodies = are_many ? entered : body_count_;
+  work.add(static_cast<WorkUnits>(bodies) * work::kBody +
            static_cast<WorkUnits>(fits ? used : kCapacity) * work::kPackNamed);
   return fits;
 }
@@ -122,8 +128,6 @@ bool CandidateCache::add_body(std::uint32_t b, BoxTree::Search search, std::size
                                 : packs_in_order(*body.index, centre_body, reach_m, room);
   if (count > room.size()) return false;
   if (count == 0) return true;
-  // In ascending order, whatever Embree's is: the same with each instruction set.
-  std::sort(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count));
   BodyCandidates& candidates = bodies_[body_count_];
   candidates.body = b;
   candidates.first = static_cast<std::uint32_t>(used);

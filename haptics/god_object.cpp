@@ -221,13 +221,6 @@ ProxyState GodObject::move_to(const Vec3& goal,
   return move(goal, motion_plane_normal, none);
 }
 
-void GodObject::begin_tick() {
-  if (!bodies_have_moved_) tracer_.begin_tick();
-  bodies_have_moved_ = false;
-  work_of_bodies_ = tracer_.work().used();
-  tracer_.begin_errand(SegmentTracer::Errand::kMove);
-}
-
 // Bodies have taken all the work of this tick.
 ProxyState GodObject::stay(const Vec3& goal) {
   goal_ = goal;
@@ -237,9 +230,7 @@ ProxyState GodObject::stay(const Vec3& goal) {
 }
 
 // Notes for what the step that has been cut short was begun.
-void GodObject::keep_step_for_next_tick() {
-  repeats_step_ = tracer_.is_cut_short();
-  if (!repeats_step_) return;
+[[gnu::cold]] void GodObject::keep_step_for_next_tick() {
   // A search among bodies that move is of no use any more once they have.
   const bool had_little = 2 * work_of_bodies_ > tracer_.work().budget();
   move_has_turn_ = had_little || tracer_.is_unfinished_among_moving();

@@ -199,7 +199,12 @@ class GodObject {
   bool finishes_push(std::span<const BodyMotion> motions,
                      const std::optional<Vec3>& motion_plane_normal) noexcept;
   std::size_t count_not_there(std::span<const BodyMotion> motions) const;
-  void begin_tick();
+  void begin_tick() {
+    if (!bodies_have_moved_) tracer_.begin_tick();
+    bodies_have_moved_ = false;
+    work_of_bodies_ = tracer_.work().used();
+    tracer_.begin_errand(SegmentTracer::Errand::kMove);
+  }
   ProxyState stay(const Vec3& goal);
   template <typename Friction>
   void finish_last_step(Friction& friction);

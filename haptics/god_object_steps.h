@@ -119,7 +119,8 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
       }
     }
   }
-  keep_step_for_next_tick();
+  repeats_step_ = tracer_.is_cut_short();
+  if (repeats_step_) keep_step_for_next_tick();
   if (capped) name_what_holds(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);

@@ -290,14 +290,10 @@ SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accu
       // Half a stand-off is what hits need beyond the radius; two cover rounding as well.
       cache_(world, radius_m + 2 * scale_.stand_off_m),
       work_(accuracy.work_budget),
+      noted_from_(accuracy.work_budget / kNotedAfterPart),
       memories_{std::make_unique<Memory>(kMostNotedOfMove),
                 std::make_unique<Memory>(kMostNotedOfPush)},
       memory_(memories_[0].get()) {}
-
-void SegmentTracer::begin_tick() noexcept {
-  work_.begin_tick();
-  is_cut_short_ = false;
-}
 
 void SegmentTracer::forget_steps() noexcept {
   for (const auto& memory : memories_) {
@@ -306,11 +302,17 @@ void SegmentTracer::forget_steps() noexcept {
   }
 }
 
-void SegmentTracer::forget_moving() noexcept {
+bool SegmentTracer::remembers() const noexcept {
+  return std::any_of(memories_.begin(), memories_.end(), [](const auto& memory) {
+    return memory->progress || !memory->log.is_empty();
+  });
+}
+
+void SegmentTracer::forget_moving_searches() noexcept {
   Memory& memory = *memories_[static_cast<std::size_t>(Errand::kMove)];
   memory.log.clear();
-  if (!memory.progress || !memory.progress->is_among_moving) return;
-  memory.progress->body = memory.progress->pack = 0;
+  if (!memory.progress || !memory.progress->cursor.is_among_moving) return;
+  memory.progress->cursor.body = memory.progress->cursor.pack = 0;
   memory.progress->best = memory.progress->best_at_rest;
 }
 
@@ -326,57 +328,69 @@ bool SegmentTracer::search_candidates(Search& search) noexcept {
   return true;
 }
 
-bool SegmentTracer::search_resting(Search& search, TraceProgress& progress) noexcept {
-  if (progress.is_among_moving) return true;
+// False if the budget did not suffice for all of it.
+bool SegmentTracer::search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
+                               std::optional<TraceHit>* best_at_rest) noexcept {
+  if (key.only != TraceKey::kNoBody) {
+    search.enter_body_at(key.only, key.p, key.q);
+    return search_body(search, cursor);
+  }
+  if (!cursor.is_among_moving) {
+    if (!search_resting(search, cursor)) return false;
+    cursor.is_among_moving = true;
+    cursor.body = cursor.pack = 0;
+    if (best_at_rest) *best_at_rest = search.best;
+  }
+  return search_moving(search, cursor, key.left_out);
+}
+
+bool SegmentTracer::search_resting(Search& search, TraceCursor& cursor) noexcept {
   bool is_complete = true;
   const Vec3 d = search.limit.value() * (search.q - search.p);
-  world_->visit_resting_along(search.p, d, sweep_radius_m(), progress.body, [&](std::uint32_t b) {
-    if (b != progress.body) {
-      progress.body = b;
-      progress.pack = 0;
+  world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, [&](std::uint32_t b) {
+    if (b != cursor.body) {
+      cursor.body = b;
+      cursor.pack = 0;
     }
     search.shorten();
     search.enter_body(b);
     // Without a tree, all bodies come here.
     if (search.misses_body()) return true;
-    is_complete = search_body(search, progress);
+    is_complete = search_body(search, cursor);
     return is_complete;
   });
-  if (!is_complete) return false;
-  progress.is_among_moving = true;
-  progress.body = progress.pack = 0;
-  progress.best_at_rest = search.best;
-  return true;
+  return is_complete;
 }
 
-bool SegmentTracer::search_moving(Search& search, TraceProgress& progress) noexcept {
+bool SegmentTracer::search_moving(Search& search, TraceCursor& cursor,
+                                  std::uint32_t left_out) noexcept {
   const auto moving = world_->moving();
-  for (; progress.body < moving.size(); ++progress.body, progress.pack = 0) {
-    const std::uint32_t b = moving[progress.body];
-    if (b == progress.key.left_out) continue;
+  for (; cursor.body < moving.size(); ++cursor.body, cursor.pack = 0) {
+    const std::uint32_t b = moving[cursor.body];
+    if (b == left_out) continue;
     search.enter_body(b);
-    if (!search_body(search, progress)) return false;
+    if (!search_body(search, cursor)) return false;
   }
   return true;
 }
 
 // The body that has been entered. False if the budget did not suffice for all of it.
-bool SegmentTracer::search_body(Search& search, TraceProgress& progress) noexcept {
+bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
   if (search.must_stop()) return false;
   work_.add(work::kBody);
   struct State {
     Search* search;
-    TraceProgress* progress;
+    TraceCursor* cursor;
     bool is_complete;
-  } state{&search, &progress, true};
-  const auto first = progress.is_resumed ? std::optional(progress.pack) : std::nullopt;
+  } state{&search, &cursor, true};
+  const auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
   search.placed->index->visit_packs_along(
       search.p_body, search.d_body, sweep_radius_m(*search.placed), first,
       [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
         State& in = *static_cast<State*>(s);
         std::uint32_t unexamined = 0;
         in.is_complete = in.search->consider_packs(packs, unexamined);
-        if (in_order) in.progress->pack = unexamined;
+        if (in_order) in.cursor->pack = unexamined;
         return in.is_complete ? QueryFraction(in.search->needed()) : QueryFraction(-1.0);
       },
       &state);
@@ -392,153 +406,164 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
   return length_m <= kShortStep * radius_m_ ? 1.0 : kFirstLook * radius_m_ / length_m;
 }
 
-// What has been found before, or else is found now; if the budget suffices for it.
-template <typename Find>
-std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key, Find find) noexcept {
-  last_entry_ = nullptr;
-  if (is_cut_short_) return nothing_known();
-  if (memory_->log.has_answers()) {
-    last_entry_ = memory_->log.recall(key);
-    if (last_entry_) {
-      doubtful_.clear();
-      doubtful_.have_overflowed = true;  // nobody knows any more which they were
-      return last_entry_->hit;
-    }
-  }
-  if (work_.is_spent()) {
-    const bool is_known = memory_->progress && memory_->progress->key == key;
-    if (!is_known) memory_->progress = TraceProgress{key};
-    is_cut_short_ = true;
-    return nothing_known();
-  }
-  const bool goes_on = memory_->progress && memory_->progress->key == key;
-  const auto hit = find();
-  if (is_cut_short_) return nothing_known();
-  if (goes_on || kNotedAfterPart * work_.used() >= work_.budget()) {
-    last_entry_ = memory_->log.note(key, hit);
-  }
-  return hit;
-}
-
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
-  const TraceKey key{p, q};
-  return answer(key, [&] { return find(key); });
+  return answer({p, q});
 }
 
 std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
                                                     const Vec3& q) noexcept {
-  const TraceKey key{p, q, body};
-  return answer(key, [&] { return find(key); });
+  return answer({p, q, body});
 }
 
 std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
                                                      const Vec3& q_body) noexcept {
-  const TraceKey key{p_body, q_body, TraceKey::kNoBody, body};
-  return answer(key, [&] { return find(key); });
+  return answer({p_body, q_body, TraceKey::kNoBody, body});
 }
 
 std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
-  if (doubtful_.have_overflowed) return trace(p, q);
-  return answer({p, q}, [&] {
-    Search search{*this, p, q, StepFraction::end()};
-    for (std::size_t i = 0; i < doubtful_.count; ++i) {
-      search.enter_body(doubtful_.faces[i].body);
-      search.consider(doubtful_.faces[i]);
-    }
-    return search.best;
-  });
+  if (doubtful_.have_overflowed) [[unlikely]]
+    return answer({p, q});
+  if (asks_memory()) [[unlikely]]
+    return recall_or_find({p, q}, true);
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find_part(p, q);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish({p, q}, hit, false);
+  return hit;
+}
+
+// What has been found before, or else is found now; if the budget suffices for it.
+std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
+  if (asks_memory()) [[unlikely]]
+    return recall_or_find(key, false);
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find(key);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish(key, hit, false);
+  return hit;
+}
+
+[[gnu::cold]] std::optional<TraceHit> SegmentTracer::recall_or_find(const TraceKey& key,
+                                                                    bool is_part) noexcept {
+  last_entry_ = nullptr;
+  if (is_cut_short_) return nothing_known();
+  last_entry_ = memory_->log.recall(key);
+  if (last_entry_) {
+    doubtful_.clear();
+    doubtful_.have_overflowed = true;  // nobody knows any more which they were
+    return last_entry_->hit;
+  }
+  auto& unfinished = memory_->progress;
+  const bool was_cut_short = unfinished && unfinished->key == key;
+  if (work_.is_spent()) {
+    if (!was_cut_short) unfinished = TraceProgress{key};
+    is_cut_short_ = true;
+    has_memory_ = true;
+    return nothing_known();
+  }
+  std::optional<TraceHit> hit;
+  if (was_cut_short) {
+    TraceProgress progress = *unfinished;
+    unfinished.reset();
+    doubtful_ = progress.doubtful;
+    hit = go_on(progress);
+  } else {
+    hit = is_part ? find_part(key.p, key.q) : find(key);
+  }
+  finish(key, hit, was_cut_short);
+  return hit;
+}
+
+// Notes the answer of a tick that has done much, or of a trace that it has not done alone.
+[[gnu::cold]] void SegmentTracer::finish(const TraceKey& key, std::optional<TraceHit>& hit,
+                                         bool was_cut_short) noexcept {
+  if (is_cut_short_) {
+    hit = nothing_known();
+  } else if (was_cut_short || work_.used() >= noted_from_) {
+    last_entry_ = memory_->log.note(key, hit);
+    has_memory_ = true;
+  }
+}
+
+std::optional<TraceHit> SegmentTracer::find_part(const Vec3& p, const Vec3& q) noexcept {
+  Search search{*this, p, q, StepFraction::end()};
+  for (std::size_t i = 0; i < doubtful_.count; ++i) {
+    search.enter_body(doubtful_.faces[i].body);
+    search.consider(doubtful_.faces[i]);
+  }
+  return search.best;
 }
 
 std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
-  auto& unfinished = memory_->progress;
-  if (unfinished && unfinished->key == key) {
-    const TraceProgress progress = *unfinished;
-    unfinished.reset();
-    doubtful_ = progress.doubtful;
-    return go_on(progress);
-  }
-  std::optional<TraceHit> hit;
-  if (key.only == TraceKey::kNoBody && look_among_candidates(key, hit)) return hit;
-  doubtful_.clear();
-  return go_on({key});
-}
-
-// True if that gave the answer, or is as far as the budget suffices.
-bool SegmentTracer::look_among_candidates(const TraceKey& key,
-                                          std::optional<TraceHit>& hit) noexcept {
   const Vec3& p = key.p;
   const Vec3& q = key.q;
+  const bool may_reuse = accuracy_.reuse_candidates && key.only == TraceKey::kNoBody;
   const bool is_long = !cache_.may_cover_step(q - p);
-  for (int attempt = 0; accuracy_.reuse_candidates && attempt < 2; ++attempt) {
+  for (int attempt = 0; may_reuse && attempt < 2; ++attempt) {
     bool is_inside = cache_.covers(p);
     for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
       look = std::min(look, 1.0);
       doubtful_.clear();
       Search search{*this, p, q, StepFraction(look)};
-      TraceProgress among_moving{key};
-      if (!search_candidates(search) || !search_moving(search, among_moving)) {
+      TraceCursor among_moving;
+      if (!search_candidates(search) ||
+          (!world_->moving().empty() && !search_moving(search, among_moving, key.left_out))) {
         cut_short({key, first_look(p, q)});
-        return true;
+        return std::nullopt;
       }
       // Whatever happens inside the ball is known; the first of it counts.
       is_inside =
           cache_.covers(p + (search.best ? search.best->meet_fraction.value() : look) * (q - p));
-      if (is_inside && (search.best || look == 1.0)) {
-        hit = search.best;
-        return true;
-      }
+      if (is_inside && (search.best || look == 1.0)) return search.best;
     }
     // A step that is too long for any ball is searched along.
     if (attempt == 0 && is_long && cache_.covers(p)) break;
     if (attempt > 0 || refills_ >= kMostRefills) break;
     refills_ = cache_.refill(p, motion_, work_) ? refills_ + 1 : kMostRefills;
   }
-  return false;
+  doubtful_.clear();
+  const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
+  Search search{*this, body ? body->to_solver(p) : p, body ? body->to_solver(q) : q,
+                StepFraction::end()};
+  TraceCursor cursor;
+  std::optional<TraceHit> best_at_rest;
+  if (search_all(search, cursor, key, &best_at_rest)) return search.best;
+  // From now on in parts, the nearest first.
+  TraceProgress progress{key, first_look(p, q), cursor, search.best, best_at_rest, doubtful_};
+  if (progress.look < 1.0) progress.cursor.begin();
+  cut_short(progress);
+  return std::nullopt;
 }
 
-// Searches all there is along a step, from where an earlier tick was cut short.
-std::optional<TraceHit> SegmentTracer::go_on(TraceProgress progress) noexcept {
-  while (search_all(progress)) {
+// Goes on from where an earlier tick was cut short.
+[[gnu::cold]] std::optional<TraceHit> SegmentTracer::go_on(TraceProgress& progress) noexcept {
+  const TraceKey& key = progress.key;
+  const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
+  for (;;) {
+    Search search{*this, body ? body->to_solver(key.p) : key.p,
+                  body ? body->to_solver(key.q) : key.q, StepFraction(progress.look),
+                  progress.best};
+    search.is_resumed = progress.cursor.is_resumed;
+    const bool is_complete = search_all(search, progress.cursor, key, &progress.best_at_rest);
+    progress.best = search.best;
+    if (!is_complete) break;
     const bool is_met = progress.best && progress.best->meet_fraction.value() <= progress.look;
     if (is_met || progress.look == 1.0) return progress.best;
     // Where very many triangles are near the start, each look asks them all.
     const double most = progress.best ? progress.best->meet_fraction.value() : 1.0;
     progress.look = std::min(most, kFartherLook * progress.look);
-    progress.begin();
-  }
-  if (!progress.is_resumed) {
-    // From now on in parts, the nearest first.
-    progress.look = first_look(progress.key.p, progress.key.q);
-    if (progress.look < 1.0) progress.begin();
+    progress.cursor.begin();
   }
   progress.doubtful = doubtful_;
   cut_short(progress);
   return std::nullopt;
 }
 
-// As far as this look goes. False if the budget does not suffice for it.
-bool SegmentTracer::search_all(TraceProgress& progress) noexcept {
-  const TraceKey& key = progress.key;
-  const bool is_in_body = key.only != TraceKey::kNoBody;
-  const ContactBody* body = is_in_body ? &world_->body(key.only) : nullptr;
-  Search search{*this, body ? body->to_solver(key.p) : key.p, body ? body->to_solver(key.q) : key.q,
-                StepFraction(progress.look), progress.best};
-  search.is_resumed = progress.is_resumed;
-  bool is_complete = false;
-  if (is_in_body) {
-    search.enter_body_at(key.only, key.p, key.q);
-    is_complete = search_body(search, progress);
-  } else {
-    is_complete = search_resting(search, progress) && search_moving(search, progress);
-  }
-  progress.best = search.best;
-  return is_complete;
-}
-
-void SegmentTracer::cut_short(const TraceProgress& progress) noexcept {
+[[gnu::cold]] void SegmentTracer::cut_short(const TraceProgress& progress) noexcept {
   memory_->progress = progress;
-  memory_->progress->is_resumed = true;
+  memory_->progress->cursor.is_resumed = true;
   is_cut_short_ = true;
+  has_memory_ = true;
 }
 
 void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept {
@@ -672,6 +697,7 @@ std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
 }
 
 std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p, const Vec3& d) noexcept {
+  // What was recalled may have been asked for this, too.
   const bool is_recalled = doubtful_.have_overflowed && doubtful_.count == 0;
   if (is_recalled) return last_entry_ ? last_entry_->steepest : std::nullopt;
   const auto steepest = find_steepest_contact(p, d);

@@ -44,7 +44,12 @@ class SegmentTracer {
   enum class Errand : std::uint8_t { kMove, kPush };
 
   // A new tick, with all of its budget.
-  void begin_tick() noexcept;
+  void begin_tick() noexcept {
+    if (has_memory_) [[unlikely]]
+      has_memory_ = remembers();
+    work_.begin_tick();
+    is_cut_short_ = false;
+  }
   // Whether a search of this tick has been cut short. It knows nothing of what it was asked.
   bool is_cut_short() const { return is_cut_short_; }
   const WorkMeter& work() const { return work_; }
@@ -54,7 +59,10 @@ class SegmentTracer {
     memory_ = memories_[static_cast<std::size_t>(errand)].get();
   }
   // What is asked from now on is no step that was cut short.
-  void begin_step() noexcept { memory_->log.clear(); }
+  void begin_step() noexcept {
+    if (has_memory_) [[unlikely]]
+      memory_->log.clear();
+  }
   // What is asked from now on is the same as in the step that was cut short.
   void repeat_step() noexcept { memory_->log.rewind(); }
   // What was being asked when it was cut short, if it was.
@@ -62,12 +70,14 @@ class SegmentTracer {
     return memory_->progress ? &memory_->progress->key : nullptr;
   }
   bool is_unfinished_among_moving() const {
-    return memory_->progress && memory_->progress->is_among_moving;
+    return memory_->progress && memory_->progress->cursor.is_among_moving;
   }
   // A body has been put elsewhere, or the proxy has: what was asked before will not be asked again.
   void forget_steps() noexcept;
   // A body that moves already has moved on.
-  void forget_moving() noexcept;
+  void forget_moving() noexcept {
+    if (has_memory_) forget_moving_searches();
+  }
 
   // The first obstacle of the proxy on its way from p to q.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
@@ -145,6 +155,8 @@ class SegmentTracer {
  private:
   struct Search;
 
+  void forget_moving_searches() noexcept;
+
   // What one errand has found out so far.
   struct Memory {
     explicit Memory(std::size_t capacity) : log(capacity) {}
@@ -153,18 +165,23 @@ class SegmentTracer {
     std::optional<TraceProgress> progress;  // of the trace that was cut short last
   };
 
-  template <typename Find>
-  std::optional<TraceHit> answer(const TraceKey& key, Find find) noexcept;
+  std::optional<TraceHit> answer(const TraceKey& key) noexcept;
+  std::optional<TraceHit> recall_or_find(const TraceKey& key, bool is_part) noexcept;
+  void finish(const TraceKey& key, std::optional<TraceHit>& hit, bool was_cut_short) noexcept;
   std::optional<TraceHit> find(const TraceKey& key) noexcept;
-  bool look_among_candidates(const TraceKey& key, std::optional<TraceHit>& hit) noexcept;
-  std::optional<TraceHit> go_on(TraceProgress progress) noexcept;
-  bool search_all(TraceProgress& progress) noexcept;
+  std::optional<TraceHit> find_part(const Vec3& p, const Vec3& q) noexcept;
+  std::optional<TraceHit> go_on(TraceProgress& progress) noexcept;
   void cut_short(const TraceProgress& progress) noexcept;
+  bool remembers() const noexcept;
+  // Whether there may be an answer, or no work left to find one.
+  bool asks_memory() const { return has_memory_ || work_.is_spent(); }
   double first_look(const Vec3& p, const Vec3& q) const;
   bool search_candidates(Search& search) noexcept;
-  bool search_resting(Search& search, TraceProgress& progress) noexcept;
-  bool search_moving(Search& search, TraceProgress& progress) noexcept;
-  bool search_body(Search& search, TraceProgress& progress) noexcept;
+  bool search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
+                  std::optional<TraceHit>* best_at_rest) noexcept;
+  bool search_resting(Search& search, TraceCursor& cursor) noexcept;
+  bool search_moving(Search& search, TraceCursor& cursor, std::uint32_t left_out) noexcept;
+  bool search_body(Search& search, TraceCursor& cursor) noexcept;
   template <typename Visitor>
   void visit_contacts(std::uint32_t body, const Vec3& p, double reach_m, std::size_t& packs_left,
                       const Visitor& visit) noexcept;
@@ -192,9 +209,11 @@ class SegmentTracer {
   Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
   int refills_ = 0;             // of the cache, in this tick
   WorkMeter work_;
+  WorkUnits noted_from_;  // traces are noted when a tick has done so much
   bool is_cut_short_ = false;
   bool may_stop_around_ = false;  // the search for contacts around a point
 
+  bool has_memory_ = false;                          // there may be something in one of these
   std::array<std::unique_ptr<Memory>, 2> memories_;  // of each errand
   Memory* memory_;                                   // of the present one
   TraceLog::Entry* last_entry_ = nullptr;            // of the last trace, if the log has it

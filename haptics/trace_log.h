@@ -46,24 +46,29 @@ struct DoubtfulTriangles {
   }
 };
 
-// How far a trace has come. Bodies at rest come first, then those that move, each in ascending
+// How far a search has come. Bodies at rest come first, then those that move, each in ascending
 // order, and the packs of each, too.
-struct TraceProgress {
-  TraceKey key;
-  double look = 1.0;  // the part of the step that is searched, before the rest is
+struct TraceCursor {
   bool is_among_moving = false;
+  bool is_resumed = false;
   std::uint32_t body = 0;  // of those at rest; of those that move, its place among them
   std::uint32_t pack = 0;  // of that body: all before have been examined
-  std::optional<TraceHit> best{};
-  std::optional<TraceHit> best_at_rest{};  // of the bodies at rest, once they are all examined
-  DoubtfulTriangles doubtful{};
-  bool is_resumed = false;
 
-  // All of it, as far as this look goes.
+  // To the first of the bodies.
   void begin() {
     is_among_moving = false;
     body = pack = 0;
   }
+};
+
+// What a trace that was cut short has found.
+struct TraceProgress {
+  TraceKey key;
+  double look = 1.0;  // the part of the step that is searched, before the rest is
+  TraceCursor cursor{};
+  std::optional<TraceHit> best{};
+  std::optional<TraceHit> best_at_rest{};  // of the bodies at rest, once they are all examined
+  DoubtfulTriangles doubtful{};
 };
 
 // The traces of one step of the god-object, in the order in which they were asked for. A step that
@@ -81,6 +86,7 @@ class TraceLog {
 
   explicit TraceLog(std::size_t capacity) { entries_.reserve(capacity); }
 
+  bool is_empty() const { return entries_.empty(); }
   bool has_answers() const { return next_ < entries_.size(); }
 
   void clear() {

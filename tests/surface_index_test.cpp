@@ -135,11 +135,17 @@ std::vector<std::uint32_t> packs_along(const SurfaceIndex& index, const Vec3& p,
   index.visit_packs_along(
       p, d, radius, first,
       [](void* state, std::span<const std::uint32_t> some, bool in_order) {
-        auto& all = *static_cast<std::vector<std::uint32_t>*>(state);
-        if (in_order) all.insert(all.end(), some.begin(), some.end());
+        auto& found = *static_cast<std::vector<std::uint32_t>*>(state);
+        found.insert(found.end(), some.begin(), some.end());
+        EXPECT_TRUE(!in_order || std::is_sorted(some.begin(), some.end()));
         return QueryFraction::end();
       },
       &packs);
+  // Those that are near the start may come twice.
+  if (!first) {
+    std::sort(packs.begin(), packs.end());
+    packs.erase(std::unique(packs.begin(), packs.end()), packs.end());
+  }
   return packs;
 }
 

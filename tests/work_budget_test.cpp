@@ -62,11 +62,11 @@ class WorkBudget : public testing::TestWithParam<WorstKind> {
   WorstInput input_;
 };
 
-// What a tick does after it has run out: it ends the pack that it is at, each of whose triangles
-// may take the steps of Newton's iteration for the digits of double and exact signs; and what is
-// bounded by itself, such as a search for candidates.
+// What a tick does after it has run out: it ends the pack that it is at, or the triangles that were
+// in doubt on the step that it shortens, each of which may take exact signs.
 constexpr WorkUnits kMostBeyond =
-    TrianglePack::kLanes * (work::kTriangle + 60 * work::kNearestPoint + 20 * work::kSignInDoubt);
+    DoubtfulTriangles::kMost *
+    (work::kTriangle + 4 * work::kNearestPoint + 20 * work::kSignInDoubt);
 
 TEST_P(WorkBudget, BoundsEachTick) {
   const WorkUnits budget = Accuracy::balanced().work_budget;
