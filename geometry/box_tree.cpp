@@ -46,7 +46,7 @@ void visit_box(const RTCIntersectFunctionNArguments* args) {
 // pass the test.
 template <typename Test>
 void visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups, const OrderedBoxes& ordered,
-                    std::uint32_t first, Test test, BoxTree::Visitor visitor, void* state) {
+                    std::uint32_t first, const Test& test, BoxTree::Visitor visitor, void* state) {
   if (!found.are_too_many) {
     const auto numbers = std::span(found.numbers).first(found.count);
     std::sort(numbers.begin(), numbers.end());
@@ -107,24 +107,18 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, double sweep_radius_m)
 
 BoxTree::~BoxTree() = default;
 
-void BoxTree::visit_near(const Vec3& p, double radius_m, Search search, Visitor visitor,
+void BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
                          void* state) const noexcept {
   if (bounds_.squared_distance(p) > radius_m * radius_m) return;
-  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                            static_cast<float>(p.z())};
-  const float radius = round_up(radius_m + float_point_margin_m(p));
-  const auto test = [&](const BoxPack& boxes) {
-    BoxDistances distances;
-    return boxes_within(boxes, p_float, radius, distances);
-  };
+  const BoxesNear near(p, radius_m);
   FoundBoxes found;
-  found.are_too_many = search == Search::kInOrder;
-  if (search == Search::kWithEmbree) {
+  found.are_too_many = search == NearSearch::kInOrder;
+  if (search == NearSearch::kWithEmbree) {
     // Embree goes on to boxes at no distance, and to the rest of a leaf, whatever radius is left.
-    boxes_->query_point(p_float, radius,
-                        [&](std::uint32_t box) { return found.add(box) ? radius : 0.0f; });
+    boxes_->query_point(near.p, near.radius,
+                        [&](std::uint32_t box) { return found.add(box) ? near.radius : 0.0f; });
   }
-  visit_in_order(found, groups_, ordered_groups_, 0, test, visitor, state);
+  visit_in_order(found, groups_, ordered_groups_, 0, near, visitor, state);
 }
 
 void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
@@ -134,11 +128,8 @@ void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, std::ui
   AlongQuery query{{}, &found};
   if (!query.segment.begin(bounds_, p, d)) return;
   boxes_->query_segment(query.segment);
-  const float radius = round_up(radius_m);
-  const auto test = [&](const BoxPack& boxes) {
-    return boxes_on_segment(boxes, query.segment.origin, query.segment.displacement, radius);
-  };
-  visit_in_order(found, groups_, ordered_groups_, first, test, visitor, state);
+  const BoxesAlong along{query.segment, round_up(radius_m)};
+  visit_in_order(found, groups_, ordered_groups_, first, along, visitor, state);
 }
 
 }  // namespace palpate

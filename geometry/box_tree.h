@@ -30,10 +30,8 @@ class BoxTree {
 
   // Told of a box by its index; returns whether more are wanted. Must not throw.
   using Visitor = bool (*)(void* state, std::uint32_t box);
-  // Embree is fast where few boxes are near, but can't be stopped where very many hold the point.
-  enum class Search : std::uint8_t { kWithEmbree, kInOrder };
   // Visits the boxes that come within radius_m of p, in ascending order.
-  void visit_near(const Vec3& p, double radius_m, Search search, Visitor visitor,
+  void visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
                   void* state) const noexcept;
   // Visits the boxes that come within radius_m <= sweep_radius_m of the segment p to p + d, in
   // ascending order, from number `first` on. A segment of no length visits nothing.

@@ -11,6 +11,7 @@
 #include "geometry/box.h"
 #include "geometry/embree.h"
 #include "geometry/fraction.h"
+#include "geometry/pack_queries.h"
 
 namespace palpate {
 
@@ -63,6 +64,32 @@ struct SegmentQuery {
   static void end(const RTCIntersectFunctionNArguments* args) {
     RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0) =
         -std::numeric_limits<float>::infinity();
+  }
+};
+
+// Which of sixteen boxes come within a radius of a point: a bit each. The point is rounded, and the
+// radius allows for that.
+struct BoxesNear {
+  float p[3];
+  float radius;
+
+  BoxesNear(const Vec3& point, double radius_m)
+      : p{static_cast<float>(point.x()), static_cast<float>(point.y()),
+          static_cast<float>(point.z())},
+        radius(round_up(radius_m + float_point_margin_m(point))) {}
+  std::uint32_t operator()(const BoxPack& boxes) const {
+    BoxDistances distances;
+    return boxes_within(boxes, p, radius, distances);
+  }
+};
+
+// Which of sixteen boxes, grown by a radius, a segment meets that has begun: a bit each.
+struct BoxesAlong {
+  SegmentQuery segment;
+  float radius;
+
+  std::uint32_t operator()(const BoxPack& boxes) const {
+    return boxes_on_segment(boxes, segment.origin, segment.displacement, radius);
   }
 };
 

@@ -12,6 +12,10 @@
 
 namespace palpate {
 
+// How what is near a point is searched for. Embree is fast where few boxes are near, but can't be
+// stopped where very many hold the point; in order of their numbers, a search ends at once.
+enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };
+
 // An immutable tree over groups of sixteen boxes (BoxPack): sixteen neighbouring groups have a box
 // around each of them in one BoxPack of the level above, and so on up to a level of one. It answers
 // what Embree's trees can't: which group comes next, whatever the instruction set, so that a search

@@ -46,15 +46,12 @@ void sort_clusters(std::span<std::uint32_t> packs) {
   }
 }
 
-// What a visitor of a segment returns to see nothing more at all.
-constexpr QueryFraction kNoMore(-1.0);
-
-// Where there are more packs than are found at once, the boxes are searched in order,
-// and before that a part of the segment that has so few: so many times shorter each time, and so
-// often.
+// Packs that are found at once. Where a segment has more, they are visited in order, and before
+// that those of a part of it that has so few: so many times shorter each time, so often at most.
 constexpr std::size_t kMostPacksAtOnce = 256;
 constexpr double kShorterEachTime = 1.0 / 16;
 constexpr int kMostShortenings = 5;
+constexpr double kShortestPart = 0x1p-20;  // after so many
 
 // So many packs at most that come near a segment.
 class FoundPacks {
@@ -87,20 +84,19 @@ class FoundPacks {
 
  private:
   struct Found {
-    double entry;  // where the segment comes near it: a fraction, a little too early
+    double entry;  // where the segment comes near it: a fraction, too early by the box's margins
     std::uint32_t pack;
     friend auto operator<=>(const Found&, const Found&) = default;
   };
 
   QueryFraction add(std::span<const std::uint32_t> packs) {
     are_too_many_ = are_too_many_ || count_ + packs.size() > found_.size();
-    if (are_too_many_) return kNoMore;
+    if (are_too_many_) return kNothingMore;
     for (const std::uint32_t pack : packs) found_[count_++] = {entry_of(pack), pack};
     return QueryFraction::end();
   }
 
   double entry_of(std::uint32_t pack) const {
-    constexpr double kEarly = 1.0 - 1e-9;
     const BoxPack& boxes = index_.cluster_boxes(pack / TrianglePack::kLanes);
     const std::uint32_t lane = pack % TrianglePack::kLanes;
     double entry = 0.0;
@@ -110,7 +106,7 @@ class FoundPacks {
                                       : double{boxes.high[k][lane]} + radius_m_;
       entry = std::max(entry, (side - p_[k]) / d_[k]);
     }
-    return kEarly * entry;
+    return entry;
   }
 
   const SurfaceIndex& index_;
@@ -125,7 +121,7 @@ class FoundPacks {
 // Visits the packs of clusters in order, from one on: those whose boxes pass the test.
 template <typename Test, typename Visit>
 void visit_clusters(const OrderedBoxes& ordered, std::span<const BoxPack> clusters,
-                    std::uint32_t first, Test test, Visit visit) {
+                    std::uint32_t first, const Test& test, const Visit& visit) {
   const std::uint32_t first_cluster = first / TrianglePack::kLanes;
   auto cluster = ordered.next(first_cluster, test);
   while (cluster) {
@@ -148,7 +144,7 @@ void visit_cluster(const RTCIntersectFunctionNArguments* args) {
                                      segment.displacement, search->radius));
   if (packs.count == 0) return;
   const QueryFraction needed = search->visitor(search->state, packs.span());
-  if (needed < QueryFraction::start()) return SegmentQuery::end(args);
+  if (needed == kNothingMore) return SegmentQuery::end(args);
   segment.end_at(needed, args);
 }
 
@@ -264,31 +260,28 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
   return nearest;
 }
 
-std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m,
-                                     std::span<std::uint32_t> packs) const noexcept {
+std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
+                                     NearSearch search) const noexcept {
   std::size_t count = 0;
   if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return count;
-  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                            static_cast<float>(p.z())};
-  const float radius = round_up(radius_m + float_point_margin_m(p));
-  std::uint32_t last_cluster = 0;
-  bool is_sorted = true;
-  clusters_->query_point(p_float, radius, [&](std::uint32_t cluster) {
-    if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
-    BoxDistances distances;
-    const ClusterPacks found(cluster,
-                             boxes_within(cluster_boxes_[cluster], p_float, radius, distances));
-    if (found.count > 0) {
-      is_sorted = is_sorted && cluster >= last_cluster;
-      last_cluster = cluster;
-    }
-    for (const std::uint32_t id : found.span()) {
+  // Whether there is room for more.
+  const auto add = [&](std::span<const std::uint32_t> some) {
+    for (const std::uint32_t id : some) {
       if (count < packs.size()) packs[count] = id;
       ++count;
     }
-    return count > packs.size() ? 0.0f : radius;  // full: nothing more is wanted
+    return count <= packs.size();
+  };
+  const BoxesNear near(p, radius_m);
+  if (search == NearSearch::kInOrder) {
+    visit_clusters(ordered_clusters_, cluster_boxes_, 0, near, add);
+    return count;
+  }
+  clusters_->query_point(near.p, near.radius, [&](std::uint32_t cluster) {
+    if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
+    return add(ClusterPacks(cluster, near(cluster_boxes_[cluster])).span()) ? near.radius : 0.0f;
   });
-  if (!is_sorted && count <= packs.size()) sort_clusters(packs.first(count));
+  if (count <= packs.size()) sort_clusters(packs.first(count));
   return count;
 }
 
@@ -311,52 +304,55 @@ bool SurfaceIndex::may_meet(const Vec3& p, const Vec3& d, double radius_m) const
   return !surface_.packs.empty() && box_.grown(grown_by_m(radius_m)).clip(p, d, enter, leave);
 }
 
-void SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
-                                     std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
-                                     void* state) const noexcept {
+std::size_t SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                                            std::optional<std::uint32_t> first,
+                                            OrderedPackVisitor visitor,
+                                            void* state) const noexcept {
+  std::size_t in_vain = 0;
   QueryFraction needed = QueryFraction::end();
-  double part = 1.0;
-  for (int shortened = 0; !first && shortened <= kMostShortenings; ++shortened) {
-    FoundPacks found(*this, p, part * d, radius_m);
-    if (found.are_too_many()) {
-      part *= kShorterEachTime;
-      continue;
+  if (!first) {
+    const auto are_visited = [&](double part) {
+      FoundPacks found(*this, p, part * d, radius_m);
+      if (found.are_too_many()) {
+        in_vain += kMostPacksAtOnce;
+        return false;
+      }
+      needed = found.visit(part, visitor, state);
+      return true;
+    };
+    if (are_visited(1.0)) return in_vain;
+    // If the shortest part has too many, all have.
+    in_vain += kMostPacksAtOnce;
+    int shortenings =
+        FoundPacks(*this, p, kShortestPart * d, radius_m).are_too_many() ? 0 : kMostShortenings;
+    for (double part = kShorterEachTime; shortenings > 0; --shortenings, part *= kShorterEachTime) {
+      if (!are_visited(part)) continue;
+      if (needed <= QueryFraction(part)) return in_vain;
+      break;
     }
-    needed = found.visit(part, visitor, state);
-    if (needed <= QueryFraction(part)) return;
-    break;
   }
-  SegmentQuery segment;
-  if (!segment.begin(box_.grown(grown_by_m(radius_m)), p, d)) return;
-  const float radius = round_up(radius_m);
-  const auto test = [&](const BoxPack& boxes) {
-    return boxes_on_segment(boxes, segment.origin, segment.displacement, radius);
-  };
+  const Box bounds = box_.grown(grown_by_m(radius_m));
+  BoxesAlong along{{}, round_up(radius_m)};
+  if (!along.segment.begin(bounds, p, d)) return in_vain;
   const auto visit = [&](std::span<const std::uint32_t> packs) {
     const QueryFraction now_needed = visitor(state, packs, true);
-    if (now_needed < QueryFraction::start()) return false;
+    if (now_needed == kNothingMore) return false;
     if (now_needed < needed) {
       needed = now_needed;
       SegmentQuery shorter;
-      if (shorter.begin(box_.grown(grown_by_m(radius_m)), p, needed.value() * d)) segment = shorter;
+      if (shorter.begin(bounds, p, needed.value() * d)) along.segment = shorter;
     }
     return true;
   };
-  visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0), test, visit);
+  visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0), along, visit);
+  return in_vain;
 }
 
 void SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
                                     NearPackVisitor visitor, void* state) const noexcept {
   if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return;
-  const float p_float[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                            static_cast<float>(p.z())};
-  const float radius = round_up(radius_m + float_point_margin_m(p));
-  const auto test = [&](const BoxPack& boxes) {
-    BoxDistances distances;
-    return boxes_within(boxes, p_float, radius, distances);
-  };
   const auto visit = [&](std::span<const std::uint32_t> packs) { return visitor(state, packs); };
-  visit_clusters(ordered_clusters_, cluster_boxes_, first, test, visit);
+  visit_clusters(ordered_clusters_, cluster_boxes_, first, BoxesNear(p, radius_m), visit);
 }
 
 std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) const noexcept {

@@ -55,14 +55,16 @@ struct AffineMap {
   Vec3 operator()(const Vec3& p) const { return linear * p + translation_m; }
 };
 
+// What a visitor of a segment returns to see nothing more at all, not even at the start.
+inline constexpr QueryFraction kNothingMore{-1.0};
+
 // Called with up to sixteen packs near a segment; returns the fraction of the segment beyond which
-// packs are of no interest any more (its end to see them all, less than its start to see none).
-// Must not throw.
+// packs are of no interest any more (its end to see them all), or kNothingMore. Must not throw.
 using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs);
 
 // Called with up to sixteen packs; returns the fraction of the segment beyond which packs are of no
-// interest any more (its end to see them all, less than its start to see none). in_order: they are
-// in ascending order, and all before them have been visited. Must not throw.
+// interest any more (its end to see them all), or kNothingMore. in_order: they are in ascending
+// order, and all before them have been visited. Must not throw.
 using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
                                              bool in_order);
 // Called with up to sixteen packs, in ascending order; returns whether more are wanted.
@@ -95,8 +97,8 @@ class SurfaceIndex {
   // Writes the ids of all packs whose box comes within radius_m of p, ascending. Returns how many
   // there are; when that exceeds packs.size(), the surplus was not written and the search ended
   // early.
-  std::size_t packs_near(const Vec3& p, double radius_m,
-                         std::span<std::uint32_t> packs) const noexcept;
+  std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
+                         NearSearch search = NearSearch::kWithEmbree) const noexcept;
 
   // Visits all packs that come within radius_m <= sweep_radius_m of the segment p to p + d,
   // roughly in order along it, until the visitor says that the rest is of no interest. A segment of
@@ -111,12 +113,12 @@ class SurfaceIndex {
   // order, from number `first` on if it is given. If not, those that the segment comes near first
   // come first; where there are very many, in the first part of it, and then all in ascending
   // order. Which packs they are and how they are grouped does not depend on the instruction set,
-  // unlike the boxes that Embree's tree leads to.
-  void visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
-                         std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
-                         void* state) const noexcept;
-  // The packs that packs_near() writes, likewise; without Embree, whose search for what is near a
-  // point can't be ended where very many boxes hold it.
+  // unlike the boxes that Embree's tree leads to. Returns how many more were found, but not visited
+  // in that turn, because there were too many.
+  std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                                std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
+                                void* state) const noexcept;
+  // Visits the packs that packs_near() writes in ascending order, from number `first` on.
   void visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
                         NearPackVisitor visitor, void* state) const noexcept;
 

@@ -46,26 +46,6 @@ double finest_pack_diagonal(const LiveWorld& world) {
   return finest;
 }
 
-// As SurfaceIndex::packs_near(), but stopped as soon as there are too many.
-std::size_t packs_in_order(const SurfaceIndex& index, const Vec3& p, double reach_m,
-                           std::span<std::uint32_t> room) {
-  struct Found {
-    std::span<std::uint32_t> room;
-    std::size_t count = 0;
-  } found{room};
-  index.visit_packs_near(
-      p, reach_m, 0,
-      [](void* state, std::span<const std::uint32_t> packs) {
-        auto& f = *static_cast<Found*>(state);
-        const std::size_t left = f.room.size() - std::min(f.count, f.room.size());
-        std::copy_n(packs.begin(), std::min(packs.size(), left), f.room.data() + f.count);
-        f.count += packs.size();
-        return f.count <= f.room.size();
-      },
-      &found);
-  return found.count;
-}
-
 }  // namespace
 
 CandidateCache::CandidateCache(const LiveWorld& world, double reach_m)
@@ -79,17 +59,17 @@ bool CandidateCache::refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) n
   const double length = ahead.norm();
   const Vec3 direction = length > 0.0 ? Vec3(ahead / length) : Vec3(Vec3::Zero());
   double radius = usual_ball_m_;
-  auto search = BoxTree::Search::kWithEmbree;
+  auto search = NearSearch::kWithEmbree;
   for (int halving = 0; halving <= kMostHalvings; ++halving, radius *= 0.5) {
     if (fill_ball(p + kLead * radius * direction, radius, search, work)) return true;
-    search = BoxTree::Search::kInOrder;
+    search = NearSearch::kInOrder;
   }
   forget();
   failed_at_ = p;
   return false;
 }
 
-bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, BoxTree::Search search,
+bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch search,
                                WorkMeter& work) noexcept {
   centre_ = centre;
   radius_m_ = radius_m;
@@ -118,14 +98,12 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, BoxTree::Sea
 }
 
 // Adds the packs of one body that are near the ball; false if there is no room for them.
-bool CandidateCache::add_body(std::uint32_t b, BoxTree::Search search, std::size_t& used) noexcept {
+bool CandidateCache::add_body(std::uint32_t b, NearSearch search, std::size_t& used) noexcept {
   const ContactBody& body = world_->body(b);
   const Vec3 centre_body = body.to_body(centre_);
   const double reach_m = radius_m_ + reach_m_;
   const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
-  const std::size_t count = search == BoxTree::Search::kWithEmbree
-                                ? body.index->packs_near(centre_body, reach_m, room)
-                                : packs_in_order(*body.index, centre_body, reach_m, room);
+  const std::size_t count = body.index->packs_near(centre_body, reach_m, room, search);
   if (count > room.size()) return false;
   if (count == 0) return true;
   BodyCandidates& candidates = bodies_[body_count_];

@@ -76,9 +76,8 @@ class CandidateCache {
     float low[3], high[3];  // box around the ball and the reach, body frame
   };
 
-  bool fill_ball(const Vec3& centre, double radius_m, BoxTree::Search search,
-                 WorkMeter& work) noexcept;
-  bool add_body(std::uint32_t b, BoxTree::Search search, std::size_t& used) noexcept;
+  bool fill_ball(const Vec3& centre, double radius_m, NearSearch search, WorkMeter& work) noexcept;
+  bool add_body(std::uint32_t b, NearSearch search, std::size_t& used) noexcept;
   void keep_boxes(const BodyCandidates& candidates) noexcept;
 
   const LiveWorld* world_;

@@ -99,36 +99,40 @@ bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_bo
 
 std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
                                    const std::optional<Vec3>& motion_plane_normal) noexcept {
-  std::size_t held = motions.size();
-  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return held;
+  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
   tracer_.begin_tick();
   bodies_have_moved_ = true;
   if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
-  if (last_push_ && finishes_push(motions, motion_plane_normal)) return count_not_there(motions);
+  const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
+  const bool are_done = has_turn && push_all(motions, motion_plane_normal);
+  take_bounds();
+  if (are_done) first_motion_ = 0;
+  return count_not_there(motions);
+}
+
+// False if there is no work left for all of them: then the next one that is to move is the first in
+// the next tick.
+bool GodObject::push_all(std::span<const BodyMotion> motions,
+                         const std::optional<Vec3>& motion_plane_normal) noexcept {
+  std::size_t held = motions.size();
   // One that another was in the way of may get on once that one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
-    const std::size_t held_before = held;
-    held = 0;
+    const std::size_t held_before = std::exchange(held, std::size_t{0});
+    const std::size_t first = first_motion_;
     for (std::size_t i = 0; i < motions.size(); ++i) {
-      const std::size_t next = (first_motion_ + i) % motions.size();
-      if (2 * tracer_.work().used() > tracer_.work().budget()) {
-        first_motion_ = next;
-        return count_not_there(motions);
-      }
+      const BodyMotion& motion = motions[(first + i) % motions.size()];
+      if (2 * tracer_.work().used() > tracer_.work().budget()) return false;
       tracer_.begin_step();
-      if (!move_body(motions[next], motion_plane_normal)) ++held;
-      if (tracer_.is_cut_short()) {
-        last_push_ = motions[next];
-        first_motion_ = next;
-        return count_not_there(motions);
-      }
+      held += move_body(motion, motion_plane_normal) ? 0 : 1;
+      first_motion_ = (first + i + 1) % motions.size();
+      if (!tracer_.is_cut_short()) continue;
+      last_push_ = motion;
+      return false;
     }
     if (held == held_before) break;
   }
-  first_motion_ = 0;
-  take_bounds();
-  return held;
+  return true;
 }
 
 // Goes on with the push that the last tick was cut short in: to where the body was to be then. True
@@ -143,7 +147,6 @@ bool GodObject::finishes_push(std::span<const BodyMotion> motions,
   tracer_.repeat_step();
   move_body(push, motion_plane_normal);
   if (tracer_.is_cut_short()) last_push_ = push;
-  take_bounds();
   return true;
 }
 
@@ -190,6 +193,7 @@ bool GodObject::is_carried_by(std::uint32_t body) const {
 
 bool GodObject::place(const Vec3& p) noexcept {
   if (has_bad_settings_ || !std::isfinite(p.squaredNorm())) return false;
+  tracer_.begin_tick();
   proxy_ = p;
   settled_ = false;
   confirmed_ = false;
@@ -219,14 +223,6 @@ ProxyState GodObject::move_to(const Vec3& goal,
   last_holds_ = {};
   NoFriction none;
   return move(goal, motion_plane_normal, none);
-}
-
-// Bodies have taken all the work of this tick.
-ProxyState GodObject::stay(const Vec3& goal) {
-  goal_ = goal;
-  path_.clear();
-  path_.push_back(proxy_);
-  return report(0, true);
 }
 
 // Notes for what the step that has been cut short was begun.

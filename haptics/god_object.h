@@ -196,6 +196,8 @@ class GodObject {
   ProxyState refused() const;
   void take_bounds();
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
+  bool push_all(std::span<const BodyMotion> motions,
+                const std::optional<Vec3>& motion_plane_normal) noexcept;
   bool finishes_push(std::span<const BodyMotion> motions,
                      const std::optional<Vec3>& motion_plane_normal) noexcept;
   std::size_t count_not_there(std::span<const BodyMotion> motions) const;
@@ -205,7 +207,8 @@ class GodObject {
     work_of_bodies_ = tracer_.work().used();
     tracer_.begin_errand(SegmentTracer::Errand::kMove);
   }
-  ProxyState stay(const Vec3& goal);
+  template <typename Friction>
+  ProxyState stay(Friction& friction);
   template <typename Friction>
   void finish_last_step(Friction& friction);
   void keep_step_for_next_tick();

@@ -118,6 +118,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
   if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;
+  if (tracer_.is_cut_short()) return false;  // not all ways have been tried
   goes_on_ = goal_waits_;
   keep_contacts_for_next_tick(false);
   return true;

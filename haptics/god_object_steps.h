@@ -61,7 +61,6 @@ template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
   begin_tick();
-  if (tracer_.is_cut_short()) return stay(goal);
   const bool keeps_planes = repeats_step_ && motion_plane_normal == motion_plane_normal_;
   // As it was begun, to the bit: then what has been found is asked for again.
   const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
@@ -72,6 +71,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   path_.push_back(proxy_);
   if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
   if (!keeps_planes) seed_from_last_tick();
+  if (tracer_.is_cut_short()) return stay(friction);
   if (!repeats) is_slow_ = goes_on_;
   if (repeats) tracer_.repeat_step();
   if constexpr (Friction::kHolds) {
@@ -128,6 +128,16 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   goes_on_ = capped || goal_waits_;
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
+}
+
+// Bodies have taken all the work of this tick: the proxy is held as it was.
+template <typename Friction>
+[[gnu::cold]] ProxyState GodObject::stay(Friction& friction) {
+  projection_ = {};
+  name_what_holds(friction);
+  keep_contacts_for_next_tick(true);
+  if constexpr (Friction::kHolds) return friction.complete(report(0, true));
+  return report(0, true);
 }
 
 // Goes on with the step that the last tick was cut short in, for an earlier goal, as long as the

@@ -39,7 +39,7 @@ class LiveWorld {
   // Calls visit(b) for every body at rest that comes within radius_m of p, in ascending order,
   // until it returns false.
   template <typename Visit>
-  void visit_resting_near(const Vec3& p, double radius_m, BoxTree::Search search,
+  void visit_resting_near(const Vec3& p, double radius_m, NearSearch search,
                           Visit visit) const noexcept {
     if (!tree_) return visit_all_resting(0, visit);
     Visitor<Visit> visitor{this, &visit};

@@ -27,15 +27,6 @@ constexpr double kFartherLook = 16.0;
 // Packs that are asked in one go.
 constexpr std::size_t kPacksAtOnce = 16;
 
-// Bodies at rest that contacts around a point are looked for in, and the packs of all bodies that
-// are looked at for that: those with the lowest numbers.
-constexpr std::size_t kMostBodiesAround = 64;
-constexpr std::size_t kMostPacksAround = 256;
-
-// A search for contacts around a point that begins with less than this part of the budget used is
-// not cut short: it is bounded, and what follows may go on in the next tick.
-constexpr WorkUnits kBeginsAroundPart = 4;
-
 // Of a segment that is searched for something before a hit, at least so much is searched: what is
 // at the very start counts, too.
 constexpr double kLeastPart = 0x1p-20;
@@ -73,34 +64,6 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
   scale.clearance_m = SolverScale::kClearancePerStandOff * scale.stand_off_m;
   return scale;
 }
-
-// Of the contacts of a point at p that it is given, the nearest that there is room for.
-class NearestContacts {
- public:
-  NearestContacts(const Vec3& p, std::span<FaceContact> room) : p_(p), room_(room) {}
-
-  void add(const FaceContact& contact) {
-    const auto is_nearer = [this](const FaceContact& a, const FaceContact& b) {
-      return (a.feature_point - p_).squaredNorm() < (b.feature_point - p_).squaredNorm();
-    };
-    if (count_ < room_.size()) {
-      room_[count_++] = contact;
-      if (count_ == room_.size()) std::make_heap(room_.begin(), room_.end(), is_nearer);
-      return;
-    }
-    if (!is_nearer(contact, room_.front())) return;
-    std::pop_heap(room_.begin(), room_.end(), is_nearer);
-    room_.back() = contact;
-    std::push_heap(room_.begin(), room_.end(), is_nearer);
-  }
-
-  std::size_t count() const { return count_; }
-
- private:
-  Vec3 p_;
-  std::span<FaceContact> room_;
-  std::size_t count_ = 0;
-};
 
 }  // namespace
 
@@ -309,11 +272,13 @@ bool SegmentTracer::remembers() const noexcept {
 }
 
 void SegmentTracer::forget_moving_searches() noexcept {
-  Memory& memory = *memories_[static_cast<std::size_t>(Errand::kMove)];
-  memory.log.clear();
-  if (!memory.progress || !memory.progress->cursor.is_among_moving) return;
-  memory.progress->cursor.body = memory.progress->cursor.pack = 0;
-  memory.progress->best = memory.progress->best_at_rest;
+  for (const auto& memory : memories_) {
+    memory->log.clear();
+    auto& progress = memory->progress;
+    if (!progress || !progress->cursor.is_among_moving) continue;
+    progress->cursor.body = progress->cursor.pack = 0;
+    progress->best = progress->best_at_rest;
+  }
 }
 
 bool SegmentTracer::search_candidates(Search& search) noexcept {
@@ -384,16 +349,17 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
     bool is_complete;
   } state{&search, &cursor, true};
   const auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
-  search.placed->index->visit_packs_along(
+  const std::size_t in_vain = search.placed->index->visit_packs_along(
       search.p_body, search.d_body, sweep_radius_m(*search.placed), first,
       [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
         State& in = *static_cast<State*>(s);
         std::uint32_t unexamined = 0;
         in.is_complete = in.search->consider_packs(packs, unexamined);
         if (in_order) in.cursor->pack = unexamined;
-        return in.is_complete ? QueryFraction(in.search->needed()) : QueryFraction(-1.0);
+        return in.is_complete ? QueryFraction(in.search->needed()) : kNothingMore;
       },
       &state);
+  work_.add(static_cast<WorkUnits>(in_vain) * work::kPackNamed);
   search.has_begun = search.has_begun || state.is_complete;
   return state.is_complete;
 }
@@ -573,127 +539,6 @@ void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) 
   if (!accuracy_.reuse_candidates || !was_cheap || has_refilled || work_.is_spent()) return;
   if (cache_.covers(p + kTicksAhead * step) || !cache_.may_refill(p)) return;
   cache_.refill(p, step, work_);
-}
-
-FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
-  const ContactBody& body = world_->body(face.body);
-  const TrianglePoint nearest =
-      closest_point_on_triangle(body.index->triangle(face.slot), body.to_body(p));
-  return {face, body.direction_to_solver(nearest.direction), nearest.distance - radius_m_,
-          nearest.feature, body.to_solver(nearest.point)};
-}
-
-Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
-  const ContactBody& body = world_->body(contact.face.body);
-  const TriangleGeometry& t = body.index->triangle(contact.face.slot);
-  const Vec3 p_body = body.to_body(contact.feature_point);
-  Vec3 nearest = Vec3::Zero();
-  double least_m = std::numeric_limits<double>::infinity();
-  for (const auto& [from, to] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
-    const Vec3 direction = (to - from).normalized();
-    const double distance_m = (p_body - from).cross(direction).norm();
-    if (distance_m >= least_m) continue;
-    least_m = distance_m;
-    nearest = direction;
-  }
-  return body.direction_to_solver(nearest);
-}
-
-FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
-                                      const Vec3& side) const noexcept {
-  const FaceContact nearest = nearest_contact(face, p);
-  if (radius_m_ > 0.0) return nearest;
-  const ContactBody& body = world_->body(face.body);
-  const Vec3 direction_body = body.direction_to_body(nearest.normal);
-  if (!is_rather_over(body.index->triangle(face.slot), direction_body)) return nearest;
-  const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
-  FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
-  contact.feature = nearest.feature;
-  return contact;
-}
-
-FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
-                                        const Vec3& side) const noexcept {
-  const ContactBody& body = world_->body(face.body);
-  const TriangleGeometry& t = body.index->triangle(face.slot);
-  const Vec3 p_body = body.to_body(p);
-  const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
-  const double height = normal.dot(p_body - t.a);
-  return {face, body.direction_to_solver(normal), height, TriangleFeature::kFace,
-          body.to_solver(p_body - height * normal)};
-}
-
-bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {
-  if (radius_m_ > 0.0) {
-    // Still touching: the tangent plane it was stopped by supports the sphere here as well.
-    return contact_at(contact.face, p, contact.normal).clearance_m <= scale_.stand_off_m;
-  }
-  if (contact.feature != TriangleFeature::kFace) return false;
-  const ContactBody& body = world_->body(contact.face.body);
-  return prism_contains(body.index->triangle(contact.face.slot), body.to_body(p));
-}
-
-std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
-                                             std::span<FaceContact> contacts) noexcept {
-  NearestContacts nearest(p, contacts);
-  // One that begins with most of the budget left is completed all the same.
-  may_stop_around_ = kBeginsAroundPart * work_.used() > work_.budget();
-  std::size_t packs_left = kMostPacksAround;
-  std::size_t bodies_left = kMostBodiesAround;
-  const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
-  world_->visit_resting_near(p, reach_m, BoxTree::Search::kInOrder, [&](std::uint32_t b) {
-    const ContactBody& body = world_->body(b);
-    if (body.index->box().squared_distance(body.to_body(p)) > reach_m * reach_m) return true;
-    visit_contacts(b, p, reach_m, packs_left, add);
-    return --bodies_left > 0 && packs_left > 0 && !is_cut_short_;
-  });
-  for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, packs_left, add);
-  return nearest.count();
-}
-
-template <typename Visitor>
-void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_m,
-                                   std::size_t& packs_left, const Visitor& visit) noexcept {
-  if (packs_left == 0 || is_cut_short_) return;
-  const ContactBody& body = world_->body(b);
-  const Vec3 p_body = body.to_body(p);
-  work_.add(work::kBody);
-  const auto consider_pack = [&](std::uint32_t pack) {
-    const int count = body.index->pack(pack).count;
-    if (may_stop_around_ && work_.is_spent()) is_cut_short_ = true;
-    if (is_cut_short_) return false;
-    work_.add(work::kPack + count * work::kNearestPoint);
-    for (int lane = 0; lane < count; ++lane) {
-      const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
-      const TriangleGeometry& t = body.index->triangle(slot);
-      const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-      if (nearest.distance > reach_m) continue;
-      visit({{b, slot},
-             body.direction_to_solver(t.normal),
-             t.normal.dot(p_body - t.a),
-             TriangleFeature::kFace,
-             body.to_solver(nearest.point)});
-    }
-    return --packs_left > 0;
-  };
-  using ConsiderPack = decltype(consider_pack);
-  body.index->visit_packs_near(
-      p_body, reach_m, 0,
-      [](void* state, std::span<const std::uint32_t> packs) {
-        return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
-      },
-      const_cast<void*>(static_cast<const void*>(&consider_pack)));
-}
-
-std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
-                                           std::span<FaceContact> contacts) noexcept {
-  const std::size_t count = contacts_in_front(p, reach_m, contacts);
-  for (FaceContact& contact : contacts.first(count)) {
-    if (contact.clearance_m >= 0.0) continue;
-    contact.normal = -contact.normal;
-    contact.clearance_m = -contact.clearance_m;
-  }
-  return count;
 }
 
 std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p, const Vec3& d) noexcept {

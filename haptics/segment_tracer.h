@@ -29,6 +29,7 @@ namespace palpate {
 // Triangles are taken from the cached packs around the proxy while the step stays in their safe
 // zone, and from a segment query otherwise; of bodies that move, always from one. Packs are asked
 // sixteen triangles at a time in single precision; what that cannot rule out is decided in double.
+//
 // A tick's work is counted (work.h). A search that its budget does not suffice for is cut short: it
 // answers that the step is stopped where it starts, by nothing that has a name, and so does each
 // one after it. Asked for the same again in the next tick, it goes on from there.
@@ -40,7 +41,7 @@ class SegmentTracer {
   // sweeps of at least radius_m + the stand-off.
   SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy = {});
 
-  // Which of two searches that may be cut short is told of: each goes on for itself.
+  // What a search is for. What was cut short is kept for each of them.
   enum class Errand : std::uint8_t { kMove, kPush };
 
   // A new tick, with all of its budget.
@@ -54,18 +55,17 @@ class SegmentTracer {
   bool is_cut_short() const { return is_cut_short_; }
   const WorkMeter& work() const { return work_; }
 
-  // What is asked from now on is for this.
   void begin_errand(Errand errand) noexcept {
     memory_ = memories_[static_cast<std::size_t>(errand)].get();
   }
-  // What is asked from now on is no step that was cut short.
+  // The traces from now on are of another step.
   void begin_step() noexcept {
     if (has_memory_) [[unlikely]]
       memory_->log.clear();
   }
-  // What is asked from now on is the same as in the step that was cut short.
+  // The traces from now on are those of the step that was cut short, from its beginning.
   void repeat_step() noexcept { memory_->log.rewind(); }
-  // What was being asked when it was cut short, if it was.
+  // The trace that was cut short, or null.
   const TraceKey* unfinished() const {
     return memory_->progress ? &memory_->progress->key : nullptr;
   }

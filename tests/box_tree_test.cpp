@@ -16,7 +16,7 @@ namespace {
 using test::Random;
 
 std::vector<std::uint32_t> near(const BoxTree& tree, const Vec3& p, double radius_m,
-                                BoxTree::Search search) {
+                                NearSearch search) {
   std::vector<std::uint32_t> found;
   tree.visit_near(
       p, radius_m, search,
@@ -62,14 +62,14 @@ TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
       const Vec3 d = random.in_box(1.0);
       const double radius_m = random.uniform(0.0, kSweep_m);
       limit_simd_level(SimdLevel::kAvx512);
-      const auto near_p = near(tree, p, radius_m, BoxTree::Search::kInOrder);
+      const auto near_p = near(tree, p, radius_m, NearSearch::kInOrder);
       const auto along_d = along(tree, p, d, radius_m, 0);
       ASSERT_TRUE(std::is_sorted(near_p.begin(), near_p.end()));
       ASSERT_TRUE(std::is_sorted(along_d.begin(), along_d.end()));
       for (const SimdLevel level : {SimdLevel::kAvx512, SimdLevel::kAvx2, SimdLevel::kBaseline}) {
         limit_simd_level(level);
-        ASSERT_EQ(near(tree, p, radius_m, BoxTree::Search::kWithEmbree), near_p);
-        ASSERT_EQ(near(tree, p, radius_m, BoxTree::Search::kInOrder), near_p);
+        ASSERT_EQ(near(tree, p, radius_m, NearSearch::kWithEmbree), near_p);
+        ASSERT_EQ(near(tree, p, radius_m, NearSearch::kInOrder), near_p);
         ASSERT_EQ(along(tree, p, d, radius_m, 0), along_d);
       }
       for (std::uint32_t i = 0; i < boxes.size(); ++i) {
@@ -95,7 +95,7 @@ TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
 TEST(BoxTree, StopsWhenNoMoreAreWanted) {
   Random random(42);
   const BoxTree tree(some_boxes(random, 5000, 1.5), 0.0);
-  for (const auto search : {BoxTree::Search::kWithEmbree, BoxTree::Search::kInOrder}) {
+  for (const auto search : {NearSearch::kWithEmbree, NearSearch::kInOrder}) {
     int visited = 0;
     tree.visit_near(
         Vec3::Zero(), 0.1, search,

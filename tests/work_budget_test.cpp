@@ -11,9 +11,11 @@
 #include <gtest/gtest.h>
 
 #include "benchmarks/worst_inputs.h"
+#include "geometry/random.h"
 #include "geometry/simd.h"
 #include "haptics/check_settings.h"
 #include "haptics/god_object.h"
+#include "tests/owned_bodies.h"
 #include "tests/work_budgets.h"
 #include "tests/worlds.h"
 
@@ -69,6 +71,7 @@ constexpr WorkUnits kMostBeyond =
     (work::kTriangle + 4 * work::kNearestPoint + 20 * work::kSignInDoubt);
 
 TEST_P(WorkBudget, BoundsEachTick) {
+  ASSERT_EQ(input_.goals_m.size(), GetParam().ticks);
   const WorkUnits budget = Accuracy::balanced().work_budget;
   const Felt felt = feel(input_, budget);
   WorkUnits most = 0;
@@ -203,6 +206,83 @@ TEST(WorkBudgets, AreSharedByBodiesAndTheHand) {
     }
     EXPECT_EQ(held, 0u) << "after " << ticks << " ticks";
   }
+}
+
+// A heavy body that moves in each tick takes as many ticks as its pushes need; the others go on.
+TEST(WorkBudgets, OfABodyThatTakesLongLeaveTheOthersTheirs) {
+  test::Soup heavy;
+  SeededRandom random(11);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 a = random.in_box(0.05);
+    heavy.add(a, a + random.in_box(0.02), a + random.in_box(0.02));
+  }
+  const test::Soup light = test::box_soup(Vec3::Constant(0.01));
+  const RigidTransform far{Quat::Identity(), Vec3(1.0, 0.0, 0.0)};
+  const test::OwnedBodies bodies({{heavy, {}}, {light, far}});
+  GodObject god_object(bodies.world(), {0.0, test::with_budget({}, 300)});
+  god_object.place(Vec3(0.0, 0.0, 0.02));
+  double heavy_least_m = 1.0;
+  double light_least_m = 1.0;
+  for (int tick = 1; tick < 2000; ++tick) {
+    const double moved_m = 1e-5 * tick;
+    const BodyMotion motions[] = {{0, {Quat::Identity(), Vec3(moved_m, 0.0, 0.0)}},
+                                  {1, {Quat::Identity(), Vec3(1.0 + moved_m, 0.0, 0.0)}}};
+    god_object.move_bodies(motions);
+    god_object.move_to(Vec3(0.0, 0.0, 0.02));
+    if (tick < 1000) continue;
+    const auto behind_m = [&](std::uint32_t b) {
+      return (god_object.world().body(b).T_solver_body.translation_m -
+              motions[b].T_solver_body.translation_m)
+          .norm();
+    };
+    heavy_least_m = std::min(heavy_least_m, behind_m(0));
+    light_least_m = std::min(light_least_m, behind_m(1));
+  }
+  EXPECT_LT(heavy_least_m, 5e-3) << "the heavy body never got on";
+  EXPECT_LT(light_least_m, 5e-3) << "the light body never had its turn";
+}
+
+// A body that has moved to where nothing was is there, though no work was left for the others.
+TEST(WorkBudgets, LeaveNoBodyOutOfBounds) {
+  const test::Soup wall = test::box_soup(Vec3(0.1, 0.1, 0.01));
+  std::vector<test::OwnedBodies::Placed> placed;
+  for (int i = 0; i < 40; ++i) placed.push_back({wall, {Quat::Identity(), Vec3(0, 0, -0.1 * i)}});
+  const test::OwnedBodies bodies(placed);
+  std::vector<BodyMotion> motions;
+  for (std::uint32_t b = 0; b < 40; ++b) {
+    motions.push_back({b, {Quat::Identity(), Vec3(0.0, 0.0, b == 0 ? 30.0 : -0.1 * b + 0.01)}});
+  }
+  const Vec3 aside(0.0, 0.5, 20.0);  // out of its way
+  const Vec3 below(0.01, 0.02, 20.0);
+  const Vec3 above(0.01, 0.02, 40.0);
+  for (const WorkUnits budget : {10, 20, 40, 100, 1000}) {
+    GodObject god_object(bodies.world(), {0.0, test::with_budget({}, budget)});
+    god_object.place(aside);
+    const auto is_there = [&] {
+      return god_object.world().body(0).T_solver_body.translation_m.z() == 30.0;
+    };
+    for (int tick = 0; tick < 2000; ++tick) {
+      god_object.move_bodies(motions);
+      if (is_there()) break;
+      god_object.move_to(aside);
+    }
+    ASSERT_TRUE(is_there()) << budget;
+    for (const Vec3& goal : {below, above}) {
+      for (int tick = 0; tick < 1000; ++tick) god_object.move_to(goal);
+    }
+    EXPECT_LT(god_object.proxy().z(), 30.0) << "with a budget of " << budget;
+  }
+}
+
+// What a tick has used up is not what place() lacks.
+TEST(WorkBudgets, DoNotKeepAProxyFromBeingLifted) {
+  const test::OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
+  GodObject god_object(world.world(), {0.0, test::with_budget({}, 1)});
+  god_object.place(Vec3(0.0, 0.0, 0.3));
+  for (int tick = 0; tick < 3; ++tick) god_object.move_to(Vec3(0.01 * tick, 0.0, 0.0));
+  const double just_above_m = 0.1 + 0.1 * god_object.scale().stand_off_m;
+  ASSERT_TRUE(god_object.place(Vec3(0.01, 0.02, just_above_m)));
+  EXPECT_GE(god_object.proxy().z() - 0.1, 0.5 * god_object.scale().stand_off_m);
 }
 
 }  // namespace
