@@ -58,15 +58,21 @@ int exact_sign(const Difference& u, const Difference& v, const Difference& w) {
 
 }  // namespace
 
-int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) noexcept {
+int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
+                         SignWork& work) noexcept {
   const Difference u = difference(q, p);
   const Difference v = difference(r, p);
   const Difference w = difference(s, p);
-  if (const int sign = paired_sign(u, v, w)) return sign;
+  if (const int sign = paired_sign(u, v, w)) {
+    ++work.by_pairs;
+    return sign;
+  }
+  ++work.by_expansions;
   return exact_sign(u, v, w);
 }
 
-int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) noexcept {
+int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
+                SignWork& work) noexcept {
   const Vec3 u = q - p;
   const Vec3 v = r - p;
   const Vec3 w = s - p;
@@ -74,7 +80,7 @@ int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) noex
   const double bound = kTripleRoundoff * norm1(u) * norm1(v) * norm1(w);
   if (volume > bound) return 1;
   if (volume < -bound) return -1;
-  return orientation_in_doubt(p, q, r, s);
+  return orientation_in_doubt(p, q, r, s, work);
 }
 
 }  // namespace palpate

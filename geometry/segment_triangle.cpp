@@ -13,16 +13,13 @@ int certain_sign(double value, double bound) {
 }
 
 // Which side of the plane of t a point is on that double cannot tell: 1 in front.
-int exact_side(const TriangleGeometry& t, const Vec3& p) {
-  return orientation_in_doubt(t.a, t.b, t.c, p);
+int exact_side(const TriangleGeometry& t, const Vec3& p, SignWork& work) {
+  return orientation_in_doubt(t.a, t.b, t.c, p, work);
 }
 
-// Signs that meets_in_plane() may have to take exactly.
-constexpr int kMostSignsInPlane = 12;
-
-// On which sides of the edges ab, bc, ca the line from p to q passes. Counts what was in doubt.
+// On which sides of the edges ab, bc, ca the line from p to q passes.
 std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
-                              int& in_doubt) {
+                              SignWork& work) {
   const Vec3 d = q - p;
   const Vec3 a = t.a - p;
   const Vec3 b = t.b - p;
@@ -37,16 +34,15 @@ std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Ve
   // Two certain sides that differ settle it.
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return sides;
-  in_doubt += static_cast<int>(std::count(sides.begin(), sides.end(), 0));
-  if (sides[0] == 0) sides[0] = orientation_in_doubt(p, q, t.a, t.b);
-  if (sides[1] == 0) sides[1] = orientation_in_doubt(p, q, t.b, t.c);
-  if (sides[2] == 0) sides[2] = orientation_in_doubt(p, q, t.c, t.a);
+  if (sides[0] == 0) sides[0] = orientation_in_doubt(p, q, t.a, t.b, work);
+  if (sides[1] == 0) sides[1] = orientation_in_doubt(p, q, t.b, t.c, work);
+  if (sides[2] == 0) sides[2] = orientation_in_doubt(p, q, t.c, t.a, work);
   return sides;
 }
 
 // Whether a segment and a triangle in one plane meet: exact. They are apart if a line along one of
 // their edges separates them, and a plane through that line and a point off theirs tells the sides.
-bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q) {
+bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q, SignWork& work) {
   int axis = 0;
   t.normal.cwiseAbs().maxCoeff(&axis);
   const auto off_plane = [axis](const Vec3& from, const Vec3& to) {
@@ -59,21 +55,21 @@ bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q) {
     const Vec3& from = *corners[e];
     const Vec3& to = *corners[e + 1];
     const Vec3 off = off_plane(from, to);
-    const int inside = orientation(from, to, off, *corners[e + 2]);
-    if (orientation(from, to, off, p) * inside < 0 && orientation(from, to, off, q) * inside < 0) {
-      return false;
-    }
+    const auto side = [&](const Vec3& r) { return orientation(from, to, off, r, work); };
+    const int inside = side(*corners[e + 2]);
+    if (side(p) * inside < 0 && side(q) * inside < 0) return false;
   }
   const Vec3 off = off_plane(p, q);
-  const int a = orientation(p, q, off, t.a);
-  return a == 0 || orientation(p, q, off, t.b) != a || orientation(p, q, off, t.c) != a;
+  const auto side = [&](const Vec3& corner) { return orientation(p, q, off, corner, work); };
+  const int a = side(t.a);
+  return a == 0 || side(t.b) != a || side(t.c) != a;
 }
 
 // The segment lies in the plane of the triangle to the last bit: clips it against the three edges
 // and reports where it comes in, up to rounding.
 void cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                     SegmentCrossing& crossing) {
-  if (!meets_in_plane(t, p, q)) return;
+  if (!meets_in_plane(t, p, q, crossing.signs)) return;
   double enter = 0.0;
   bool from_outside = false;
   const std::array<const Vec3*, 4> corners = {&t.a, &t.b, &t.c, &t.a};
@@ -110,15 +106,13 @@ SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Ve
   int end = certain_sign(crossing.height_end, bound_end);
   if (start * end > 0) return crossing;
   // The line first: it is what settles most that remain, and without the exact sides.
-  const std::array<int, 3> sides = line_sides(t, p, q, crossing.signs_in_doubt);
+  const std::array<int, 3> sides = line_sides(t, p, q, crossing.signs);
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return crossing;
-  crossing.signs_in_doubt += (start == 0) + (end == 0);
-  if (start == 0) start = exact_side(t, p);
-  if (end == 0) end = exact_side(t, q);
+  if (start == 0) start = exact_side(t, p, crossing.signs);
+  if (end == 0) end = exact_side(t, q, crossing.signs);
   if (start * end > 0) return crossing;
   if (start == 0 && end == 0) {
-    crossing.signs_in_doubt += kMostSignsInPlane;
     cross_in_plane(t, p, q, crossing);
     return crossing;
   }

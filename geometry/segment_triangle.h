@@ -28,7 +28,7 @@ struct SegmentCrossing {
   int side = 0;                     // kThrough: 1 if p is in front of the triangle, -1 behind
   Vec3 edge_normal = Vec3::Zero();  // kEdgeOn: unit, in the plane, out of the triangle at that edge
   Vec3 edge_point = Vec3::Zero();   // kEdgeOn: a corner on that edge
-  int signs_in_doubt = 0;           // that double could not tell, at most
+  SignWork signs;
 };
 
 // Any frame, metres. Whether they meet, and from which side, is decided exactly; fraction, edge and

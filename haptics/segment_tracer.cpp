@@ -192,7 +192,8 @@ struct SegmentTracer::Search {
     TriangleHit hit;
     TriangleWork work;
     const bool is_met = meets(face.slot, hit, work);
-    tracer.work_.add(work::kTriangle + work.signs_in_doubt * work::kSignInDoubt +
+    tracer.work_.add(work::kTriangle + work.signs.by_pairs * work::kSignByPairs +
+                     work.signs.by_expansions * work::kSignByExpansions +
                      work.nearest_points * work::kNearestPoint);
     if (is_met) keep_earlier(hit, face);
   }

@@ -79,7 +79,7 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) noexcept {
   const SegmentCrossing crossing = cross_segment(t, p, q);
-  work.signs_in_doubt += crossing.signs_in_doubt;
+  work.signs = crossing.signs;
   double height = 0.0;
   double approach = 0.0;
   switch (crossing.kind) {

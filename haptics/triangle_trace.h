@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/fraction.h"
+#include "geometry/orientation.h"
 #include "geometry/triangle.h"
 #include "geometry/types.h"
 
@@ -25,7 +26,7 @@ struct TriangleHit {
 
 // What a trace of one triangle has cost, counted for WorkMeter.
 struct TriangleWork {
-  int signs_in_doubt = 0;
+  SignWork signs;
   int nearest_points = 0;
 };
 

@@ -14,12 +14,13 @@ using WorkUnits = std::int64_t;
 
 namespace work {
 
-inline constexpr WorkUnits kBody = 4;      // entered: a transform, and a query that finds little
-inline constexpr WorkUnits kPack = 7;      // asked whether one of its triangles is in the way
-inline constexpr WorkUnits kTriangle = 5;  // examined in double
+inline constexpr WorkUnits kBody = 6;          // entered: a transform, a query that finds little
+inline constexpr WorkUnits kPack = 10;         // asked whether one of its triangles is in the way
+inline constexpr WorkUnits kTriangle = 6;      // examined in double
 inline constexpr WorkUnits kNearestPoint = 2;  // of a triangle to a point
-inline constexpr WorkUnits kSignInDoubt = 4;   // by pairs of doubles, or exact
-inline constexpr WorkUnits kPackNamed = 1;     // found near a point, and kept
+inline constexpr WorkUnits kSignByPairs = 4;   // that double could not tell
+inline constexpr WorkUnits kSignByExpansions = 18;  // that pairs of doubles could not tell either
+inline constexpr WorkUnits kPackNamed = 1;          // found near a point, and kept
 
 }  // namespace work
 

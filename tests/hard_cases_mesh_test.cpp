@@ -97,7 +97,7 @@ TEST_P(HardCase05_Apex, IsFeltFromOutside) {
 // From inside, goals in the cone of the outward normals are held by the apex itself.
 TEST_P(HardCase05_Apex, HoldsFromInside) {
   const auto [valence, radius] = GetParam();
-  constexpr int kTicksAtAnApex = 400;  // 1000 triangles take the work of a hundred
+  constexpr int kTicksAtAnApex = 1000;  // 1000 triangles take the work of some hundred
   Random random(108);
   // Of a face of the fan: its distance to a point on the axis is cosine * depth below the apex.
   const double cosine = 1.0 / std::hypot(1.0, kSlope / std::cos(std::numbers::pi / valence));

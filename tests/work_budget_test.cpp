@@ -68,7 +68,7 @@ class WorkBudget : public testing::TestWithParam<WorstKind> {
 // in doubt on the step that it shortens, each of which may take exact signs.
 constexpr WorkUnits kMostBeyond =
     DoubtfulTriangles::kMost *
-    (work::kTriangle + 4 * work::kNearestPoint + 20 * work::kSignInDoubt);
+    (work::kTriangle + 4 * work::kNearestPoint + 5 * work::kSignByExpansions);
 
 TEST_P(WorkBudget, BoundsEachTick) {
   ASSERT_EQ(input_.goals_m.size(), GetParam().ticks);
