@@ -22,7 +22,8 @@ struct MagneticSurface {
 // haptic targets for motion-impaired computer users") with the potential -F0 r (1 - s / r)^3 / 3,
 // so that force and its slope vanish at the range's end and nothing is gained round a loop. In
 // contact s is 0: the proxy is held by F0, and rests at a depth of F0 / K. Where two points of one
-// surface are nearest, the direction jumps. Several surfaces add.
+// surface are nearest, the direction jumps. Several surfaces add. Its search is in no budget: it
+// takes milliseconds where 100,000 triangles are equally near.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
