@@ -31,9 +31,10 @@ struct PackKernels {
   // See lanes_in_reach().
   std::size_t (*in_reach)(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
                           const double* p, const double* d, double reach, PackApproach* out);
-  // See boxes_overlapping().
-  std::size_t (*boxes_overlapping)(const BoxPack* packs, std::size_t pack_count, const float* low,
-                                   const float* high, std::uint32_t* out);
+  // See boxes_along().
+  std::size_t (*boxes_along)(const BoxPack* packs, std::size_t pack_count, const double* p,
+                             const double* d, double reach, const FloatBox& within,
+                             std::uint32_t* out);
   // See boxes_within(). `squared_distances` is aligned as a pack is.
   std::uint32_t (*boxes_within)(const BoxPack& boxes, const float* p, float radius,
                                 float* squared_distances);

@@ -59,7 +59,7 @@ using Corners = float[3][TrianglePack::kLanes];
 
 // Three coordinates and a zero.
 using Doubles [[gnu::vector_size(32)]] = double;
-using Floats [[gnu::vector_size(16)]] = float;
+using Floats [[gnu::vector_size(16), gnu::may_alias]] = float;
 
 inline Doubles load3(const double* p) {
   return Doubles{p[0], p[1], p[2], 0.0};
@@ -187,8 +187,8 @@ inline Nearest nearest_points(const TrianglePack& pack, int lane, const Local& q
   fold_edge(normal, b, c, load(pack.per_squared_edge[1] + lane), nearest, inside);
   fold_edge(normal, c, a, load(pack.per_squared_edge[2] + lane), nearest, inside);
   const Lanes height = -dot(normal, a);
-  nearest.apart = select(inside, {height * normal.x, height * normal.y, height * normal.z},
-                         nearest.apart);
+  nearest.apart =
+      select(inside, {height * normal.x, height * normal.y, height * normal.z}, nearest.apart);
   nearest.squared = inside ? height * height : nearest.squared;
   return nearest;
 }
@@ -310,8 +310,27 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
   return found;
 }
 
-std::size_t boxes_overlapping(const BoxPack* packs, std::size_t pack_count, const float* low,
-                              const float* high, std::uint32_t* out) {
+// Away from the inside of a box. Two ulp, of which the conversion to float takes one half; what
+// underflows is pushed beyond the smallest number that did not.
+inline Floats most4(const Floats& x, const Floats& y) {
+  return x > y ? x : y;
+}
+inline Floats least4(const Floats& x, const Floats& y) {
+  return x < y ? x : y;
+}
+inline Floats outwards(const Floats& x) {
+  return (x > -x ? x : -x) * 0x1p-22f + 0x1p-126f;
+}
+
+std::size_t boxes_along(const BoxPack* packs, std::size_t pack_count, const double* p,
+                        const double* d, double reach, const FloatBox& within, std::uint32_t* out) {
+  const Doubles start = load3(p);
+  const Doubles move = load3(d);
+  const Doubles none{};
+  const Floats from = __builtin_convertvector(start + (move < none ? move : none) - reach, Floats);
+  const Floats to = __builtin_convertvector(start + (move > none ? move : none) + reach, Floats);
+  const Floats low = most4(from - outwards(from), *reinterpret_cast<const Floats*>(within.low));
+  const Floats high = least4(to + outwards(to), *reinterpret_cast<const Floats*>(within.high));
   std::size_t found = 0;
   for (std::size_t i = 0; i < pack_count; ++i) {
     const BoxPack& pack = packs[i];
@@ -390,5 +409,5 @@ std::uint32_t within(const TrianglePack& pack, const double* p, double distance,
 
 }  // namespace
 
-constexpr PackKernels kKernels{in_the_way,   in_reach,         boxes_overlapping,
+constexpr PackKernels kKernels{in_the_way,   in_reach,         boxes_along,
                                boxes_within, boxes_on_segment, within};

@@ -32,11 +32,13 @@ inline std::size_t lanes_in_reach(const TrianglePack* packs, std::span<const std
   return pack_kernels().in_reach(packs, ids.data(), ids.size(), p.data(), d.data(), reach_m, out);
 }
 
-// Which of the boxes meet the box from low to high, which is in their frame and rounded outwards.
-// Writes their numbers in ascending order; out must have room for all lanes.
-inline std::size_t boxes_overlapping(std::span<const BoxPack> packs, const float (&low)[3],
-                                     const float (&high)[3], std::uint32_t* out) noexcept {
-  return pack_kernels().boxes_overlapping(packs.data(), packs.size(), low, high, out);
+// Which of the boxes meet the box around the segment p to p + d, grown by reach_m, where that is
+// within another. Writes their numbers in ascending order; out must have room for all lanes.
+inline std::size_t boxes_along(std::span<const BoxPack> packs, const Vec3& p, const Vec3& d,
+                               double reach_m, const FloatBox& within,
+                               std::uint32_t* out) noexcept {
+  return pack_kernels().boxes_along(packs.data(), packs.size(), p.data(), d.data(), reach_m, within,
+                                    out);
 }
 
 // Squared distances of a point to sixteen boxes, m2.

@@ -42,6 +42,12 @@ struct alignas(64) BoxPack {
   float high[3][TrianglePack::kLanes];
 };
 
+// One box in float, metres. The fourth numbers are zero.
+struct alignas(16) FloatBox {
+  float low[4];
+  float high[4];
+};
+
 // Some lanes of one pack.
 struct PackLanes {
   std::uint32_t pack;

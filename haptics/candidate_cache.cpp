@@ -111,8 +111,8 @@ bool CandidateCache::add_body(std::uint32_t b, NearSearch search, std::size_t& u
   candidates.first = static_cast<std::uint32_t>(used);
   candidates.count = static_cast<std::uint32_t>(count);
   for (int k = 0; k < 3; ++k) {
-    candidates.low[k] = round_low(centre_body[k] - reach_m);
-    candidates.high[k] = round_high(centre_body[k] + reach_m);
+    candidates.around.low[k] = round_low(centre_body[k] - reach_m);
+    candidates.around.high[k] = round_high(centre_body[k] + reach_m);
   }
   keep_boxes(candidates);
   ++body_count_;
@@ -144,18 +144,10 @@ std::size_t CandidateCache::packs_along(
     std::size_t n, const Vec3& p_body, const Vec3& d_body,
     std::array<std::uint32_t, kCapacity>& packs) const noexcept {
   const BodyCandidates& candidates = bodies_[n];
-  float low[3];
-  float high[3];
-  for (int k = 0; k < 3; ++k) {
-    low[k] =
-        std::max(candidates.low[k], round_low(p_body[k] + std::min(0.0, d_body[k]) - reach_m_));
-    high[k] =
-        std::min(candidates.high[k], round_high(p_body[k] + std::max(0.0, d_body[k]) + reach_m_));
-  }
   const std::size_t first_box_pack = candidates.first / kLanes;
   const std::size_t box_packs = (candidates.count + kLanes - 1) / kLanes;
-  const std::size_t found = boxes_overlapping(std::span(boxes_).subspan(first_box_pack, box_packs),
-                                              low, high, packs.data());
+  const std::size_t found = boxes_along(std::span(boxes_).subspan(first_box_pack, box_packs),
+                                        p_body, d_body, reach_m_, candidates.around, packs.data());
   for (std::size_t i = 0; i < found; ++i) packs[i] = packs_[candidates.first + packs[i]];
   return found;
 }

@@ -73,7 +73,7 @@ class CandidateCache {
     std::uint32_t body;
     std::uint32_t first;  // of packs_, at the first lane of a box pack
     std::uint32_t count;
-    float low[3], high[3];  // box around the ball and the reach, body frame
+    FloatBox around;  // the ball and the reach, rounded outwards; body frame
   };
 
   bool fill_ball(const Vec3& centre, double radius_m, NearSearch search, WorkMeter& work) noexcept;

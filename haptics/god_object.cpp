@@ -19,10 +19,6 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // a rule.
 constexpr int kMaxShortenings = 8;
 
-// What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
-// soon.
-constexpr double kNearPerStandOff = 2.0;
-
 // The cosine of the angle between two slides that lead on in one direction.
 constexpr double kSameWay = 0.9;
 
@@ -255,7 +251,7 @@ ProxyState GodObject::move_freely() {
 void GodObject::seed_from_last_tick() {
   plane_count_ = 0;
   projection_ = {};
-  planes_are_current_ = false;
+  planes_are_current_ = is_over_next_ = false;
   for (int i = 0; i < last_count_; ++i) {
     const FaceContact& last = last_contacts_[i];
     // A point that ended the last tick at its minimum is over its face: nothing has moved since.
@@ -289,6 +285,7 @@ void GodObject::add_if_touched(const FaceContact& met) {
 void GodObject::update_planes() {
   const int count = plane_count_;
   plane_count_ = 0;
+  is_over_next_ = false;
   for (int i = 0; i < count; ++i) {
     const FaceContact met = contacts_[i];
     add_if_touched(met);
@@ -451,7 +448,7 @@ void GodObject::commit(const Vec3& proxy) {
 void GodObject::advance_to(const Vec3& target) {
   const Vec3 displacement = target - proxy_;
   commit(target);
-  planes_are_current_ = false;
+  planes_are_current_ = is_over_next_ = false;
   for (int i = 0; i < plane_count_; ++i) {
     ContactPlane& plane = planes_of_contact_[i];
     plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));

@@ -36,11 +36,11 @@ struct ProxyState {
   FrictionState friction = FrictionState::kNone;
   FrictionCone cone;  // of what it touches
   int iterations = 0;
-  WorkUnits work = 0;   // of the tick, with what its moving bodies took
   bool capped = false;  // ended before it converged: GodObject says what that means
   // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
   // for where the proxy is, is as without contact.
   bool is_refused = false;
+  WorkUnits work = 0;  // of the tick, with what its moving bodies took
 
   // The part of a vector that lies along the planes' normals: what the proxy cannot follow.
   Vec3 pressed_part(const Vec3& v) const {
@@ -249,6 +249,8 @@ class GodObject {
   void add_if_touched(const FaceContact& met);
   void update_planes();
   template <typename Friction>
+  void go_on_over_next_face(const Friction& friction);
+  template <typename Friction>
   int overreach(Progress progress, int most_steps, Friction& friction);
   double reach_of(const Vec3& slide);
   template <typename Friction>
@@ -364,6 +366,7 @@ class GodObject {
   PlaneProjection projection_;
   // Each plane is that of what the proxy touches where it is now.
   bool planes_are_current_ = false;
+  bool is_over_next_ = false;  // the plane is that of a face which is not touched yet
 
   std::span<const ContactPlane> planes() const {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));

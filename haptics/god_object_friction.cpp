@@ -32,6 +32,10 @@ struct CoulombFriction {
   bool wants_to_slide = false;     // the step that was shortened last
   bool slid = false;               // a step of this tick
 
+  bool may_hold_at(const FaceContact& contact, const Vec3& proxy) const {
+    return source->cone(source->context, contact, proxy).holds();
+  }
+
   // moved: the step led anywhere. A proxy that was to slide and cannot keeps its state.
   void end_step(bool moved) {
     slides = slides || (wants_to_slide && moved);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "haptics/god_object.h"
 
@@ -14,6 +15,7 @@ namespace palpate {
 
 struct NoFriction {
   static constexpr bool kHolds = false;
+  static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
 };
 
 // Where the proxy was, to come back to.
@@ -32,6 +34,10 @@ constexpr std::size_t kMostRollCorners = 7;
 
 // Unit normals that sum to less than their rounding cancel.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
+
+// What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
+// soon.
+constexpr double kNearPerStandOff = 2.0;
 
 // Steps after which a tick is slow, and is helped on.
 constexpr int kPatience = 8;
@@ -112,6 +118,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
     if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
     update_planes();
+    if (progress == Progress::kMoved && plane_count_ == 0) go_on_over_next_face(friction);
     if constexpr (!Friction::kHolds) {
       if (may_overreach) {
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
@@ -182,7 +189,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   const bool is_sphere = tracer_.radius_m() > 0.0;
   bool flies = false;
   if constexpr (Friction::kHolds) {
-    flies = is_off_planes();
+    flies = !is_over_next_ && is_off_planes();
     if (flies) {
       friction.begin_step();
       projection_.displacement_m = way_to_planes();
@@ -208,6 +215,20 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   if (leaves && is_free) commit(goal_);
   return flies ? Progress::kStopped : Progress::kMoved;
+}
+
+// A point that has slid off the face that held it is over the next one as a rule. That is not
+// touched yet, but what friction it has does not count before it is.
+template <typename Friction>
+void GodObject::go_on_over_next_face(const Friction& friction) {
+  if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || projection_.active_count != 1) return;
+  const FaceRef& left = contacts_[projection_.active[0]].face;
+  const auto next = tracer_.contact_over_next(left, proxy_, goal_);
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  if (!next || next->clearance_m <= near_m || friction.may_hold_at(*next, proxy_)) return;
+  add_plane(*next);
+  planes_are_current_ = false;
+  is_over_next_ = true;
 }
 
 // Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane

@@ -141,6 +141,20 @@ std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& 
   return std::nullopt;
 }
 
+// The answer is never farther from the target than the feasible y = 0. Where rounding says so, the
+// proxy stays; where more than rounding does, the planes were too ill-conditioned.
+inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
+  const double gain = start == Feasibility::kMustMove
+                          ? 0.0
+                          : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
+  if (gain < -kMonotoneRoundoff * target.squaredNorm()) {
+    basis = {};
+    return;
+  }
+  if (gain < 0.0) basis.displacement_m.setZero();
+  basis.solved = true;
+}
+
 // Normals that are less than this from lying in a plane or line bear a force in any shares.
 constexpr double kDependentNormals = 1e-8;  // half the digits of double
 
@@ -154,6 +168,15 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
                                     Feasibility start) noexcept {
   Basis basis;
   basis.displacement_m = target;
+  if (planes.size() == 1) {  // as a rule
+    const bool is_violated = violation_m(planes[0], target) > 0.0;
+    const Candidate y = is_violated ? on_one(planes[0], target) : target;
+    if (!y) return {};
+    basis.displacement_m = *y;
+    basis.active_count = is_violated ? 1 : 0;
+    keep_near(basis, target, start);
+    return basis;
+  }
   int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
   while (static_cast<std::size_t>(basis.active_count) < planes.size()) {
     const int added = most_violated(planes, basis);
@@ -176,14 +199,7 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
     }
     basis = *next;
   }
-  // The answer is never farther from the target than the feasible y = 0. Where rounding says so,
-  // the proxy stays; where more than rounding does, the planes were too ill-conditioned.
-  const double gain = start == Feasibility::kMustMove
-                          ? 0.0
-                          : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
-  if (gain < -kMonotoneRoundoff * target.squaredNorm()) return {};
-  if (gain < 0.0) basis.displacement_m.setZero();
-  basis.solved = true;
+  keep_near(basis, target, start);
   return basis;
 }
 

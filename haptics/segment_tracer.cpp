@@ -73,17 +73,21 @@ struct SegmentTracer::Search {
   Vec3 p, q;  // solver frame
   // Hits beyond do not count. What is searched is the part of the step up to here.
   StepFraction limit;
-  std::optional<TraceHit> best{};
+  std::optional<TraceHit> best;
 
+  // Of the body entered.
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
-  const SolverCorners* corners = nullptr;  // of the body, if they are what decides
-  Vec3 p_body = Vec3::Zero();
-  Vec3 q_body = Vec3::Zero();
-  Vec3 d_body = Vec3::Zero();  // the part searched, rounded: for what only sorts out
+  const SolverCorners* corners = nullptr;  // if they are what decides
+  Vec3 p_body, q_body;
+  Vec3 d_body;  // the part searched, rounded: for what only sorts out
 
   bool is_resumed = false;
   bool has_begun = false;  // something has been examined for good, so that it can be cut short
+
+  // No aggregate: that would be cleared as a whole first, which takes as long as a pack.
+  Search(SegmentTracer& by, const Vec3& from, const Vec3& to, StepFraction up_to)
+      : tracer(by), p(from), q(to), limit(up_to) {}
 
   // Searches only what is before the best hit so far.
   void shorten() {
@@ -282,7 +286,7 @@ void SegmentTracer::forget_moving_searches() noexcept {
   }
 }
 
-bool SegmentTracer::search_candidates(Search& search) noexcept {
+[[gnu::always_inline]] inline bool SegmentTracer::search_candidates(Search& search) noexcept {
   std::array<std::uint32_t, CandidateCache::kCapacity> packs;
   std::uint32_t unexamined = 0;
   for (std::size_t n = 0; n < cache_.body_count(); ++n) {
@@ -374,7 +378,13 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
 }
 
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
-  return answer({p, q});
+  if (!accuracy_.reuse_candidates || asks_memory()) [[unlikely]]
+    return answer({p, q});
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find_among_candidates(p, q, TraceKey::kNoBody);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish({p, q}, hit, false);
+  return hit;
 }
 
 std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
@@ -453,7 +463,7 @@ std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
 }
 
 std::optional<TraceHit> SegmentTracer::find_part(const Vec3& p, const Vec3& q) noexcept {
-  Search search{*this, p, q, StepFraction::end()};
+  Search search(*this, p, q, StepFraction::end());
   for (std::size_t i = 0; i < doubtful_.count; ++i) {
     search.enter_body(doubtful_.faces[i].body);
     search.consider(doubtful_.faces[i]);
@@ -462,20 +472,22 @@ std::optional<TraceHit> SegmentTracer::find_part(const Vec3& p, const Vec3& q) n
 }
 
 std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
-  const Vec3& p = key.p;
-  const Vec3& q = key.q;
   const bool may_reuse = accuracy_.reuse_candidates && key.only == TraceKey::kNoBody;
-  const bool is_long = !cache_.may_cover_step(q - p);
-  for (int attempt = 0; may_reuse && attempt < 2; ++attempt) {
+  return may_reuse ? find_among_candidates(key.p, key.q, key.left_out) : find_in_index(key);
+}
+
+std::optional<TraceHit> SegmentTracer::find_among_candidates(const Vec3& p, const Vec3& q,
+                                                             std::uint32_t left_out) noexcept {
+  for (int attempt = 0; attempt < 2; ++attempt) {
     bool is_inside = cache_.covers(p);
     for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
       look = std::min(look, 1.0);
       doubtful_.clear();
-      Search search{*this, p, q, StepFraction(look)};
+      Search search(*this, p, q, StepFraction(look));
       TraceCursor among_moving;
       if (!search_candidates(search) ||
-          (!world_->moving().empty() && !search_moving(search, among_moving, key.left_out))) {
-        cut_short({key, first_look(p, q)});
+          (!world_->moving().empty() && !search_moving(search, among_moving, left_out))) {
+        cut_short({{p, q, left_out}, first_look(p, q)});
         return std::nullopt;
       }
       // Whatever happens inside the ball is known; the first of it counts.
@@ -484,10 +496,17 @@ std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
       if (is_inside && (search.best || look == 1.0)) return search.best;
     }
     // A step that is too long for any ball is searched along.
-    if (attempt == 0 && is_long && cache_.covers(p)) break;
+    if (attempt == 0 && !cache_.may_cover_step(q - p) && cache_.covers(p)) break;
     if (attempt > 0 || refills_ >= kMostRefills) break;
     refills_ = cache_.refill(p, motion_, work_) ? refills_ + 1 : kMostRefills;
   }
+  return find_in_index({p, q, left_out});
+}
+
+[[gnu::noinline]] std::optional<TraceHit> SegmentTracer::find_in_index(
+    const TraceKey& key) noexcept {
+  const Vec3& p = key.p;
+  const Vec3& q = key.q;
   doubtful_.clear();
   const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
   Search search{*this, body ? body->to_solver(p) : p, body ? body->to_solver(q) : q,
@@ -508,8 +527,8 @@ std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
   const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
   for (;;) {
     Search search{*this, body ? body->to_solver(key.p) : key.p,
-                  body ? body->to_solver(key.q) : key.q, StepFraction(progress.look),
-                  progress.best};
+                  body ? body->to_solver(key.q) : key.q, StepFraction(progress.look)};
+    search.best = progress.best;
     search.is_resumed = progress.cursor.is_resumed;
     const bool is_complete = search_all(search, progress.cursor, key, &progress.best_at_rest);
     progress.best = search.best;

@@ -128,6 +128,12 @@ class SegmentTracer {
   // The same of a point that is known to be over the face.
   FaceContact contact_over(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
+  // A point at p has slid off a face, on its way to the goal q. The contact with a face of the same
+  // pack that it is over now, and q behind, if there is one: nothing says that the way there is
+  // free. Not for a sphere.
+  std::optional<FaceContact> contact_over_next(const FaceRef& left, const Vec3& p,
+                                               const Vec3& q) noexcept;
+
   // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
@@ -169,6 +175,9 @@ class SegmentTracer {
   std::optional<TraceHit> recall_or_find(const TraceKey& key, bool is_part) noexcept;
   void finish(const TraceKey& key, std::optional<TraceHit>& hit, bool was_cut_short) noexcept;
   std::optional<TraceHit> find(const TraceKey& key) noexcept;
+  std::optional<TraceHit> find_among_candidates(const Vec3& p, const Vec3& q,
+                                                std::uint32_t left_out) noexcept;
+  std::optional<TraceHit> find_in_index(const TraceKey& key) noexcept;
   std::optional<TraceHit> find_part(const Vec3& p, const Vec3& q) noexcept;
   std::optional<TraceHit> go_on(TraceProgress& progress) noexcept;
   void cut_short(const TraceProgress& progress) noexcept;

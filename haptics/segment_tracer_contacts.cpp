@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "geometry/pack_queries.h"
 #include "haptics/segment_tracer.h"
 
 namespace palpate {
@@ -95,6 +97,32 @@ FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
   const double height = normal.dot(p_body - t.a);
   return {face, body.direction_to_solver(normal), height, TriangleFeature::kFace,
           body.to_solver(p_body - height * normal)};
+}
+
+std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left, const Vec3& p,
+                                                            const Vec3& q) noexcept {
+  const ContactBody& body = world_->body(left.body);
+  const Vec3 p_body = body.to_body(p);
+  const Vec3 q_body = body.to_body(q);
+  const std::uint32_t pack = left.slot / TrianglePack::kLanes;
+  work_.add(work::kPack);
+  PackLanes near;
+  const Vec3 d_body = q_body - p_body;
+  if (lanes_in_the_way(body.index->packs(), {&pack, 1}, p_body, d_body, 0.0, &near) == 0) return {};
+  std::optional<FaceContact> nearest;
+  while (near.lanes != 0) {
+    const FaceRef face{left.body, SurfaceIndex::slot(pack, take_lane(near.lanes))};
+    const TriangleGeometry& t = body.index->triangle(face.slot);
+    const double height_m = t.normal.dot(p_body - t.a);
+    const bool is_between = height_m * t.normal.dot(q_body - t.a) < 0.0;
+    if (!is_between || std::abs(height_m) < scale_.clearance_m || !prism_contains(t, p_body)) {
+      continue;
+    }
+    if (nearest && nearest->clearance_m <= std::abs(height_m)) continue;
+    const Vec3 side = height_m < 0.0 ? Vec3(-t.normal) : t.normal;
+    nearest = contact_over(face, p, body.direction_to_solver(side));
+  }
+  return nearest;
 }
 
 bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {

@@ -203,6 +203,45 @@ TEST(GodObject, RollsOverEdgesAndVerticesToTheExactPoint) {
   }
 }
 
+// What is beyond a convex edge is known before it is touched: a slide, and a way down to it. Deep
+// goals and goals next to the surface.
+TEST(GodObject, GoesOnOverTheNextFaceOfAConvexEdge) {
+  Random random(61);
+  for (int trial = 0; trial < 300; ++trial) {
+    const double half = random.uniform(0.9, 1.55);
+    const RigidTransform pose = random.pose(1.0);
+    const Vec3 left(0.0, -std::sin(half), -std::cos(half));
+    const Vec3 right(0.0, std::sin(half), -std::cos(half));
+    Soup ridge;  // a triangle on either side
+    ridge.add(-2.0 * Vec3::UnitX(), 2.0 * left, 2.0 * Vec3::UnitX());
+    ridge.add(-2.0 * Vec3::UnitX(), 2.0 * Vec3::UnitX(), 2.0 * right);
+    const OwnedWorld world(ridge, pose);
+    SceneProxy proxy(world);
+    const auto over = [&](const Vec3& down, double along, double x) {
+      return Vec3(along * down + x * Vec3::UnitX());
+    };
+    const auto below = [&](const Vec3& down, double depth) {
+      const Vec3 out(0.0, down.y() < 0.0 ? -std::cos(half) : std::cos(half), std::sin(half));
+      return Vec3(-depth * out);
+    };
+    // So that the goals are under their own faces, and the right one beyond the end of the left.
+    const double most = 0.5 * std::min(1.0, -1.0 / std::tan(2.0 * half));
+    const double along_left = random.uniform(0.05, 0.5);
+    const double along_right = random.uniform(0.05, 0.5);
+    const Vec3 on_left = over(left, along_left, random.uniform(-0.5, 0.5));
+    const Vec3 on_right = over(right, along_right, random.uniform(-0.5, 0.5));
+    const double depth = std::pow(10.0, random.uniform(-6.0, -0.5));
+    proxy.place(pose.point(on_left - below(left, 0.1)));
+    proxy.move_to(pose.point(on_left + below(left, std::min(depth, most * along_left))));
+    const ProxyState state =
+        proxy.move_to(pose.point(on_right + below(right, std::min(depth, most * along_right))));
+    ASSERT_LE((state.proxy - pose.point(on_right)).norm(), kRelativeAccuracy * proxy.size())
+        << "ridge " << trial;
+    ASSERT_FALSE(state.capped);
+    ASSERT_EQ(state.iterations, 2) << "ridge " << trial;
+  }
+}
+
 TEST(GodObject, StaysOnItsFaceUntilTheProjectionLeavesIt) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.5)));
   SceneProxy proxy(world);
