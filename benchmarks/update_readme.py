@@ -90,6 +90,32 @@ EFFECTS = [(effect, "marginal_ns", "{:+.0f}", effect + ", ns") for effect in (
     ("all", "vs_bare", "{:.2f}", "all of them / none"),
     ("elsewhere", "vs_bare", "{:.2f}", "all of them on what is not touched / none")]
 
+SCANS = [(f"scan_{proxy}{suffix}", title + caches)
+         for proxy, title in (("point", "point"), ("sphere_0.1mm", "sphere of 0.1 mm"),
+                              ("sphere_1mm", "sphere of 1 mm"), ("sphere_5mm", "sphere of 5 mm"))
+         for suffix, caches in (("", ""), ("_evicted", ", L1 and L2 evicted"))]
+SCAN_SIZES = ["100k", "500k", "1.6M", "6M"]
+
+# Inputs of worst_<input>, and what the README calls them.
+WORST = [
+    ("through_one_point", "all triangles through one point"),
+    ("through_one_point_sphere", "the same, sphere of 1 mm"),
+    ("stack_in_one_mesh", "sheets on one another, in one mesh"),
+    ("stack_of_bodies", "nodes on one another"),
+    ("dense_soup", "dense soup"),
+    ("dense_soup_sphere", "the same, sphere of 1 mm"),
+    ("needles_in_doubt", "needles whose signs are in doubt"),
+    ("needles_in_doubt_sphere", "the same, sphere of 1 mm"),
+    ("sphere_as_large_as_the_scene", "a sphere as large as the scene"),
+    ("moving_bodies", "nodes that close in on the hand"),
+    ("start_in_a_cluster", "a start inside a cluster"),
+    ("start_in_a_cluster_sphere", "the same, sphere of 1 mm"),
+    ("jumps_across", "jumps across a sphere"),
+    ("jumps_across_sphere", "the same, sphere of 1 mm"),
+]
+WORST_KINDS = [("", "warm"), ("_evicted", "L1 and L2 evicted"), ("_magnets", "*magnets*"),
+               ("_media", "*media*")]
+
 SIDE_TESTS = [("side_test_float128", "113 bits in software"), ("side_test_adaptive", "expansions"),
               ("side_test_cgal", "CGAL's kernel")]
 SIDE_CLASSES = [("easy", "easy"), ("near", "double fails"), ("exact", "exactly zero"),
@@ -137,7 +163,9 @@ def microseconds(time_ns):
 
 
 def sizes_of(runs):
-    return sorted({subject for _, subject in runs if isinstance(subject, int)})
+    """Triangles of the spheres."""
+    return sorted({subject for workload, subject in runs
+                   if isinstance(subject, int) and not workload.startswith("worst_")})
 
 
 def size_name(triangles):
@@ -237,6 +265,38 @@ def sphere_line(runs):
             ", ".join(parts) + ".") if parts else ""
 
 
+def scan_table(runs):
+    sizes = [size for size in SCAN_SIZES if any((name, size) in runs for name, _ in SCANS)]
+    if not sizes:
+        return ""
+    lines = ["| tick on a scanned housing, triangles | " + " | ".join(sizes) + " |",
+             "|---|" + "---:|" * len(sizes)]
+    for workload, title in SCANS:
+        cells = [" / ".join(microseconds(runs[workload, size][key]) for key in STATISTICS)
+                 if (workload, size) in runs else "-" for size in sizes]
+        lines.append(f"| {title} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def worst_table(runs):
+    found = {(workload, kind): (size, runs["worst_" + workload + kind, size])
+             for workload, _ in WORST for kind, _ in WORST_KINDS
+             for name, size in runs if name == "worst_" + workload + kind}
+    if not found:
+        return ""
+    lines = ["| worst tick, us; effects are not in the budget | size | " +
+             " | ".join(title for _, title in WORST_KINDS) + " |",
+             "|---|" + "---:|" * (1 + len(WORST_KINDS))]
+    for workload, title in WORST:
+        rows = [found.get((workload, kind)) for kind, _ in WORST_KINDS]
+        if not any(rows):
+            continue
+        size = next(f"{row[0]:,}" for row in rows if row)
+        cells = [microseconds(row[1]["max_ns"]) if row else "-" for row in rows]
+        lines.append(f"| {title} | {size} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def side_test_table(runs):
     if not all((way, name) in runs for way, _ in SIDE_TESTS for name, _ in SIDE_CLASSES):
         return ""
@@ -312,8 +372,8 @@ def generate(results_directory, readme):
     for path in paths:
         context, runs, knobs = read_result(path)
         parts = [machine_line(context, runs), "\n".join(table(runs)), sphere_line(runs),
-                 ratio_table(runs), effect_table(runs), loading_table(runs), instance_table(runs),
-                 side_test_table(runs), accuracy_results.table(knobs),
+                 ratio_table(runs), scan_table(runs), worst_table(runs), effect_table(runs),
+                 loading_table(runs), instance_table(runs), side_test_table(runs), accuracy_results.table(knobs),
                  figure_line(knobs, path, readme)]
         sections.append("\n\n".join(part for part in parts if part))
     return "\n\n".join(sections)

@@ -50,6 +50,7 @@ void sort_clusters(std::span<std::uint32_t> packs) {
 // that those of a part of it that has so few: so many times shorter each time, so often at most.
 constexpr std::size_t kMostPacksAtOnce = 256;
 constexpr double kShorterEachTime = 1.0 / 16;
+constexpr std::size_t kFewPacks = 4;  // that are visited first
 constexpr int kMostShortenings = 5;
 constexpr double kShortestPart = 0x1p-20;  // after so many
 
@@ -68,16 +69,19 @@ class FoundPacks {
 
   bool are_too_many() const { return are_too_many_; }
 
-  // In the order in which the segment comes near them, sixteen at a time, until no more are needed.
+  // In the order in which the segment comes near them, until no more are needed: a few at first,
+  // one of which ends it as a rule.
   // The segment is this part of one of which the visitor tells what it needs, and so is the answer.
   QueryFraction visit(double part, OrderedPackVisitor visitor, void* state) {
     std::sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_));
     std::array<std::uint32_t, TrianglePack::kLanes> packs;
+    std::size_t most = kFewPacks;
     QueryFraction needed = QueryFraction::end();
     for (std::size_t i = 0; i < count_ && QueryFraction(part * found_[i].entry) <= needed;) {
       std::size_t some = 0;
-      for (; some < packs.size() && i < count_; ++some, ++i) packs[some] = found_[i].pack;
+      for (; some < most && i < count_; ++some, ++i) packs[some] = found_[i].pack;
       needed = visitor(state, std::span(packs).first(some), false);
+      most = packs.size();
     }
     return needed;
   }

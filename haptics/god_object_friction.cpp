@@ -23,15 +23,17 @@ struct CoulombFriction {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
-  double coordinates_m;            // the size of all that a tick goes by
-  bool slides;                     // the contact: from an earlier tick, or since a step of this one
-  FrictionCone cone = {};          // of the last step's planes
-  std::array<bool, 3> holds = {};  // which of these planes do
-  double rounding_m = 0.0;         // of lags and depths in the last step
-  bool is_below_cone = false;      // its lag
-  bool wants_to_slide = false;     // the step that was shortened last
-  bool slid = false;               // a step of this tick
+  double coordinates_m;    // the size of all that a tick goes by
+  bool slides;             // the contact: from an earlier tick, or since a step of this one
+  FrictionCone cone = {};  // of the last step's planes
+  std::array<bool, 3> holds_by = {};  // which of these planes do
+  double rounding_m = 0.0;            // of lags and depths in the last step
+  bool is_below_cone = false;         // its lag
+  bool wants_to_slide = false;        // the step that was shortened last
+  bool slid = false;                  // a step of this tick
 
+  // What the last step touched, and what the proxy may touch there.
+  bool holds() const { return cone.holds(); }
   bool may_hold_at(const FaceContact& contact, const Vec3& proxy) const {
     return source->cone(source->context, contact, proxy).holds();
   }
@@ -46,7 +48,7 @@ struct CoulombFriction {
   // Before planes are asked for their cones.
   void begin_step() {
     cone = {};
-    holds = {};
+    holds_by = {};
     is_below_cone = false;
     wants_to_slide = false;
   }
@@ -97,7 +99,7 @@ bool GodObject::hold_by(Friction& friction) {
   for (std::size_t i = 0; i < count; ++i) {
     const FaceContact& contact = contacts_[projection_.active[static_cast<int>(i)]];
     const FrictionCone cone = friction.source->cone(friction.source->context, contact, proxy_);
-    friction.holds[i] = cone.holds();
+    friction.holds_by[i] = cone.holds();
     const double part = depth_m > 0.0 ? parts[i] / depth_m : 0.0;
     friction.cone.static_friction += part * cone.static_friction;
     friction.cone.dynamic_friction += part * cone.dynamic_friction;
@@ -137,7 +139,7 @@ ProxyState GodObject::move_with_friction(const Vec3& goal,
                                goal.lpNorm<1>() + source.coordinates_m;
   CoulombFriction friction{&source, coordinates_m, slides_};
   const ProxyState state = move(goal, motion_plane_normal, friction);
-  last_holds_ = state.is_held ? friction.holds : std::array<bool, 3>{};
+  last_holds_ = state.is_held ? friction.holds_by : std::array<bool, 3>{};
   slides_ = state.in_contact && friction.slides_on();
   return state;
 }

@@ -15,6 +15,7 @@ namespace palpate {
 
 struct NoFriction {
   static constexpr bool kHolds = false;
+  static bool holds() { return false; }
   static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
 };
 
@@ -221,7 +222,8 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 // touched yet, but what friction it has does not count before it is.
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
-  if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || projection_.active_count != 1) return;
+  if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;
+  if (projection_.active_count != 1) return;
   const FaceRef& left = contacts_[projection_.active[0]].face;
   const auto next = tracer_.contact_over_next(left, proxy_, goal_);
   const double near_m = kNearPerStandOff * scale().stand_off_m;

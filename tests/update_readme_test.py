@@ -35,6 +35,12 @@ def rows():
     return made
 
 
+def timed(name, first_ns):
+    times = {key: (n + 1) * first_ns
+             for n, key in enumerate(("p50_ns", "p99_ns", "p999_ns", "max_ns"))}
+    return {"name": name + "/iterations:6/manual_time", "clock_ns": 20.0, **times}
+
+
 class Copy:
     """Results and a README of their own."""
 
@@ -46,8 +52,9 @@ class Copy:
         shutil.copytree(results, self.results)
         self.path = next(self.results.glob("*.json"))
         self.document = json.loads(self.path.read_text())
-        self.document["benchmarks"] = [run for run in self.document["benchmarks"]
-                                       if not run["name"].startswith("accuracy_")]
+        self.document["benchmarks"] = [
+            run for run in self.document["benchmarks"]
+            if not run["name"].startswith(("accuracy_", "scan_", "worst_"))]
         self.bare = list(self.document["benchmarks"])
         self.figure = self.results / self.path.stem / "accuracy.svg"
 
@@ -115,6 +122,15 @@ def main():
         copy.put([row("no_such_knob", "m", "l", 1.0, 1.0, 1.0)])
         code, said = copy.run("--check")
         expect(code == 1 and "no_such_knob" in said, "a knob without units is named")
+        copy.put(rows() + [timed("scan_point/500k", 100.0), timed("worst_moving_bodies/256", 5e3),
+                           timed("worst_moving_bodies_magnets/256", 1e6)])
+        expect(copy.run()[0] == 0, "scans and worst inputs are rows like others")
+        text = copy.readme.read_text()
+        expect("| point | 0.10 / 0.20 / 0.30 / 0.40 |" in text, "a scan that was measured is shown")
+        expect("| nodes that close in on the hand | 256 | 20.0 | - | 4000 | - |" in text,
+               "of a worst input the worst tick is shown, and what was not measured is not")
+        expect("| 256 |" not in text.split("| ratio of medians")[0], "it is no size of the sphere")
+
         copy.put([])
         expect(copy.run("--check")[0] == 1, "a figure of nothing is noticed")
         expect(copy.run()[0] == 0 and not copy.figure.exists(), "and removed")
