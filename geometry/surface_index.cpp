@@ -50,7 +50,7 @@ void sort_clusters(std::span<std::uint32_t> packs) {
 // that those of a part of it that has so few: so many times shorter each time, so often at most.
 constexpr std::size_t kMostPacksAtOnce = 256;
 constexpr double kShorterEachTime = 1.0 / 16;
-constexpr std::size_t kFewPacks = 4;  // that are visited first
+constexpr std::size_t kFewPacks = 2;  // that are visited first
 constexpr int kMostShortenings = 5;
 constexpr double kShortestPart = 0x1p-20;  // after so many
 
