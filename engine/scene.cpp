@@ -10,6 +10,7 @@
 
 #include "engine/node_placement.h"
 #include "engine/node_tree.h"
+#include "geometry/parallel.h"
 #include "io/gltf_reader.h"
 
 namespace palpate {
@@ -59,26 +60,26 @@ Box placed_box(const Box& box, const NodeDescription& node) {
 // Around all vertices in their places. A node whose box lies inside what has been found already is
 // not looked at any closer: of ten thousand instances only the outermost are. What is left when
 // kMostExactVertices have been looked at counts with its boxes.
-Box bounds_in_scene(const std::vector<SurfaceMesh>& meshes,
+Box bounds_in_scene(const std::vector<WeldedSurface>& meshes,
                     const std::vector<NodeDescription>& nodes) {
   std::vector<Box> boxes;
   boxes.reserve(meshes.size());
-  for (const SurfaceMesh& mesh : meshes) {
-    boxes.push_back(bounding_box(mesh.welded_positions(), Mat3::Identity()));
+  for (const WeldedSurface& mesh : meshes) {
+    boxes.push_back(bounding_box(mesh.positions(), Mat3::Identity()));
   }
   Box bounds = empty_box();
   std::size_t left = kMostExactVertices;
   for (const NodeDescription& node : nodes) {
-    const SurfaceMesh& mesh = meshes[node.mesh];
+    const WeldedSurface& mesh = meshes[node.mesh];
     if (mesh.face_count() == 0) continue;
     const Box placed = placed_box(boxes[node.mesh], node);
     if (bounds.contains(placed.low) && bounds.contains(placed.high)) continue;
-    if (mesh.welded_positions().size() > left) {
+    if (mesh.positions().size() > left) {
       bounds = bounds.united(placed);
       continue;
     }
-    left -= mesh.welded_positions().size();
-    for (const Vec3& p : mesh.welded_positions()) {
+    left -= mesh.positions().size();
+    for (const Vec3& p : mesh.positions()) {
       const Vec3 q = node.linear_scene_mesh * p + node.translation_m;
       bounds = bounds.united({q, q});
     }
@@ -124,6 +125,16 @@ void drop_unused_meshes(SceneDescription& description) {
     node.mesh = index;
   }
   description.meshes = std::move(used);
+}
+
+// Calls work(i) for all meshes, or indices of them, on several cores if there is enough to do.
+template <typename Work>
+void run_meshes(std::size_t count, std::size_t triangles, const Work& work) {
+  constexpr std::size_t kWorthAThread = 10000;  // triangles: a millisecond of work
+  const std::size_t least = 1 + count * kWorthAThread / std::max<std::size_t>(triangles, 1);
+  run_ranges(count, least, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) work(i);
+  });
 }
 
 void add(CleaningReport& sum, const CleaningReport& report) {
@@ -199,7 +210,7 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   scene.materials_ = std::move(description.materials);
   scene.physics_materials_ = std::move(description.physics_materials);
   scene.haptic_materials_ = std::move(description.haptic_materials);
-  scene.build_meshes(description.meshes);
+  scene.weld_meshes(description.meshes);
 
   std::vector<NodePlacement> placements = scene.touchable(description.nodes);
   if (description.nodes.empty()) {
@@ -207,13 +218,13 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
                  "no node has a triangle with area, expected at least one",
                  "palpate info lists what was dropped and why"};
   }
-  Box bounds = bounds_in_scene(scene.meshes_, description.nodes);
+  Box bounds = bounds_in_scene(scene.welded_, description.nodes);
   statistics.scale = settings.fit_size_m > 0.0
                          ? settings.fit_size_m / (bounds.high - bounds.low).maxCoeff()
                          : settings.scale;
   if (statistics.scale != 1.0) {
     scale_by(statistics.scale, description, placements);
-    bounds = bounds_in_scene(scene.meshes_, description.nodes);
+    bounds = bounds_in_scene(scene.welded_, description.nodes);
   }
   statistics.extent_m = bounds.high - bounds.low;
   const double extent_m = statistics.extent_m.maxCoeff();
@@ -239,15 +250,20 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   return scene;
 }
 
-void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
+void Scene::weld_meshes(std::vector<MeshDescription>& descriptions) {
   const auto start = std::chrono::steady_clock::now();
-  meshes_.reserve(descriptions.size());
-  for (MeshDescription& mesh : descriptions) {
-    meshes_.push_back(SurfaceMesh::build(mesh.positions, mesh.triangles));
-    add(statistics_.cleaning, meshes_.back().report());
-    statistics_.memory += meshes_.back().memory();
-    parts_.emplace_back(meshes_.back(), std::move(mesh));
-    mesh = {};  // what is compiled need not be kept twice
+  std::size_t triangles = 0;
+  for (const MeshDescription& mesh : descriptions) triangles += mesh.triangles.size();
+  welded_.resize(descriptions.size());
+  run_meshes(descriptions.size(), triangles, [&](std::size_t i) {
+    MeshDescription& mesh = descriptions[i];
+    const bool has_uv = !mesh.texture_uv.empty() || !mesh.friction_uv.empty();
+    welded_[i] = WeldedSurface(std::move(mesh.positions),
+                               has_uv ? mesh.triangles : std::move(mesh.triangles));
+  });
+  for (std::size_t i = 0; i < descriptions.size(); ++i) {
+    parts_.emplace_back(welded_[i], std::move(descriptions[i]));
+    descriptions[i] = {};  // what is compiled need not be kept twice
   }
   statistics_.mesh_ms = milliseconds_since(start);
 }
@@ -256,7 +272,7 @@ void Scene::build_meshes(std::vector<MeshDescription>& descriptions) {
 std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
   std::vector<NodePlacement> placements;
   std::erase_if(nodes, [&](const NodeDescription& node) {
-    if (meshes_[node.mesh].face_count() == 0) return true;
+    if (welded_[node.mesh].face_count() == 0) return true;
     const auto placement = split_linear(node.linear_scene_mesh);
     if (!placement || !node.translation_m.allFinite()) {
       statistics_.warnings.push_back(node.name +
@@ -272,7 +288,7 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
 std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nodes,
                                          const std::vector<NodePlacement>& placements,
                                          SceneEffects& effects) {
-  ShapeFinder finder(shapes_, meshes_.size());
+  ShapeFinder finder(shapes_, welded_.size());
   objects_.reserve(nodes.size());
   shape_of_object_.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -285,7 +301,7 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
     const Vec3 middle = -map.translation_m;
     const RigidTransform T_scene_body{placement.rotation,
                                       node.translation_m + placement.rotation * middle};
-    statistics_.instanced_triangles += meshes_[node.mesh].face_count();
+    statistics_.instanced_triangles += welded_[node.mesh].face_count();
     if (!effects.is_solid(*outfit)) {
       media_.push_back({node.name, shape, *outfit, T_scene_body});
       continue;
@@ -306,7 +322,7 @@ std::size_t Scene::add_shape(const NodeDescription& node, const NodePlacement& p
                              ShapeFinder& finder) {
   if (const auto shape = finder.find(node.mesh, placement)) return *shape;
   // The body frame has its origin in the middle of the surface.
-  const Box box = bounding_box(meshes_[node.mesh].welded_positions(), placement.deformation);
+  const Box box = bounding_box(welded_[node.mesh].positions(), placement.deformation);
   shapes_.push_back({node.mesh, {placement.deformation, -0.5 * (box.low + box.high)}, nullptr});
   finder.add(shapes_.size() - 1);
   return shapes_.size() - 1;
@@ -324,7 +340,8 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   const double sweep_radius_m = proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off : 0.0;
   Seams seams = seams_of(nodes);
   report_seams(seams);
-  if (auto error = build_indices(sweep_radius_m, seams)) return error;
+  if (auto error = check_index_size()) return error;
+  build_meshes_and_indices(sweep_radius_m, seams);
   world_.bodies.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const RigidTransform& T_scene_body = objects_[i].T_scene_body;
@@ -357,7 +374,7 @@ Seams Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
     surfaces.push_back({&nodes[node_of_object_[i]], objects_[i].map_body_mesh.linear,
                         objects_[i].T_scene_body.rotation});
   }
-  return find_seams(meshes_, surfaces, world_.anchor_scene_m, world_.size_m);
+  return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m);
 }
 
 void Scene::report_seams(const Seams& seams) {
@@ -406,28 +423,46 @@ void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes)
   world_.seams = made;
 }
 
-std::optional<Error> Scene::build_indices(double sweep_radius_m, const Seams& seams) {
+std::optional<Error> Scene::check_index_size() const {
   std::uint64_t triangles = 0;
-  for (const Shape& shape : shapes_) triangles += meshes_[shape.mesh].face_count();
-  if (triangles > kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) {
-    return Error{ErrorCode::kLimitExceeded, "", "scene",
-                 "its nodes show meshes at " + std::to_string(shapes_.size()) +
-                     " different scales, which needs indices for " + std::to_string(triangles) +
-                     " triangles; expected at most " +
-                     std::to_string(kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle),
-                 "load a part of it with --node"};
-  }
+  for (const Shape& shape : shapes_) triangles += welded_[shape.mesh].face_count();
+  if (triangles <= kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) return std::nullopt;
+  return Error{ErrorCode::kLimitExceeded, "", "scene",
+               "its nodes show meshes at " + std::to_string(shapes_.size()) +
+                   " different scales, which needs indices for " + std::to_string(triangles) +
+                   " triangles; expected at most " +
+                   std::to_string(kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle),
+               "load a part of it with --node"};
+}
+
+// Adjacency and indices at the same time: both need the welded surfaces alone.
+void Scene::build_meshes_and_indices(double sweep_radius_m, const Seams& seams) {
   std::vector<bool> has_seams(shapes_.size(), false);
   for (const SeamBody& body : seams.bodies) has_seams[shape_of_object_[body.surface]] = true;
   const double seam_sweep_m =
       std::max(sweep_radius_m, SolverScale::of(world_.size_m, 0.0).stand_off_m);
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    Shape& shape = shapes_[i];
-    shape.index = std::make_unique<SurfaceIndex>(meshes_[shape.mesh], shape.map_body_mesh,
-                                                 has_seams[i] ? seam_sweep_m : sweep_radius_m);
-    statistics_.memory += shape.index->memory();
+  std::size_t triangles = 0;
+  for (const WeldedSurface& mesh : welded_) triangles += mesh.face_count();
+  meshes_.resize(welded_.size());
+  run_both(
+      [&] {
+        run_meshes(shapes_.size(), triangles, [&](std::size_t i) {
+          const WeldedSurface& mesh = welded_[shapes_[i].mesh];
+          shapes_[i].index = std::make_unique<SurfaceIndex>(
+              MappedFaces{mesh.positions(), mesh.faces(), shapes_[i].map_body_mesh},
+              has_seams[i] ? seam_sweep_m : sweep_radius_m);
+        });
+      },
+      [&] {
+        run_meshes(welded_.size(), triangles,
+                   [&](std::size_t i) { meshes_[i] = SurfaceMesh(welded_[i]); });
+      });
+  std::vector<WeldedSurface>().swap(welded_);
+  for (const SurfaceMesh& mesh : meshes_) {
+    add(statistics_.cleaning, mesh.report());
+    statistics_.memory += mesh.memory();
   }
-  return std::nullopt;
+  for (const Shape& shape : shapes_) statistics_.memory += shape.index->memory();
 }
 
 EffectSurface Scene::effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,

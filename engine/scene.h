@@ -125,7 +125,7 @@ class Scene {
   };
 
   Scene() = default;
-  void build_meshes(std::vector<MeshDescription>& descriptions);
+  void weld_meshes(std::vector<MeshDescription>& descriptions);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
   std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,
                                     const std::vector<NodePlacement>& placements,
@@ -135,7 +135,8 @@ class Scene {
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
                                    double proxy_radius_m);
-  std::optional<Error> build_indices(double sweep_radius_m, const Seams& seams);
+  std::optional<Error> check_index_size() const;
+  void build_meshes_and_indices(double sweep_radius_m, const Seams& seams);
   Seams seams_of(const std::vector<NodeDescription>& nodes) const;
   void report_seams(const Seams& seams);
   void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
@@ -143,6 +144,7 @@ class Scene {
   EffectSurface effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
                                const RigidTransform& T_scene_body) const;
 
+  std::vector<WeldedSurface> welded_;  // by mesh, while it is compiled
   std::vector<SurfaceMesh> meshes_;
   std::vector<MeshParts> parts_;  // by mesh
   std::vector<Shape> shapes_;

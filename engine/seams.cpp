@@ -56,10 +56,10 @@ struct MeshOutline {
   std::vector<std::uint32_t> boundary;  // rising; of open meshes, once they are asked for
 };
 
-MeshOutline outline_of(const SurfaceMesh& mesh) {
+MeshOutline outline_of(const WeldedSurface& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MeshOutline outline{{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)}, {}, {}};
-  for (const Vec3& p : mesh.welded_positions()) outline.box = outline.box.united({p, p});
+  for (const Vec3& p : mesh.positions()) outline.box = outline.box.united({p, p});
   outline.reach_m = outline.box.low.cwiseAbs().cwiseMax(outline.box.high.cwiseAbs());
   return outline;
 }
@@ -176,14 +176,14 @@ class BoundaryGrid {
 
 class SeamSearch {
  public:
-  SeamSearch(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
+  SeamSearch(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
              const Vec3& anchor_scene_m, double size_m)
       : meshes_(meshes),
         size_m_(size_m),
         most_m_(kMostJoinPerStandOff * SolverScale::of(size_m, 0.0).stand_off_m),
         most_apart_m_(kMostFramePerStandOff * SolverScale::of(size_m, 0.0).stand_off_m) {
     outlines_.reserve(meshes.size());
-    for (const SurfaceMesh& mesh : meshes) outlines_.push_back(outline_of(mesh));
+    for (const WeldedSurface& mesh : meshes) outlines_.push_back(outline_of(mesh));
     placed_.reserve(surfaces.size());
     for (const SeamSurface& s : surfaces) placed_.emplace_back(s, anchor_scene_m);
   }
@@ -200,7 +200,9 @@ class SeamSearch {
   }
 
  private:
-  const SurfaceMesh& mesh(std::uint32_t s) const { return meshes_[placed_[s].surface->node->mesh]; }
+  const WeldedSurface& mesh(std::uint32_t s) const {
+    return meshes_[placed_[s].surface->node->mesh];
+  }
   MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
   bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
 
@@ -234,7 +236,7 @@ class SeamSearch {
     points_.reserve(count);
     for (const std::uint32_t s : near_) {
       for (const std::uint32_t v : outline(s).boundary) {
-        points_.push_back({s, placed_[s].vertex(mesh(s).welded_positions()[v])});
+        points_.push_back({s, placed_[s].vertex(mesh(s).positions()[v])});
       }
     }
   }
@@ -242,7 +244,7 @@ class SeamSearch {
   // Vertices of a surface that are on its boundary or near to the boundary of another.
   std::vector<Candidate> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
-    const std::span<const Vec3> positions = mesh(s).welded_positions();
+    const std::span<const Vec3> positions = mesh(s).positions();
     const std::vector<std::uint32_t>& own = outline(s).boundary;
     std::size_t next = 0;
     for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -307,7 +309,7 @@ class SeamSearch {
     for (const Place& place : places_) seams_.places += counts(place) ? 1 : 0;
   }
 
-  const std::vector<SurfaceMesh>& meshes_;
+  const std::vector<WeldedSurface>& meshes_;
   double size_m_;        // of the scene
   double most_m_;        // that two vertices may be apart and be joined
   double most_apart_m_;  // that an index may be apart
@@ -322,9 +324,9 @@ class SeamSearch {
 
 }  // namespace
 
-Seams find_seams(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
+Seams find_seams(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
                  const Vec3& anchor_scene_m, double size_m) {
-  const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const SurfaceMesh& mesh) {
+  const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const WeldedSurface& mesh) {
     return mesh.report().boundary_edges > 0;
   });
   if (surfaces.size() < 2 || !has_open) return {};

@@ -45,7 +45,7 @@ struct Seams {
 // anchor_scene_m: the origin of the solver frame. size_m: of the scene. Takes next to nothing where
 // no mesh has a boundary or there is one surface; else O(n log n) in the surfaces, O(1) for each
 // vertex of those that an open one may touch. Deterministic.
-Seams find_seams(const std::vector<SurfaceMesh>& meshes, std::span<const SeamSurface> surfaces,
+Seams find_seams(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
                  const Vec3& anchor_scene_m, double size_m);
 
 }  // namespace palpate

@@ -11,12 +11,12 @@ namespace palpate {
 namespace {
 
 // The first face whose source is this triangle or a later one.
-std::uint32_t first_face_from(const SurfaceMesh& mesh, std::uint32_t triangle) {
+std::uint32_t first_face_from(const WeldedSurface& surface, std::uint32_t triangle) {
   std::uint32_t low = 0;
-  auto high = static_cast<std::uint32_t>(mesh.face_count());
+  auto high = static_cast<std::uint32_t>(surface.face_count());
   while (low < high) {
     const std::uint32_t middle = low + (high - low) / 2;
-    if (mesh.source_triangle(middle) < triangle) {
+    if (surface.source_triangle(middle) < triangle) {
       low = middle + 1;
     } else {
       high = middle;
@@ -109,7 +109,7 @@ std::size_t bytes_of(const std::vector<T>& values) {
 
 }  // namespace
 
-MeshParts::MeshParts(const SurfaceMesh& mesh, MeshDescription&& description)
+MeshParts::MeshParts(const WeldedSurface& surface, MeshDescription&& description)
     : haptic_material_(description.haptic_material),
       texture_uv_(std::move(description.texture_uv)),
       friction_uv_(std::move(description.friction_uv)) {
@@ -118,9 +118,10 @@ MeshParts::MeshParts(const SurfaceMesh& mesh, MeshDescription&& description)
   std::vector<MaterialRun> runs = std::move(description.material_runs);
   if (!runs.empty() && runs.front().first_triangle > 0) runs.insert(runs.begin(), MaterialRun{});
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    const std::uint32_t first = first_face_from(mesh, runs[r].first_triangle);
-    const std::size_t end =
-        r + 1 < runs.size() ? first_face_from(mesh, runs[r + 1].first_triangle) : mesh.face_count();
+    const std::uint32_t first = first_face_from(surface, runs[r].first_triangle);
+    const std::size_t end = r + 1 < runs.size()
+                                ? first_face_from(surface, runs[r + 1].first_triangle)
+                                : surface.face_count();
     if (first == end) continue;  // nothing is left of it
     const auto [part, is_new] =
         parts.emplace(runs[r].material, static_cast<std::uint32_t>(materials_.size()));
@@ -206,7 +207,8 @@ SurfaceIndex part_index(const PartedSurface& surface, std::size_t part) {
     }
     triangles.push_back({first, first + 1, first + 2});
   }
-  return SurfaceIndex(SurfaceMesh::build(positions, triangles), surface.map_index_mesh);
+  const WeldedSurface welded(std::move(positions), std::move(triangles));
+  return SurfaceIndex(MappedFaces{welded.positions(), welded.faces(), surface.map_index_mesh});
 }
 
 Result<const HeightMap*> HeightMapMaker::grey(const TextureReference& reference) {

@@ -26,7 +26,7 @@ namespace palpate {
 class MeshParts {
  public:
   // Takes what it needs of the description. Triangles are kept only beside texture coordinates.
-  MeshParts(const SurfaceMesh& mesh, MeshDescription&& description);
+  MeshParts(const WeldedSurface& surface, MeshDescription&& description);
 
   // The distinct materials of faces; without any face, or any declaration, one of them: none. A
   // part is a place in here.

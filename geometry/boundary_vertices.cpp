@@ -8,22 +8,16 @@
 namespace palpate {
 namespace {
 
-using Edge = std::pair<std::uint32_t, std::uint32_t>;  // welded vertices, the lower one first
+using Edge = std::pair<std::uint32_t, std::uint32_t>;  // vertices, the lower one first
 
-// A welded edge for every half-edge that has no neighbour in the split surface: where the surface
-// was cut because three faces meet, or two that are misoriented, an edge is there once for each.
-std::vector<Edge> cut_or_open_edges(const SurfaceMesh& mesh) {
-  const OpenMeshSurface& surface = mesh.surface();
-  const auto welded = [&](OpenMesh::VertexHandle v) {
-    return mesh.welded_vertex(static_cast<std::size_t>(v.idx()));
-  };
+// An edge for every half-edge that has no aligned mate: where three faces meet, or two that are
+// misoriented, an edge is there once for each.
+std::vector<Edge> unmatched_edges(const WeldedSurface& surface) {
   std::vector<Edge> edges;
-  for (std::size_t e = 0; e < surface.n_edges(); ++e) {
-    const OpenMesh::EdgeHandle edge(static_cast<int>(e));
-    if (!surface.is_boundary(edge)) continue;
-    const OpenMesh::HalfedgeHandle h = surface.halfedge_handle(edge, 0);
-    edges.push_back(
-        std::minmax({welded(surface.from_vertex_handle(h)), welded(surface.to_vertex_handle(h))}));
+  for (std::uint32_t h = 0; h < surface.mates().aligned.size(); ++h) {
+    if (surface.mates().aligned[h] != kNoHalfEdge) continue;
+    const Triangle& face = surface.faces()[h / 3];
+    edges.push_back(std::minmax(face[h % 3], face[next_half_edge(h) % 3]));
   }
   std::sort(edges.begin(), edges.end());
   return edges;
@@ -31,10 +25,10 @@ std::vector<Edge> cut_or_open_edges(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-std::vector<std::uint32_t> boundary_vertices(const SurfaceMesh& mesh) {
+std::vector<std::uint32_t> boundary_vertices(const WeldedSurface& surface) {
   std::vector<std::uint32_t> vertices;
-  if (mesh.report().boundary_edges == 0) return vertices;
-  const std::vector<Edge> edges = cut_or_open_edges(mesh);
+  if (surface.report().boundary_edges == 0) return vertices;
+  const std::vector<Edge> edges = unmatched_edges(surface);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const bool is_alone =
         (i == 0 || edges[i - 1] != edges[i]) && (i + 1 == edges.size() || edges[i + 1] != edges[i]);

@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/surface_mesh.h"
+#include "geometry/welded_surface.h"
 
 namespace palpate {
 
-// The welded vertices at the ends of welded edges that have one face, in rising order. O(n) in the
-// edges of the surface, O(b log b) in those that the split surface has on its boundary.
-std::vector<std::uint32_t> boundary_vertices(const SurfaceMesh& mesh);
+// The vertices at the ends of edges that have one face, in rising order. O(n) in the faces of the
+// surface, O(b log b) in its edges that do not have two faces oriented alike. Not after a
+// SurfaceMesh has been made of it.
+std::vector<std::uint32_t> boundary_vertices(const WeldedSurface& surface);
 
 }  // namespace palpate

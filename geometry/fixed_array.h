@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 
 namespace palpate {
 
@@ -18,11 +19,13 @@ class FixedArray {
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
+  T* data() { return elements_.get(); }
   const T* data() const { return elements_.get(); }
   T& operator[](std::size_t i) { return elements_[i]; }
   const T& operator[](std::size_t i) const { return elements_[i]; }
   const T* begin() const { return data(); }
   const T* end() const { return data() + size_; }
+  std::span<const T> span() const { return {data(), size_}; }
 
  private:
   std::unique_ptr<T[]> elements_;

@@ -7,8 +7,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "geometry/fixed_array.h"
 #include "geometry/types.h"
 
 namespace palpate {
@@ -29,11 +31,9 @@ struct MisalignedMate {
   std::uint32_t mate;
 };
 
-struct HalfEdgeMates {
-  // The one other half-edge between the same two vertices, if the two run opposite ways: their
-  // faces are oriented alike. kNoHalfEdge if not, or if there is none, or more than one.
-  std::vector<std::uint32_t> aligned;
-  // Where the only two run the same way; both are listed, in rising order of half_edge. Rare.
+struct EdgeFindings {
+  // Where the only two half-edges run the same way; both are listed, in rising order of half_edge.
+  // Rare.
   std::vector<MisalignedMate> misaligned;
   std::size_t boundary_edges = 0;      // edges with one face
   std::size_t non_manifold_edges = 0;  // edges with three faces or more, or two not aligned
@@ -41,8 +41,15 @@ struct HalfEdgeMates {
   bool has_duplicates = false;
 };
 
+struct HalfEdgeMates : EdgeFindings {
+  // The one other half-edge between the same two vertices, if the two run opposite ways: their
+  // faces are oriented alike. kNoHalfEdge if not, or if there is none, or more than one.
+  FixedArray<std::uint32_t> aligned;
+};
+
 // Pairs the half-edges of faces with three different vertices each, all less than vertex_count.
-// Fewer than 2^32 / 3 faces. O(n log n) at worst.
-HalfEdgeMates match_half_edges(const std::vector<Triangle>& faces, std::size_t vertex_count);
+// Fewer than 2^32 / 3 faces. The same for any number of threads. O(n log n) at
+// worst.
+HalfEdgeMates match_half_edges(std::span<const Triangle> faces, std::size_t vertex_count);
 
 }  // namespace palpate

@@ -1,5 +1,7 @@
 #include "geometry/manifold_split.h"
 
+#include <utility>
+
 namespace palpate {
 namespace {
 
@@ -16,58 +18,67 @@ std::uint32_t clockwise(const HalfEdgeMates& mates, std::uint32_t corner) {
 
 class Splitter {
  public:
-  Splitter(std::vector<Triangle>& faces, const HalfEdgeMates& mates, std::size_t vertex_count)
+  Splitter(std::span<const Triangle> faces, const HalfEdgeMates& mates, std::size_t vertex_count)
       : faces_(faces),
         mates_(mates),
         vertex_count_(vertex_count),
         is_done_(3 * faces.size(), false),
         has_fan_(vertex_count, false) {}
 
-  std::vector<std::uint32_t> run() {
-    std::vector<std::uint32_t> copied_vertices;
+  ManifoldSplit run() {
     for (std::uint32_t corner = 0; corner < is_done_.size(); ++corner) {
       if (is_done_[corner]) continue;
       const std::uint32_t original = faces_[corner / 3][corner % 3];
-      std::uint32_t vertex = original;
-      if (has_fan_[original]) {
-        vertex = static_cast<std::uint32_t>(vertex_count_ + copied_vertices.size());
-        copied_vertices.push_back(original);
+      if (!has_fan_[original]) {
+        has_fan_[original] = true;
+        visit_fan(corner, [](std::uint32_t) {});
+        continue;
       }
-      has_fan_[original] = true;
-      assign_fan(corner, vertex);
+      const auto vertex = static_cast<std::uint32_t>(vertex_count_ + split_.copied_vertices.size());
+      split_.copied_vertices.push_back(original);
+      visit_fan(corner, [&](std::uint32_t c) { split_.corners.push_back({c, vertex}); });
     }
-    return copied_vertices;
+    return std::move(split_);
   }
 
  private:
-  // Makes `vertex` the vertex of every corner in the fan of `start`.
-  void assign_fan(std::uint32_t start, std::uint32_t vertex) {
+  // Visits every corner in the fan of `start`.
+  template <typename Visit>
+  void visit_fan(std::uint32_t start, const Visit& visit) {
+    const auto take = [&](std::uint32_t corner) {
+      is_done_[corner] = true;
+      visit(corner);
+    };
     std::uint32_t corner = start;
     do {
-      assign(corner, vertex);
+      take(corner);
       corner = counter_clockwise(mates_, corner);
     } while (corner != kNoHalfEdge && corner != start);
     if (corner == start) return;
     corner = clockwise(mates_, start);
-    for (; corner != kNoHalfEdge; corner = clockwise(mates_, corner)) assign(corner, vertex);
+    for (; corner != kNoHalfEdge; corner = clockwise(mates_, corner)) take(corner);
   }
 
-  void assign(std::uint32_t corner, std::uint32_t vertex) {
-    is_done_[corner] = true;
-    faces_[corner / 3][corner % 3] = vertex;
-  }
-
-  std::vector<Triangle>& faces_;
+  std::span<const Triangle> faces_;
   const HalfEdgeMates& mates_;
   std::size_t vertex_count_;
   std::vector<bool> is_done_;  // per corner
   std::vector<bool> has_fan_;  // per original vertex
+  ManifoldSplit split_;
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> split_to_manifold(std::vector<Triangle>& faces,
-                                             const HalfEdgeMates& mates, std::size_t vertex_count) {
+std::vector<Triangle> ManifoldSplit::split_faces(std::span<const Triangle> faces) const {
+  std::vector<Triangle> split;
+  if (corners.empty()) return split;
+  split.assign(faces.begin(), faces.end());
+  for (const Corner& c : corners) split[c.corner / 3][c.corner % 3] = c.vertex;
+  return split;
+}
+
+ManifoldSplit split_to_manifold(std::span<const Triangle> faces, const HalfEdgeMates& mates,
+                                std::size_t vertex_count) {
   return Splitter(faces, mates, vertex_count).run();
 }
 

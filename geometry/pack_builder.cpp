@@ -2,68 +2,58 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <span>
-#include <thread>
-#include <vector>
+#include <utility>
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include "geometry/exact.h"
+#include "geometry/parallel.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t kLanes = TrianglePack::kLanes;
 
-// A face and three times its centre: the factor does not change any order.
-struct FaceCentre {
-  Vec3 sum_m;
-  std::uint32_t face;
-};
+constexpr std::size_t kWorthAThread = 1000;  // packs: a millisecond of work
+// Faces whose packs take so much more than what is free by then that it counts: 20 MB.
+constexpr std::size_t kLarge = 100000;
 
-using FaceRange = std::span<FaceCentre>;
-
-int widest_axis(FaceRange faces) {
-  Vec3 low = faces.front().sum_m;
-  Vec3 high = low;
-  for (const FaceCentre& f : faces) {
-    low = low.cwiseMin(f.sum_m);
-    high = high.cwiseMax(f.sum_m);
-  }
-  int axis = 0;
-  (high - low).maxCoeff(&axis);
-  return axis;
+// To the system. The C library would keep what loading has freed so far, beside what follows.
+void give_back_free_memory() {
+#if defined(__GLIBC__)
+  ::malloc_trim(0);
+#endif
 }
 
-// A mesh as the index sees it.
-struct MappedMesh {
-  const SurfaceMesh& mesh;
-  const AffineMap& map;
-  std::vector<Vec3> positions;
-  std::vector<Triangle> faces;
-  bool mirrored;
-
-  MappedMesh(const SurfaceMesh& m, const AffineMap& a)
-      : mesh(m), map(a), faces(m.faces()), mirrored(a.linear.determinant() < 0.0) {
-    positions.reserve(m.welded_positions().size());
-    for (const Vec3& p : m.welded_positions()) positions.push_back(a(p));
-  }
+// The faces of a mesh as the index has them.
+class TriangleMaker {
+ public:
+  explicit TriangleMaker(const MappedFaces& faces)
+      : faces_(faces), is_mirrored_(faces.map_index_mesh.linear.determinant() < 0.0) {}
 
   TriangleGeometry triangle(std::uint32_t face) const {
-    const Triangle& corners = faces[face];
-    TriangleGeometry t{positions[corners[0]], positions[corners[1]], positions[corners[2]], {}};
-    if (mirrored) std::swap(t.b, t.c);
-    t.normal = exactly_collinear(t.a, t.b, t.c) ? normal_from_mesh(corners)
+    TriangleGeometry t{faces_.corner(face, 0), faces_.corner(face, 1), faces_.corner(face, 2), {}};
+    if (is_mirrored_) std::swap(t.b, t.c);
+    t.normal = exactly_collinear(t.a, t.b, t.c) ? normal_from_mesh(face)
                                                 : accurate_unit_normal(t.a, t.b, t.c);
     return t;
   }
 
+ private:
   // Where the map squeezes a thin face to no area in double: normals map by the inverse transpose.
-  Vec3 normal_from_mesh(const Triangle& corners) const {
-    const auto p = mesh.welded_positions();
+  Vec3 normal_from_mesh(std::uint32_t face) const {
+    const auto& p = faces_.positions_mesh_m;
+    const Triangle& corners = faces_.faces[face];
     const Vec3 normal = accurate_unit_normal(p[corners[0]], p[corners[1]], p[corners[2]]);
-    return (map.linear.inverse().transpose() * normal).normalized();
+    return (faces_.map_index_mesh.linear.inverse().transpose() * normal).normalized();
   }
+
+  const MappedFaces& faces_;
+  bool is_mirrored_;
 };
 
 Box box_around(std::span<const TriangleGeometry> triangles) {
@@ -123,80 +113,38 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
   return pack;
 }
 
-// Splits down to clusters, then down to packs: every part but the last is full, so the packs of a
-// part begin at a place that is known before.
-class PackWriter {
- public:
-  PackWriter(const MappedMesh& mesh, PackedSurface& surface) : mesh_(mesh), surface_(surface) {}
-
-  // Large parts are shared among up to `threads` threads, which changes nothing in the result.
-  void split(FaceRange faces, std::size_t first_pack, unsigned threads) {
-    if (faces.size() <= kLanes) return write_pack(faces, first_pack);
-    const std::size_t middle = partition(faces);
-    const auto split_high = [&](unsigned high_threads) {
-      split(faces.subspan(middle), first_pack + middle / kLanes, high_threads);
-    };
-    if (threads < 2 || faces.size() < kWorthAThread) {
-      split(faces.first(middle), first_pack, 1);
-      return split_high(1);
-    }
-    // Deferred, and then done at the end of this block, where no thread can be had.
-    const auto high =
-        std::async(std::launch::async | std::launch::deferred, split_high, threads / 2);
-    split(faces.first(middle), first_pack, threads - threads / 2);
-    high.wait();
+// Fills pack `id`, of which the first `count` faces are there. Lanes past them repeat the last.
+void write_pack(const TriangleMaker& maker, std::size_t id, std::size_t count,
+                PackedSurface& surface) {
+  std::uint32_t* const faces = &surface.faces[id * kLanes];
+  TriangleGeometry* const triangles = &surface.triangles[id * kLanes];
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const bool is_own = lane < count;
+    if (!is_own) faces[lane] = faces[lane - 1];
+    triangles[lane] = is_own ? maker.triangle(faces[lane]) : triangles[lane - 1];
   }
-
- private:
-  static constexpr std::size_t kWorthAThread = 20000;  // a few milliseconds of work
-
-  // Orders a part so that whole clusters, or packs, lie on either side of the number it returns.
-  static std::size_t partition(FaceRange faces) {
-    const int axis = widest_axis(faces);
-    const std::size_t whole = faces.size() > kLanes * kLanes ? kLanes * kLanes : kLanes;
-    const std::size_t count = (faces.size() + whole - 1) / whole;
-    const std::size_t middle = count / 2 * whole;
-    std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(middle),
-                     faces.end(), [axis](const FaceCentre& x, const FaceCentre& y) {
-                       return x.sum_m[axis] != y.sum_m[axis] ? x.sum_m[axis] < y.sum_m[axis]
-                                                             : x.face < y.face;
-                     });
-    return middle;
-  }
-
-  void write_pack(FaceRange faces, std::size_t id) {
-    TriangleGeometry* const triangles = &surface_.triangles[id * kLanes];
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::uint32_t face = faces[std::min(lane, faces.size() - 1)].face;
-      surface_.faces[id * kLanes + lane] = face;
-      triangles[lane] = lane < faces.size() ? mesh_.triangle(face) : triangles[lane - 1];
-    }
-    const std::span lanes(triangles, kLanes);
-    surface_.boxes[id] = box_around(lanes);
-    surface_.packs[id] = to_local(lanes, surface_.boxes[id], static_cast<int>(faces.size()));
-  }
-
-  const MappedMesh& mesh_;
-  PackedSurface& surface_;
-};
+  const std::span lanes(triangles, kLanes);
+  surface.boxes[id] = box_around(lanes);
+  surface.packs[id] = to_local(lanes, surface.boxes[id], static_cast<int>(count));
+}
 
 }  // namespace
 
-PackedSurface pack_surface(const SurfaceMesh& mesh, const AffineMap& map) {
-  const MappedMesh mapped(mesh, map);
-  FixedArray<FaceCentre> centres(mesh.face_count());
-  for (std::uint32_t f = 0; f < centres.size(); ++f) {
-    const Triangle& corners = mapped.faces[f];
-    const auto& positions = mapped.positions;
-    centres[f] = {positions[corners[0]] + positions[corners[1]] + positions[corners[2]], f};
-  }
-  const std::size_t pack_count = (centres.size() + kLanes - 1) / kLanes;
+PackedSurface pack_surface(const MappedFaces& faces) {
+  const std::size_t face_count = faces.faces.size();
+  const std::size_t pack_count = (face_count + kLanes - 1) / kLanes;
   PackedSurface surface{FixedArray<TrianglePack>(pack_count), FixedArray<Box>(pack_count),
                         FixedArray<TriangleGeometry>(pack_count * kLanes),
                         FixedArray<std::uint32_t>(pack_count * kLanes)};
-  if (centres.empty()) return surface;
-  PackWriter(mapped, surface)
-      .split(FaceRange(&centres[0], centres.size()), 0, std::thread::hardware_concurrency());
+  // First the order of all, so that what that takes and what comes of it never share the memory.
+  order_faces(faces, {surface.faces.data(), face_count});
+  if (face_count >= kLarge) give_back_free_memory();
+  const TriangleMaker maker(faces);
+  run_ranges(pack_count, kWorthAThread, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t id = begin; id < end; ++id) {
+      write_pack(maker, id, std::min(kLanes, face_count - id * kLanes), surface);
+    }
+  });
   return surface;
 }
 

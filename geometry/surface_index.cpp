@@ -154,8 +154,8 @@ void visit_cluster(const RTCIntersectFunctionNArguments* args) {
 
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map, double sweep_radius_m)
-    : surface_(pack_surface(mesh, map)),
+SurfaceIndex::SurfaceIndex(const MappedFaces& faces, double sweep_radius_m)
+    : surface_(pack_surface(faces)),
       box_{Vec3::Zero(), Vec3::Zero()},
       sweep_radius_m_(sweep_radius_m) {
   if (!surface_.boxes.empty()) box_ = surface_.boxes[0];

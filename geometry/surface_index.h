@@ -12,6 +12,7 @@
 #include "geometry/box.h"
 #include "geometry/fixed_array.h"
 #include "geometry/fraction.h"
+#include "geometry/mapped_faces.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/ordered_boxes.h"
 #include "geometry/surface_mesh.h"
@@ -47,14 +48,6 @@ struct PackedSurface {
   FixedArray<std::uint32_t> faces;         // a slot each: of the mesh
 };
 
-// p_index = linear * p_mesh + translation_m: how a surface is placed in the frame of its index.
-struct AffineMap {
-  Mat3 linear = Mat3::Identity();  // not singular; a mirror turns the faces over again
-  Vec3 translation_m = Vec3::Zero();
-
-  Vec3 operator()(const Vec3& p) const { return linear * p + translation_m; }
-};
-
 // What a visitor of a segment returns to see nothing more at all, not even at the start.
 inline constexpr QueryFraction kNothingMore{-1.0};
 
@@ -81,9 +74,12 @@ using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> pac
 // must be finite.
 class SurfaceIndex {
  public:
-  // sweep_radius_m: largest radius that visit_segment() will be asked for.
+  // sweep_radius_m: largest radius that visit_segment() will be asked for. Uses all cores; the same
+  // for any number of them.
+  explicit SurfaceIndex(const MappedFaces& faces, double sweep_radius_m = 0.0);
   explicit SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map = {},
-                        double sweep_radius_m = 0.0);
+                        double sweep_radius_m = 0.0)
+      : SurfaceIndex({mesh.welded_positions(), mesh.faces(), map}, sweep_radius_m) {}
   ~SurfaceIndex();
   SurfaceIndex(SurfaceIndex&&) noexcept;
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;

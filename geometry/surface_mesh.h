@@ -15,6 +15,7 @@
 #include "geometry/half_edges.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/types.h"
+#include "geometry/welded_surface.h"
 
 // OpenMesh appends T() before it sets a position, which leaves one of Eigen's unset, and GCC warns
 // of the copy.
@@ -31,25 +32,10 @@ struct OpenMeshTraits : OpenMesh::DefaultTraits {
 };
 using OpenMeshSurface = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
 
-// What cleaning did. triangles_in == triangles + dropped_degenerate + dropped_duplicate.
-struct CleaningReport {
-  std::size_t triangles_in = 0;
-  std::size_t triangles = 0;           // faces of the surface
-  std::size_t dropped_degenerate = 0;  // no area: a repeated position, or exactly collinear corners
-  std::size_t dropped_duplicate = 0;   // the same three positions as an earlier triangle
-  std::size_t welded_vertices = 0;     // distinct positions in use
-  std::size_t split_vertices = 0;      // copies made so that OpenMesh takes every face
-  std::size_t boundary_edges = 0;      // welded edges with one face
-  std::size_t non_manifold_edges = 0;  // welded edges with three faces or more, or two misoriented
-};
-
-// A triangle surface in one frame (the caller's; positions in metres), made of any triangle soup.
-// Immutable after build; safe to read from any thread. Not for use on the haptic thread, which
-// works on the SurfaceIndex made from it.
+// A WeldedSurface with adjacency. Immutable; safe to read from any thread. Not for use on the
+// haptic thread, which works on a SurfaceIndex.
 //
-// Cleaning, in order: positions that compare equal are welded (-0 as +0); triangles without area
-// are dropped; of triangles with the same three positions, in any order, the first is kept. Then
-// vertices are split until the surface is a consistently oriented 2-manifold with boundary, which
+// Vertices are split until the surface is a consistently oriented 2-manifold with boundary, which
 // OpenMesh requires: two corners stay together only across an edge that has exactly two faces
 // oriented alike. No face that has area is lost.
 //
@@ -63,10 +49,13 @@ class SurfaceMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  // positions: finite, metres. triangles: indices into positions, all in range, fewer than 3e8
-  // (checked by asserts: a reader must have refused such a file before). O(n log n).
-  static SurfaceMesh build(const std::vector<Vec3>& positions,
-                           const std::vector<Triangle>& triangles);
+  SurfaceMesh() = default;  // none
+  // Takes what only this object needs out of `welded`, whose positions and faces others may be
+  // reading. Linear time.
+  explicit SurfaceMesh(WeldedSurface& welded);
+
+  // Of a triangle soup; see WeldedSurface.
+  static SurfaceMesh build(std::vector<Vec3> positions, std::vector<Triangle> triangles);
 
   // Adjacency and boundaries of the split surface. Face i of it is face i here, its vertices
   // starting with the same corner. No normals: accurate_unit_normal() gives that of a face.
@@ -83,8 +72,8 @@ class SurfaceMesh {
     return {surface_->points(), report_.welded_vertices};
   }
 
-  // Index into the triangles given to build(). O(log n) in the triangles that were dropped.
-  std::uint32_t source_triangle(std::size_t face) const;
+  // Index into the triangles of the soup.
+  std::uint32_t source_triangle(std::size_t face) const { return sources_.of_face(face); }
   // Welded vertex of a vertex of surface().
   std::uint32_t welded_vertex(std::size_t split_vertex) const {
     return split_vertex < report_.welded_vertices
@@ -100,10 +89,11 @@ class SurfaceMesh {
   std::size_t memory_bytes() const { return memory().total(); }
 
  private:
+  std::vector<Vec3> points(std::vector<Vec3>& welded) const;
+
   // Shared because OpenMesh has no move, and this object is moved into results and scenes.
   std::shared_ptr<const OpenMeshSurface> surface_ = std::make_shared<const OpenMeshSurface>();
-  // Per dropped triangle, how many before it were kept.
-  std::vector<std::uint32_t> kept_before_dropped_;
+  SourceTriangles sources_;
   // The welded vertex of each split vertex that is not one itself.
   std::vector<std::uint32_t> copied_vertices_;
   // Edges that surface() cuts though two faces meet there.

@@ -15,7 +15,7 @@ struct Weld {
 };
 
 // Exact: no tolerance, -0 equals +0. Positions: finite, fewer than 2^32 - 1 of them. Expected
-// linear time (hashing). Any frame.
-Weld weld_equal_positions(const std::vector<Vec3>& positions_m);
+// linear time (hashing). Any frame. The same for any number of threads.
+Weld weld_equal_positions(std::vector<Vec3> positions_m);
 
 }  // namespace palpate

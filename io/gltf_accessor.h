@@ -78,9 +78,13 @@ std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t acc
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// The elements of an accessor of unsigned integer scalars that are not normalised.
-Result<std::vector<std::uint32_t>> read_indices(const GltfAsset& asset, std::size_t accessor,
-                                                std::size_t max_count);
+// How many elements an accessor has: unsigned integer scalars, not normalised.
+Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
+                                std::size_t max_count);
+
+// All of them.
+std::optional<Error> read_indices(const GltfAsset& asset, std::size_t accessor,
+                                  std::span<std::uint32_t> indices);
 
 // The index that glTF reserves for primitive restart: the largest of the type, 255, 65535 or
 // 4294967295.

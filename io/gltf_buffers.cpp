@@ -18,20 +18,22 @@ constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.co
 
 // What a clone without Git LFS leaves in place of a large file; long enough to pass for the buffer
 // of a small mesh.
-bool is_lfs_pointer(const std::vector<std::uint8_t>& bytes) {
+bool is_lfs_pointer(const FileBytes& bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.starts_with(kLfsPointerStart);
 }
 
-Result<std::vector<std::uint8_t>> data_uri_bytes(std::string_view uri) {
+Result<FileBytes> data_uri_bytes(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
     return gltf_invalid({}, "the data URI is not marked as base64",
                         "expected data:MEDIA/TYPE;base64,...");
   }
-  auto bytes = base64_decoded(uri.substr(comma + 1));
-  if (!bytes) return gltf_invalid({}, "the data URI is not valid base64");
-  return std::move(*bytes);
+  const auto decoded = base64_decoded(uri.substr(comma + 1));
+  if (!decoded) return gltf_invalid({}, "the data URI is not valid base64");
+  FileBytes bytes(decoded->size());
+  std::copy(decoded->begin(), decoded->end(), bytes.data());
+  return bytes;
 }
 
 }  // namespace
@@ -116,12 +118,11 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
     buffer.storage = std::move(*loaded);
     buffer.loaded = true;
   }
-  return std::span<const std::uint8_t>(buffer.storage);
+  return buffer.storage.span();
 }
 
-Result<std::vector<std::uint8_t>> GltfBuffers::read_uri(const std::string& uri,
-                                                        std::uint64_t max_bytes,
-                                                        std::uint64_t wanted_bytes) const {
+Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes,
+                                        std::uint64_t wanted_bytes) const {
   if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
   const auto file = resolve_inside(folder_, uri);
   if (!file) return file.error();

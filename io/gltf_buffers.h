@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/result.h"
+#include "io/gltf_file.h"
 #include "io/gltf_limits.h"
 
 namespace palpate {
@@ -42,7 +43,7 @@ class GltfBuffers {
   // What a URI of the asset holds, a data URI (base64, any media type) or a file in its folder of
   // at most max_bytes, or its beginning if no more than wanted_bytes are called for. Not counted.
   // Error::element is empty.
-  Result<std::vector<std::uint8_t>> read_uri(
+  Result<FileBytes> read_uri(
       const std::string& uri, std::uint64_t max_bytes,
       std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const;
 
@@ -53,7 +54,7 @@ class GltfBuffers {
  private:
   struct Buffer {
     GltfBufferDeclaration declaration;
-    std::vector<std::uint8_t> storage;
+    FileBytes storage;
     bool loaded = false;
   };
 

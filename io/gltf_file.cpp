@@ -5,11 +5,13 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
+#include "geometry/parallel.h"
 #include "io/gltf_error.h"
 
 namespace palpate {
@@ -44,20 +46,32 @@ Error open_error(const std::string& path, int reason) {
                         std::error_code(reason, std::generic_category()).message());
 }
 
-std::optional<Error> read_fully(int descriptor, const std::string& path,
-                                std::vector<std::uint8_t>& bytes) {
-  std::size_t filled = 0;
-  while (filled < bytes.size()) {
-    const ssize_t got = ::read(descriptor, bytes.data() + filled, bytes.size() - filled);
+// Reads a part of the file; returns the byte past which that could not be done, if there is one.
+std::optional<std::size_t> read_part(int descriptor, std::size_t begin, std::size_t end,
+                                     FileBytes& bytes) {
+  while (begin < end) {
+    const ssize_t got = ::pread(descriptor, &bytes[begin], end - begin, static_cast<off_t>(begin));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) {
-      return file_error(ErrorCode::kFileUnreadable, path,
-                        "cannot be read past byte " + std::to_string(filled) + " of " +
-                            std::to_string(bytes.size()));
-    }
-    filled += static_cast<std::size_t>(got);
+    if (got <= 0) return begin;
+    begin += static_cast<std::size_t>(got);
   }
   return std::nullopt;
+}
+
+std::optional<Error> read_fully(int descriptor, const std::string& path, FileBytes& bytes) {
+  constexpr std::size_t kWorthAThread = std::size_t{1} << 21;  // bytes: a millisecond of work
+  std::mutex mutex;
+  std::optional<std::size_t> missing;
+  run_ranges(bytes.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+    const auto failed = read_part(descriptor, begin, end, bytes);
+    if (!failed) return;
+    const std::lock_guard lock(mutex);
+    missing = missing ? std::min(*missing, *failed) : *failed;
+  });
+  if (!missing) return std::nullopt;
+  return file_error(ErrorCode::kFileUnreadable, path,
+                    "cannot be read past byte " + std::to_string(*missing) + " of " +
+                        std::to_string(bytes.size()));
 }
 
 int hex_digit(char c) {
@@ -103,9 +117,8 @@ bool lies_inside(const std::filesystem::path& folder, const std::filesystem::pat
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
-                                                    std::uint64_t max_bytes,
-                                                    std::uint64_t wanted_bytes) {
+Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
+                                    std::uint64_t wanted_bytes) {
   if (path.find('\0') != std::string::npos) {
     return file_error(ErrorCode::kFileNotFound, path.substr(0, path.find('\0')),
                       "the name contains a zero byte");
@@ -125,7 +138,7 @@ Result<std::vector<std::uint8_t>> read_regular_file(const std::string& path,
                       "has " + std::to_string(size) + " bytes; at most " +
                           std::to_string(max_bytes) + " are read");
   }
-  std::vector<std::uint8_t> bytes(std::min(size, wanted_bytes));
+  FileBytes bytes(std::min(size, wanted_bytes));
   if (auto error = read_fully(file.get(), path, bytes)) return *error;
   return bytes;
 }

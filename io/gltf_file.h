@@ -5,16 +5,18 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
+#include "geometry/fixed_array.h"
 #include "geometry/result.h"
 
 namespace palpate {
 
+using FileBytes = FixedArray<std::uint8_t>;
+
 // The content of a regular file of at most max_bytes, or its beginning if no more than
 // wanted_bytes are called for. A folder, pipe, socket or device is refused without being waited
 // for. Error::path is the path given. Thread-safe.
-Result<std::vector<std::uint8_t>> read_regular_file(
+Result<FileBytes> read_regular_file(
     const std::string& path, std::uint64_t max_bytes,
     std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max());
 

@@ -38,7 +38,7 @@ std::optional<Error> GltfImages::decode(TextureReference& reference, const std::
 }
 
 Result<ImageDescription> GltfImages::decoded(std::size_t id) {
-  std::vector<std::uint8_t> storage;
+  FileBytes storage;
   const auto bytes = encoded(id, storage);
   if (!bytes) return bytes.error();
   auto image = decode_image(*bytes, pixels_left_);
@@ -49,8 +49,7 @@ Result<ImageDescription> GltfImages::decoded(std::size_t id) {
 }
 
 // The bytes of the file, in the storage unless a buffer holds them.
-Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id,
-                                                          std::vector<std::uint8_t>& storage) {
+Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id, FileBytes& storage) {
   const std::string element = gltf_element("images", id);
   const Json& image = asset_.json["images"][id];
   const auto view =
@@ -72,7 +71,7 @@ Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id,
     return error;
   }
   storage = std::move(*loaded);
-  return std::span<const std::uint8_t>(storage);
+  return storage.span();
 }
 
 }  // namespace palpate

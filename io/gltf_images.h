@@ -31,8 +31,7 @@ class GltfImages {
 
  private:
   Result<ImageDescription> decoded(std::size_t image);
-  Result<std::span<const std::uint8_t>> encoded(std::size_t image,
-                                                std::vector<std::uint8_t>& storage);
+  Result<std::span<const std::uint8_t>> encoded(std::size_t image, FileBytes& storage);
 
   const GltfAsset& asset_;
   std::vector<ImageDescription> images_;

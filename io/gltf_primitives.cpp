@@ -114,10 +114,9 @@ class MeshReader {
     if (*compressed) return append_compressed(primitive, **compressed, accessor, element);
     const auto vertices = vertices_of(primitive, accessor, element);
     if (!vertices) return vertices.error();
-    const auto indices = indices_of(primitive, *mode, vertices->count, element);
-    if (!indices) return indices.error();
-    if (auto error = check_index_count(*mode, indices->size(), element)) return error;
-    append(assemble_triangles(*mode, *indices), vertices->first);
+    auto triangles = triangles_of(primitive, *mode, vertices->count, element);
+    if (!triangles) return triangles.error();
+    append(std::move(*triangles), vertices->first);
     return std::nullopt;
   }
 
@@ -267,39 +266,63 @@ class MeshReader {
         element, "the pose of vertex " + std::to_string(wrong - positions.begin()) + " overflows");
   }
 
-  Result<std::vector<std::uint32_t>> indices_of(const tinygltf::Primitive& primitive,
-                                                TriangleMode mode, std::size_t vertex_count,
-                                                const std::string& element) {
+  Result<std::vector<Triangle>> triangles_of(const tinygltf::Primitive& primitive,
+                                             TriangleMode mode, std::size_t vertex_count,
+                                             const std::string& element) {
+    const auto count = index_count_of(primitive, mode, vertex_count, element);
+    if (!count) return count.error();
+    if (auto error = check_index_count(mode, *count, element)) return *error;
+    std::vector<Triangle> triangles;
+    if (mode == TriangleMode::kList) {
+      // Nothing is to be assembled: its indices are those of triangles.
+      static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+      triangles.resize(*count / 3);
+      const std::span<std::uint32_t> indices(triangles.front().data(), *count);
+      if (auto error = read_checked(primitive, mode, vertex_count, element, indices)) return *error;
+      return triangles;
+    }
+    std::vector<std::uint32_t> indices(*count);
+    if (auto error = read_checked(primitive, mode, vertex_count, element, indices)) return *error;
+    return assemble_triangles(mode, indices);
+  }
+
+  Result<std::size_t> index_count_of(const tinygltf::Primitive& primitive, TriangleMode mode,
+                                     std::size_t vertex_count, const std::string& element) const {
     const std::size_t max_count = max_index_count(mode, budget_.triangles);
+    if (primitive.indices >= 0) {
+      return index_count(asset_, static_cast<std::size_t>(primitive.indices), max_count);
+    }
+    if (vertex_count <= max_count) return vertex_count;
+    return gltf_error(
+        ErrorCode::kLimitExceeded, element,
+        "has more triangles than can still be read, " + std::to_string(budget_.triangles));
+  }
+
+  std::optional<Error> read_checked(const tinygltf::Primitive& primitive, TriangleMode mode,
+                                    std::size_t vertex_count, const std::string& element,
+                                    std::span<std::uint32_t> indices) {
     if (primitive.indices < 0) {
-      if (vertex_count > max_count) {
-        return gltf_error(
-            ErrorCode::kLimitExceeded, element,
-            "has more triangles than can still be read, " + std::to_string(budget_.triangles));
-      }
-      std::vector<std::uint32_t> indices(vertex_count);
       std::iota(indices.begin(), indices.end(), 0u);
-      return indices;
+      return std::nullopt;
     }
-    auto indices = read_indices(asset_, static_cast<std::size_t>(primitive.indices), max_count);
-    if (!indices) return indices;
-    const auto wrong = std::find_if(indices->begin(), indices->end(),
+    const auto accessor = static_cast<std::size_t>(primitive.indices);
+    if (auto error = read_indices(asset_, accessor, indices)) return error;
+    const auto wrong = std::find_if(indices.begin(), indices.end(),
                                     [&](std::uint32_t index) { return index >= vertex_count; });
-    if (wrong != indices->end()) {
-      return gltf_invalid(element + "/indices",
-                          "index " + std::to_string(wrong - indices->begin()) + " is " +
-                              std::to_string(*wrong) + ", but the primitive has " +
-                              std::to_string(vertex_count) + " vertices");
+    if (wrong != indices.end()) {
+      return gltf_invalid(element + "/indices", "index " + std::to_string(wrong - indices.begin()) +
+                                                    " is " + std::to_string(*wrong) +
+                                                    ", but the primitive has " +
+                                                    std::to_string(vertex_count) + " vertices");
     }
-    if (auto error = check_restart(primitive, mode, *indices, element)) return *error;
-    return indices;
+    return check_restart(primitive, mode, indices, element);
   }
 
   // An index that stands for primitive restart, section 3.7.2.1, is not allowed. Real exporters use
   // it for the last vertex of 256; a list has nothing to restart, so there it can mean nothing
   // else.
   std::optional<Error> check_restart(const tinygltf::Primitive& primitive, TriangleMode mode,
-                                     const std::vector<std::uint32_t>& indices,
+                                     std::span<const std::uint32_t> indices,
                                      const std::string& element) {
     const auto reserved = restart_index(asset_, static_cast<std::size_t>(primitive.indices));
     const auto found = std::find(indices.begin(), indices.end(), reserved);
@@ -331,8 +354,10 @@ class MeshReader {
 
   void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
     budget_.triangles -= triangles.size();
-    for (Triangle& t : triangles) {
-      for (std::uint32_t& vertex : t) vertex += first_vertex;
+    if (first_vertex > 0) {
+      for (Triangle& t : triangles) {
+        for (std::uint32_t& vertex : t) vertex += first_vertex;
+      }
     }
     auto& all = description_.triangles;
     if (all.empty()) {

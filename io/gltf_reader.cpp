@@ -487,8 +487,8 @@ Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& o
   const auto start = std::chrono::steady_clock::now();
   const auto file = read_regular_file(path, kMaxGltfFileBytes);
   if (!file) return with_path(file.error(), path);
-  auto scene =
-      read_gltf_bytes(*file, std::filesystem::path(path).parent_path().string(), path, options);
+  auto scene = read_gltf_bytes(file->span(), std::filesystem::path(path).parent_path().string(),
+                               path, options);
   if (!scene) return scene;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;

@@ -96,7 +96,7 @@ TEST(BoundaryVertices, AreAtTheEndsOfWeldedEdgesWithOneFace) {
       for (auto& corner : corners) corner = static_cast<std::uint32_t>(random.index(12));
       triangles.push_back(corners);
     }
-    const SurfaceMesh mesh = SurfaceMesh::build(positions, triangles);
+    const WeldedSurface mesh(positions, triangles);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> faces_at;
     for (const Triangle& t : mesh.faces()) {
       for (std::size_t i = 0; i < 3; ++i) {
