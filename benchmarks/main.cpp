@@ -113,8 +113,12 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("flags", palpate::compiler_flags());
   benchmark::AddCustomContext("cgal", palpate::bench::kHaveCgal ? "yes" : "no");
   const palpate::bench::SampleCounts counts{static_cast<std::size_t>(options.ticks)};
+  // First, while nothing else holds memory: what is loaded then has that of the one loaded before,
+  // and not some that the system has to find.
   for (const int subdivisions : options.subdivisions) {
     palpate::bench::register_load_benchmarks(subdivisions);
+  }
+  for (const int subdivisions : options.subdivisions) {
     palpate::bench::register_index_benchmarks(subdivisions, counts);
     palpate::bench::register_tick_benchmarks(subdivisions, counts);
     palpate::bench::register_effect_benchmarks(subdivisions, counts);
