@@ -52,21 +52,26 @@ Box bounding_box(std::span<const Vec3> positions, const Mat3& linear) {
 
 // Around p_scene = linear * p + translation_m of all p of a box.
 Box placed_box(const Box& box, const NodeDescription& node) {
-  const Vec3 centre = node.linear_scene_mesh * (0.5 * (box.low + box.high)) + node.translation_m;
-  const Vec3 reach = node.linear_scene_mesh.cwiseAbs() * (0.5 * (box.high - box.low));
+  const Vec3 centre =
+      node.linear_scene_mesh * (0.5 * box.low + 0.5 * box.high) + node.translation_m;
+  const Vec3 reach = node.linear_scene_mesh.cwiseAbs() * (0.5 * box.high - 0.5 * box.low);
   return {centre - reach, centre + reach};
 }
 
-// Around all vertices in their places. A node whose box lies inside what has been found already is
-// not looked at any closer: of ten thousand instances only the outermost are. What is left when
-// kMostExactVertices have been looked at counts with its boxes.
-Box bounds_in_scene(const std::vector<WeldedSurface>& meshes,
-                    const std::vector<NodeDescription>& nodes) {
+std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes) {
   std::vector<Box> boxes;
   boxes.reserve(meshes.size());
   for (const WeldedSurface& mesh : meshes) {
     boxes.push_back(bounding_box(mesh.positions(), Mat3::Identity()));
   }
+  return boxes;
+}
+
+// Around all vertices in their places. A node whose box lies inside what has been found already is
+// not looked at any closer: of ten thousand instances only the outermost are. What is left when
+// kMostExactVertices have been looked at counts with its boxes.
+Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
+                    const std::vector<NodeDescription>& nodes) {
   Box bounds = empty_box();
   std::size_t left = kMostExactVertices;
   for (const NodeDescription& node : nodes) {
@@ -85,6 +90,21 @@ Box bounds_in_scene(const std::vector<WeldedSurface>& meshes,
     }
   }
   return bounds;
+}
+
+// A mesh can be larger than the scene: its node takes it back to the others by a translation as
+// large, and leaves rounding errors of it.
+std::optional<Error> refuse_beyond_limits(const std::vector<Box>& boxes,
+                                          const std::vector<NodeDescription>& nodes) {
+  for (const NodeDescription& node : nodes) {
+    const Box& box = boxes[node.mesh];
+    const Vec3 farthest = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
+    const Vec3 reach_m = node.linear_scene_mesh.cwiseAbs() * farthest;
+    if ((reach_m.array() <= kLargestExtent_m).all()) continue;  // false for NaN
+    return Error{ErrorCode::kLimitExceeded, "", "node \"" + node.name + "\"",
+                 "its mesh in its scale reaches farther than 1e60 m", "choose another scale"};
+  }
+  return std::nullopt;
 }
 
 void scale_by(double scale, SceneDescription& description, std::vector<NodePlacement>& placements) {
@@ -218,13 +238,14 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
                  "no node has a triangle with area, expected at least one",
                  "palpate info lists what was dropped and why"};
   }
-  Box bounds = bounds_in_scene(scene.welded_, description.nodes);
+  const std::vector<Box> boxes = bounding_boxes(scene.welded_);
+  Box bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
   statistics.scale = settings.fit_size_m > 0.0
                          ? settings.fit_size_m / (bounds.high - bounds.low).maxCoeff()
                          : settings.scale;
   if (statistics.scale != 1.0) {
     scale_by(statistics.scale, description, placements);
-    bounds = bounds_in_scene(scene.welded_, description.nodes);
+    bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
   }
   statistics.extent_m = bounds.high - bounds.low;
   const double extent_m = statistics.extent_m.maxCoeff();
@@ -232,6 +253,9 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
       extent_m < kSmallestExtent_m) {
     return Error{ErrorCode::kLimitExceeded, description.path, "scene",
                  "its largest extent is not between 1e-60 and 1e60 m", "choose another scale"};
+  }
+  if (auto error = refuse_beyond_limits(boxes, description.nodes)) {
+    return with_path(*error, description.path);
   }
   scene.tree_ = std::move(description.tree);
   SceneEffects effects(

@@ -24,8 +24,8 @@ constexpr int kBins = 128;
 constexpr float kLeastExtent = 0x1p-10f;
 // Or of this one: where its centres are measured from is at them.
 constexpr float kLeastExtentAtAll = 0x1p-60f;
-// A bin with more than this part of the faces is divided into bins itself, if the median is there:
-// so often that what is told apart in the end is as small as doubles are.
+// A bin with more than one in so many of the faces is divided into bins itself, if the median is
+// there. So often at most: what is left then, 2^-56 of the part or less, is sorted as it is.
 constexpr std::size_t kFullBin = 16;
 constexpr int kMostRefinements = 8;
 
@@ -40,10 +40,12 @@ struct Part {
   Centre* spare;         // room for as many
   std::uint32_t* order;  // what comes out; before that, the bin of each
   std::size_t size;
-  bool is_point = false;  // all centres are in one place
+  bool is_point = false;     // all centres are in one place
+  bool is_measured = false;  // anew, since it was taken from another part
+  bool is_mixed = false;     // some faces have places that are relative to less than the part
 
   Part from(std::size_t begin, std::size_t end) const {
-    return {centres + begin, spare + begin, order + begin, end - begin, is_point};
+    return {centres + begin, spare + begin, order + begin, end - begin, is_point, false, false};
   }
 };
 
@@ -122,8 +124,8 @@ class MedianSplit {
  private:
   // Rises with the place.
   std::uint32_t bin(const Centre& c) const {
-    return static_cast<std::uint32_t>(
-        std::min(static_cast<int>((c.place[axis_] - low_) * bins_per_length_), kBins - 1));
+    const float bin = (c.place[axis_] - low_) * bins_per_length_;
+    return static_cast<std::uint32_t>(std::min(static_cast<float>(kBins - 1), bin));
   }
 
   void select(Centre* begin, Centre* end, std::size_t middle) const {
@@ -146,6 +148,7 @@ class Orderer {
   void measure(Part& part) const {
     const Box box = box_of_centres(part);
     part.is_point = box.low == box.high;
+    part.is_measured = true;
     const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
     // A power of two, so that only the conversion to float rounds. Not beyond a double's.
     int exponent = 0;
@@ -167,17 +170,24 @@ class Orderer {
     const std::size_t whole = part.size > kCluster ? kCluster : kLanes;
     const std::size_t middle = (part.size + whole - 1) / whole / 2 * whole;
     partition(part, middle, kMostRefinements);
-    const auto split_low = [&] { split(part.from(0, middle)); };
-    const auto split_high = [&] { split(part.from(middle, part.size)); };
+    Part low = part.from(0, middle);
+    Part high = part.from(middle, part.size);
+    if (part.is_mixed) {
+      measure(low);
+      measure(high);
+    }
+    const auto split_low = [&] { split(low); };
+    const auto split_high = [&] { split(high); };
     if (part.size >= kWorthAThread) return run_both(split_low, split_high);
     split_low();
     split_high();
   }
 
  private:
-  // Three times the centre: the factor changes no order.
+  // An eighth of the sum of the corners: neither it nor an extent of many overflows.
   Vec3 centre(std::uint32_t face) const {
-    return faces_.corner(face, 0) + faces_.corner(face, 1) + faces_.corner(face, 2);
+    return 0.125 * faces_.corner(face, 0) + 0.125 * faces_.corner(face, 1) +
+           0.125 * faces_.corner(face, 2);
   }
 
   Box box_of_centres(const Part& part) const {
@@ -196,40 +206,32 @@ class Orderer {
     return all;
   }
 
-  // Brings the `middle` faces that come first to the front. Returns whether places have been
-  // measured anew, so that they are no longer relative to what those of other faces are.
-  bool partition(Part& part, std::size_t middle, int refinements) const {
+  // Brings the `middle` faces that come first to the front.
+  void partition(Part& part, std::size_t middle, int refinements) const {
     Extent extent(part);
-    const bool is_new = !part.is_point && extent.is_too_small();
-    if (is_new) {
+    if (!part.is_point && extent.is_too_small()) {
       measure(part);
       extent = Extent(part);
     }
     const MedianSplit median(extent, middle);
-    if (part.is_point) {
-      median.select(part);
-      return is_new;
-    }
+    if (part.is_point) return median.select(part);
     const MedianSplit::Range range = median.select_bins(part);
     std::swap(part.centres, part.spare);
     if (range.size() <= std::max(kLanes, part.size / kFullBin) || refinements == 0) {
-      median.select_in(part, range);
-      return is_new;
+      return median.select_in(part, range);
     }
-    if (!partition_bin(part.from(range.begin, range.end), middle - range.begin, refinements - 1)) {
-      return is_new;
-    }
-    for (Part side : {part.from(0, middle), part.from(middle, part.size)}) measure(side);
-    return true;
+    if (range.begin < middle) partition_bin(part, range, middle, refinements - 1);
   }
 
   // Of faces that are so close together that one bin has many of them.
-  bool partition_bin(const Part& bin, std::size_t middle, int refinements) const {
-    if (middle == 0) return false;
-    Part part = bin;
-    const bool is_new = partition(part, middle, refinements);
-    if (part.centres != bin.centres) std::copy_n(part.centres, part.size, bin.centres);
-    return is_new;
+  void partition_bin(Part& part, const MedianSplit::Range& range, std::size_t middle,
+                     int refinements) const {
+    Part bin = part.from(range.begin, range.end);
+    partition(bin, middle - range.begin, refinements);
+    if (bin.centres != part.centres + range.begin) {
+      std::copy_n(bin.centres, bin.size, part.centres + range.begin);
+    }
+    part.is_mixed = bin.is_measured || bin.is_mixed;
   }
 
   const MappedFaces& faces_;

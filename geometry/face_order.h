@@ -11,9 +11,9 @@ namespace palpate {
 
 // Writes the numbers of all faces, in an order of which each sixteen are neighbours, and each 256:
 // by recursive median splits of the centres along the widest axis. All sixteens but the last are
-// full. Centres are compared in single precision, relative to the part that is split; those that
-// are equal by face number. Deterministic, for any number of threads. O(n log n). order: room for
-// all of them.
+// full. Corners must be finite, mapped as well. Centres are compared in single precision, relative
+// to the part that is split; those that are equal by face number. Deterministic, for any number of
+// threads. O(n log n). order: room for all of them.
 void order_faces(const MappedFaces& faces, std::span<std::uint32_t> order);
 
 }  // namespace palpate

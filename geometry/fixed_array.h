@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 
 namespace palpate {
 
@@ -16,6 +17,13 @@ class FixedArray {
   FixedArray() = default;
   explicit FixedArray(std::size_t size)
       : elements_(std::make_unique_for_overwrite<T[]>(size)), size_(size) {}
+  FixedArray(FixedArray&& other) noexcept
+      : elements_(std::move(other.elements_)), size_(std::exchange(other.size_, 0)) {}
+  FixedArray& operator=(FixedArray&& other) noexcept {
+    elements_ = std::move(other.elements_);
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+  }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }

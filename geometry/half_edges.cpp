@@ -175,8 +175,7 @@ HalfEdgeMates match_half_edges(std::span<const Triangle> faces, std::size_t vert
   run_ranges(mates.aligned.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) mates.aligned[h] = kNoHalfEdge;
   });
-  // Each goes through all faces, so there are no more of them than cores.
-  const std::size_t parts = faces.size() < kWorthAThread ? 1 : core_count();
+  const std::size_t parts = faces.size() < kWorthAThread ? 1 : pass_count();
   const std::vector<VertexRange> ranges = balanced_ranges(faces, vertex_count, parts);
   std::vector<EdgeFindings> findings(parts);
   run_each(0, parts,

@@ -48,8 +48,7 @@ struct HalfEdgeMates : EdgeFindings {
 };
 
 // Pairs the half-edges of faces with three different vertices each, all less than vertex_count.
-// Fewer than 2^32 / 3 faces. The same for any number of threads. O(n log n) at
-// worst.
+// Fewer than 2^32 / 3 faces. The same for any number of threads. O(n log n) at worst.
 HalfEdgeMates match_half_edges(std::span<const Triangle> faces, std::size_t vertex_count);
 
 }  // namespace palpate

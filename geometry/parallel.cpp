@@ -1,13 +1,23 @@
 #include "geometry/parallel.h"
 
+#include <algorithm>
 #include <atomic>
+#include <sched.h>
 #include <thread>
 
 namespace palpate {
 namespace {
 
+std::size_t cores_of_this_process() {
+  cpu_set_t bound_to;
+  if (sched_getaffinity(0, sizeof bound_to, &bound_to) == 0) {
+    return static_cast<std::size_t>(CPU_COUNT(&bound_to));
+  }
+  return std::thread::hardware_concurrency();  // more cores than the set has room for
+}
+
 std::atomic<std::size_t>& cores() {
-  static std::atomic<std::size_t> count = std::max(1u, std::thread::hardware_concurrency());
+  static std::atomic<std::size_t> count = std::max<std::size_t>(cores_of_this_process(), 1);
   return count;
 }
 
@@ -17,6 +27,11 @@ std::atomic<std::size_t> used = 1;  // the one that starts it all
 
 std::size_t core_count() {
   return cores();
+}
+
+std::size_t pass_count() {
+  constexpr std::size_t kMostPasses = 8;
+  return std::min(core_count(), kMostPasses);
 }
 
 void assume_cores(std::size_t count) {

@@ -12,8 +12,12 @@
 
 namespace palpate {
 
-// How many cores the work here uses: those that this process may run on; 1 at least.
+// How many cores the work here uses: those of the machine, or of its part that the process was
+// bound to when this was first called; 1 at least.
 std::size_t core_count();
+// The parts that work is divided into of which each goes through all there is: as many as cores,
+// but no more than gain by it.
+std::size_t pass_count();
 // As if there were so many, for tests. Not while work is being done.
 void assume_cores(std::size_t count);
 
@@ -32,7 +36,7 @@ class SpareCore {
 };
 
 // Calls first() and second(), at the same time if a core is to spare. Returns when both have
-// returned; throws what one of them threw.
+// returned; throws what one of them threw, of two the first.
 template <typename First, typename Second>
 void run_both(const First& first, const Second& second) {
   SpareCore core;

@@ -103,7 +103,7 @@ Weld weld_equal_positions(std::vector<Vec3> positions_m) {
   weld.vertex_of.resize(positions_m.size());
   {
     const FixedArray<std::uint32_t> hashes = hashes_of(positions_m);
-    const std::size_t parts = positions_m.size() < kWorthAThread ? 1 : core_count();
+    const std::size_t parts = positions_m.size() < kWorthAThread ? 1 : pass_count();
     run_each(0, parts, [&](std::size_t part) {
       PartWelder(positions_m, hashes, part, parts).find_first(weld.vertex_of);
     });

@@ -3,6 +3,7 @@
 #include "geometry/face_order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -144,6 +145,14 @@ TEST(FaceOrder, TakesAnySizeThereIs) {
     Soup soup = unit;
     for (Vec3& p : soup.positions) p *= scale;
     EXPECT_NEAR(mean_extent(soup, kCount) / scale, of_unit, 0.1 * of_unit) << scale;
+  }
+  // A power of two rounds nothing. At the largest the sum of three corners is beyond a double's
+  // range, and so is the extent of all.
+  const std::vector<std::uint32_t> order_of_unit = order_of(unit);
+  for (const int exponent : {-900, -60, 60, 900, 1022, 1023}) {
+    Soup soup = unit;
+    for (Vec3& p : soup.positions) p *= std::ldexp(1.0, exponent);
+    EXPECT_EQ(order_of(soup), order_of_unit) << "2^" << exponent;
   }
   Soup stack = unit;
   for (Triangle& t : stack.triangles) t = {0, 1, 2};

@@ -542,6 +542,37 @@ TEST(Scene, TellsTheExtentOfItsPlacedTriangles) {
   }
 }
 
+// The scene's own extent is small: only how it comes about is out of bounds.
+TEST(Scene, RefusesAMeshThatIsLargerThanTheSceneCanBe) {
+  Random random(20);
+  const MeshDescription mesh = bent_octahedron(random);
+  for (const double scale : {1e61, 1e150, 1e290, 1e306}) {
+    MeshDescription flat = mesh;
+    for (Vec3& v : flat.positions) v = Vec3(1.0, v.y() / scale, v.z() / scale);
+    const Mat3 linear = scale * Mat3::Identity();
+    const std::vector<NodeDescription> nodes{{"far", 0, linear, Vec3(-scale, 0.0, 0.0)}};
+    const auto scene = Scene::compile(description_of({flat}, nodes));
+    ASSERT_FALSE(scene) << scale;
+    EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(scene.error().element, "node \"far\"") << scale;
+  }
+}
+
+// As large as a double can be before the scene is fitted: its sums are not.
+TEST(Scene, FitsWhatIsAsLargeAsADoubleCanBe) {
+  Random random(21);
+  const MeshDescription mesh = bent_octahedron(random);
+  MeshDescription large = mesh;
+  for (Vec3& v : large.positions) v *= 0x1p1020;
+  SceneSettings settings;
+  settings.fit_size_m = 1.0;
+  const auto fitted = Scene::compile(description_of({large}, {{"large", 0}}), settings);
+  const auto expected = Scene::compile(description_of({mesh}, {{"small", 0}}), settings);
+  ASSERT_TRUE(fitted) << fitted.error().problem;
+  ASSERT_TRUE(expected);
+  EXPECT_EQ(fitted->statistics().extent_m, expected->statistics().extent_m);
+}
+
 TEST(Scene, TakesTheCountsAndWarningsOfTheFileOver) {
   Random random(19);
   SceneDescription description =

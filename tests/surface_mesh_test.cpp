@@ -14,6 +14,7 @@
 #include <OpenMesh/Tools/Utils/MeshCheckerT.hh>
 #include <gtest/gtest.h>
 
+#include "geometry/fixed_array.h"
 #include "tests/random.h"
 
 namespace palpate {
@@ -359,6 +360,16 @@ TEST(SurfaceMesh, KeepsEveryFinOfAnEdgeHoweverOriented) {
       EXPECT_EQ(mesh.face_count(), count);
     }
   }
+}
+
+TEST(FixedArray, IsEmptyOnceItIsMovedFrom) {
+  FixedArray<int> array(3);
+  FixedArray<int> taken = std::move(array);
+  EXPECT_EQ(taken.size(), 3u);
+  EXPECT_TRUE(array.empty());  // NOLINT(bugprone-use-after-move): what is asked
+  array = std::move(taken);
+  EXPECT_EQ(array.size(), 3u);
+  EXPECT_TRUE(taken.empty());  // NOLINT(bugprone-use-after-move)
 }
 
 TEST(SurfaceMesh, IsEmptyForNoTrianglesOrNoArea) {
