@@ -33,17 +33,11 @@ struct ClusterPacks {
   std::span<const std::uint32_t> span() const { return std::span(ids).first(count); }
 };
 
-// Sorts packs of which those of a cluster are together and in order already: few runs, as a rule.
-void sort_clusters(std::span<std::uint32_t> packs) {
-  for (std::size_t next = 1; next < packs.size();) {
-    const std::uint32_t cluster = packs[next] / TrianglePack::kLanes;
-    std::size_t end = next + 1;
-    while (end < packs.size() && packs[end] / TrianglePack::kLanes == cluster) ++end;
-    const auto first = packs.begin();
-    const auto run = first + static_cast<std::ptrdiff_t>(next);
-    std::rotate(std::lower_bound(first, run, *run), run, first + static_cast<std::ptrdiff_t>(end));
-    next = end;
-  }
+// Adds some packs, in order, to others in order: behind them as a rule.
+void insert_in_order(std::span<const std::uint32_t> some, std::span<std::uint32_t> packs) {
+  std::size_t i = packs.size() - some.size();
+  for (; i > 0 && packs[i - 1] > some.front(); --i) packs[i - 1 + some.size()] = packs[i - 1];
+  std::copy(some.begin(), some.end(), packs.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
 // Packs that are found at once. Where a segment has more, they are visited in order, and before
@@ -270,11 +264,10 @@ std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<s
   if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return count;
   // Whether there is room for more.
   const auto add = [&](std::span<const std::uint32_t> some) {
-    for (const std::uint32_t id : some) {
-      if (count < packs.size()) packs[count] = id;
-      ++count;
-    }
-    return count <= packs.size();
+    count += some.size();
+    if (count > packs.size()) return false;
+    insert_in_order(some, packs.first(count));
+    return true;
   };
   const BoxesNear near(p, radius_m);
   if (search == NearSearch::kInOrder) {
@@ -283,9 +276,9 @@ std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<s
   }
   clusters_->query_point(near.p, near.radius, [&](std::uint32_t cluster) {
     if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
-    return add(ClusterPacks(cluster, near(cluster_boxes_[cluster])).span()) ? near.radius : 0.0f;
+    const ClusterPacks found(cluster, near(cluster_boxes_[cluster]));
+    return found.count == 0 || add(found.span()) ? near.radius : 0.0f;
   });
-  if (count <= packs.size()) sort_clusters(packs.first(count));
   return count;
 }
 

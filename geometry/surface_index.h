@@ -91,8 +91,7 @@ class SurfaceIndex {
   std::optional<SegmentHit> first_hit(const Vec3& p, const Vec3& d) const noexcept;
 
   // Writes the ids of all packs whose box comes within radius_m of p, ascending. Returns how many
-  // there are; when that exceeds packs.size(), the surplus was not written and the search ended
-  // early.
+  // there are; when that exceeds packs.size(), only some were written and the search ended early.
   std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
                          NearSearch search = NearSearch::kWithEmbree) const noexcept;
 
