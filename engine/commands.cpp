@@ -1,9 +1,12 @@
 #include "engine/commands.h"
 
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
+#include <locale>
 #include <numbers>
 #include <optional>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -14,6 +17,7 @@
 #include "engine/report.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
+#include "engine/text_file.h"
 #include "io/trace_csv.h"
 #include "io/trajectory.h"
 
@@ -31,6 +35,22 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
                  r.T_device_scene, friction_name(r.friction), fault_names(r.faults), steps_ns[i]});
   }
   const Result<std::size_t> written = writer->finish();
+  if (!written) return written.error();
+  return std::nullopt;
+}
+
+// What the hand followed: a place a line, scene frame.
+std::optional<Error> write_way(const ExplorationRun& run, const std::string& folder) {
+  const bool is_walk = run.contour_scene_m.empty();
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(17) << "x,y,z\n";
+  for (const Vec3& p : is_walk ? run.places_scene_m : run.contour_scene_m) {
+    text << p.x() << "," << p.y() << "," << p.z() << "\n";
+  }
+  const std::string path =
+      folder + (is_walk ? "/places-" : "/contour-") + (run.a4 ? "on" : "off") + ".csv";
+  const auto written = write_text_file(path, text.str());
   if (!written) return written.error();
   return std::nullopt;
 }
@@ -95,6 +115,7 @@ int run(const RunCommand& command) {
     }
     const std::string trace = command.out_dir + (a4 ? "/trace-on.csv" : "/trace-off.csv");
     if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
+    if (const auto error = write_way(*run, command.out_dir)) return refuse(*error);
     runs.push_back(std::move(*run));
   }
   const std::string name = std::filesystem::path(command.scene.path).filename().string();

@@ -1,5 +1,6 @@
 #include "engine/exploration.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -11,6 +12,7 @@
 
 #include "engine/contour_plan.h"
 #include "engine/haptic_thread.h"
+#include "engine/path_coverage.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_walk.h"
 #include "geometry/section.h"
@@ -47,7 +49,8 @@ class Recorder final : public TickObserver {
 struct PlannedHand {
   std::unique_ptr<HandPlan> plan;
   Vec3 start_scene_m;
-  std::vector<Vec3> contour_scene;
+  const ContourPlan* contour = nullptr;  // one of these is the plan
+  const SurfaceWalk* walk = nullptr;
 };
 
 Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
@@ -75,9 +78,10 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   }
   ContourPlanSettings plan;
   plan.turn_s = settings.seconds - plan.approach_s;
-  auto hand = std::make_unique<ContourPlan>(section.front(), normal, plan);
+  auto hand = std::make_unique<ContourPlan>(section.front(), section, normal, plan);
   const Vec3 start = hand->start_scene_m();
-  return PlannedHand{std::move(hand), start, section.front().points_m};
+  const ContourPlan* contour = hand.get();
+  return PlannedHand{std::move(hand), start, contour, nullptr};
 }
 
 PlannedHand plan_walk(const Scene& scene, const ExplorationSettings& settings) {
@@ -86,7 +90,30 @@ PlannedHand plan_walk(const Scene& scene, const ExplorationSettings& settings) {
   walk.seed = settings.seed;
   auto hand = std::make_unique<SurfaceWalk>(scene, walk);
   const Vec3 start = hand->start_scene_m();
-  return {std::move(hand), start, {}};
+  const SurfaceWalk* planned = hand.get();
+  return {std::move(hand), start, nullptr, planned};
+}
+
+// What the hand followed, and how much of it the proxy came near to.
+void measure_way(const PlannedHand& hand, double largest_extent_m, ExplorationRun& run) {
+  run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m);
+  if (hand.contour) {
+    run.contour_scene_m = hand.contour->contour_scene_m();
+    CurveCoverage coverage(run.contour_scene_m, run.near_m);
+    for (const TickRecord& r : run.records) coverage.add(r.proxy_m);
+    run.way_share = coverage.share();
+    return;
+  }
+  const auto places = hand.walk->places_scene_m();
+  run.places_scene_m.assign(places.begin(), places.end());
+  const auto is_reached = [&](const Vec3& place) {
+    return std::any_of(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
+      return (r.proxy_m - place).squaredNorm() <= run.near_m * run.near_m;
+    });
+  };
+  const auto reached = std::count_if(places.begin(), places.end(), is_reached);
+  if (!places.empty())
+    run.way_share = static_cast<double>(reached) / static_cast<double>(places.size());
 }
 
 void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress) {
@@ -159,7 +186,6 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
 
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
-  run.contour_scene = std::move(hand->contour_scene);
   const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
   Recorder recorder(run, ticks, device);
   HapticSession session(loop, device, &recorder, &*mover);
@@ -172,7 +198,7 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   run.summary = recorder.finish();
   const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
   take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
-  run.turn_fraction = hand->plan->turn_fraction();
+  measure_way(*hand, scene.statistics().extent_m.maxCoeff(), run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
   return run;
 }

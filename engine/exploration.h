@@ -26,12 +26,22 @@ struct ExplorationRun {
   std::vector<TickRecord> records;
   std::vector<std::int64_t> steps_ns;
   RunSummary summary;
-  double turn_fraction = 0.0;
+  // What the hand followed, from where it began: a closed contour ends there. With 3 sensors the
+  // places that it aimed at and reached or gave up. Scene frame; one of the two is empty.
+  std::vector<Vec3> contour_scene_m;
+  std::vector<Vec3> places_scene_m;
+  // The part of the contour's length, or of the places, that had the proxy within near_m.
+  double way_share = 0.0;
+  double near_m = 0.0;
   std::uint64_t missed_deadlines = 0;
   bool exceeds_workspace = false;
-  std::string realtime_note;        // what the system did not grant
-  std::vector<Vec3> contour_scene;  // what the hand followed; empty for a walk
+  std::string realtime_note;  // what the system did not grant
 };
+
+// How near to what it follows the proxy counts as there: this, or of the largest extent of the
+// scene, whichever is larger.
+inline constexpr double kNearWay_m = 2e-3;
+inline constexpr double kNearWayShare = 0.01;
 
 // Called now and then from the calling thread with the share of the run that is done.
 using Progress = std::function<void(double)>;

@@ -37,11 +37,11 @@ void write_path(std::ostream& out, const std::string& name, const ExplorationRun
 void write_contour(std::ostream& out, const std::string& name, const ExplorationRun& run) {
   out << name << " << EOD\n";
   const ScenePose& pose = run.records.front().T_device_scene;
-  for (std::size_t i = 0; i <= run.contour_scene.size() && !run.contour_scene.empty(); ++i) {
-    const Vec3 p = pose.point(run.contour_scene[i % run.contour_scene.size()]);
+  for (const Vec3& p_scene : run.contour_scene_m) {
+    const Vec3 p = pose.point(p_scene);
     out << p.y() << " " << p.x() << "\n";
   }
-  if (run.contour_scene.empty()) out << "NaN NaN\n";
+  if (run.contour_scene_m.empty()) out << "NaN NaN\n";
   out << "EOD\n";
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/effects_report.h"
+#include "engine/run_judgement.h"
 
 namespace palpate {
 namespace {
@@ -55,15 +56,21 @@ struct Line {
   std::function<std::string(const ExplorationRun&)> value;
 };
 
-std::vector<Line> run_lines(const Scene& scene) {
+std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
   using Run = ExplorationRun;
+  const auto mean = [](const char* pattern, double RunSummary::*value, double factor) {
+    return [=](const Run& r) {
+      return has_means(r.summary) ? format(pattern, factor * r.summary.*value) : std::string("-");
+    };
+  };
   std::vector<Line> lines = {
-      {"mean contact angle",
-       [](const Run& r) { return format("%.1f deg", r.summary.mean_contact_angle_deg); }},
-      {"contact within 30 deg",
-       [](const Run& r) { return format("%.1f %%", 100 * r.summary.share_within_30deg); }},
-      {"mean penetration",
-       [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.mean_penetration_m); }},
+      {"in contact",
+       [](const Run& r) { return format("%.1f %%", 100 * r.summary.contact_share()); }},
+      {is_walk ? "places reached" : "contour completed",
+       [](const Run& r) { return format("%.1f %%", 100 * r.way_share); }},
+      {"mean contact angle", mean("%.1f deg", &RunSummary::mean_contact_angle_deg, 1.0)},
+      {"contact within 30 deg", mean("%.1f %%", &RunSummary::share_within_30deg, 100.0)},
+      {"mean penetration", mean("%.2f mm", &RunSummary::mean_penetration_m, 1e3)},
       {"largest penetration",
        [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
       {"losses of contact",
@@ -78,7 +85,6 @@ std::vector<Line> run_lines(const Scene& scene) {
          return format("%.2f x %.2f x %.2f m%s", e.x(), e.y(), e.z(),
                        r.exceeds_workspace ? " !" : "");
        }},
-      {"way followed", [](const Run& r) { return format("%.1f %%", 100 * r.turn_fraction); }},
       {"missed deadlines",
        [](const Run& r) {
          return format("%llu of %llu", static_cast<unsigned long long>(r.missed_deadlines),
@@ -185,7 +191,17 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
   const Vec3& extent = run.summary.device_extent_m;
   json["device_extent_m"] = {extent.x(), extent.y(), extent.z()};
   json["exceeds_workspace"] = run.exceeds_workspace;
-  json["turn_fraction"] = run.turn_fraction;
+  json["way_share"] = run.way_share;
+  json["near_m"] = run.near_m;
+  json["longest_gap_ticks"] = run.summary.longest_gap_ticks;
+  json["contact_share"] = run.summary.contact_share();
+  if (!has_means(run.summary)) {
+    for (const char* mean :
+         {"mean_penetration_m", "mean_contact_angle_deg", "share_within_30deg"}) {
+      json[mean] = nullptr;
+    }
+  }
+  json["comparable"] = shortfalls(run).empty();
   json["missed_deadlines"] = run.missed_deadlines;
   return json;
 }
@@ -246,7 +262,7 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
-  for (const Line& line : run_lines(scene)) {
+  for (const Line& line : run_lines(scene, runs.front().contour_scene_m.empty())) {
     text += format("%-*s", kNameWidth, line.name.c_str());
     for (const ExplorationRun& run : runs) {
       text += format("  %*s", kValueWidth, line.value(run).c_str());

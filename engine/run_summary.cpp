@@ -29,6 +29,10 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   }
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
   was_in_contact_ = record.contact;
+  gap_ticks_ = record.contact ? 0 : gap_ticks_ + 1;
+  if (sums_.contact_ticks > 0) {
+    sums_.longest_gap_ticks = std::max(sums_.longest_gap_ticks, gap_ticks_);
+  }
   add_work(record);
   if (record.rotation_rad > 0.0) ++sums_.a4_ticks;
   if (!record.contact) return;

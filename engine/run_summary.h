@@ -33,6 +33,7 @@ struct RunSummary {
   double mean_contact_angle_deg = 0.0;
   double share_within_30deg = 0.0;      // of contact ticks; Barbagli & Salisbury's limit
   std::uint64_t losses_of_contact = 0;  // 1 -> 0 transitions, undebounced
+  std::uint64_t longest_gap_ticks = 0;  // at a stretch without contact, after the first touch
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
   double port_work_J = 0.0;             // sum f_commanded . dx_device; > 0: the device gave energy
   std::array<std::uint64_t, kFaultCount> faults{};
@@ -42,6 +43,11 @@ struct RunSummary {
   std::optional<std::array<double, kMostEffects>> effect_time_shares;  // if it was measured
   Vec3 device_extent_m = Vec3::Zero();
   StepTimes step_ns;
+
+  // 0 for a run without ticks.
+  double contact_share() const {
+    return ticks > 0 ? static_cast<double>(contact_ticks) / static_cast<double>(ticks) : 0.0;
+  }
 };
 
 // The names of the faults of a tick, joined by "+"; empty for none.
@@ -68,6 +74,7 @@ class SummaryAccumulator {
   double angle_sum_rad_ = 0.0;
   std::uint64_t within_30deg_ = 0;
   bool was_in_contact_ = false;
+  std::uint64_t gap_ticks_ = 0;  // since the last contact
   bool has_position_ = false;
   Vec3 last_device_m_ = Vec3::Zero();
   Vec3 last_force_N_ = Vec3::Zero();

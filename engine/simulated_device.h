@@ -24,8 +24,6 @@ class HandPlan {
   // time_s: since the start. T_device_scene: the scene as displayed now. last: the last tick.
   virtual HandTarget target(double time_s, const ScenePose& T_device_scene,
                             const TickRecord& last) noexcept = 0;
-  // Share of what the plan set out to touch that the proxy has touched, in [0, 1].
-  virtual double turn_fraction() const = 0;
 };
 
 // A point mass with friction, read by encoders and held by a hand that is a spring and a damper

@@ -106,10 +106,4 @@ HandTarget SurfaceWalk::target(double time_s, const ScenePose& T_device_scene,
   return target;
 }
 
-double SurfaceWalk::turn_fraction() const {
-  const auto given = static_cast<std::ptrdiff_t>(next_ + 1);
-  return static_cast<double>(std::count(reached_.begin(), reached_.begin() + given, true)) /
-         static_cast<double>(given);
-}
-
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 // A hand that wanders over a surface with three sensed axes.
 
+#include <span>
 #include <vector>
 
 #include "engine/scene.h"
@@ -29,10 +30,13 @@ class SurfaceWalk final : public HandPlan {
 
   HandTarget target(double time_s, const ScenePose& T_device_scene,
                     const TickRecord& last) noexcept override;
-  // Share of the waypoints given so far that the proxy came within two press depths of.
-  double turn_fraction() const override;
 
   const Vec3& start_scene_m() const { return start_m_; }
+
+  // The places aimed at so far that have been reached or given up, scene frame.
+  std::span<const Vec3> places_scene_m() const {
+    return std::span(waypoints_m_).first(next_ + (reached_[next_] ? 1 : 0));
+  }
 
  private:
   SurfaceWalkSettings settings_;

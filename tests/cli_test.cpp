@@ -1031,13 +1031,15 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   EXPECT_EQ(keys_of(result), sorted({"runs"}));
   ASSERT_EQ(result["runs"].size(), 2u);
   auto expected = kSummaryKeys;
-  expected.insert(expected.end(), {"a4", "turn_fraction", "missed_deadlines", "device_extent_m"});
+  expected.insert(expected.end(), {"a4", "way_share", "contact_share", "comparable",
+                                   "missed_deadlines", "device_extent_m"});
   for (const json& run : result["runs"]) {
     for (const std::string& key : expected) EXPECT_TRUE(run.contains(key)) << key;
     EXPECT_EQ(keys_of(run["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
     EXPECT_EQ(run["ticks"], 28000);
     EXPECT_EQ(run["triangles"], 36);
-    EXPECT_GE(run["turn_fraction"], 0.99);
+    EXPECT_GE(run["way_share"], 0.99);
+    EXPECT_EQ(run["comparable"], true);
     EXPECT_EQ(run["missed_deadlines"], 0);
     EXPECT_EQ(run["device_extent_m"].size(), 3u);
   }

@@ -2,6 +2,7 @@
 
 #include "engine/exploration.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -17,6 +18,7 @@
 
 #include "engine/contour_plan.h"
 #include "engine/replay.h"
+#include "tests/worlds.h"
 
 namespace palpate {
 namespace {
@@ -124,8 +126,8 @@ TEST_P(PaperObject, IsTurnedOnceAndA4LowersTheContactAngle) {
       const ExplorationRun run = explored(name, {options_of(2, 1), a4, start_deg}, seed);
       EXPECT_EQ(run.a4, a4);
       EXPECT_EQ(run.summary.ticks, 28000u);
-      EXPECT_GE(run.turn_fraction, 0.99);
-      EXPECT_LE(run.turn_fraction, 1.0);
+      EXPECT_GE(run.way_share, 0.97);
+      EXPECT_LE(run.way_share, 1.0);
       EXPECT_EQ(fault_count(run), 0u);
       EXPECT_GT(run.summary.contact_ticks, 0.8 * 27000);
       if (a4) {
@@ -146,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(BothStarts, PaperObject,
 TEST(Exploration, TurnsAroundAStarInTheUsualTimesOf25To30Seconds) {
   for (const double seconds : {26.0, 31.0}) {  // one second of it is the approach
     for (const bool a4 : {false, true}) {
-      EXPECT_GE(explored("star", {options_of(2, 1), a4, 0}, 1, seconds).turn_fraction, 0.99);
+      EXPECT_GE(explored("star", {options_of(2, 1), a4, 0}, 1, seconds).way_share, 0.99);
     }
   }
 }
@@ -172,7 +174,7 @@ TEST(Exploration, GivesTheSameBitsForTheSameSeed) {
     const ExplorationRun a = explored(name, condition, 7, 10.0);
     const ExplorationRun b = explored(name, condition, 7, 10.0);
     EXPECT_EQ(first_difference(a, b), 10000u);
-    EXPECT_EQ(a.turn_fraction, b.turn_fraction);
+    EXPECT_EQ(a.way_share, b.way_share);
     EXPECT_EQ(a.summary.port_work_J, b.summary.port_work_J);
   }
 }
@@ -229,7 +231,7 @@ TEST(Exploration, WalksOverATorusWithThreeSensors) {
       for (const ExplorationRun* run : {&off, &on}) {
         EXPECT_EQ(fault_count(*run), 0u);
         EXPECT_GT(run->summary.contact_ticks, 0.9 * 28000);
-        EXPECT_GT(run->turn_fraction, 0.75) << "share of waypoints reached";
+        EXPECT_GT(run->way_share, 0.75) << "share of places reached";
         EXPECT_GT(run->summary.device_extent_m.maxCoeff(), 0.1) << "it goes somewhere";
       }
       EXPECT_LT(on.summary.mean_contact_angle_deg, 0.5 * off.summary.mean_contact_angle_deg);
@@ -280,7 +282,7 @@ TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
     for (const ExplorationRun* run : {&none, &actuated, &full}) {
       EXPECT_EQ(fault_count(*run), 0u);
       EXPECT_GT(run->summary.contact_ticks, 20000u);
-      EXPECT_GT(run->turn_fraction, 0.9);
+      EXPECT_GT(run->way_share, 0.9);
       EXPECT_EQ(run->summary.mean_contact_angle_deg < 35.0, a4) << "whatever the force is";
     }
     EXPECT_EQ(none.summary.port_work_J, 0.0);
@@ -296,65 +298,124 @@ TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
   }
 }
 
-// ---- what the turn fraction says ----------------------------------------------------------------
+// ---- what was followed --------------------------------------------------------------------------
 
-// Fed by hand: a square contour of 1 m a side, opened in the middle of its first side.
-class TurnFraction : public testing::Test {
- protected:
-  static ContourPlan square_plan() {
-    Polyline square;
-    square.closed = true;
-    square.points_m = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    return {square, Vec3::UnitZ(), {}};
-  }
-  void touch(const Vec3& proxy) {
-    TickRecord record;
-    record.contact = true;
-    record.proxy_m = record.goal_m = proxy;
-    plan.target(time_s += 1e-3, {}, record);
-  }
-  // From the middle of the bottom side on, counter-clockwise.
-  void slide(double from_m, double to_m) {
-    for (double s = from_m; s <= to_m; s += 0.01) {
-      const double along = std::fmod(s + 0.5, 4.0);
-      const int side = static_cast<int>(along);
-      const double x = along - side;
-      touch(std::array{Vec3(x, 0, 0), Vec3(1, x, 0), Vec3(1 - x, 1, 0),
-                       Vec3(0, 1 - x, 0)}[static_cast<std::size_t>(side)]);
+// By the definition, from what is written beside the results: steps along the contour, each asked
+// for the nearest place of the proxy.
+TEST(Exploration, TellsTheShareOfTheContourThatTheProxyCameNearTo) {
+  for (const double seconds : {28.0, 8.0}) {
+    const ExplorationRun run = explored("lock", {options_of(2, 1), false, 0}, 3, seconds);
+    EXPECT_EQ(run.near_m, 2e-3);
+    ASSERT_GE(run.contour_scene_m.size(), 4u);
+    EXPECT_EQ(run.contour_scene_m.front(), run.contour_scene_m.back());
+    double length_m = 0.0;
+    double covered_m = 0.0;
+    for (std::size_t i = 0; i + 1 < run.contour_scene_m.size(); ++i) {
+      const Vec3 from = run.contour_scene_m[i];
+      const Vec3 way = run.contour_scene_m[i + 1] - from;
+      constexpr int kSteps = 40;
+      for (int k = 0; k < kSteps; ++k) {
+        const Vec3 place = from + (k + 0.5) / kSteps * way;
+        double nearest_m = HUGE_VAL;
+        for (const TickRecord& r : run.records) {
+          nearest_m = std::min(nearest_m, (r.proxy_m - place).norm());
+        }
+        length_m += way.norm() / kSteps;
+        if (nearest_m <= run.near_m) covered_m += way.norm() / kSteps;
+      }
     }
+    EXPECT_NEAR(run.way_share, covered_m / length_m, 0.01);
   }
-  ContourPlan plan = square_plan();
-  double time_s = 0.0;
+}
+
+TEST(Exploration, TellsTheShareOfThePlacesThatTheProxyCameNearTo) {
+  const ExplorationRun run = explored("torus", {options_of(3, 1), true, 0}, 3);
+  EXPECT_EQ(run.near_m, 0.01 * model("torus").statistics().extent_m.maxCoeff());
+  EXPECT_TRUE(run.contour_scene_m.empty());
+  ASSERT_GE(run.places_scene_m.size(), 5u);
+  std::size_t reached = 0;
+  for (const Vec3& place : run.places_scene_m) {
+    reached += std::any_of(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
+      return (r.proxy_m - place).norm() <= run.near_m;
+    });
+  }
+  EXPECT_EQ(run.way_share,
+            static_cast<double>(reached) / static_cast<double>(run.places_scene_m.size()));
+}
+
+TEST(Exploration, TellsTheLongestStretchWithoutContact) {
+  const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 1);
+  std::uint64_t gap = 0;
+  std::uint64_t longest = 0;
+  bool touched = false;
+  for (const TickRecord& r : run.records) {
+    touched = touched || r.contact;
+    gap = r.contact ? 0 : gap + 1;
+    if (touched) longest = std::max(longest, gap);
+  }
+  EXPECT_GT(longest, 0u);
+  EXPECT_EQ(run.summary.longest_gap_ticks, longest);
+}
+
+// ---- a hand that sees the proxy -----------------------------------------------------------------
+
+struct Part {
+  test::Soup soup;
+  Vec3 middle_m;
 };
 
-TEST_F(TurnFraction, IsTheShareOfTheContourThatTheProxyHasPassed) {
-  EXPECT_EQ(plan.turn_fraction(), 0.0);
-  slide(0.0, 1.0);
-  EXPECT_NEAR(plan.turn_fraction(), 0.25, 0.005);
-  slide(1.0, 3.0);
-  EXPECT_NEAR(plan.turn_fraction(), 0.75, 0.005);
-  slide(3.0, 3.999);
-  EXPECT_NEAR(plan.turn_fraction(), 1.0, 0.005);
+// Explored with two sensors and one motor, without A4 and with it.
+void expect_followed(const std::vector<Part>& parts, double least_share) {
+  SceneDescription description;
+  for (const Part& part : parts) {
+    MeshDescription mesh;
+    mesh.positions = part.soup.positions;
+    mesh.triangles = part.soup.triangles;
+    NodeDescription node;
+    node.name = "part " + std::to_string(description.nodes.size());
+    node.mesh = static_cast<std::uint32_t>(description.meshes.size());
+    node.translation_m = part.middle_m;
+    description.meshes.push_back(std::move(mesh));
+    description.nodes.push_back(node);
+  }
+  const auto scene = Scene::compile(std::move(description));
+  ASSERT_TRUE(scene) << scene.error().to_string();
+  for (const bool a4 : {false, true}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE((a4 ? "with A4, seed " : "without A4, seed ") + std::to_string(seed));
+      auto setup = make_setup(options_of(2, 1));
+      ASSERT_TRUE(setup);
+      setup->haptics.a4.enabled = a4;
+      ExplorationSettings settings;
+      settings.virtual_time = true;
+      settings.seed = seed;
+      const auto run = explore(*scene, *setup, settings, [](double) {});
+      ASSERT_TRUE(run) << run.error().to_string();
+      EXPECT_GE(run->way_share, least_share);
+      EXPECT_GT(run->summary.contact_share(), 0.7);
+      EXPECT_LT(run->summary.longest_gap_ticks, 2800u);
+    }
+  }
 }
 
-TEST_F(TurnFraction, StaysWhereTheHandStalls) {
-  slide(0.0, 1.2);
-  for (int n = 0; n < 30000; ++n) touch({1, 0.7, 0});
-  EXPECT_NEAR(plan.turn_fraction(), 0.3, 0.005);
+// Without a motor along it the hand leaves a long wall late, and would turn the corner inside.
+TEST(ContourPlan, TurnsTheCornersOfABar) {
+  expect_followed({{test::box_soup({0.015, 0.1, 0.02}), Vec3::Zero()}}, 0.9);
+  expect_followed({{test::box_soup({0.1, 0.015, 0.02}), Vec3::Zero()}}, 0.9);
 }
 
-TEST_F(TurnFraction, DoesNotGrowWithoutContact) {
-  slide(0.0, 0.4);
-  TickRecord record;
-  record.proxy_m = record.goal_m = Vec3(1, 0.5, 0);
-  for (int n = 0; n < 30000; ++n) plan.target(time_s += 1e-3, {}, record);
-  EXPECT_NEAR(plan.turn_fraction(), 0.1, 0.005);
+// Thinner than the hand presses.
+TEST(ContourPlan, GoesRoundAThinPlate) {
+  expect_followed({{test::box_soup({0.0005, 0.08, 0.02}), Vec3::Zero()}}, 0.9);
 }
 
-TEST_F(TurnFraction, DoesNotCountALeapToAnotherPartOfTheContour) {
-  slide(0.0, 0.2);
-  for (int n = 0; n < 1000; ++n) touch({0, 0.3, 0});  // the last side but one
-  EXPECT_NEAR(plan.turn_fraction(), 0.05, 0.005);
+// It does not begin inside the other one, nor does it slip off where the contour ends.
+TEST(ContourPlan, BeginsInFreeSpace) {
+  const test::Soup box = test::box_soup({0.03, 0.03, 0.02});
+  expect_followed({{box, Vec3(-0.033, 0.0, 0.0)}, {box, Vec3(0.033, 0.0, 0.0)}}, 0.85);
+  test::Soup sheet;
+  sheet.add_quad({-0.1, 0.0, -0.02}, {0.1, 0.0, -0.02}, {0.1, 0.0, 0.02}, {-0.1, 0.0, 0.02});
+  expect_followed({{sheet, Vec3::Zero()}}, 0.9);
 }
 
 TEST(Exploration, FlagsATravelBeyondTheWorkspace) {
