@@ -424,7 +424,7 @@ TEST(SilentHand, FollowsAContourWithoutAllocating) {
   scene->append_triangles_scene(positions, triangles);
   const auto section = plane_section(positions, triangles, Vec3::UnitZ(), 0.0);
   ASSERT_FALSE(section.empty());
-  ContourPlan plan(section.front(), Vec3::UnitZ(), {});
+  ContourPlan plan(section.front(), section, Vec3::UnitZ(), {});
   expect_silent_hand(*scene, plan, plan.start_scene_m(), 2);
 }
 
