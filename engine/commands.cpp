@@ -13,8 +13,11 @@
 #include "engine/command_output.h"
 #include "engine/node_tree.h"
 #include "engine/path_picture.h"
+#include "engine/prepared_run.h"
 #include "engine/replay.h"
 #include "engine/report.h"
+#include "engine/run_advice.h"
+#include "engine/run_judgement.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
 #include "engine/text_file.h"
@@ -23,6 +26,8 @@
 
 namespace palpate {
 namespace {
+
+constexpr int kNotComparable = 3;
 
 std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
                                  const std::vector<std::int64_t>& steps_ns) {
@@ -53,6 +58,49 @@ std::optional<Error> write_way(const ExplorationRun& run, const std::string& fol
   const auto written = write_text_file(path, text.str());
   if (!written) return written.error();
   return std::nullopt;
+}
+
+Error with_path(Error error, const std::string& path) {
+  if (error.path.empty()) error.path = path;
+  return error;
+}
+
+// What runs the same for every run of a command.
+std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
+  const ActuationModel& actuation = prepared.setup.actuation;
+  std::ostringstream text;
+  text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
+       << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
+       << " actuators, workspace " << command.exploration.workspace_m
+       << " m along each sensed axis";
+  if (actuation.is_planar()) {
+    text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
+  }
+  if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
+    text << ", scale " << scale;
+  }
+  return text.str() + "\n";
+}
+
+nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
+                                 const std::vector<ExplorationRun>& runs,
+                                 const std::optional<Advice>& advice) {
+  nlohmann::ordered_json json{{"comparable", are_comparable(runs)}};
+  json["reasons"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) {
+    for (const std::string& reason : reasons(r)) {
+      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
+    }
+  }
+  json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
+  json["workspace_m"] = command.exploration.workspace_m;
+  if (prepared.setup.actuation.is_planar()) {
+    json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+  }
+  json["scale"] = prepared.scene.statistics().scale;
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
+  return json;
 }
 
 }  // namespace
@@ -94,25 +142,20 @@ int replay(const ReplayCommand& command) {
 }
 
 int run(const RunCommand& command) {
-  const Result<RunSetup> base = make_setup(command.options);
-  if (!base) return refuse(base.error());
-  const Result<Scene> scene = load_scene(command.scene, command.options);
-  if (!scene) return refuse(scene.error());
-  tell_what_was_not_understood(*scene);
+  const Result<PreparedRun> prepared = prepare_run(command);
+  if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
+  const Scene& scene = prepared->scene;
+  tell_what_was_not_understood(scene);
   if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
   std::vector<ExplorationRun> runs;
   for (const bool a4 : {false, true}) {
-    if (command.options.a4 != "compare" && (command.options.a4 == "on") != a4) continue;
-    RunSetup setup = *base;
+    if (!command.wants(a4)) continue;
+    RunSetup setup = prepared->setup;
     setup.haptics.a4.enabled = a4;
     const ProgressBar bar(a4 ? "with A4   " : "without A4");
     Result<ExplorationRun> run =
-        explore(*scene, setup, command.exploration, [&](double share) { bar.show(share); });
-    if (!run) {
-      Error error = run.error();
-      if (error.path.empty()) error.path = command.scene.path;
-      return refuse(error);
-    }
+        explore(scene, setup, command.exploration, [&](double share) { bar.show(share); });
+    if (!run) return refuse(with_path(run.error(), command.scene.path));
     const std::string trace = command.out_dir + (a4 ? "/trace-on.csv" : "/trace-off.csv");
     if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
     if (const auto error = write_way(*run, command.out_dir)) return refuse(*error);
@@ -124,18 +167,21 @@ int run(const RunCommand& command) {
   if (!runs.front().realtime_note.empty()) {
     std::cerr << "palpate: " << runs.front().realtime_note << "\n";
   }
+  const bool is_comparable = are_comparable(runs);
+  std::optional<Advice> advice;
+  if (!is_comparable) {
+    const ProgressBar bar("what to try");
+    advice = advise(command, *prepared, runs, [&](double share) { bar.show(share); });
+  }
   if (command.json) {
-    nlohmann::ordered_json json{{"runs", nlohmann::ordered_json::array()}};
-    for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, *scene));
-    print(json);
+    print(runs_json(command, *prepared, runs, advice));
   } else {
-    std::cout << command.scene.path << ": " << scene->statistics().cleaning.triangles
-              << " triangles, " << base->actuation.sensors() << " sensors, "
-              << base->actuation.actuators() << " actuators\n"
-              << runs_text(runs, *scene) << "traces" << (picture ? " and paths.svg" : "") << " in "
+    std::cout << run_heading(command, *prepared) << judgement_text(runs, advice)
+              << runs_text(runs, scene) << "traces" << (picture ? " and paths.svg" : "") << " in "
               << command.out_dir << "/\n";
   }
-  return finish_output();
+  const int code = finish_output();
+  return code == 0 && !is_comparable ? kNotComparable : code;
 }
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #pragma once
 
 // The subcommands of the program. Each returns the exit code: 0, 1 for a fault of ours, 2 for bad
-// arguments or bad input, which is told in one line on stderr.
+// arguments or bad input, which one line on stderr names, and 3 for a run that is not comparable.
 
 #include <cstdint>
 #include <string>
@@ -19,6 +19,10 @@ struct RunCommand {
   ExplorationSettings exploration;
   std::string out_dir = "out";
   bool json = false;
+  std::vector<std::string> arguments;  // of the program, as they were given
+
+  // Whether a run without A4, or with it, is asked for.
+  bool wants(bool a4) const { return options.a4 == "compare" || (options.a4 == "on") == a4; }
 };
 
 struct ReplayCommand {

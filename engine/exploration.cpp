@@ -94,26 +94,41 @@ PlannedHand plan_walk(const Scene& scene, const ExplorationSettings& settings) {
   return {std::move(hand), start, nullptr, planned};
 }
 
+// The first tick of the last fifth of a run.
+std::size_t late_tick(const ExplorationRun& run) {
+  return run.records.size() - run.records.size() / 5;
+}
+
 // What the hand followed, and how much of it the proxy came near to.
 void measure_way(const PlannedHand& hand, double largest_extent_m, ExplorationRun& run) {
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m);
   if (hand.contour) {
     run.contour_scene_m = hand.contour->contour_scene_m();
     CurveCoverage coverage(run.contour_scene_m, run.near_m);
-    for (const TickRecord& r : run.records) coverage.add(r.proxy_m);
+    const std::size_t late = late_tick(run);
+    for (std::size_t n = 0; n < late; ++n) coverage.add(run.records[n].proxy_m);
+    const double early_share = coverage.share();
+    for (std::size_t n = late; n < run.records.size(); ++n) coverage.add(run.records[n].proxy_m);
     run.way_share = coverage.share();
+    run.late_way_share = run.way_share - early_share;
     return;
   }
   const auto places = hand.walk->places_scene_m();
   run.places_scene_m.assign(places.begin(), places.end());
-  const auto is_reached = [&](const Vec3& place) {
-    return std::any_of(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
+  if (places.empty()) return;
+  std::size_t reached = 0;
+  std::size_t reached_late = 0;
+  for (const Vec3& place : places) {
+    const auto at = std::find_if(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
       return (r.proxy_m - place).squaredNorm() <= run.near_m * run.near_m;
     });
-  };
-  const auto reached = std::count_if(places.begin(), places.end(), is_reached);
-  if (!places.empty())
-    run.way_share = static_cast<double>(reached) / static_cast<double>(places.size());
+    if (at == run.records.end()) continue;
+    ++reached;
+    if (static_cast<std::size_t>(at - run.records.begin()) >= late_tick(run)) ++reached_late;
+  }
+  const auto count = static_cast<double>(places.size());
+  run.way_share = static_cast<double>(reached) / count;
+  run.late_way_share = static_cast<double>(reached_late) / count;
 }
 
 void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress) {

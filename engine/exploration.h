@@ -32,6 +32,7 @@ struct ExplorationRun {
   std::vector<Vec3> places_scene_m;
   // The part of the contour's length, or of the places, that had the proxy within near_m.
   double way_share = 0.0;
+  double late_way_share = 0.0;  // of it, what came in the last fifth of the run
   double near_m = 0.0;
   std::uint64_t missed_deadlines = 0;
   bool exceeds_workspace = false;

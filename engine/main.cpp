@@ -19,7 +19,19 @@ void add_scene(CLI::App& app, palpate::SceneOptions& scene, bool is_required = t
   app.add_option("--node", scene.node,
                  "only this node and what is below it, by name or \"#number\" (info --list)");
   app.add_option("--scale", scene.scale, "times the size that the file has");
-  app.add_option("--fit", scene.fit_size_m, "scale so that the largest extent becomes this, m");
+  app.add_option_function<std::string>(
+      "--fit",
+      [&scene](const std::string& text) {
+        scene.fits_workspace = text == "auto";
+        if (scene.fits_workspace) return;
+        double size_m = 0.0;
+        if (!CLI::detail::lexical_cast(text, size_m)) {
+          throw CLI::ValidationError("--fit", text + " is no number, expected metres or auto");
+        }
+        scene.fit_size_m = size_m;
+      },
+      "scale so that the largest extent becomes this, m; auto (run): so that the scene fits the "
+      "workspace, if it does not");
   app.add_option("--material", scene.materials,
                  "NAME.key=value: goes before what the file says of this material; may be repeated")
       ->expected(1)
@@ -72,8 +84,8 @@ void add_run_options(CLI::App& app, palpate::RunOptions& options) {
   app.add_option("--radius", options.radius_m, "radius of the proxy, m; 0 is a point")
       ->capture_default_str();
   app.add_option("--plane-height", options.plane_height_m,
-                 "with 2 sensors: where on A3 the plane A1 A2 lies, m")
-      ->capture_default_str();
+                 "with 2 sensors: where on A3 the plane A1 A2 lies, m; by default 0, and in `run` "
+                 "through the middle of the object, or the nearest height with a contour");
   app.add_option("--place", options.place,
                  "pose of the scene in the device frame, \"x y z qw qx qy qz\"");
   app.add_option(
@@ -211,6 +223,7 @@ int run_program(int argc, char** argv) {
     std::cerr << "palpate: " << problem << " (palpate --help tells more)\n";
     return kBadArguments;
   }
+  run.arguments.assign(argv + 1, argv + argc);
   if (program.got_subcommand("run")) return palpate::run(run);
   if (program.got_subcommand("accuracy")) return palpate::accuracy(accuracy);
   if (program.got_subcommand("replay")) return palpate::replay(replay);

@@ -75,9 +75,9 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
        [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
       {"losses of contact",
        [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
-      {"work lost by missing motors",
+      {"work lost, missing motors (1)",
        [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
-      {"work given by the device",
+      {"work given by the device (2)",
        [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.port_work_J); }},
       {"device travel A1 x A2 x A3",
        [](const Run& r) {
@@ -201,7 +201,8 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
       json[mean] = nullptr;
     }
   }
-  json["comparable"] = shortfalls(run).empty();
+  json["comparable"] = is_comparable(run);
+  json["reasons"] = reasons(run);
   json["missed_deadlines"] = run.missed_deadlines;
   return json;
 }
@@ -255,7 +256,7 @@ std::string summary_text(const RunSummary& s, const Scene& scene) {
 }
 
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene) {
-  constexpr int kNameWidth = 28;
+  constexpr int kNameWidth = 29;
   constexpr int kValueWidth = 24;
   std::string text = format("%-*s", kNameWidth, "");
   for (const ExplorationRun& run : runs) {
@@ -269,6 +270,10 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     }
     text += "\n";
   }
+  text +=
+      "(1) what all motors would have given the hand, less what these gave; below 0: they would\n"
+      "    have taken more from it\n"
+      "(2) above 0 the device gave energy to the hand, below 0 it took energy from it\n";
   bool exceeds = false;
   for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
   if (exceeds) {

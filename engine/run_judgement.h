@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether the figures of a run say anything: from what anybody can compute from its trace and from
-// what the hand followed, which is written beside it.
+// Whether the figures of a run mean anything. All that decides can be computed by anybody from the
+// trace and from the contour or the places that are written beside it.
 
 #include <cstdint>
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace palpate {
 
-// Means over contact of a run that was in contact for less are not told.
+// A mean over contact is not printed of a run that was in contact for less than this share of it.
 inline constexpr double kLeastContactShareOfMeans = 0.05;
 
-// The least part of what the hand set out to touch.
+// The least share of the contour, or of the places, that the proxy comes near to.
 inline constexpr double kLeastWayShare = 0.9;
 
 // The longest part of a run without contact, at a stretch after the first touch.
@@ -23,12 +23,21 @@ inline constexpr double kLongestGapShare = 0.1;
 // What a run lacks to be compared with others.
 enum class Shortfall : std::uint8_t { kNeverTouched, kLostContact, kLittleWay };
 
-// A sentence: what was found, and what is the least or most of it.
-std::string shortfall_text(Shortfall shortfall, const ExplorationRun& run);
-
 // Nothing for a run that is comparable. A run that never touched lacks that alone.
 std::vector<Shortfall> shortfalls(const ExplorationRun& run);
 
+inline bool is_comparable(const ExplorationRun& run) {
+  return shortfalls(run).empty();
+}
+bool are_comparable(const std::vector<ExplorationRun>& runs);
+
+// A sentence for each shortfall: what was found, what is expected, and the cause as far as the run
+// shows it.
+std::vector<std::string> reasons(const ExplorationRun& run);
+
 bool has_means(const RunSummary& summary);
+
+// Whether the hand was still getting on when the run ended: its time was too short.
+bool was_still_getting_on(const ExplorationRun& run);
 
 }  // namespace palpate

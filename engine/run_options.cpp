@@ -153,7 +153,8 @@ std::optional<Error> check_numbers(const RunOptions& o) {
   if (auto e = check_number("--stiffness", o.stiffness_N_per_m, true)) return e;
   if (auto e = check_number("--damping", o.damping_Ns_per_m, true)) return e;
   if (auto e = check_number("--radius", o.radius_m, true)) return e;
-  if (!std::isfinite(o.plane_height_m)) return invalid("--plane-height", "not a finite number");
+  if (!std::isfinite(o.plane_height_m.value_or(0.0)))
+    return invalid("--plane-height", "not a finite number");
   return std::nullopt;
 }
 
@@ -211,7 +212,7 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   setup.haptics.a4.table1 =
       options.table1 == "printed" ? Table1Form::kAsPrinted : Table1Form::kCorrected;
   setup.haptics.a4.step = options.a4_step == "paper" ? StepRule::kSpeedByDt : StepRule::kExact;
-  setup.haptics.plane_height_m = options.plane_height_m;
+  setup.haptics.plane_height_m = options.plane_height_m.value_or(0.0);
   setup.haptics.initial_pose = *pose;
   setup.haptics.measures_effects = options.effect_times;
   return setup;
@@ -243,6 +244,10 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   settings.node = options.node;
   if (options.scale && options.fit_size_m) {
     return invalid("--fit", "given together with --scale; expected one of them");
+  }
+  if (options.fits_workspace) {
+    return invalid("--fit", "auto given without a workspace to fit to",
+                   "give the largest extent in metres, such as --fit 0.2");
   }
   if (options.scale) {
     if (auto error = check_number("--scale", *options.scale, false)) return *error;

@@ -35,9 +35,9 @@ struct RunOptions {
   int velocity_window_ticks = 1;
   std::optional<double> encoder_quantum_m;
   double radius_m = 0.0;
-  double plane_height_m = 0.0;
-  std::string place;               // "x y z qw qx qy qz": T_device_scene at the start
-  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each
+  std::optional<double> plane_height_m;  // of a planar device; `run` chooses one, else 0
+  std::string place;                     // "x y z qw qx qy qz": T_device_scene at the start
+  std::vector<std::string> moves;        // "NODE=vx vy vz wx wy wz" each
   bool effect_times = false;
 };
 
@@ -47,6 +47,7 @@ struct SceneOptions {
   std::string node;
   std::optional<double> scale;
   std::optional<double> fit_size_m;
+  bool fits_workspace = false;  // --fit auto: to the workspace, where it does not fit as it is
   std::vector<std::string> materials;  // "NAME.key=value" each
 };
 

@@ -1,0 +1,79 @@
+#include "engine/prepared_run.h"
+
+#include <optional>
+#include <utility>
+
+#include "engine/contour_plan.h"
+#include "engine/placed_bounds.h"
+#include "engine/plane_height.h"
+#include "engine/workspace.h"
+
+namespace palpate {
+namespace {
+
+Workspace workspace_of(const RunCommand& command, const RunSetup& setup) {
+  const double depth_m = ContourPlanSettings{}.press_depth_m;
+  return {setup.actuation.sensors(), command.exploration.workspace_m, 2 * depth_m, depth_m};
+}
+
+std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& run) {
+  if (run.scene.objects().empty()) return std::nullopt;  // explore() says what it lacks
+  return check_fits(workspace_of(command, run.setup),
+                    bounds_in_device(run.scene, run.setup.haptics.initial_pose),
+                    run.scene.statistics().extent_m.maxCoeff());
+}
+
+// The same scene at the size that fits.
+Result<Scene> load_fitted(const RunCommand& command, const PreparedRun& run) {
+  const auto size_m = fitting_size_m(workspace_of(command, run.setup),
+                                     bounds_in_device(run.scene, run.setup.haptics.initial_pose),
+                                     run.scene.statistics().extent_m.maxCoeff());
+  SceneOptions scene = command.scene;
+  scene.fits_workspace = false;
+  scene.fit_size_m = size_m;
+  return load_scene(scene, command.options);
+}
+
+std::optional<Error> lay_plane(const RunCommand& command, PreparedRun& run) {
+  if (!run.setup.actuation.is_planar() || command.options.plane_height_m ||
+      run.scene.objects().empty()) {
+    return std::nullopt;
+  }
+  const auto height_m = height_with_contour_m(run.scene, run.setup.haptics.initial_pose);
+  if (!height_m) {
+    return Error{ErrorCode::kInvalidArgument, "", "--plane-height",
+                 "every face lies across A3, so no height has a contour",
+                 "turn the scene with --place \"0 0 0 0.7071068 0.7071068 0 0\", or use "
+                 "--sensors 3"};
+  }
+  run.setup.haptics.plane_height_m = *height_m;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<PreparedRun> prepare_run(const RunCommand& command) {
+  auto setup = make_setup(command.options);
+  if (!setup) return setup.error();
+  if (command.scene.fits_workspace && command.scene.scale) {
+    return Error{ErrorCode::kInvalidArgument, "", "--fit",
+                 "given together with --scale; expected one of them", ""};
+  }
+  SceneOptions as_it_is = command.scene;
+  as_it_is.fits_workspace = false;
+  auto scene = load_scene(as_it_is, command.options);
+  if (!scene) return scene.error();
+  PreparedRun run{std::move(*scene), std::move(*setup)};
+  auto misfit = check_fits(command, run);
+  if (misfit && command.scene.fits_workspace) {
+    auto fitted = load_fitted(command, run);
+    if (!fitted) return fitted.error();
+    run.scene = std::move(*fitted);
+    misfit = check_fits(command, run);
+  }
+  if (misfit) return *misfit;
+  if (const auto error = lay_plane(command, run)) return *error;
+  return run;
+}
+
+}  // namespace palpate

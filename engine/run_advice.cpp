@@ -1,0 +1,238 @@
+#include "engine/run_advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "engine/contour_plan.h"
+#include "engine/placed_bounds.h"
+#include "engine/run_judgement.h"
+
+namespace palpate {
+namespace {
+
+using Changes = std::vector<OptionValue>;
+
+// Trials end when so many triangles have been loaded: some seconds of work.
+constexpr std::size_t kMostTriangles = 20'000'000;
+constexpr std::size_t kMostNodes = 3;
+
+std::string text_of(double x) {
+  std::ostringstream text;
+  text.precision(3);
+  text << x;
+  return text.str();
+}
+
+RunCommand changed(RunCommand command, const Changes& changes) {
+  for (const auto& [option, value] : changes) {
+    const double number = std::strtod(value.c_str(), nullptr);
+    if (option == "--seconds") command.exploration.seconds = number;
+    if (option == "--plane-height") command.options.plane_height_m = number;
+    if (option == "--place") command.options.place = value;
+    if (option == "--sensors") command.options.sensors = static_cast<int>(number);
+    if (option == "--node") command.scene.node = value;
+    if (option == "--fit") {
+      command.scene.fit_size_m = number;
+      command.scene.scale.reset();
+      command.scene.fits_workspace = false;
+    }
+  }
+  return command;
+}
+
+// Both runs, or the one that was asked for, in simulated time.
+std::optional<std::vector<ExplorationRun>> try_run(RunCommand command) {
+  const Result<PreparedRun> prepared = prepare_run(command);
+  if (!prepared) return std::nullopt;
+  command.exploration.virtual_time = true;
+  std::vector<ExplorationRun> runs;
+  for (const bool a4 : {false, true}) {
+    if (!command.wants(a4)) continue;
+    RunSetup setup = prepared->setup;
+    setup.haptics.a4.enabled = a4;
+    auto run = explore(prepared->scene, setup, command.exploration, [](double) {});
+    if (!run) return std::nullopt;
+    runs.push_back(std::move(*run));
+  }
+  return runs;
+}
+
+double least_way_share(const std::vector<ExplorationRun>& runs) {
+  double least = 1.0;
+  for (const ExplorationRun& run : runs) {
+    least = std::min(least, run.summary.contact_ticks > 0 ? run.way_share : 0.0);
+  }
+  return least;
+}
+
+class Candidates {
+ public:
+  Candidates(const RunCommand& command, const PreparedRun& prepared,
+             const std::vector<ExplorationRun>& runs)
+      : command_(command),
+        prepared_(prepared),
+        runs_(runs),
+        bounds_(bounds_in_device(prepared.scene, prepared.setup.haptics.initial_pose)) {}
+
+  std::vector<Changes> list() {
+    add_time();
+    add_size();
+    if (prepared_.setup.actuation.is_planar()) {
+      add_planes();
+      add_heights();
+    }
+    add_nodes();
+    if (command_.options.actuated_axes.empty()) {
+      changes_.push_back({{"--sensors", command_.options.sensors == 2 ? "3" : "2"}});
+    }
+    return std::move(changes_);
+  }
+
+ private:
+  void add_time() {
+    const double seconds = command_.exploration.seconds;
+    if (std::none_of(runs_.begin(), runs_.end(), was_still_getting_on)) return;
+    for (const double times : {2.0, 4.0}) {
+      changes_.push_back({{"--seconds", text_of(times * seconds)}});
+    }
+  }
+
+  // As large as the workspace allows.
+  void add_size() {
+    constexpr double kWorthIt = 1.3;
+    constexpr double kPartToFill = 0.95;
+    const Vec3 extent_m = bounds_.high - bounds_.low;
+    const double widest_m = extent_m.head(command_.options.sensors).maxCoeff();
+    const double room_m = 4 * ContourPlanSettings{}.press_depth_m;
+    const double factor = kPartToFill * (command_.exploration.workspace_m - room_m) / widest_m;
+    const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
+    if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;
+    changes_.push_back({{"--fit", text_of(factor * largest_m)}});
+  }
+
+  void add_planes() {
+    if (!command_.options.place.empty() || command_.options.plane_height_m) return;
+    for (const char* pose : {"0 0 0 0.7071068 0.7071068 0 0", "0 0 0 0.7071068 0 0.7071068 0"}) {
+      changes_.push_back({{"--place", pose}});
+    }
+  }
+
+  void add_heights() {
+    for (const double part : {0.35, 0.65, 0.2, 0.8}) {
+      const double height_m = bounds_.low.z() + part * (bounds_.high.z() - bounds_.low.z());
+      changes_.push_back({{"--plane-height", text_of(height_m)}});
+    }
+  }
+
+  // The largest on their own, each fitted to half of the workspace.
+  void add_nodes() {
+    const auto& objects = prepared_.scene.objects();
+    std::vector<std::pair<double, std::uint32_t>> by_extent;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const Box& box = prepared_.scene.world().bodies[i].index->box();
+      by_extent.push_back({-(box.high - box.low).norm(), objects[i].tree_node});
+    }
+    std::sort(by_extent.begin(), by_extent.end());
+    std::set<std::uint32_t> taken;
+    for (const auto& [unused, node] : by_extent) {
+      if (taken.size() == kMostNodes) return;
+      if (!taken.insert(node).second) continue;
+      if (by_extent.size() == 1) return;
+      const std::uint32_t number = prepared_.scene.tree()[node].file_index;
+      changes_.push_back({{"--node", "#" + std::to_string(number)},
+                          {"--fit", text_of(0.5 * command_.exploration.workspace_m)}});
+    }
+  }
+
+  const RunCommand& command_;
+  const PreparedRun& prepared_;
+  const std::vector<ExplorationRun>& runs_;
+  Box bounds_;
+  std::vector<Changes> changes_;
+};
+
+bool excludes(const std::string& option, const std::string& other) {
+  return option == other || (option == "--fit" && other == "--scale");
+}
+
+}  // namespace
+
+std::vector<std::string> with_options(std::vector<std::string> arguments, const Changes& changes) {
+  for (const auto& [option, value] : changes) {
+    std::vector<std::string> kept;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      const std::string name = arguments[i].substr(0, arguments[i].find('='));
+      if (!excludes(option, name)) {
+        kept.push_back(arguments[i]);
+      } else if (name == arguments[i]) {
+        ++i;  // the value of its own
+      }
+    }
+    kept.push_back(option);
+    kept.push_back(value);
+    arguments = std::move(kept);
+  }
+  return arguments;
+}
+
+std::string shell_line(const std::vector<std::string>& arguments) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
+  std::string line = "palpate";
+  for (const std::string& argument : arguments) {
+    line += ' ';
+    if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) {
+      line += argument;
+      continue;
+    }
+    line += '\'';
+    for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
+std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
+                             const std::vector<ExplorationRun>& runs, const Progress& progress) {
+  constexpr double kFarther = 0.05;
+  const std::vector<Changes> candidates = Candidates(command, prepared, runs).list();
+  const std::size_t triangles = prepared.scene.statistics().instanced_triangles;
+  std::optional<Advice> best;
+  std::size_t loaded = 0;
+  for (std::size_t i = 0; i < candidates.size() && loaded <= kMostTriangles; ++i) {
+    progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
+    loaded += triangles;
+    const auto tried = try_run(changed(command, candidates[i]));
+    if (!tried) continue;
+    const double least = least_way_share(*tried);
+    const bool ends_comparable = are_comparable(*tried);
+    const double to_beat = best ? best->least_way_share : least_way_share(runs) + kFarther;
+    if (!ends_comparable && least <= to_beat) continue;
+    best =
+        Advice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable, least};
+    if (ends_comparable) break;
+  }
+  return best;
+}
+
+std::string judgement_text(const std::vector<ExplorationRun>& runs,
+                           const std::optional<Advice>& advice) {
+  if (are_comparable(runs)) return {};
+  std::string text = "not comparable\n";
+  for (const ExplorationRun& run : runs) {
+    for (const std::string& reason : reasons(run)) {
+      text += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
+    }
+  }
+  if (!advice) return text + "  nothing that was tried in simulated time does better\n";
+  text += "  try: " + advice->command_line + "\n";
+  const auto percent = std::lround(100 * advice->least_way_share);
+  return text + "  (in simulated time the proxy then came near to " + std::to_string(percent) +
+         (advice->ends_comparable ? " % of the way)\n" : " %, which is farther, but not enough)\n");
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+#pragma once
+
+// What to change of a run whose figures mean nothing.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/commands.h"
+#include "engine/exploration.h"
+#include "engine/prepared_run.h"
+
+namespace palpate {
+
+struct Advice {
+  std::string command_line;  // for a POSIX shell
+  bool ends_comparable = false;
+  double least_way_share = 0.0;  // of its runs
+};
+
+// Tries other options in simulated time, one after the other in a fixed order: more time, a larger
+// scene, other planes, single nodes, another number of sensors. Returns the first with which the
+// runs are comparable; else the one with which the hand gets farthest, if that is farther than the
+// runs got. Not for the haptic thread.
+std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
+                             const std::vector<ExplorationRun>& runs, const Progress& progress);
+
+// That runs are not comparable, why, and what to try; empty for runs that are.
+std::string judgement_text(const std::vector<ExplorationRun>& runs,
+                           const std::optional<Advice>& advice);
+
+// Arguments of the program with an option set to a value, in place of what was given for it and for
+// what excludes it.
+struct OptionValue {
+  std::string option;
+  std::string value;
+};
+std::vector<std::string> with_options(std::vector<std::string> arguments,
+                                      const std::vector<OptionValue>& changes);
+
+// "palpate" and the arguments, quoted for a POSIX shell where they need it.
+std::string shell_line(const std::vector<std::string>& arguments);
+
+}  // namespace palpate
