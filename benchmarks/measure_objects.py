@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "paper_objects"
 OBJECTS = ["star", "labyrinth", "inverted_labyrinth", "lock"]
 KEPT = ["a4", "mean_contact_angle_deg", "share_within_30deg", "mean_penetration_m",
-        "losses_of_contact", "contact_share", "way_share"]
+        "contact_share", "way_share", "losses_of_contact", "port_work_J"]
 
 
 def main():

@@ -176,7 +176,7 @@ int run(const RunCommand& command) {
   if (command.json) {
     print(runs_json(command, *prepared, runs, advice));
   } else {
-    std::cout << run_heading(command, *prepared) << judgement_text(runs, advice)
+    std::cout << judgement_text(runs, advice) << run_heading(command, *prepared)
               << runs_text(runs, scene) << "traces" << (picture ? " and paths.svg" : "") << " in "
               << command.out_dir << "/\n";
   }

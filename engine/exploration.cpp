@@ -154,6 +154,8 @@ void run_realtime(HapticSession& session, Device& device, const RunSetup& setup,
 // Every tick is kept in memory, 240 bytes of it: an hour at 1 kHz is below this limit.
 constexpr double kMostTicks = 4e6;
 
+}  // namespace
+
 // Comparisons are false for NaN.
 std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s) {
   const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
@@ -175,8 +177,6 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress) {

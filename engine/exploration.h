@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ struct ExplorationRun {
 // scene, whichever is larger.
 inline constexpr double kNearWay_m = 2e-3;
 inline constexpr double kNearWayShare = 0.01;
+
+// Settings that explore() would refuse; the error names the option.
+std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s);
 
 // Called now and then from the calling thread with the share of the run that is done.
 using Progress = std::function<void(double)>;

@@ -59,6 +59,7 @@ Result<PreparedRun> prepare_run(const RunCommand& command) {
     return Error{ErrorCode::kInvalidArgument, "", "--fit",
                  "given together with --scale; expected one of them", ""};
   }
+  if (const auto error = check_exploration(command.exploration, setup->dt_s)) return *error;
   SceneOptions as_it_is = command.scene;
   as_it_is.fits_workspace = false;
   auto scene = load_scene(as_it_is, command.options);

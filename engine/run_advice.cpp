@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/command_line.h"
 #include "engine/contour_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/run_judgement.h"
@@ -155,46 +156,7 @@ class Candidates {
   std::vector<Changes> changes_;
 };
 
-bool excludes(const std::string& option, const std::string& other) {
-  return option == other || (option == "--fit" && other == "--scale");
-}
-
 }  // namespace
-
-std::vector<std::string> with_options(std::vector<std::string> arguments, const Changes& changes) {
-  for (const auto& [option, value] : changes) {
-    std::vector<std::string> kept;
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-      const std::string name = arguments[i].substr(0, arguments[i].find('='));
-      if (!excludes(option, name)) {
-        kept.push_back(arguments[i]);
-      } else if (name == arguments[i]) {
-        ++i;  // the value of its own
-      }
-    }
-    kept.push_back(option);
-    kept.push_back(value);
-    arguments = std::move(kept);
-  }
-  return arguments;
-}
-
-std::string shell_line(const std::vector<std::string>& arguments) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
-  std::string line = "palpate";
-  for (const std::string& argument : arguments) {
-    line += ' ';
-    if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) {
-      line += argument;
-      continue;
-    }
-    line += '\'';
-    for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += '\'';
-  }
-  return line;
-}
 
 std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
                              const std::vector<ExplorationRun>& runs, const Progress& progress) {

@@ -30,16 +30,4 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
                            const std::optional<Advice>& advice);
 
-// Arguments of the program with an option set to a value, in place of what was given for it and for
-// what excludes it.
-struct OptionValue {
-  std::string option;
-  std::string value;
-};
-std::vector<std::string> with_options(std::vector<std::string> arguments,
-                                      const std::vector<OptionValue>& changes);
-
-// "palpate" and the arguments, quoted for a POSIX shell where they need it.
-std::string shell_line(const std::vector<std::string>& arguments);
-
 }  // namespace palpate

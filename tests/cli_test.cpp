@@ -101,13 +101,17 @@ class CommandLine : public testing::Test {
     }
   }
 
-  Outcome expect_done(const std::vector<std::string>& arguments) const {
+  Outcome expect_done(const std::vector<std::string>& arguments, int exit_code = 0) const {
     std::string text;
     for (const std::string& a : arguments) text += a + " ";
     SCOPED_TRACE(text);
     const Outcome o = call(arguments);
-    EXPECT_EQ(o.exit_code, 0) << o.err;
+    EXPECT_EQ(o.exit_code, exit_code) << o.err;
     return o;
+  }
+  // A run whose time is too short to get round.
+  Outcome expect_not_comparable(const std::vector<std::string>& arguments) const {
+    return expect_done(arguments, 3);
   }
 
   // Into the star from the side, along it and out again.
@@ -386,7 +390,7 @@ TEST_F(CommandLine, RefusesRunsThatMakeNoSense) {
   expect({"--seed", "-1"}, {"--seed"});
   expect({"--plane-height", "1"}, {"--plane-height", "-0.02", "0.02"});
   expect({"--plane-height", "nan"}, {"--plane-height"});
-  expect({"--place", "0 0 1 1 0 0 0"}, {"--plane-height"});
+  expect({"--place", "0 0 1 1 0 0 0", "--plane-height", "0"}, {"--plane-height"});
 }
 
 // ---- bad input ---------------------------------------------------------------------------------
@@ -1028,10 +1032,15 @@ TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
 TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   const Outcome o = expect_done({"run", kStar, "--virtual", "--json"});
   const json result = json::parse(o.out);
-  EXPECT_EQ(keys_of(result), sorted({"runs"}));
+  EXPECT_EQ(keys_of(result), sorted({"comparable", "plane_height_m", "reasons", "runs", "scale",
+                                     "try", "workspace_m"}));
+  EXPECT_EQ(result["comparable"], true);
+  EXPECT_TRUE(result["reasons"].empty());
+  EXPECT_TRUE(result["try"].is_null());
+  EXPECT_EQ(result["plane_height_m"], 0.0);
   ASSERT_EQ(result["runs"].size(), 2u);
   auto expected = kSummaryKeys;
-  expected.insert(expected.end(), {"a4", "way_share", "contact_share", "comparable",
+  expected.insert(expected.end(), {"a4", "way_share", "contact_share", "comparable", "reasons",
                                    "missed_deadlines", "device_extent_m"});
   for (const json& run : result["runs"]) {
     for (const std::string& key : expected) EXPECT_TRUE(run.contains(key)) << key;
@@ -1063,9 +1072,10 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
 TEST_F(CommandLine, RunsWithOrWithoutA4Only) {
   for (const bool a4 : {false, true}) {
     const std::string out = folder.path(a4 ? "on/deep" : "off/deep");
-    const json result = json::parse(expect_done({"run", kStar, "--virtual", "--seconds", "2",
-                                                 "--a4", a4 ? "on" : "off", "--json", "--out", out})
-                                        .out);
+    const json result =
+        json::parse(expect_not_comparable({"run", kStar, "--virtual", "--seconds", "2", "--a4",
+                                           a4 ? "on" : "off", "--json", "--out", out})
+                        .out);
     ASSERT_EQ(result["runs"].size(), 1u);
     EXPECT_EQ(result["runs"][0]["a4"], a4);
     EXPECT_EQ(std::filesystem::exists(out + "/trace-on.csv"), a4);
@@ -1075,7 +1085,7 @@ TEST_F(CommandLine, RunsWithOrWithoutA4Only) {
 
 TEST_F(CommandLine, TellsPeopleBothRunsSideBySide) {
   const std::string out =
-      expect_done({"run", kStar, "--virtual", "--seconds", "4", "--out", folder.path("o")}).out;
+      expect_done({"run", kStar, "--virtual", "--seconds", "26", "--out", folder.path("o")}).out;
   for (const char* what : {"without A4", "with A4", "contact angle", "within 30 deg", "penetration",
                            "losses", "work", "travel", "missed deadlines", "p50 / p99 / max"}) {
     EXPECT_NE(out.find(what), std::string::npos) << what << " is not in " << out;
@@ -1087,7 +1097,7 @@ TEST_F(CommandLine, GivesOneTraceForOneSeed) {
     std::vector<std::string> arguments{"run", kStar,    "--seconds", "2",     "--a4",
                                        "on",  "--seed", seed,        "--out", folder.path("o")};
     if (virtual_time) arguments.emplace_back("--virtual");
-    expect_done(arguments);
+    expect_not_comparable(arguments);
     return without_last_column(content_of(folder.path("o/trace-on.csv")));
   };
   const std::string first = trace("5", true);
@@ -1107,9 +1117,70 @@ TEST_F(CommandLine, WalksWithThreeSensorsAndRunsWithoutActuators) {
   for (const auto& device : devices) {
     std::vector<std::string> arguments{"run", kCube, "--virtual", "--seconds", "5", "--json"};
     arguments.insert(arguments.end(), device.begin(), device.end());
-    const json result = json::parse(expect_done(arguments).out);
+    const Outcome o = call(arguments);
+    const json result = json::parse(o.out);
+    EXPECT_EQ(o.exit_code, result["comparable"] == true ? 0 : 3) << o.err;
     for (const json& run : result["runs"]) EXPECT_GT(run["contact_ticks"], 1000);
   }
+}
+
+// As a script would take what is proposed.
+TEST_F(CommandLine, ProposesACommandLineForARunThatIsNotComparable) {
+  const std::string text =
+      expect_not_comparable({"run", kStar, "--virtual", "--seconds", "8", "--a4", "on"}).out;
+  EXPECT_TRUE(text.starts_with("not comparable\n")) << text;
+  const json result = json::parse(
+      expect_not_comparable({"run", kStar, "--virtual", "--seconds", "8", "--a4", "on", "--json"})
+          .out);
+  EXPECT_EQ(result["comparable"], false);
+  ASSERT_EQ(result["reasons"].size(), 1u);
+  EXPECT_NE(result["reasons"][0].get<std::string>().find("% of the contour"), std::string::npos);
+  EXPECT_EQ(result["runs"][0]["comparable"], false);
+  const std::string proposed = result["try"];
+  EXPECT_NE(text.find("  try: "), std::string::npos);
+  std::vector<std::string> words;
+  std::istringstream stream(proposed);
+  for (std::string word; stream >> word;) words.push_back(word);
+  ASSERT_EQ(words.front(), "palpate");
+  words.erase(words.begin());
+  EXPECT_EQ(json::parse(expect_done(words).out)["comparable"], true) << proposed;
+  EXPECT_TRUE(std::filesystem::exists(folder.path("out/trace-on.csv")));
+}
+
+TEST_F(CommandLine, PrintsNoMeansOfARunThatTouchedNothing) {
+  const Outcome o = expect_not_comparable(
+      {"run", kStar, "--virtual", "--seconds", "2", "--a4", "off", "--move", "#0=50 0 0 0 0 0"});
+  EXPECT_NE(o.out.find("touched nothing"), std::string::npos) << o.out;
+  const json result =
+      json::parse(expect_not_comparable({"run", kStar, "--virtual", "--seconds", "2", "--a4", "off",
+                                         "--move", "#0=50 0 0 0 0 0", "--json"})
+                      .out);
+  EXPECT_TRUE(result["runs"][0]["mean_contact_angle_deg"].is_null());
+  EXPECT_TRUE(result["runs"][0]["share_within_30deg"].is_null());
+  EXPECT_EQ(result["runs"][0]["contact_share"], 0.0);
+}
+
+TEST_F(CommandLine, FitsASceneToTheWorkspace) {
+  for (const char* scale : {"20", "0.01"}) {
+    expect_refused({"run", kStar, "--virtual", "--scale", scale}, {"scene", "--fit 0.2"});
+  }
+  const json as_it_is =
+      json::parse(expect_done({"run", kStar, "--virtual", "--fit", "auto", "--json"}).out);
+  EXPECT_EQ(as_it_is["scale"], 1.0) << "it fits";
+  const json fitted = json::parse(
+      expect_done({"run", kStar, "--virtual", "--fit", "auto", "--json", "--workspace", "0.2"})
+          .out);
+  EXPECT_LT(fitted["scale"], 1.0);
+  EXPECT_EQ(fitted["workspace_m"], 0.2);
+  expect_refused({"run", kStar, "--virtual", "--fit", "auto", "--scale", "2"}, {"--fit"});
+  expect_refused({"info", kStar, "--fit", "auto"}, {"--fit", "auto", "workspace"});
+  expect_refused({"run", kStar, "--virtual", "--fit", "large"}, {"--fit", "auto"});
+}
+
+TEST_F(CommandLine, LaysThePlaneThroughTheSceneAsItIsPlaced) {
+  const json result = json::parse(
+      expect_done({"run", kStar, "--virtual", "--place", "0 0 1 1 0 0 0", "--json"}).out);
+  EXPECT_EQ(result["plane_height_m"], 1.0);
 }
 
 // ---- accuracy ----------------------------------------------------------------------------------

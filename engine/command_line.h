@@ -1,0 +1,23 @@
+#pragma once
+
+// Command lines that the program proposes.
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct OptionValue {
+  std::string option;
+  std::string value;
+};
+
+// The arguments with each option set to its value, in place of what was given for it and for what
+// excludes it. Every option named in changes takes one value, as "--fit 0.2" or "--fit=0.2".
+std::vector<std::string> with_options(std::vector<std::string> arguments,
+                                      const std::vector<OptionValue>& changes);
+
+// "palpate" and the arguments, quoted for a POSIX shell where they need it.
+std::string shell_line(const std::vector<std::string>& arguments);
+
+}  // namespace palpate
