@@ -37,7 +37,12 @@ class Recorder final : public TickObserver {
     summary_.add(record);
     next_.on_tick(record, T_device_scene, step_ns);
   }
-  RunSummary finish() const { return summary_.finish(run_.steps_ns); }
+  // Of a run that was interrupted the records end where it did.
+  RunSummary finish() {
+    run_.records.resize(count_);
+    run_.steps_ns.resize(count_);
+    return summary_.finish(run_.steps_ns);
+  }
 
  private:
   ExplorationRun& run_;
@@ -131,22 +136,30 @@ void measure_way(const PlannedHand& hand, double largest_extent_m, ExplorationRu
   run.late_way_share = static_cast<double>(reached_late) / count;
 }
 
-void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress) {
+bool is_stopped(const StopFlag* stop) {
+  return stop && stop->requested();
+}
+
+void run_virtual(HapticSession& session, Device& device, double dt_s, std::size_t ticks,
+                 const Progress& progress, const StopFlag* stop) {
   constexpr std::size_t kReportEvery = 1000;
-  for (std::size_t n = 0; n < ticks; ++n) {
+  for (std::size_t n = 0; n < ticks && !is_stopped(stop); ++n) {
     session.tick(dt_s);
     if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
   }
+  device.command_force_N(Vec3::Zero());
 }
 
 void run_realtime(HapticSession& session, Device& device, const RunSetup& setup, std::size_t ticks,
-                  const Progress& progress, ExplorationRun& run) {
+                  const Progress& progress, const StopFlag* stop, ExplorationRun& run) {
+  if (is_stopped(stop)) return;
   HapticThread thread(session, device, {1.0 / setup.dt_s, ticks});
   run.realtime_note = thread.start().explanation;
-  while (thread.running()) {
+  while (thread.running() && !is_stopped(stop)) {
     progress(static_cast<double>(thread.ticks()) / static_cast<double>(ticks));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
+  if (is_stopped(stop)) thread.stop();
   thread.join();
   run.missed_deadlines = thread.missed_deadlines();
 }
@@ -179,7 +192,8 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
 }
 
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
-                               const ExplorationSettings& settings, const Progress& progress) {
+                               const ExplorationSettings& settings, const Progress& progress,
+                               const StopFlag* stop) {
   if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
   if (const auto error = check_setup(scene, setup)) return *error;
   if (scene.objects().empty()) {
@@ -205,12 +219,13 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   Recorder recorder(run, ticks, device);
   HapticSession session(loop, device, &recorder, &*mover);
   if (settings.virtual_time) {
-    run_virtual(session, setup.dt_s, ticks, progress);
+    run_virtual(session, device, setup.dt_s, ticks, progress, stop);
   } else {
-    run_realtime(session, device, setup, ticks, progress, run);
+    run_realtime(session, device, setup, ticks, progress, stop, run);
   }
-  progress(1.0);
   run.summary = recorder.finish();
+  run.interrupted = run.records.size() < ticks;
+  if (!run.interrupted) progress(1.0);
   const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
   take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
   measure_way(*hand, scene.statistics().extent_m.maxCoeff(), run);

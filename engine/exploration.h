@@ -11,6 +11,7 @@
 #include "engine/run_options.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
+#include "engine/stop_flag.h"
 #include "geometry/result.h"
 
 namespace palpate {
@@ -24,6 +25,7 @@ struct ExplorationSettings {
 
 struct ExplorationRun {
   bool a4 = false;
+  bool interrupted = false;  // by a StopFlag: the records end there, and may be none
   std::vector<TickRecord> records;
   std::vector<std::int64_t> steps_ns;
   RunSummary summary;
@@ -55,7 +57,10 @@ using Progress = std::function<void(double)>;
 // height; with 3 it walks over the surface. An error if there is nothing at the plane height, or if
 // the settings are out of range (NaN included; also those that check_setup() refuses) or make more
 // ticks than are kept in memory.
+// stop: ends the run after the present tick, or a few later; null for none. However a run ends,
+// zero force is commanded.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
-                               const ExplorationSettings& settings, const Progress& progress);
+                               const ExplorationSettings& settings, const Progress& progress,
+                               const StopFlag* stop = nullptr);
 
 }  // namespace palpate

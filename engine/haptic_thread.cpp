@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <pthread.h>
 #include <sched.h>
@@ -27,6 +28,22 @@ void sleep_until(std::int64_t due_ns) {
   }
 }
 
+// A thread made while this lives has all signals blocked.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
 }  // namespace
 
 HapticThread::HapticThread(HapticSession& session, Device& device,
@@ -40,7 +57,10 @@ HapticThread::~HapticThread() {
 RealtimeStatus HapticThread::start() {
   RealtimeStatus status;
   running_.store(true, std::memory_order_release);
-  thread_ = std::thread([this] { run(); });
+  {
+    const BlockedSignals blocked;
+    thread_ = std::thread([this] { run(); });
+  }
   const sched_param priority{kFifoPriority};
   const int refused = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
   status.fifo_priority = refused == 0;

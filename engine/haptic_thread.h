@@ -28,8 +28,9 @@ struct RealtimeStatus {
 // tick that ends after the next one is due is a missed deadline; due times that have passed by then
 // are left out, not caught up.
 //
-// After start() returns the thread neither allocates nor locks nor does I/O. When it ends, for
-// whatever reason, it commands zero force.
+// After start() returns the thread neither allocates nor locks nor does I/O. Signals to the process
+// never interrupt it: other threads take them. When it ends, for whatever reason, it commands zero
+// force.
 class HapticThread {
  public:
   // The session and the device must outlive the thread.

@@ -1,5 +1,6 @@
 #include "engine/report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <string_view>
@@ -55,6 +56,11 @@ struct Line {
   std::string name;
   std::function<std::string(const ExplorationRun&)> value;
 };
+
+std::string interruption_text(const ExplorationRun& run) {
+  if (!run.interrupted) return "no";
+  return format("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
+}
 
 std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
   using Run = ExplorationRun;
@@ -203,6 +209,7 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
   }
   json["comparable"] = is_comparable(run);
   json["reasons"] = reasons(run);
+  json["interrupted"] = run.interrupted;
   json["missed_deadlines"] = run.missed_deadlines;
   return json;
 }
@@ -263,7 +270,11 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
-  for (const Line& line : run_lines(scene, runs.front().contour_scene_m.empty())) {
+  std::vector<Line> lines = run_lines(scene, runs.front().contour_scene_m.empty());
+  if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return run.interrupted; })) {
+    lines.insert(lines.begin(), {"interrupted", interruption_text});
+  }
+  for (const Line& line : lines) {
     text += format("%-*s", kNameWidth, line.name.c_str());
     for (const ExplorationRun& run : runs) {
       text += format("  %*s", kValueWidth, line.value(run).c_str());

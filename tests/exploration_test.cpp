@@ -201,6 +201,59 @@ TEST(Exploration, GivesTheSameBitsInRealTime) {
   EXPECT_EQ(first_difference(*real, simulated), 2000u);
 }
 
+// What was done until then is what a whole run does until then.
+TEST(Exploration, EndsInOrderWhenItIsInterrupted) {
+  const Condition condition{options_of(2, 1), true, 0};
+  const ExplorationRun whole = explored("star", condition, 5, 20.0);
+  auto setup = make_setup(condition.options);
+  ASSERT_TRUE(setup);
+  setup->haptics.a4.enabled = true;
+  for (const bool virtual_time : {true, false}) {
+    SCOPED_TRACE(virtual_time ? "virtual" : "real time");
+    ExplorationSettings settings;
+    settings.seconds = 20.0;
+    settings.seed = 5;
+    settings.virtual_time = virtual_time;
+    StopFlag stop;
+    double last_share = 0.0;
+    const auto run = explore(
+        model("star"), *setup, settings,
+        [&](double share) {
+          last_share = share;
+          if (share > 0.06) stop.request();
+        },
+        &stop);
+    ASSERT_TRUE(run) << run.error().to_string();
+    EXPECT_TRUE(run->interrupted);
+    EXPECT_GT(run->records.size(), 1200u);
+    EXPECT_LT(run->records.size(), 20000u);
+    EXPECT_LT(last_share, 1.0);
+    EXPECT_EQ(run->steps_ns.size(), run->records.size());
+    EXPECT_EQ(run->summary.ticks, run->records.size());
+    ExplorationRun part = whole;
+    part.records.resize(run->records.size());
+    EXPECT_EQ(first_difference(*run, part), run->records.size());
+  }
+}
+
+TEST(Exploration, DoesNothingWhenItIsInterruptedBefore) {
+  const Condition condition{options_of(2, 1), false, 0};
+  const auto setup = make_setup(condition.options);
+  ASSERT_TRUE(setup);
+  StopFlag stop;
+  stop.request();
+  for (const bool virtual_time : {true, false}) {
+    ExplorationSettings settings;
+    settings.virtual_time = virtual_time;
+    const auto run = explore(
+        model("star"), *setup, settings, [](double) {}, &stop);
+    ASSERT_TRUE(run) << run.error().to_string();
+    EXPECT_TRUE(run->interrupted);
+    EXPECT_TRUE(run->records.empty());
+    EXPECT_EQ(run->summary.ticks, 0u);
+  }
+}
+
 // The device positions of a run, replayed, give the run.
 TEST(Exploration, CanBeReplayedFromItsDevicePositions) {
   const Condition condition{options_of(2, 1), true, 0};

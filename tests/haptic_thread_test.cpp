@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <limits>
 #include <set>
@@ -133,6 +134,32 @@ TEST(HapticThread, StopsWhenAskedToAndCommandsZeroForceLast) {
   thread.stop();  // once more changes nothing
   EXPECT_EQ(thread.ticks(), ticks);
   EXPECT_EQ(rig.device.commands_N.size(), ticks + 1);
+}
+
+// The signals that the thread it runs on takes.
+class SignalsOfItsThread final : public TickObserver {
+ public:
+  void on_tick(const TickRecord&, const ScenePose&, std::int64_t) noexcept override {
+    pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+  }
+  sigset_t blocked{};
+};
+
+TEST(HapticThread, LeavesSignalsToOtherThreads) {
+  Rig rig(pressing_path(5));
+  SignalsOfItsThread signals;
+  HapticSession session(rig.loop, rig.device, &signals);
+  sigset_t before;
+  pthread_sigmask(SIG_SETMASK, nullptr, &before);
+  HapticThread thread(session, rig.device, {2000.0, 5});
+  thread.start();
+  thread.join();
+  sigset_t after;
+  pthread_sigmask(SIG_SETMASK, nullptr, &after);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGALRM, SIGCHLD}) {
+    EXPECT_TRUE(sigismember(&signals.blocked, signal)) << signal;
+    EXPECT_EQ(sigismember(&after, signal), sigismember(&before, signal)) << signal;
+  }
 }
 
 TEST(HapticThread, EndsWithItsOwner) {
