@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -23,6 +25,7 @@ constexpr std::size_t kMaxNumberBytes = 24;  // "-1.2345678901234567e-308"
 constexpr std::size_t kMaxRowBytes =
     27 * (kMaxNumberBytes + 1) + kMaxFrictionBytes + kMaxFaultBytes + 2;
 constexpr int kMaxNameAttempts = 100;
+constexpr std::string_view kPartEnding = ".part";
 
 char* put(char* out, double value) {
   if (std::isnan(value)) {  // of either sign
@@ -66,6 +69,51 @@ Error write_error(const std::string& path, int reason) {
   return {ErrorCode::kFileUnwritable, path, "",
           "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
           "check the folder, its permissions and the space left"};
+}
+
+// A file under its temporary name is locked by its writer, for as long as that lives.
+enum class PartLock { kMine, kAnothers, kNotSupported };
+
+PartLock lock_part(int descriptor) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return PartLock::kMine;
+  return errno == EWOULDBLOCK ? PartLock::kAnothers : PartLock::kNotSupported;
+}
+
+// Whether somebody has removed the file while it was not locked yet.
+bool has_lost_its_name(int descriptor) {
+  struct stat status = {};
+  return ::fstat(descriptor, &status) == 0 && status.st_nlink == 0;
+}
+
+bool is_part_of(const std::string& name, const std::string& target_name) {
+  if (!name.starts_with(target_name + ".") || !name.ends_with(kPartEnding)) return false;
+  const std::size_t begin = target_name.size() + 1;
+  if (name.size() <= begin + kPartEnding.size()) return false;
+  const std::string numbers = name.substr(begin, name.size() - begin - kPartEnding.size());
+  return numbers.find_first_not_of("0123456789-") == std::string::npos;
+}
+
+// What writers of this file have left that were killed.
+void remove_leftovers(const std::string& target_path) {
+  const fs::path target(target_path);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code failed;
+  std::vector<fs::path> leftovers;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (is_part_of(entry->path().filename().string(), target.filename().string())) {
+      leftovers.push_back(entry->path());
+    }
+  }
+  for (const fs::path& leftover : leftovers) {
+    const int descriptor =
+        ::open(leftover.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY);
+    if (descriptor < 0) continue;
+    struct stat status = {};
+    const bool is_file = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+    if (is_file && lock_part(descriptor) == PartLock::kMine) ::unlink(leftover.c_str());
+    ::close(descriptor);
+  }
 }
 
 }  // namespace
@@ -118,13 +166,18 @@ class TraceWriter::Output {
 
  private:
   int open_part() {
+    remove_leftovers(target_path_);
     for (int attempt = 0; attempt < kMaxNameAttempts; ++attempt) {
-      std::string name =
-          target_path_ + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part";
+      std::string name = target_path_ + "." + std::to_string(::getpid()) + "-" +
+                         std::to_string(attempt) + std::string(kPartEnding);
       descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
       if (descriptor_ >= 0) {
-        part_path_ = std::move(name);
-        return 0;
+        if (lock_part(descriptor_) != PartLock::kAnothers && !has_lost_its_name(descriptor_)) {
+          part_path_ = std::move(name);
+          return 0;
+        }
+        ::close(std::exchange(descriptor_, -1));  // another writer takes it for a leftover
+        continue;
       }
       if (errno != EEXIST) return errno;
     }

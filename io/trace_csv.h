@@ -45,9 +45,10 @@ inline constexpr std::size_t kMaxFaultBytes = 512;
 // for themselves, so the same rows give the same bytes.
 //
 // The file appears under its name when finish() succeeds, replacing what was there; until then the
-// lines are in memory and in a file ".part" beside it that goes with the writer. What is no regular
-// file (a pipe, a terminal) is written to directly. Not for the haptic thread: it does I/O. One
-// thread owns a writer.
+// lines are in memory and in a file ".part" beside it that goes with the writer; one that a killed
+// process has left goes with the next writer of that name. What is no regular file (a pipe, a
+// terminal) is written to directly. Not for the haptic thread: it does I/O. One thread owns a
+// writer.
 class TraceWriter {
  public:
   // Fails where the file could not be created.

@@ -4,11 +4,13 @@
 #include <bit>
 #include <charconv>
 #include <clocale>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <sstream>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -261,6 +263,30 @@ TEST_F(TraceFile, TwoWritersOfOneNameDoNotMix) {
   ASSERT_TRUE(second.finish());
   EXPECT_TRUE(content().substr(kTraceColumns.size() + 1).starts_with("77,"));
   EXPECT_EQ(files(), 1);
+}
+
+TEST_F(TraceFile, RemovesWhatAKilledWriterHasLeft) {
+  const std::string not_of_a_writer = path_.string() + ".1-x.part";
+  std::ofstream(not_of_a_writer) << "mine";
+  TraceWriter alive = writer();
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    TraceWriter trace = writer();
+    for (std::uint64_t i = 0; i < 20000; ++i) trace.add({.tick = i});
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(files(), 3) << "two unfinished ones, and one that is no writer's";
+  write({TraceRow{}});
+  EXPECT_EQ(files(), 3) << "the trace, that of the living writer, and what is no writer's";
+  alive.add({.tick = 5});
+  ASSERT_TRUE(alive.finish());
+  EXPECT_TRUE(content().substr(kTraceColumns.size() + 1).starts_with("5,"));
+  EXPECT_EQ(files(), 2);
+  EXPECT_TRUE(fs::exists(not_of_a_writer));
 }
 
 TEST_F(TraceFile, KeepsALinkALink) {
