@@ -7,6 +7,8 @@
 
 #include "engine/command_output.h"
 #include "engine/commands.h"
+#include "engine/output_files.h"
+#include "engine/program_signals.h"
 #include "engine/study/build_facts.h"
 #include "engine/study/human_units.h"
 #include "engine/study/knobs.h"
@@ -134,30 +136,70 @@ StudyReport report_of(const std::vector<KnobResult>& results, const StudyEffort&
   return report;
 }
 
-// CSV, a diagram for each knob, and the page.
+constexpr const char* kTable = "raw.csv";
+constexpr const char* kSceneTable = "scene.csv";
+constexpr const char* kPage = "report.html";
+
+// Every file that `accuracy` writes, whatever it is asked for.
+std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
+  std::vector<std::string> names{kTable, kSceneTable, kPage, std::string(kSceneKnob) + ".svg"};
+  for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
+  return names;
+}
+
+// CSV, a diagram for each knob, and the page. A signal leaves it unfinished.
 std::optional<Error> write_results(const std::vector<KnobResult>& results,
                                    const std::optional<SceneFindings>& findings,
-                                   const StudyEffort& effort, const std::string& folder) {
-  if (const auto csv = write_study_csv(results, folder + "/raw.csv"); !csv) return csv.error();
+                                   const StudyEffort& effort, const OutputFiles& files) {
+  const auto csv = write_study_csv(results, files.path(kTable));
+  if (!csv) return csv.error();
   std::optional<Error> no_picture;
   for (const KnobResult& result : results) {
+    if (signal_flag().requested()) return std::nullopt;
     const auto svg = work_precision_svg(result);
     if (!svg) {
       no_picture = svg.error();
       continue;
     }
-    const auto written = write_text_file(folder + "/" + result.knob.name + ".svg", *svg);
+    const auto written = write_text_file(files.path(result.knob.name + ".svg"), *svg);
     if (!written) return written.error();
   }
   if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
   StudyReport report = report_of(results, effort);
   if (findings) {
     report.sections.push_back(scene_section(*findings));
-    const auto written = write_text_file(folder + "/scene.csv", scene_csv(*findings));
+    const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));
     if (!written) return written.error();
   }
-  const auto written = write_text_file(folder + "/report.html", report_html(report));
+  const auto written = write_text_file(files.path(kPage), report_html(report));
   return written ? std::nullopt : std::optional<Error>(written.error());
+}
+
+// Whether results can be written; leaves nothing there.
+std::optional<Error> check_out_folder(const std::string& folder, const StudyEffort& effort) {
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  const auto files = OutputFiles::create(folder, accuracy_file_names(effort));
+  return files ? std::nullopt : std::optional<Error>(files.error());
+}
+
+// Whether it did: a signal leaves what was there.
+Result<bool> write_in_place(const std::vector<KnobResult>& results,
+                            const std::optional<SceneFindings>& findings, const StudyEffort& effort,
+                            const std::string& folder) {
+  Result<OutputFiles> files = OutputFiles::create(folder, accuracy_file_names(effort));
+  if (!files) return files.error();
+  if (auto error = write_results(results, findings, effort, *files)) {
+    return files->in_place(*error);
+  }
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  if (signal_flag().requested()) return false;
+  if (auto error = files->move_into_place()) return *error;
+  return true;
+}
+
+int tell_nothing_is_written() {
+  std::cerr << "palpate: interrupted; nothing is written\n";
+  return exit_code_after_signals(0);
 }
 
 // Orders that theory has, "fitted (theory)".
@@ -235,7 +277,9 @@ int accuracy(const AccuracyCommand& command) {
   Result<std::vector<Knob>> knobs =
       chosen_knobs(effort, command.knobs, !command.scene.path.empty());
   if (!knobs) return refuse(knobs.error());
-  if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
+  // Before the minutes that measuring takes.
+  if (const auto error = check_out_folder(command.out_dir, effort)) return refuse(*error);
+  if (signal_flag().requested()) return tell_nothing_is_written();
 
   std::optional<Scene> scene;
   std::optional<SceneFindings> findings;
@@ -258,14 +302,16 @@ int accuracy(const AccuracyCommand& command) {
   }
 
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
-  if (const auto error = write_results(results, findings, effort, command.out_dir)) {
-    return refuse(*error);
-  }
+  // Now there is something to put in order: the files come whole.
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto written = write_in_place(results, findings, effort, command.out_dir);
+  if (!written) return refuse(written.error());
+  if (!*written) return tell_nothing_is_written();
   if (!results.empty()) std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
   std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
             << " and a diagram a knob in " << command.out_dir << "/\n";
-  return finish_output();
+  return exit_code_after_signals(finish_output());
 }
 
 }  // namespace palpate

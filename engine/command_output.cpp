@@ -1,10 +1,7 @@
 #include "engine/command_output.h"
 
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
-#include <optional>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -38,14 +35,6 @@ void tell_what_was_not_understood(const Scene& scene) {
   for (const std::string& line : not_understood_lines(scene)) {
     std::cerr << "palpate: " << line << "\n";
   }
-}
-
-std::optional<Error> make_out_folder(const std::string& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (!failed) return std::nullopt;
-  return Error{ErrorCode::kFileUnwritable, folder, "--out", failed.message(),
-               "name a folder that can be written to"};
 }
 
 ProgressBar::ProgressBar(std::string label)

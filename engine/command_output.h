@@ -2,7 +2,6 @@
 
 // What the subcommands of the program have in common when they talk to a user.
 
-#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -23,9 +22,6 @@ int finish_output();
 
 // Nothing that a file or a user meant is lost without a word: a line each on stderr.
 void tell_what_was_not_understood(const Scene& scene);
-
-// Makes a folder for results, with all above it.
-std::optional<Error> make_out_folder(const std::string& folder);
 
 // A bar on a terminal, nothing elsewhere. Goes away with the object.
 class ProgressBar {

@@ -1,5 +1,6 @@
 #include "engine/commands.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -12,8 +13,10 @@
 
 #include "engine/command_output.h"
 #include "engine/node_tree.h"
+#include "engine/output_files.h"
 #include "engine/path_picture.h"
 #include "engine/prepared_run.h"
+#include "engine/program_signals.h"
 #include "engine/replay.h"
 #include "engine/report.h"
 #include "engine/run_advice.h"
@@ -44,8 +47,21 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
   return std::nullopt;
 }
 
+constexpr const char* kPicture = "paths.svg";
+
+// Every file that `run` writes, in one of its forms.
+std::vector<std::string> run_file_names() {
+  std::vector<std::string> names{kPicture};
+  for (const char* a4 : {"on", "off"}) {
+    for (const char* what : {"trace-", "contour-", "places-"}) {
+      names.push_back(std::string(what) + a4 + ".csv");
+    }
+  }
+  return names;
+}
+
 // What the hand followed: a place a line, scene frame.
-std::optional<Error> write_way(const ExplorationRun& run, const std::string& folder) {
+std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& files) {
   const bool is_walk = run.contour_scene_m.empty();
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -53,55 +69,119 @@ std::optional<Error> write_way(const ExplorationRun& run, const std::string& fol
   for (const Vec3& p : is_walk ? run.places_scene_m : run.contour_scene_m) {
     text << p.x() << "," << p.y() << "," << p.z() << "\n";
   }
-  const std::string path =
-      folder + (is_walk ? "/places-" : "/contour-") + (run.a4 ? "on" : "off") + ".csv";
-  const auto written = write_text_file(path, text.str());
+  const std::string name =
+      std::string(is_walk ? "places-" : "contour-") + (run.a4 ? "on" : "off") + ".csv";
+  const auto written = write_text_file(files.path(name), text.str());
   if (!written) return written.error();
   return std::nullopt;
 }
 
-Error with_path(Error error, const std::string& path) {
-  if (error.path.empty()) error.path = path;
-  return error;
+std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& files) {
+  const std::string trace = files.path(run.a4 ? "trace-on.csv" : "trace-off.csv");
+  if (auto error = write_trace(trace, run.records, run.steps_ns)) return files.in_place(*error);
+  if (auto error = write_way(run, files)) return files.in_place(*error);
+  return std::nullopt;
 }
 
-// What runs the same for every run of a command.
-std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
-  const ActuationModel& actuation = prepared.setup.actuation;
-  std::ostringstream text;
-  text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
-       << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
-       << " actuators, workspace " << command.exploration.workspace_m
-       << " m along each sensed axis";
-  if (actuation.is_planar()) {
-    text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
-  }
-  if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
-    text << ", scale " << scale;
-  }
-  return text.str() + "\n";
+// Without gnuplot there is no picture, which is told, and the traces are as good.
+bool draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
+          const OutputFiles& files) {
+  const std::string name = std::filesystem::path(scene_path).filename().string();
+  const auto picture = write_path_picture(runs, name, files.path(kPicture));
+  if (!picture) std::cerr << "palpate: " << files.in_place(picture.error()).to_string() << "\n";
+  return picture.ok();
 }
 
-nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
-                                 const std::vector<ExplorationRun>& runs,
-                                 const std::optional<Advice>& advice) {
-  nlohmann::ordered_json json{{"comparable", are_comparable(runs)}};
-  json["reasons"] = nlohmann::ordered_json::array();
-  for (const ExplorationRun& r : runs) {
-    for (const std::string& reason : reasons(r)) {
-      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
+int tell_nothing_was_done() {
+  std::cerr << "palpate: interrupted before the first tick; nothing is written\n";
+  return exit_code_after_signals(0);
+}
+
+void tell_interrupted(const std::vector<ExplorationRun>& runs) {
+  const bool was_cut = std::any_of(runs.begin(), runs.end(),
+                                   [](const ExplorationRun& run) { return run.interrupted; });
+  std::cerr << "palpate: interrupted"
+            << (was_cut ? "; the results are of what was done until then\n"
+                        : "; the runs that the results tell of are whole\n");
+}
+
+std::optional<Error> move_into_place(OutputFiles& files) {
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  return files.move_into_place();
+  Error with_path(Error error, const std::string& path) {
+    if (error.path.empty()) error.path = path;
+    return error;
+  }
+
+  // What runs the same for every run of a command.
+  std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
+    const ActuationModel& actuation = prepared.setup.actuation;
+    std::ostringstream text;
+    text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
+         << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
+         << " actuators, workspace " << command.exploration.workspace_m
+         << " m along each sensed axis";
+    if (actuation.is_planar()) {
+      text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
     }
+    if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
+      text << ", scale " << scale;
+    }
+    return text.str() + "\n";
   }
-  json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
-  json["workspace_m"] = command.exploration.workspace_m;
-  if (prepared.setup.actuation.is_planar()) {
-    json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+
+  nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
+                                   const std::vector<ExplorationRun>& runs,
+                                   const std::optional<Advice>& advice) {
+    nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
+                                {"comparable", are_comparable(runs)}};
+    json["reasons"] = nlohmann::ordered_json::array();
+    for (const ExplorationRun& r : runs) {
+      for (const std::string& reason : reasons(r)) {
+        json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
+      }
+    }
+    json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
+    json["workspace_m"] = command.exploration.workspace_m;
+    if (prepared.setup.actuation.is_planar()) {
+      json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+    }
+    json["scale"] = prepared.scene.statistics().scale;
+    json["runs"] = nlohmann::ordered_json::array();
+    for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
+    return json;
   }
-  json["scale"] = prepared.scene.statistics().scale;
-  json["runs"] = nlohmann::ordered_json::array();
-  for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
-  return json;
-}
+
+  // Without A4 and with it, as asked for, until a signal comes.
+  Result<std::vector<ExplorationRun>> explore_and_write(
+      const RunCommand& command, const PreparedRun& prepared, const OutputFiles& files) {
+    const StopFlag& stop = signal_flag();
+    std::vector<ExplorationRun> runs;
+    for (const bool a4 : {false, true}) {
+      if (!command.wants(a4)) continue;
+      if (stop.requested()) break;
+      RunSetup setup = prepared.setup;
+      setup.haptics.a4.enabled = a4;
+      const ProgressBar bar(a4 ? "with A4   " : "without A4");
+      Result<ExplorationRun> run = explore(
+          prepared.scene, setup, command.exploration, [&](double share) { bar.show(share); },
+          &stop);
+      if (!run) return with_path(run.error(), command.scene.path);
+      if (run->records.empty()) break;
+      if (const auto error = write_run(*run, files)) return *error;
+      runs.push_back(std::move(*run));
+    }
+    return runs;
+  }
+
+  // Of runs that ended by themselves and are not comparable.
+  std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
+                                    const std::vector<ExplorationRun>& runs) {
+    if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
+    const ProgressBar bar("what to try");
+    return advise(
+        command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
+  }
 
 }  // namespace
 
@@ -127,6 +207,8 @@ int replay(const ReplayCommand& command) {
   tell_what_was_not_understood(*scene);
   const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
   if (!result) return refuse(result.error());
+  // Now there is something to put in order: the file comes whole.
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (!command.trace.empty()) {
     if (const auto error = write_trace(command.trace, result->records, result->steps_ns)) {
       return refuse(*error);
@@ -138,50 +220,36 @@ int replay(const ReplayCommand& command) {
     std::cout << command.scene.path << ", " << command.trajectory << "\n"
               << summary_text(result->summary, *scene);
   }
-  return finish_output();
+  return exit_code_after_signals(finish_output());
 }
 
 int run(const RunCommand& command) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
-  const Scene& scene = prepared->scene;
-  tell_what_was_not_understood(scene);
-  if (const auto error = make_out_folder(command.out_dir)) return refuse(*error);
-  std::vector<ExplorationRun> runs;
-  for (const bool a4 : {false, true}) {
-    if (!command.wants(a4)) continue;
-    RunSetup setup = prepared->setup;
-    setup.haptics.a4.enabled = a4;
-    const ProgressBar bar(a4 ? "with A4   " : "without A4");
-    Result<ExplorationRun> run =
-        explore(scene, setup, command.exploration, [&](double share) { bar.show(share); });
-    if (!run) return refuse(with_path(run.error(), command.scene.path));
-    const std::string trace = command.out_dir + (a4 ? "/trace-on.csv" : "/trace-off.csv");
-    if (const auto error = write_trace(trace, run->records, run->steps_ns)) return refuse(*error);
-    if (const auto error = write_way(*run, command.out_dir)) return refuse(*error);
-    runs.push_back(std::move(*run));
-  }
-  const std::string name = std::filesystem::path(command.scene.path).filename().string();
-  const auto picture = write_path_picture(runs, name, command.out_dir + "/paths.svg");
-  if (!picture) std::cerr << "palpate: " << picture.error().to_string() << "\n";
+  tell_what_was_not_understood(prepared->scene);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<OutputFiles> files = OutputFiles::create(command.out_dir, run_file_names());
+  if (!files) return refuse(files.error());
+  const auto done = explore_and_write(command, *prepared, *files);
+  if (!done) return refuse(done.error());
+  const std::vector<ExplorationRun>& runs = *done;
+  if (runs.empty()) return tell_nothing_was_done();
+  const bool has_picture = draw(runs, command.scene.path, *files);
+  if (const auto error = move_into_place(*files)) return refuse(*error);
   if (!runs.front().realtime_note.empty()) {
     std::cerr << "palpate: " << runs.front().realtime_note << "\n";
   }
-  const bool is_comparable = are_comparable(runs);
-  std::optional<Advice> advice;
-  if (!is_comparable) {
-    const ProgressBar bar("what to try");
-    advice = advise(command, *prepared, runs, [&](double share) { bar.show(share); });
-  }
+  const std::optional<Advice> advice = find_advice(command, *prepared, runs);
+  if (signal_flag().requested()) tell_interrupted(runs);
   if (command.json) {
     print(runs_json(command, *prepared, runs, advice));
   } else {
-    std::cout << judgement_text(runs, advice) << run_heading(command, *prepared)
-              << runs_text(runs, scene) << "traces" << (picture ? " and paths.svg" : "") << " in "
-              << command.out_dir << "/\n";
+    if (!signal_flag().requested()) std::cout << judgement_text(runs, advice);
+    std::cout << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
+              << (has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }
   const int code = finish_output();
-  return code == 0 && !is_comparable ? kNotComparable : code;
+  return exit_code_after_signals(code == 0 && !are_comparable(runs) ? kNotComparable : code);
 }
 
 }  // namespace palpate

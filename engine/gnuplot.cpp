@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <spawn.h>
@@ -70,13 +71,36 @@ class Streams {
   posix_spawn_file_actions_t actions_;
 };
 
+// A process that Ctrl-C in its terminal does not end: who started it says when to stop.
+class Unsignalled {
+ public:
+  Unsignalled() {
+    sigset_t blocked;
+    sigemptyset(&blocked);
+    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&blocked, signal);
+    posix_spawnattr_init(&attributes_);
+    posix_spawnattr_setsigmask(&attributes_, &blocked);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
+  }
+  ~Unsignalled() { posix_spawnattr_destroy(&attributes_); }
+  Unsignalled(const Unsignalled&) = delete;
+  Unsignalled& operator=(const Unsignalled&) = delete;
+
+  const posix_spawnattr_t* get() const { return &attributes_; }
+
+ private:
+  posix_spawnattr_t attributes_;
+};
+
 // The exit code of gnuplot, kNotFound without one.
 int run_gnuplot(const Streams& streams) {
   std::array<char, 8> name = {"gnuplot"};
   std::array<char, 3> no_settings = {"-d"};
   const std::array<char*, 3> arguments = {name.data(), no_settings.data(), nullptr};
   pid_t process = 0;
-  if (posix_spawnp(&process, name.data(), streams.get(), nullptr, arguments.data(), environ) != 0) {
+  const Unsignalled unsignalled;
+  if (posix_spawnp(&process, name.data(), streams.get(), unsignalled.get(), arguments.data(),
+                   environ) != 0) {
     return kNotFound;
   }
   int status = 0;

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "engine/commands.h"
+#include "engine/program_signals.h"
 
 namespace {
 
@@ -233,6 +234,7 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  palpate::take_signals();
   try {
     return run_program(argc, argv);
   } catch (const std::exception& error) {  // out of memory, say

@@ -46,7 +46,7 @@ RunCommand changed(RunCommand command, const Changes& changes) {
 }
 
 // Both runs, or the one that was asked for, in simulated time.
-std::optional<std::vector<ExplorationRun>> try_run(RunCommand command) {
+std::optional<std::vector<ExplorationRun>> try_run(RunCommand command, const StopFlag* stop) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return std::nullopt;
   command.exploration.virtual_time = true;
@@ -55,8 +55,9 @@ std::optional<std::vector<ExplorationRun>> try_run(RunCommand command) {
     if (!command.wants(a4)) continue;
     RunSetup setup = prepared->setup;
     setup.haptics.a4.enabled = a4;
-    auto run = explore(prepared->scene, setup, command.exploration, [](double) {});
-    if (!run) return std::nullopt;
+    auto run = explore(
+        prepared->scene, setup, command.exploration, [](double) {}, stop);
+    if (!run || run->interrupted) return std::nullopt;
     runs.push_back(std::move(*run));
   }
   return runs;
@@ -159,16 +160,18 @@ class Candidates {
 }  // namespace
 
 std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
-                             const std::vector<ExplorationRun>& runs, const Progress& progress) {
+                             const std::vector<ExplorationRun>& runs, const Progress& progress,
+                             const StopFlag* stop) {
   constexpr double kFarther = 0.05;
   const std::vector<Changes> candidates = Candidates(command, prepared, runs).list();
   const std::size_t triangles = prepared.scene.statistics().instanced_triangles;
   std::optional<Advice> best;
   std::size_t loaded = 0;
   for (std::size_t i = 0; i < candidates.size() && loaded <= kMostTriangles; ++i) {
+    if (stop && stop->requested()) break;
     progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
     loaded += triangles;
-    const auto tried = try_run(changed(command, candidates[i]));
+    const auto tried = try_run(changed(command, candidates[i]), stop);
     if (!tried) continue;
     const double least = least_way_share(*tried);
     const bool ends_comparable = are_comparable(*tried);

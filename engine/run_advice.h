@@ -22,9 +22,10 @@ struct Advice {
 // Tries other options in simulated time, one after the other in a fixed order: more time, a larger
 // scene, other planes, single nodes, another number of sensors. Returns the first with which the
 // runs are comparable; else the one with which the hand gets farthest, if that is farther than the
-// runs got. Not for the haptic thread.
+// runs got. Ends when it is asked to stop, with what it has found. Not for the haptic thread.
 std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
-                             const std::vector<ExplorationRun>& runs, const Progress& progress);
+                             const std::vector<ExplorationRun>& runs, const Progress& progress,
+                             const StopFlag* stop = nullptr);
 
 // That runs are not comparable, why, and what to try; empty for runs that are.
 std::string judgement_text(const std::vector<ExplorationRun>& runs,

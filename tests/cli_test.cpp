@@ -14,6 +14,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -453,6 +454,82 @@ TEST_F(CommandLine, RefusesToWriteWhereItMayNot) {
   expect_refused(replay({"--out", "/proc/trace.csv"}), {"/proc/trace.csv"});
   expect_refused({"run", kStar, "--virtual", "--out", "/proc/out"}, {"/proc/out"});
   expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", "/proc"}, {"/proc"});
+}
+
+// While it lives, no file of a process that is started grows beyond this, as on a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limited{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limited);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+std::vector<std::string> files_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    names.push_back(entry.path().lexically_relative(folder).string());
+  }
+  return sorted(names);
+}
+
+TEST_F(CommandLine, LeavesWhatWasThereWhenADiskIsFull) {
+  write_path();
+  const std::vector<std::string> names{"a4_step.svg", "raw.csv", "trace-off.csv", "trace-on.csv"};
+  for (const std::string& name : names) folder.write("out/" + name, "old");
+  const FileSizeLimit limit(2000);
+  for (const char* out : {"out", "new/er"}) {
+    expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", out},
+                   {std::string(out) + "/trace-off.csv: cannot be written"});
+    expect_refused({"accuracy", "--quick", "--knob", "a4_step", "--out", out},
+                   {std::string(out) + "/raw.csv: cannot be written"});
+  }
+  expect_refused(replay({"--out", folder.path("out/trace-on.csv")}),
+                 {"out/trace-on.csv: cannot be written"});
+  EXPECT_EQ(files_in(folder.path("out")), names);
+  for (const std::string& name : names) EXPECT_EQ(content_of(folder.path("out/" + name)), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder.path("new")));
+}
+
+TEST_F(CommandLine, RemovesItsOlderResultsAndNothingElse) {
+  const std::vector<std::string> others{"notes.txt", "raw.csv", "trace-on.csv.bak"};
+  for (const std::string& name : others) folder.write("out/" + name, "mine");
+  const std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "2", "--out", "out"};
+  const auto results = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = run;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_done(arguments);
+    std::vector<std::string> names = files_in(folder.path("out"));
+    for (const std::string& other : others) {
+      EXPECT_EQ(std::erase(names, other), 1u) << other;
+      EXPECT_EQ(content_of(folder.path("out/" + other)), "mine");
+    }
+    return names;
+  };
+  EXPECT_EQ(results({}), sorted({"contour-off.csv", "contour-on.csv", "paths.svg", "trace-off.csv",
+                                 "trace-on.csv"}));
+  EXPECT_EQ(results({"--a4", "on"}), sorted({"contour-on.csv", "paths.svg", "trace-on.csv"}));
+  EXPECT_EQ(results({"--sensors", "3", "--a4", "off"}),
+            sorted({"paths.svg", "places-off.csv", "trace-off.csv"}));
+  const std::vector<std::string> before = files_in(folder.path("out"));
+  expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--plane-height", "1"},
+                 {"--plane-height"});
+  EXPECT_EQ(files_in(folder.path("out")), before) << "of a run that failed";
+}
+
+TEST_F(CommandLine, LeavesNoFolderOfACommandThatFailed) {
+  expect_refused({"run", kStar, "--virtual", "--plane-height", "1", "--out", "a/b/c"},
+                 {"--plane-height"});
+  expect_refused({"run", "missing.glb", "--virtual", "--out", "a/b/c"}, {"missing.glb"});
+  expect_refused({"accuracy", "missing.glb", "--out", "a/b/c"}, {"missing.glb"});
+  EXPECT_FALSE(std::filesystem::exists(folder.path("a")));
 }
 
 TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
@@ -1032,8 +1109,9 @@ TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
 TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   const Outcome o = expect_done({"run", kStar, "--virtual", "--json"});
   const json result = json::parse(o.out);
-  EXPECT_EQ(keys_of(result), sorted({"comparable", "plane_height_m", "reasons", "runs", "scale",
-                                     "try", "workspace_m"}));
+  EXPECT_EQ(keys_of(result), sorted({"comparable", "interrupted", "plane_height_m", "reasons",
+                                     "runs", "scale", "try", "workspace_m"}));
+  EXPECT_EQ(result["interrupted"], false);
   EXPECT_EQ(result["comparable"], true);
   EXPECT_TRUE(result["reasons"].empty());
   EXPECT_TRUE(result["try"].is_null());
@@ -1049,6 +1127,7 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
     EXPECT_EQ(run["triangles"], 36);
     EXPECT_GE(run["way_share"], 0.99);
     EXPECT_EQ(run["comparable"], true);
+    EXPECT_EQ(run["interrupted"], false);
     EXPECT_EQ(run["missed_deadlines"], 0);
     EXPECT_EQ(run["device_extent_m"].size(), 3u);
   }

@@ -1,0 +1,261 @@
+#!/usr/bin/env python3
+"""Ctrl-C at any instant leaves no half of anything.
+
+interruption_test.py PALPATE MODELS_DIR
+
+Sends SIGINT or SIGTERM, as a terminal does to the whole process group, at random instants of `run` in
+real time and virtual time, of `replay` and of `accuracy`. The folder of results holds files of an
+older run before. Checks the exit code, that every line of every CSV file is whole, that no file of the
+older run stands beside new ones, that nothing else in the folder has changed, and that JSON and traces
+agree. Random instants come from PALPATE_SEED, which is printed when a check fails.
+"""
+
+import itertools
+import json
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SEED = int(os.environ.get("PALPATE_SEED", "20"))
+
+# Of each kind of run, interrupted by a signal that came before its end.
+INTERRUPTIONS = 20
+
+OLD = "of an older run\n"
+RUN_FILES = ["trace-on.csv", "trace-off.csv", "contour-on.csv", "contour-off.csv", "places-on.csv",
+             "places-off.csv", "paths.svg"]
+BYSTANDERS = ["notes.txt", "trace-on.csv.bak", ".palpate-notes", "scene.csv"]
+
+
+class Failure(Exception):
+    pass
+
+
+def check(condition, message):
+    if not condition:
+        raise Failure(message)
+
+
+def takes_signals(process):
+    """Whether the program has come so far that it handles SIGINT: before, the system ends it."""
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return int(caught.split()[1], 16) >> (signal.SIGINT - 1) & 1
+
+
+def interrupted(command, folder, delays_s, number):
+    """Exit code, stdout and stderr of the command, and whether it lived when the last signal came."""
+    process = subprocess.Popen([str(part) for part in command], cwd=folder, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               start_new_session=True)
+    while process.poll() is None and not takes_signals(process):
+        time.sleep(0.0005)
+    lived = True
+    for delay_s in delays_s:
+        time.sleep(delay_s)
+        lived = process.poll() is None
+        if lived:
+            os.killpg(process.pid, number)
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err, lived
+
+
+def check_table(path, is_old_allowed):
+    text = path.read_text()
+    if text == OLD:
+        check(is_old_allowed, f"{path.name} is of an older run")
+        return 0
+    check(text.endswith("\n"), f"the last line of {path.name} is not whole: {text[-80:]!r}")
+    header, *rows = text.splitlines()
+    fields = header.count(",")
+    for number, row in enumerate(rows):
+        check(row.count(",") == fields, f"{path.name}, row {number}: {row!r}")
+        if path.name.startswith("trace-"):
+            check(row.split(",")[0] == str(number), f"{path.name}, row {number}: {row!r}")
+    return len(rows)
+
+
+def check_picture(path, is_old_allowed):
+    text = path.read_text()
+    if text == OLD:
+        check(is_old_allowed, f"{path.name} is of an older run")
+        return
+    check("<svg" in text and text.rstrip().endswith("</svg>"), f"{path.name} is not whole")
+
+
+def check_results(out, stdout, is_old_allowed):
+    """What is in the folder, and that the JSON on stdout tells of it."""
+    for name in BYSTANDERS:
+        check((out / name).read_text() == OLD, f"{name} has changed")
+    left = {path.name for path in out.iterdir()} - set(BYSTANDERS)
+    hidden = {name for name in left if name.startswith(".palpate-unfinished-")}
+    check(left - hidden <= set(RUN_FILES), f"unknown files: {left}")
+    rows = {}
+    for name in left - hidden:
+        if name.endswith(".svg"):
+            check_picture(out / name, is_old_allowed)
+        else:
+            rows[name] = check_table(out / name, is_old_allowed)
+    if not stdout:
+        return hidden
+    told = json.loads(stdout)
+    for run in told["runs"]:
+        name = "trace-on.csv" if run["a4"] else "trace-off.csv"
+        check(rows.pop(name) == run["ticks"], f"{name} has not the ticks that are told")
+    check(not any(name.startswith("trace-") for name in rows), f"traces too many: {rows}")
+    check(not hidden, f"left behind: {hidden}")
+    return hidden
+
+
+def prepare(out):
+    out.mkdir(exist_ok=True)
+    for name in RUN_FILES + BYSTANDERS:
+        (out / name).write_text(OLD)
+
+
+def seconds_of(command, folder):
+    begin = time.monotonic()
+    done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True)
+    check(done.returncode == 0, f"{done.returncode}: {done.stderr!r}")
+    return time.monotonic() - begin
+
+
+def check_runs(palpate, models, folder, generator, options):
+    """INTERRUPTIONS of a run, each by one signal. Some find it loading, some writing, some done."""
+    command = [palpate, "run", models / "star.glb", "--json", "--out", "out", *options]
+    out = folder / "out"
+    prepare(out)
+    whole_s = seconds_of(command, folder)
+    seen = {"nothing written": 0, "cut": 0, "whole": 0, "too late": 0}
+    signals = itertools.cycle((signal.SIGINT, signal.SIGTERM))
+    while sum(seen.values()) - seen["too late"] < INTERRUPTIONS:
+        check(seen["too late"] < 10 * INTERRUPTIONS, f"signals come too late: {seen}")
+        prepare(out)
+        number = next(signals)
+        code, stdout, stderr, lived = interrupted(command, folder,
+                                                  [generator.uniform(0.0, whole_s)], number)
+        if code == 0:  # it was on its last way out, or gone
+            seen["too late"] += 1
+            check_results(out, stdout, is_old_allowed=False)
+            continue
+        check(lived, f"exit code {code} without a signal: {stderr}")
+        check(code == 128 + number, f"exit code {code} after signal {number}: {stderr}")
+        check("interrupted" in stderr or json.loads(stdout)["interrupted"] is False, stderr)
+        hidden = check_results(out, stdout, is_old_allowed=not stdout)
+        check(not hidden, f"left behind: {hidden}")
+        if not stdout:
+            seen["nothing written"] += 1
+            check(all((out / name).read_text() == OLD for name in RUN_FILES), "old files changed")
+            continue
+        was_cut = any(run["interrupted"] for run in json.loads(stdout)["runs"])
+        seen["cut" if was_cut else "whole"] += 1
+    check(seen["cut"] > 0, f"no run was cut: {seen}")
+    print(" ".join(options), seen)
+
+
+def check_second_signals(palpate, models, folder, generator):
+    """A second signal ends it at once, whatever it is doing; what is left goes with the next run."""
+    command = [palpate, "run", models / "star.glb", "--json", "--out", "out", "--virtual",
+               "--seconds", "60"]
+    out = folder / "out"
+    prepare(out)
+    whole_s = seconds_of(command, folder)
+    for _ in range(INTERRUPTIONS):
+        prepare(out)
+        delays_s = [generator.uniform(0.0, whole_s), generator.uniform(0.0, 0.02)]
+        code, stdout, stderr, _ = interrupted(command, folder, delays_s, signal.SIGINT)
+        check(code in (0, 130), f"exit code {code}: {stderr}")
+        is_cut = bool(stdout) and not stdout.endswith("}\n")
+        check_results(out, "" if is_cut else stdout, is_old_allowed=not stdout)
+        fates = {(out / name).read_text() == OLD for name in RUN_FILES if (out / name).exists()}
+        check(len(fates) == 1, "files of two runs beside each other")
+    seconds_of(command, folder)
+    check(not list(out.glob(".palpate-unfinished-*")), "a hidden folder outlives the next run")
+
+
+def check_killed(palpate, models, folder, generator):
+    """SIGKILL leaves the older files, or the new ones, and the next run cleans up behind it."""
+    command = [palpate, "run", models / "star.glb", "--virtual", "--out", "deep/out", "--seconds",
+               "30"]
+    whole_s = seconds_of(command, folder)
+    out = folder / "deep" / "out"
+    for _ in range(10):
+        prepare(out)
+        interrupted(command, folder, [generator.uniform(0.0, whole_s)], signal.SIGKILL)
+        left = [out / name for name in RUN_FILES if (out / name).exists()]
+        check(len({path.read_text() == OLD for path in left}) <= 1, "files of two runs")
+        for path in left:
+            if path.suffix == ".csv":
+                check_table(path, is_old_allowed=True)
+    seconds_of(command, folder)
+    check(not list(out.glob(".palpate-unfinished-*")), "a hidden folder outlives the next run")
+
+
+def check_replays(palpate, models, folder, generator):
+    """The trace is the older one or the new one, and nothing is beside it."""
+    ticks = 60000
+    (folder / "path.txt").write_text("".join(
+        f"{0.12 - 0.1 * (n % 1000) / 1000:.6f} {1e-6 * n:.6f} 0\n" for n in range(ticks)))
+    place = folder / "replayed"
+    place.mkdir()
+    command = [palpate, "replay", models / "star.glb", "--trajectory", "path.txt", "--json", "--out",
+               "replayed/trace.csv"]
+    whole_s = seconds_of(command, folder)
+    for _ in range(INTERRUPTIONS):
+        (place / "trace.csv").write_text(OLD)
+        code, _, stderr, _ = interrupted(command, folder, [generator.uniform(0.0, whole_s)],
+                                         signal.SIGINT)
+        check(code in (0, 130), f"exit code {code}: {stderr}")
+        check([path.name for path in place.iterdir()] == ["trace.csv"], "something is left behind")
+        check(check_table(place / "trace.csv", is_old_allowed=code != 0) in (0, ticks), "rows")
+    for _ in range(5):
+        interrupted(command, folder, [generator.uniform(0.0, whole_s)], signal.SIGKILL)
+    seconds_of(command, folder)
+    check([path.name for path in place.iterdir()] == ["trace.csv"], "a killed replay leaves files")
+
+
+def check_studies(palpate, folder, generator):
+    command = [palpate, "accuracy", "--quick", "--knob", "a4_step", "--out", "study/new"]
+    whole_s = seconds_of(command, folder)
+    study = folder / "study" / "new"
+    check({path.name for path in study.iterdir()} == {"raw.csv", "report.html", "a4_step.svg"},
+          f"{list(study.iterdir())}")
+    before = {path.name: path.read_text() for path in study.iterdir()}
+    for _ in range(6):
+        code, _, stderr, _ = interrupted(command, folder, [generator.uniform(0.0, whole_s)],
+                                         signal.SIGINT)
+        check(code in (0, 130), f"exit code {code}: {stderr}")
+        now = {path.name: path.read_text() for path in study.iterdir()}
+        check(now.keys() == before.keys(), f"{now.keys()}")
+        check(code == 0 or now == before or all(now[name] != before[name]
+                                                for name in ("raw.csv", "report.html")),
+              "files of two studies")
+        before = now
+
+
+def main():
+    palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+    for number in (signal.SIGINT, signal.SIGTERM):  # whoever runs this may have them ignored
+        signal.signal(number, signal.SIG_DFL)
+    generator = random.Random(SEED)
+    try:
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            check_runs(palpate, models, folder, generator, ["--virtual", "--seconds", "60"])
+            check_runs(palpate, models, folder, generator,
+                       ["--virtual", "--seconds", "20", "--sensors", "3", "--actuators", "2"])
+            check_runs(palpate, models, folder, generator, ["--seconds", "2"])
+            check_second_signals(palpate, models, folder, generator)
+            check_killed(palpate, models, folder, generator)
+            check_replays(palpate, models, folder, generator)
+            check_studies(palpate, folder, generator)
+    except Failure as failure:
+        sys.exit(f"PALPATE_SEED={SEED}: {failure}")
+
+
+main()
