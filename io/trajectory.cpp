@@ -22,6 +22,10 @@ constexpr std::size_t kMaxColumns = 4;
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr const char* kLineHint = "write \"x y z\" or \"t x y z\" a line, decimals with a point";
+constexpr const char* kTraceHint = "record the trace again, or cut the line out";
+
+// Of a trace, in the order of x, y and z.
+constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -77,8 +81,8 @@ Number parse_number(std::string_view field) {
   return {NumberKind::kNumber, value};
 }
 
-// The columns of a header. Its names may hold blanks ("x (m)") where commas separate them.
-std::vector<std::string_view> header_columns(std::string_view line) {
+// What commas separate, with any blanks or nothing between them; without a comma as split_fields().
+std::vector<std::string_view> split_columns(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return split_fields(line);
   std::vector<std::string_view> columns;
   for (std::size_t begin = 0; begin <= line.size();) {
@@ -104,11 +108,19 @@ std::string_view known_name(std::string_view column) {
   return {};
 }
 
+// Where a trace has what is read of it.
+struct TraceColumns {
+  std::size_t count = 0;
+  std::array<std::size_t, 3> device{};  // x, y, z
+  std::optional<std::size_t> time;
+};
+
 class TrajectoryReader {
  public:
   explicit TrajectoryReader(const std::string& path) : path_(path) {}
 
-  std::optional<Error> read_line(std::string_view line) {
+  // is_whole: the line ended with a newline.
+  std::optional<Error> read_line(std::string_view line, bool is_whole) {
     ++line_number_;
     if (line_number_ == 1 && line.starts_with(kByteOrderMark)) {
       line.remove_prefix(kByteOrderMark.size());
@@ -118,6 +130,7 @@ class TrajectoryReader {
     const std::vector<std::string_view> fields = split_fields(line);
     const bool may_be_header = std::exchange(at_start_, false);
     if (may_be_header && is_header(fields)) return read_header(line);
+    if (trace_) return read_trace_row(line, is_whole);
     return read_sample(fields);
   }
 
@@ -145,7 +158,13 @@ class TrajectoryReader {
   }
 
   std::optional<Error> read_header(std::string_view line) {
-    const std::vector<std::string_view> columns = header_columns(line);
+    // A name may hold blanks ("x (m)") where commas separate them.
+    const std::vector<std::string_view> columns = split_columns(line);
+    for (const std::string_view name : kDeviceColumns) {
+      if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
+        return read_trace_header(columns);
+      }
+    }
     bool speaks = false;
     for (const std::string_view column : columns) speaks |= !known_name(column).empty();
     if (!speaks) return std::nullopt;
@@ -162,6 +181,56 @@ class TrajectoryReader {
     }
     column_count_ = columns.size();
     column_line_ = line_number_;
+    return std::nullopt;
+  }
+
+  std::optional<Error> read_trace_header(const std::vector<std::string_view>& columns) {
+    TraceColumns trace;
+    trace.count = columns.size();
+    const auto place_of = [&](std::string_view name) -> std::optional<std::size_t> {
+      const auto found = std::find(columns.begin(), columns.end(), name);
+      const bool is_only =
+          found != columns.end() && std::find(found + 1, columns.end(), name) == columns.end();
+      if (!is_only) return std::nullopt;
+      return static_cast<std::size_t>(found - columns.begin());
+    };
+    for (std::size_t axis = 0; axis < kDeviceColumns.size(); ++axis) {
+      const auto place = place_of(kDeviceColumns[axis]);
+      if (!place) {
+        return error_here("header of a trace, expected device_x, device_y and device_z, once each",
+                          "give a trace as run or replay write it");
+      }
+      trace.device[axis] = *place;
+    }
+    trace.time = place_of("t");
+    trace_ = trace;
+    column_line_ = line_number_;
+    return std::nullopt;
+  }
+
+  std::optional<Error> read_trace_row(std::string_view line, bool is_whole) {
+    const std::vector<std::string_view> fields = split_columns(line);
+    if (!is_whole || fields.size() != trace_->count) {
+      const std::string found =
+          is_whole ? "found " + std::to_string(fields.size()) + " columns" : "is cut off";
+      return error_here(found + ", expected " + std::to_string(trace_->count) + " as in line " +
+                            std::to_string(column_line_) + " and a newline",
+                        kTraceHint);
+    }
+    Vec3 position_m;
+    for (std::size_t axis = 0; axis < trace_->device.size(); ++axis) {
+      const std::size_t place = trace_->device[axis];
+      const Number number = parse_number(fields[place]);
+      if (number.kind != NumberKind::kNumber) return field_error(place, fields[place], number.kind);
+      position_m[static_cast<Eigen::Index>(axis)] = number.value;
+    }
+    if (trace_->time) {
+      const std::string_view field = fields[*trace_->time];
+      const Number time = parse_number(field);
+      if (time.kind != NumberKind::kNumber) return field_error(*trace_->time, field, time.kind);
+      if (auto error = check_time(time.value, field)) return error;
+    }
+    positions_m_.push_back(position_m);
     return std::nullopt;
   }
 
@@ -208,7 +277,8 @@ class TrajectoryReader {
     }
     if (!(time > last_time_)) {
       return error_here("time " + quoted(field) + " does not increase",
-                        "of 4 columns the first is the time; sort the lines by it");
+                        trace_ ? "sort the lines by the column t"
+                               : "of 4 columns the first is the time; sort the lines by it");
     }
     last_time_ = time;
     return std::nullopt;
@@ -219,6 +289,7 @@ class TrajectoryReader {
   bool at_start_ = true;          // no line but empty ones and comments so far
   std::size_t column_count_ = 0;  // 0: not known yet
   std::size_t column_line_ = 0;   // the line it is known from
+  std::optional<TraceColumns> trace_;
   double last_time_ = -std::numeric_limits<double>::infinity();
   std::vector<Vec3> positions_m_;
 };
@@ -243,7 +314,7 @@ Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
   while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
     // gcount() includes the newline, which only the end of the file can lack.
     const auto read = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
-    if (auto error = reader.read_line({line.data(), read})) return *error;
+    if (auto error = reader.read_line({line.data(), read}, !file.eof())) return *error;
   }
   if (file.bad()) {
     return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to its end", ""};

@@ -18,6 +18,11 @@ namespace palpate {
 // ends a line as well as LF. The first line may be a header: no field of it is a number, and names
 // it gives columns (t or time, x, y, z, with or without a unit) agree with the order above.
 //
+// A trace (trace_csv.h) is a trajectory as well, known by its columns device_x, device_y and
+// device_z, in any order among any others: its device positions are read, nan and inf as the
+// samples that they were, and "t" as above. Each line has as many columns as the header and ends
+// with a newline, the last one too, which is cut off otherwise.
+//
 // Whatever the locale, decimals have a point. Anything else is an error that names the line.
 // Thread-safe.
 Result<std::vector<Vec3>> read_trajectory(const std::string& path);

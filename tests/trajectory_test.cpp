@@ -181,6 +181,44 @@ TEST_F(Trajectory, RefusesATimeThatDoesNotIncrease) {
   expect_message("-inf 1 2 3\n", "line 1: ", "finite");
 }
 
+TEST_F(Trajectory, ReadsTheDeviceOfATrace) {
+  for (const char* text : {
+           "tick,t,device_x,device_y,device_z,goal_x,friction,faults,step_ns\n"
+           "0,0,1,-2.5,3e-3,9,none,,90\n1,0.001,4,0,-0.0625,nan,sticks,jump,91\n",
+           "device_z,x,faults,device_x,t,device_y\r\n"
+           "3e-3,7,,1,-5,-2.5\r\n-0.0625,seven,a+b,4,-4,0\r\n",
+           "# of a run\n\ndevice_x, device_y, device_z\n1, -2.5, 3e-3\n4,0,-0.0625\n",
+           "device_x device_y device_z speed\n1 -2.5 3e-3 a\n4 0 -0.0625 b\n",
+       }) {
+    SCOPED_TRACE(text);
+    EXPECT_EQ(positions(text), kTwoPoints);
+  }
+  const auto faults = positions(
+      "device_x,device_y,device_z,faults\nnan,0,1,non_finite_sample\n"
+      "0,-inf,1,non_finite_sample\n");
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_TRUE(std::isnan(faults[0].x()));
+  EXPECT_EQ(faults[1], Vec3(0.0, -kInfinity, 1.0));
+}
+
+TEST_F(Trajectory, RefusesATraceThatIsNotWhole) {
+  const std::string start = "t,device_x,device_y,device_z,faults\n0,1,2,3,\n";
+  expect_message(start + "1,1,2,3", "line 3: ", "is cut off, expected 5 as in line 1");
+  expect_message(start + "1,1,2,3,jum", "line 3: ", "is cut off");
+  expect_message(start + "1,1,2,3\n", "line 3: ", "found 4 columns, expected 5 as in line 1");
+  expect_message(start + "1,1,2,3,,\n2,1,2,3,\n", "line 3: ", "found 6 columns");
+  expect_message(start + "1,1,,3,\n", "line 3: ", "column 3 is empty");
+  expect_message(start + "1,1,two,3,\n", "line 3: ", "column 3 is \"two\"");
+  expect_message(start + "0,1,2,3,\n", "line 3: ", "time \"0\" does not increase");
+  expect_message(start + ",1,2,3,\n", "line 3: ", "column 1 is empty");
+  for (const char* header :
+       {"t,device_x,device_y,goal_z", "device_x,device_y,device_z,device_x", "device_y,x,y,z"}) {
+    expect_message(std::string(header) + "\n1,2,3,4\n", "line 1: ", "device_x, device_y and");
+  }
+  const std::string said = message("device_x,device_y,device_z\n");
+  EXPECT_TRUE(said.starts_with(path_ + ": holds no sample")) << said;
+}
+
 TEST_F(Trajectory, RefusesAFileWithoutSamples) {
   for (const char* text : {"", "\n\n", "# nothing\n", "x y z\n", "\xef\xbb\xbf"}) {
     const std::string said = message(text);
