@@ -14,7 +14,7 @@ bool excludes(const std::string& option, const std::string& other) {
 }  // namespace
 
 std::vector<std::string> with_options(std::vector<std::string> arguments,
-                                      const std::vector<OptionValue>& changes) {
+                                      const std::vector<OptionSetting>& changes) {
   for (const auto& [option, value] : changes) {
     std::vector<std::string> kept;
     for (std::size_t i = 0; i < arguments.size(); ++i) {

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-struct OptionValue {
+struct OptionSetting {
   std::string option;
   std::string value;
 };
@@ -15,7 +15,7 @@ struct OptionValue {
 // The arguments with each option set to its value, in place of what was given for it and for what
 // excludes it. Every option named in changes takes one value, as "--fit 0.2" or "--fit=0.2".
 std::vector<std::string> with_options(std::vector<std::string> arguments,
-                                      const std::vector<OptionValue>& changes);
+                                      const std::vector<OptionSetting>& changes);
 
 // "palpate" and the arguments, quoted for a POSIX shell where they need it.
 std::string shell_line(const std::vector<std::string>& arguments);

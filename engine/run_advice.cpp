@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-using Changes = std::vector<OptionValue>;
+using Changes = std::vector<OptionSetting>;
 
 // Trials end when so many triangles have been loaded: some seconds of work.
 constexpr std::size_t kMostTriangles = 20'000'000;

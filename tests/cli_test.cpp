@@ -360,6 +360,93 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
   expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});
 }
 
+// Digits and nothing else: what the option would take for another number, or for the largest that
+// it knows, is refused by name, with what was expected.
+TEST_F(CommandLine, RefusesCountsThatAreNotWrittenInDigits) {
+  write_path();
+  const std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "2"};
+  const std::vector<std::string> bad{"-1",    "+1",
+                                     "1.0",   "1e2",
+                                     "0x10",  "0b1",
+                                     "1'000", "1_0",
+                                     "1,0",   "1 ",
+                                     " 1",    "1s",
+                                     "one",   "99999999999999999999",
+                                     "-0",    "1;",
+                                     "true",  "inf",
+                                     "nan",   std::string(400, '9')};
+  const auto expect = [&](std::vector<std::string> command, const char* option,
+                          const std::string& range) {
+    for (const std::string& value : bad) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), {option, value});
+      expect_refused(arguments,
+                     {option, "given, expected a whole number", range, value.substr(0, 40)});
+    }
+  };
+  expect(run, "--seed", "from 0 to 18446744073709551615");
+  expect(run, "--sensors", "from 2 to 3");
+  expect(run, "--actuators", "from 0 to 3");
+  expect(run, "--work-budget", "from 1 to 1000000000000");
+  expect(run, "--velocity-window", "from 1 to 63");
+  expect(replay({}), "--repeat", "from 1 to 1000");
+  expect({"accuracy", "--quick"}, "--seed", "from 0 to 18446744073709551615");
+  expect_refused(replay({"--seed=-1"}), {"--seed"});
+  expect_refused({"run", kStar, "--seed", "18446744073709551616"}, {"--seed"});
+  std::vector<std::string> largest = run;
+  largest.insert(largest.end(), {"--seed", "18446744073709551615"});
+  expect_done(largest);
+}
+
+TEST_F(CommandLine, TakesLeadingZerosAsDecimal) {
+  write_path();
+  const auto trace = [&](const char* window) {
+    expect_done(
+        replay({"--damping", "5", "--velocity-window", window, "--out", folder.path("trace.csv")}));
+    return without_last_column(content_of(folder.path("trace.csv")));
+  };
+  EXPECT_EQ(trace("010"), trace("10")) << "an octal number";
+}
+
+TEST_F(CommandLine, RefusesRealNumbersThatAreNoneOrNotFinite) {
+  write_path();
+  const std::vector<std::string> run{"run", kStar, "--virtual"};
+  const std::vector<std::string> accuracy{"accuracy", kStar, "--quick"};
+  const auto expect = [&](const std::vector<std::string>& command, const char* option,
+                          const std::string& range) {
+    for (const char* value :
+         {"nan", "-nan", "inf",   "-inf",   "infinity", "1e999", "-1e999", "1e-999",
+          "1,5", "0x10", "0x1p3", "1.5abc", "1 5",      " 1",    "1 ",     "++1",
+          "+-1", "--1",  ".",     "e5",     "1'000",    "one"}) {
+      std::vector<std::string> arguments = command;
+      arguments.push_back(std::string(option) + "=" + value);
+      expect_refused(arguments, {option, "given, expected a finite number" + range, value});
+    }
+  };
+  for (const char* option : {"--rate", "--stiffness", "--damping", "--radius", "--plane-height",
+                             "--encoder-quantum", "--workspace", "--seconds", "--scale", "--fit"}) {
+    expect(run, option, "");
+  }
+  for (const char* option :
+       {"--rate", "--stiffness", "--damping", "--radius", "--scale", "--fit", "--device-mass",
+        "--device-damping", "--device-friction", "--encoder-quantum"}) {
+    expect(accuracy, option, "");
+  }
+  expect(run, "--seconds", " from 2 to 86400");
+  expect(run, "--rate", " of at least 1");
+  expect(run, "--fit", " above 0");
+  expect(run, "--stiffness", " of at least 0");
+  for (const char* value : {"+0.1", ".1", "1e-1", "0.1", "1E-1"}) {
+    expect_done(replay({"--encoder-quantum", value}));
+  }
+}
+
+TEST_F(CommandLine, RefusesOptionsWithNothingAfterTheEqualsSign) {
+  expect_refused({"run", kStar, "--out=", "--virtual"}, {"--out", "nothing given"});
+  expect_refused({"run", kStar, "--seed=", "5"}, {"--seed", "nothing given"});
+  expect_refused({"run", kStar, "--seed=5", "--seed", "5"}, {"--seed"});
+}
+
 TEST_F(CommandLine, RefusesVelocitiesThatMakeNoSense) {
   write_path();
   for (const char* window : {"0", "-1", "64", "2.5", "long", "99999999999"}) {
@@ -1038,6 +1125,39 @@ TEST_F(CommandLine, ReadsTrajectoriesWithHeaderTimesAndComments) {
                "t,x,y,z\n# a comment\n0,0.12,0,0\n0.5,0.11,0,0 # another\n\n9,0.1,0,0\n");
   const json summary = json::parse(expect_done(replay({"--json"})).out);
   EXPECT_EQ(summary["ticks"], 3);
+}
+
+// All of a trace but the clock: device, goal, proxy, normal, force, pose, friction, faults.
+TEST_F(CommandLine, ReplaysTheTraceOfARunToTheSameTrace) {
+  const std::vector<std::vector<std::string>> devices{
+      {"--sensors", "2", "--actuators", "1", "--damping", "2"},
+      {"--sensors", "2", "--actuated-axes", "0.6 0.8 0", "--damping", "0.5", "--radius", "0.001"},
+      {"--sensors", "3", "--actuators", "2", "--damping", "2", "--rate", "2000"}};
+  for (const auto& device : devices) {
+    for (const char* a4 : {"on", "off"}) {
+      const std::string trace = std::string("out/trace-") + a4 + ".csv";
+      std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "4", "--a4", a4};
+      run.insert(run.end(), device.begin(), device.end());
+      expect_done(run);
+      std::vector<std::string> again{"replay", kStar, "--trajectory", trace,
+                                     "--a4",   a4,    "--out",        "again.csv"};
+      again.insert(again.end(), device.begin(), device.end());
+      expect_done(again);
+      const std::string csv = content_of(folder.path(trace));
+      EXPECT_GE(lines_of(csv).size(), 4001u);
+      EXPECT_TRUE(without_last_column(csv) ==
+                  without_last_column(content_of(folder.path("again.csv"))))
+          << a4 << " " << device[1];
+    }
+  }
+}
+
+TEST_F(CommandLine, ReplaysTheFaultsOfATrace) {
+  folder.write("path.txt", "0.12 0 0\n0.05 0 0\nnan 0 0\n0.05 0 0\n0 inf 0\n0.04 0 0\n");
+  expect_done(replay({"--out", folder.path("first.csv")}));
+  expect_done({"replay", kStar, "--trajectory", "first.csv", "--out", "again.csv"});
+  EXPECT_EQ(without_last_column(content_of(folder.path("again.csv"))),
+            without_last_column(content_of(folder.path("first.csv"))));
 }
 
 TEST_F(CommandLine, TakesTheTimeStepFromTheRateAndNotFromTheFile) {
