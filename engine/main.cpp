@@ -65,6 +65,11 @@ void add_scene(CLI::App& app, palpate::SceneOptions& scene, bool is_required = t
   add_real(app, "--scale", scene.scale, palpate::kAboveZero, "times the size that the file has")
       ->group(kSceneGroup);
   add_fit(app, scene)->group(kSceneGroup);
+  app.add_option(
+         "--pose", scene.pose,
+         "NAME@SECONDS: one animation at one time (\"#number@SECONDS\" as info numbers it); "
+         "otherwise the file's rest pose")
+      ->group(kSceneGroup);
   app.add_option("--material", scene.materials,
                  "NAME.key=value: goes before what the file says of this material; may be repeated")
       ->expected(1)
@@ -231,7 +236,7 @@ void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
       ->take_all();
   add_integer(app, "--seed", command.seed, {}, "of poses, paths and noise");
   CLI::Option* scene = app.get_option("SCENE");
-  for (const char* name : {"--node", "--scale", "--fit", "--material"}) {
+  for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material"}) {
     app.get_option(name)->needs(scene)->group(kAccuracyGroup);
   }
   const auto of_scene = [&](const char* name, double& value, const palpate::RealRange& range,

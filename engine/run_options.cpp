@@ -242,6 +242,7 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   settings.node = options.node;
+  settings.pose = options.pose;
   if (options.scale && options.fit_size_m) {
     return invalid("--fit", "given together with --scale; expected one of them");
   }

@@ -48,6 +48,7 @@ struct SceneOptions {
   std::optional<double> scale;
   std::optional<double> fit_size_m;
   bool fits_workspace = false;  // --fit auto: to the workspace, where it does not fit as it is
+  std::string pose;             // "NAME@SECONDS"; empty: at rest
   std::vector<std::string> materials;  // "NAME.key=value" each
 };
 

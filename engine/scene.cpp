@@ -171,7 +171,7 @@ void add(CleaningReport& sum, const CleaningReport& report) {
 }  // namespace
 
 Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings) {
-  Result<SceneDescription> description = read_gltf(path, {settings.overrides});
+  Result<SceneDescription> description = read_gltf(path, {settings.overrides, settings.pose});
   if (!description) return description.error();
   return compile(std::move(*description), settings);
 }
@@ -225,6 +225,8 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   statistics.nodes = description.tree.size();
   statistics.meshes = description.meshes.size();
   statistics.parse_ms = description.parse_ms;
+  statistics.animations = std::move(description.animations);
+  statistics.pose = description.pose;
   statistics.notes = std::move(description.notes);
   statistics.warnings = std::move(description.warnings);
   scene.materials_ = std::move(description.materials);
@@ -247,6 +249,7 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
     scale_by(statistics.scale, description, placements);
     bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
   }
+  statistics.bounds_scene = bounds;
   statistics.extent_m = bounds.high - bounds.low;
   const double extent_m = statistics.extent_m.maxCoeff();
   if (!statistics.extent_m.allFinite() || extent_m > kLargestExtent_m ||

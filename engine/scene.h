@@ -12,6 +12,7 @@
 #include "engine/scene_effects.h"
 #include "engine/seams.h"
 #include "engine/surface_attributes.h"
+#include "geometry/box.h"
 #include "geometry/memory_breakdown.h"
 #include "geometry/result.h"
 #include "geometry/surface_index.h"
@@ -28,6 +29,9 @@ struct SceneSettings {
   double scale = 1.0;           // of everything, about the origin of the scene; > 0
   double fit_size_m = 0.0;      // > 0: the scale is such that the largest extent becomes this
   std::vector<MaterialOverride> overrides = {};  // when a file is loaded, beside what it says
+  // When a file is loaded: one of its animations at one time, "NAME@SECONDS" or "#number@SECONDS"
+  // (GltfPose::choose); empty: the file's rest pose.
+  std::string pose = {};
 };
 
 // Memory that the indices of a scene may take: a mesh has one for every scale that nodes give it.
@@ -46,6 +50,9 @@ struct SceneStatistics {
   std::size_t seam_nodes = 0;           // that have them
   double scale = 1.0;                   // that the scene was given
   Vec3 extent_m = Vec3::Zero();
+  Box bounds_scene = {Vec3::Zero(), Vec3::Zero()};  // of the extent
+  std::vector<AnimationDescription> animations;     // all of the file
+  std::optional<PoseDescription> pose;              // of one of them; nothing: at rest
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;

@@ -1,11 +1,16 @@
 #include "io/gltf_animation.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_error.h"
 #include "io/gltf_json.h"
+#include "io/gltf_limits.h"
+#include "io/gltf_morph.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -13,222 +18,266 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Section 3.11, table of the channel properties.
-constexpr unsigned kFloatsOrNormalized =
-    kGltfFloats | kGltfNormalizedSigned | kGltfNormalizedUnsigned;
-constexpr GltfNumberFormat kTimes{"SCALAR", kGltfFloats, "times of keyframes"};
-constexpr GltfNumberFormat kTranslations{"VEC3", kGltfFloats, "animated translations"};
-constexpr GltfNumberFormat kRotations{"VEC4", kFloatsOrNormalized, "animated rotations"};
-constexpr GltfNumberFormat kScales{"VEC3", kGltfFloats, "animated scales"};
-constexpr GltfNumberFormat kWeights{"SCALAR", kFloatsOrNormalized, "animated weights"};
+// So many animations are named in a message.
+constexpr std::size_t kMostNamed = 8;
 
-std::string animation_element(std::size_t animation, const std::string& list, std::size_t index) {
-  return gltf_element("animations", animation, list + "/" + std::to_string(index));
+// An array that a JSON object has under a name; null if there is none.
+const Json* array_in(const Json& parent, const char* name) {
+  if (!parent.is_object()) return nullptr;
+  const auto found = parent.find(name);
+  return found == parent.end() || !found->is_array() ? nullptr : &*found;
 }
 
-const Json& animation_json(const GltfAsset& asset, std::size_t animation) {
-  return asset.json["animations"][animation];
-}
-
-// The object that a JSON object has under a name; null if there is none.
 const Json* object_in(const Json& parent, const char* name) {
   if (!parent.is_object()) return nullptr;
   const auto found = parent.find(name);
   return found == parent.end() || !found->is_object() ? nullptr : &*found;
 }
 
-struct Sampler {
-  std::string element;
-  std::size_t input = 0;  // accessors
-  std::size_t output = 0;
-  bool cubic = false;
-};
-
-Result<Sampler> read_sampler(const GltfAsset& asset, std::size_t animation, std::size_t channel) {
-  const Json& json = animation_json(asset, animation);
-  const auto samplers = json.find("samplers");
-  if (samplers == json.end() || !samplers->is_array()) {
-    return gltf_invalid(gltf_element("animations", animation, "samplers"),
-                        "is missing, or not an array");
-  }
-  const auto id = required_id(
-      json["channels"][channel], animation_element(animation, "channels", channel), "sampler",
-      gltf_element("animations", animation, "samplers").c_str(), samplers->size());
-  if (!id) return id.error();
-  const Json& object = (*samplers)[*id];
-  Sampler sampler{animation_element(animation, "samplers", *id)};
-  if (!object.is_object()) return gltf_expected(sampler.element, object, "an object");
-  const std::size_t accessors = asset.model.accessors.size();
-  const auto input = required_id(object, sampler.element, "input", "/accessors", accessors);
-  if (!input) return input.error();
-  const auto output = required_id(object, sampler.element, "output", "/accessors", accessors);
-  if (!output) return output.error();
-  sampler.input = *input;
-  sampler.output = *output;
-  const Json interpolation = object.value("interpolation", Json("LINEAR"));
-  sampler.cubic = interpolation == "CUBICSPLINE";
-  if (!sampler.cubic && interpolation != "LINEAR" && interpolation != "STEP") {
-    return gltf_expected(sampler.element + "/interpolation", interpolation,
-                         "LINEAR, STEP or CUBICSPLINE");
-  }
-  return sampler;
+std::string channel_element(std::size_t animation, std::size_t channel) {
+  return gltf_element("animations", animation, "channels/" + std::to_string(channel));
 }
 
-// Each keyframe has that many elements of the output.
-std::optional<Error> check_counts(const GltfAsset& asset, const Sampler& sampler,
-                                  std::size_t elements_per_key) {
-  const std::size_t keys = asset.model.accessors[sampler.input].count;
-  const std::size_t elements = asset.model.accessors[sampler.output].count;
-  if (elements % elements_per_key == 0 && elements / elements_per_key == keys) return std::nullopt;
-  return gltf_invalid(sampler.element + "/output",
-                      "accessor " + std::to_string(sampler.output) + " has " +
-                          std::to_string(elements) + " elements; expected " +
-                          std::to_string(elements_per_key) + " for each of " +
-                          std::to_string(keys) + " keyframes");
+std::size_t animation_count(const GltfAsset& asset) {
+  const Json* animations = array_in(asset.json, "animations");
+  return animations ? animations->size() : 0;
+}
+
+std::string name_of(const GltfAsset& asset, std::size_t animation) {
+  const Json& json = asset.json["animations"][animation];
+  const auto name = json.is_object() ? json.find("name") : json.end();
+  if (name != json.end() && name->is_string() && !name->get_ref<const std::string&>().empty()) {
+    return name->get<std::string>();
+  }
+  return "animation " + std::to_string(animation);
+}
+
+// The accessor of the times of a channel's keys.
+std::optional<std::size_t> input_of(const GltfAsset& asset, const Json& animation,
+                                    const Json& channel) {
+  const auto id_in = [](const Json& object, const char* name, std::size_t count) {
+    const auto found = object.is_object() ? object.find(name) : object.end();
+    const auto id = found == object.end() ? std::nullopt : whole_number(*found);
+    return id && *id < count ? std::optional<std::size_t>(*id) : std::nullopt;
+  };
+  const Json* samplers = array_in(animation, "samplers");
+  const auto sampler = id_in(channel, "sampler", samplers ? samplers->size() : 0);
+  if (!sampler) return std::nullopt;
+  return id_in((*samplers)[*sampler], "input", asset.model.accessors.size());
+}
+
+// The lengths of animations, which may share their keys.
+class Lengths {
+ public:
+  explicit Lengths(const GltfAsset& asset) : asset_(asset) {}
+
+  std::optional<double> of(const Json& animation) {
+    const Json* channels = array_in(animation, "channels");
+    if (!channels || channels->empty()) return std::nullopt;
+    double largest_s = 0.0;
+    for (const Json& channel : *channels) {
+      const auto input = input_of(asset_, animation, channel);
+      const auto length_s = input ? of_accessor(*input) : std::nullopt;
+      if (!length_s) return std::nullopt;
+      largest_s = std::max(largest_s, *length_s);
+    }
+    return largest_s;
+  }
+
+ private:
+  std::optional<double> of_accessor(std::size_t accessor) {
+    const auto [known, is_new] = known_.try_emplace(accessor);
+    if (is_new) known->second = largest_key_time_s(asset_, accessor, budget_);
+    return known->second;
+  }
+
+  const GltfAsset& asset_;
+  std::size_t budget_ = kMaxGltfKeyTimes;
+  std::map<std::size_t, std::optional<double>> known_;
+};
+
+// "#0 "Walk" of 1.5 s, #1 "Run" of 2 s"
+std::string choices_text(const GltfAsset& asset) {
+  std::vector<std::string> untold;
+  const auto animations = list_animations(asset, untold);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(animations.size(), kMostNamed); ++i) {
+    text += (i > 0 ? ", #" : "#") + std::to_string(i) + " " + gltf_quoted(animations[i].name) +
+            (animations[i].length_s ? " of " + seconds_text(*animations[i].length_s) : "");
+  }
+  if (animations.size() > kMostNamed) {
+    text += " and " + std::to_string(animations.size() - kMostNamed) + " more (palpate info)";
+  }
+  return text;
+}
+
+Error no_such_pose(const GltfAsset& asset, const std::string& asked, const std::string& problem) {
+  const bool has_any = animation_count(asset) > 0;
+  return gltf_error(ErrorCode::kInvalidArgument, "pose " + gltf_quoted(asked), problem,
+                    has_any ? "choose from " + choices_text(asset)
+                            : "the file has no animation; without a pose it is felt at rest");
+}
+
+// "#7" -> 7
+std::optional<std::size_t> number_of(std::string_view name) {
+  if (!name.starts_with('#')) return std::nullopt;
+  std::size_t number = 0;
+  const auto [rest, failed] = std::from_chars(name.data() + 1, name.data() + name.size(), number);
+  if (name.size() < 2 || failed != std::errc() || rest != name.data() + name.size()) {
+    return std::nullopt;
+  }
+  return number;
+}
+
+Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& asked,
+                                   const std::string& name) {
+  const std::size_t count = animation_count(asset);
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (name_of(asset, i) == name) found.push_back(i);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.empty()) {
+    const auto number = number_of(name);
+    if (number && *number < count) return *number;
+    return no_such_pose(
+        asset, asked,
+        gltf_quoted(name) + " is none of the " + std::to_string(count) + " animations of the file");
+  }
+  std::string numbers;
+  for (std::size_t i = 0; i < std::min(found.size(), kMostNamed); ++i) {
+    numbers += (i > 0 ? ", \"#" : "\"#") + std::to_string(found[i]) + "\"";
+  }
+  if (found.size() > kMostNamed) {
+    numbers += " and " + std::to_string(found.size() - kMostNamed) + " more";
+  }
+  return gltf_error(
+      ErrorCode::kInvalidArgument, "pose " + gltf_quoted(asked),
+      gltf_quoted(name) + " is the name of " + std::to_string(found.size()) + " animations",
+      "say which by its number in the file: " + numbers);
+}
+
+Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& asked) {
+  const std::size_t at = asked.rfind('@');
+  if (at == std::string::npos) {
+    return no_such_pose(asset, asked, "has no @ before a time; expected NAME@SECONDS");
+  }
+  if (at == 0) return no_such_pose(asset, asked, "has no name; expected NAME@SECONDS");
+  double time_s = 0.0;
+  const char* end = asked.data() + asked.size();
+  const auto [rest, failed] = std::from_chars(asked.data() + at + 1, end, time_s);
+  if (failed != std::errc() || rest != end || !std::isfinite(time_s) || !(time_s >= 0.0)) {
+    return no_such_pose(asset, asked,
+                        gltf_quoted(asked.substr(at + 1)) +
+                            " is no time; expected a finite number of seconds, 0 or more");
+  }
+  const auto animation = find_animation(asset, asked, asked.substr(0, at));
+  if (!animation) return animation.error();
+  return PoseDescription{static_cast<std::uint32_t>(*animation), time_s};
+}
+
+// What a channel moves.
+struct Target {
+  std::size_t node = 0;
+  GltfPath path = GltfPath::kTranslation;
+  std::size_t weights = 0;
+};
+
+// Nothing if the channel is passed over.
+Result<std::optional<Target>> target_of(const GltfAsset& asset, const Json& channel,
+                                        const std::string& element) {
+  const std::optional<Target> none;
+  const Json* target = object_in(channel, "target");
+  if (!target || !target->contains("path")) return none;
+  constexpr std::pair<const char*, GltfPath> kPaths[] = {{"translation", GltfPath::kTranslation},
+                                                         {"rotation", GltfPath::kRotation},
+                                                         {"scale", GltfPath::kScale},
+                                                         {"weights", GltfPath::kWeights}};
+  const auto* path = std::find_if(std::begin(kPaths), std::end(kPaths),
+                                  [&](const auto& p) { return (*target)["path"] == p.first; });
+  if (path == std::end(kPaths)) return none;
+  const auto node =
+      optional_id(*target, element + "/target", "node", "/nodes", asset.model.nodes.size());
+  if (!node) return node.error();
+  if (!*node) return none;
+  Target found{**node, path->second};
+  const tinygltf::Node& moved = asset.model.nodes[found.node];
+  if (found.path != GltfPath::kWeights) {
+    if (moved.matrix.empty()) return std::optional(found);
+    return gltf_invalid(element + "/target/node",
+                        "node " + std::to_string(found.node) + " has a matrix; an animated node " +
+                            "has translation, rotation and scale instead");
+  }
+  if (moved.mesh < 0) return none;
+  found.weights = morph_target_count(asset, static_cast<std::size_t>(moved.mesh));
+  if (found.weights > 0) return std::optional(found);
+  return gltf_invalid(element + "/target", "animates the weights of a mesh without morph targets");
 }
 
 }  // namespace
 
-Result<GltfAnimations> GltfAnimations::list(const GltfAsset& asset,
-                                            std::vector<std::string>& warnings) {
-  GltfAnimations animations(asset);
-  const auto section = asset.json.find("animations");
-  if (section == asset.json.end()) return animations;
-  if (!section->is_array()) {
+std::vector<AnimationDescription> list_animations(const GltfAsset& asset,
+                                                  std::vector<std::string>& warnings) {
+  std::vector<AnimationDescription> list;
+  if (asset.json.contains("animations") && !array_in(asset.json, "animations")) {
     warnings.push_back("/animations: is not an array and is ignored");
-    return animations;
   }
-  for (std::size_t a = 0; a < section->size(); ++a) {
-    const Json& animation = (*section)[a];
-    if (!animation.is_object() || !animation.contains("channels") ||
-        !animation["channels"].is_array()) {
-      warnings.push_back(gltf_element("animations", a) +
-                         ": has no list of channels and is ignored");
-      continue;
-    }
-    for (std::size_t c = 0; c < animation["channels"].size(); ++c) {
-      if (auto error = animations.add_channel(a, c)) return *error;
-    }
+  Lengths lengths(asset);
+  for (std::size_t i = 0; i < animation_count(asset); ++i) {
+    list.push_back({name_of(asset, i), lengths.of(asset.json["animations"][i])});
   }
-  return animations;
+  return list;
 }
 
-std::optional<Error> GltfAnimations::add_channel(std::size_t animation, std::size_t index) {
-  const Json* target = object_in(animation_json(asset_, animation)["channels"][index], "target");
-  if (!target || !target->contains("path")) return std::nullopt;
-  constexpr std::pair<const char*, Path> kPaths[] = {{"translation", Path::kTranslation},
-                                                     {"rotation", Path::kRotation},
-                                                     {"scale", Path::kScale},
-                                                     {"weights", Path::kWeights}};
-  const auto* path = std::find_if(std::begin(kPaths), std::end(kPaths),
-                                  [&](const auto& p) { return (*target)["path"] == p.first; });
-  if (path == std::end(kPaths)) return std::nullopt;
-  const auto node =
-      optional_id(*target, animation_element(animation, "channels", index) + "/target", "node",
-                  "/nodes", asset_.model.nodes.size());
-  if (!node) return node.error();
-  if (!*node) return std::nullopt;
-  const auto [known, added] =
-      channels_.try_emplace({**node, path->second}, Channel{animation, index, std::nullopt, false});
-  if (added) return std::nullopt;
-  if (known->second.animation != animation) {
-    known->second.overrides_others = true;
-  } else if (!known->second.duplicate) {
-    known->second.duplicate = index;
+Result<GltfPose> GltfPose::choose(const GltfAsset& asset, const std::string& asked,
+                                  std::size_t& pose_work, std::vector<std::string>& warnings) {
+  GltfPose pose;
+  if (asked.empty()) return pose;
+  const auto description = parse_pose(asset, asked);
+  if (!description) return description.error();
+  pose.description_ = *description;
+  const std::size_t animation = description->animation;
+  const Json* channels = array_in(asset.json["animations"][animation], "channels");
+  if (!channels) {
+    return gltf_invalid(gltf_element("animations", animation), "has no list of channels");
   }
-  return std::nullopt;
-}
-
-Result<GltfTrs> GltfAnimations::pose_of(std::size_t node) {
-  GltfTrs pose;
-  const auto translation = sample(node, Path::kTranslation, 1);
-  if (!translation) return translation.error();
-  if (*translation) pose.translation_m = Vec3((*translation)->data());
-  const auto rotation = sample(node, Path::kRotation, 1);
-  if (!rotation) return rotation.error();
-  if (*rotation) pose.rotation = Eigen::Vector4d((*rotation)->data());
-  const auto scale = sample(node, Path::kScale, 1);
-  if (!scale) return scale.error();
-  if (*scale) pose.scale = Vec3((*scale)->data());
+  GltfKeyframes keyframes(asset, animation, description->time_s, pose_work, warnings);
+  std::map<std::pair<std::size_t, GltfPath>, std::size_t> channel_of;
+  for (std::size_t c = 0; c < channels->size(); ++c) {
+    const std::string element = channel_element(animation, c);
+    const auto target = target_of(asset, (*channels)[c], element);
+    if (!target) return target.error();
+    if (!*target) continue;
+    const std::pair key((*target)->node, (*target)->path);
+    if (const auto [first, is_new] = channel_of.emplace(key, c); !is_new) {
+      return gltf_invalid(
+          element + "/target",
+          "is that of channel " + std::to_string(first->second) + ", too; expected each once");
+    }
+    auto value = keyframes.value(c, (*target)->path, (*target)->weights);
+    if (!value) return value.error();
+    pose.values_.emplace(key, std::move(*value));
+  }
   return pose;
 }
 
-Result<std::optional<std::vector<double>>> GltfAnimations::weights_of(std::size_t node,
-                                                                      std::size_t count) {
-  return sample(node, Path::kWeights, count);
+const std::vector<double>* GltfPose::value_of(std::size_t node, GltfPath path) const {
+  const auto found = values_.find({node, path});
+  return found == values_.end() ? nullptr : found->second.get();
 }
 
-Result<std::optional<std::vector<double>>> GltfAnimations::sample(std::size_t node, Path path,
-                                                                  std::size_t width) {
-  const auto found = channels_.find({node, path});
-  if (found == channels_.end()) return std::optional<std::vector<double>>();
-  const Channel& channel = found->second;
-  const std::string element = animation_element(channel.animation, "channels", channel.index);
-  if (path != Path::kWeights && !asset_.model.nodes[node].matrix.empty()) {
-    return gltf_invalid(element + "/target/node", "node " + std::to_string(node) +
-                                                      " has a matrix; an animated node has " +
-                                                      "translation, rotation and scale instead");
-  }
-  if (channel.duplicate) {
-    return gltf_invalid(
-        animation_element(channel.animation, "channels", *channel.duplicate) + "/target",
-        "is that of channel " + std::to_string(channel.index) + ", too; expected each once");
-  }
-  auto value = sample_channel(channel, path, width);
-  if (!value) return value.error();
-  sampled_.insert(channel.animation);
-  overridden_ |= channel.overrides_others;
-  return std::optional(std::move(*value));
+GltfTrs GltfPose::pose_of(std::size_t node) const {
+  GltfTrs pose;
+  if (values_.empty()) return pose;
+  if (const auto* t = value_of(node, GltfPath::kTranslation)) pose.translation_m = Vec3(t->data());
+  if (const auto* r = value_of(node, GltfPath::kRotation))
+    pose.rotation = Eigen::Vector4d(r->data());
+  if (const auto* s = value_of(node, GltfPath::kScale)) pose.scale = Vec3(s->data());
+  return pose;
 }
 
-Result<std::vector<double>> GltfAnimations::sample_channel(const Channel& channel, Path path,
-                                                           std::size_t width) {
-  const auto sampler = read_sampler(asset_, channel.animation, channel.index);
-  if (!sampler) return sampler.error();
-  if (width == 0) {
-    return gltf_invalid(animation_element(channel.animation, "channels", channel.index) + "/target",
-                        "animates the weights of a mesh without morph targets");
-  }
-  if (auto error = check_counts(asset_, *sampler, sampler->cubic ? 3 * width : width)) {
-    return *error;
-  }
-  const auto times = read_numbers(asset_, sampler->input, kTimes, 1);
-  if (!times) return times.error();
-  if (times->front() < 0.0) {
-    return gltf_invalid(sampler->element + "/input",
-                        "accessor " + std::to_string(sampler->input) + " begins at " +
-                            std::to_string(times->front()) + " s; expected 0 or later");
-  }
-  const GltfNumberFormat& format = path == Path::kTranslation ? kTranslations
-                                   : path == Path::kRotation  ? kRotations
-                                   : path == Path::kScale     ? kScales
-                                                              : kWeights;
-  // A keyframe of CUBICSPLINE: all in-tangents, all values, all out-tangents.
-  auto values = read_numbers(asset_, sampler->output, format, sampler->cubic ? 2 * width : width);
-  if (!values) return values;
-  if (sampler->cubic) {
-    values->erase(values->begin(),
-                  values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2));
-  }
-  if (path == Path::kRotation) {
-    if (auto error =
-            check_rotation(Eigen::Vector4d(values->data()), sampler->element + "/output")) {
-      return *error;
-    }
-  }
-  return values;
-}
-
-std::string GltfAnimations::description() const {
-  if (sampled_.empty()) return {};
-  const std::size_t first = *sampled_.begin();
-  const Json name = animation_json(asset_, first).value("name", Json());
-  std::string text = sampled_.size() == 1
-                         ? "time 0 of animation "
-                         : "time 0 of " + std::to_string(sampled_.size()) + " animations, first ";
-  text += name.is_string() ? gltf_quoted(name.get<std::string>()) : std::to_string(first);
-  if (overridden_) text += " (the first in the file counts where several move the same)";
-  return text;
+const std::vector<double>* GltfPose::weights_of(std::size_t node) const {
+  return value_of(node, GltfPath::kWeights);
 }
 
 }  // namespace palpate

@@ -1,69 +1,66 @@
 #pragma once
 
-// The animations of an asset at time 0: the pose in which it is felt.
+// The animations of an asset, and the one pose of them in which it is felt.
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "geometry/result.h"
 #include "io/gltf_accessor.h"
+#include "io/gltf_keyframes.h"
 #include "io/gltf_transform.h"
+#include "io/pose_description.h"
 
 namespace palpate {
 
-// glTF 2.0, section 3.11 and appendix C. No keyframe may lie before time 0, and before the first
-// keyframe its value holds: so the value at time 0 is that of the first keyframe under every
-// interpolation (of the three vectors of CUBICSPLINE the middle one).
+// All animations of the asset, in the order of the file, with the largest time of the keys of their
+// channels' samplers. What is wrong with them is no error here: such a length is not known. Reads
+// no more than kMaxGltfKeyTimes times. A section that is no array is a warning.
+std::vector<AnimationDescription> list_animations(const GltfAsset& asset,
+                                                  std::vector<std::string>& warnings);
+
+// What one animation makes of the nodes that it moves, at one time (glTF 2.0, section 3.11).
 //
-// All animations count. Where several move the same property of the same node, the first in the
-// file does. Channels without a node, and paths other than translation, rotation, scale and weights
-// (KHR_animation_pointer), are passed over.
-//
-// Not thread-safe; one per call of read_gltf(), which must not outlive the asset.
-class GltfAnimations {
+// Channels without a node, paths other than translation, rotation, scale and weights
+// (KHR_animation_pointer), and weights of a node without a mesh are passed over.
+class GltfPose {
  public:
-  // Lists the channels; their data are read when their node is asked for, so that a broken
-  // animation of something that the scene does not contain does no harm. An animation without a
-  // list of channels moves nothing and is a warning.
-  static Result<GltfAnimations> list(const GltfAsset& asset, std::vector<std::string>& warnings);
+  // The rest pose: nodes are where the file has them.
+  GltfPose() = default;
 
-  // What takes the place of the node's own translation, rotation and scale. Refused: a node that
-  // has a matrix, two channels of one animation with the same target, samplers and accessors that
-  // are missing or not as glTF asks for, a rotation that is no unit quaternion, a negative time.
-  Result<GltfTrs> pose_of(std::size_t node);
+  // The pose that is asked for as NAME@SECONDS, or "#number@SECONDS" with the number in the file,
+  // as names may be missing or repeat. The last @ counts; nothing asked for is the rest pose.
+  // Before the first key of a channel that one counts, behind its last key the last one.
+  //
+  // The whole animation is checked, others are not looked at. Refused: an animation that is not
+  // there, a time that is not a finite number of seconds, 0 or more (kInvalidArgument; the hint
+  // says what there is); an animation without channels, a target that is no node, that has a
+  // matrix, or that two channels share; samplers as GltfKeyframes refuses them. pose_work: a
+  // budget; what is read is taken from it.
+  static Result<GltfPose> choose(const GltfAsset& asset, const std::string& asked,
+                                 std::size_t& pose_work, std::vector<std::string>& warnings);
 
-  // What takes the place of the node's own morph weights, of which there are count.
-  Result<std::optional<std::vector<double>>> weights_of(std::size_t node, std::size_t count);
+  // Nothing for the rest pose.
+  const std::optional<PoseDescription>& description() const { return description_; }
 
-  // Which animations made the poses asked for until now: `time 0 of animation "Walk"`. Empty if
-  // none did.
-  std::string description() const;
+  // What takes the place of the node's own translation, rotation and scale.
+  GltfTrs pose_of(std::size_t node) const;
+
+  // What takes the place of the node's own morph weights, as many as its mesh has targets. Null if
+  // nothing does.
+  const std::vector<double>* weights_of(std::size_t node) const;
 
  private:
-  enum class Path { kTranslation, kRotation, kScale, kWeights };
-  struct Channel {
-    std::size_t animation = 0;
-    std::size_t index = 0;                 // in the channels of the animation
-    std::optional<std::size_t> duplicate;  // a channel of this animation with the same target
-    bool overrides_others = false;         // channels of later animations
-  };
+  const std::vector<double>* value_of(std::size_t node, GltfPath path) const;
 
-  explicit GltfAnimations(const GltfAsset& asset) : asset_(asset) {}
-
-  std::optional<Error> add_channel(std::size_t animation, std::size_t index);
-  // The value of the node's path at time 0, width elements; nothing if nothing animates it.
-  Result<std::optional<std::vector<double>>> sample(std::size_t node, Path path, std::size_t width);
-  Result<std::vector<double>> sample_channel(const Channel& channel, Path path, std::size_t width);
-
-  const GltfAsset& asset_;
-  std::map<std::pair<std::size_t, Path>, Channel> channels_;  // by node and path
-  std::set<std::size_t> sampled_;                             // animations
-  bool overridden_ = false;                                   // a channel of a sampled node was
+  std::optional<PoseDescription> description_;
+  // By node and path; channels may share them.
+  std::map<std::pair<std::size_t, GltfPath>, std::shared_ptr<const std::vector<double>>> values_;
 };
 
 }  // namespace palpate

@@ -62,8 +62,11 @@ inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
 // For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the
-// vertices of the morph targets that are decoded, and the numbers of the sets of joints.
+// vertices of the morph targets that are decoded, and the numbers of the sets of joints. For the
+// animation that poses the scene: the elements of its samplers.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
+// Times of keys that are looked at to tell how long animations are.
+inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
 // What a Draco stream may decode to, per byte of it. Its arithmetic coder writes what repeats in
 // almost no space, so the format has no bound of its own; a million triangles in a flat grid, the
 // most regular mesh there is, come to less than 500.

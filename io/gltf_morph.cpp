@@ -44,11 +44,6 @@ Result<std::optional<Weights>> weights_in(const Json& object, const std::string&
   return std::optional(std::move(weights));
 }
 
-std::size_t target_count(const GltfAsset& asset, std::size_t mesh) {
-  const auto& primitives = asset.model.meshes[mesh].primitives;
-  return primitives.empty() ? 0 : primitives.front().targets.size();
-}
-
 std::optional<Error> check_target(const GltfAsset& asset, std::size_t accessor,
                                   const std::string& element, std::size_t vertex_count,
                                   std::size_t pose_work) {
@@ -68,18 +63,22 @@ std::optional<Error> check_target(const GltfAsset& asset, std::size_t accessor,
 
 }  // namespace
 
+std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh) {
+  const auto& primitives = asset.model.meshes[mesh].primitives;
+  return primitives.empty() ? 0 : primitives.front().targets.size();
+}
+
 Result<std::optional<Weights>> own_morph_weights(const GltfAsset& asset, std::size_t node,
-                                                 GltfAnimations& animations) {
+                                                 const GltfPose& pose) {
+  if (const Weights* weights = pose.weights_of(node)) return std::optional(*weights);
   const std::size_t count =
-      target_count(asset, static_cast<std::size_t>(asset.model.nodes[node].mesh));
-  auto weights = animations.weights_of(node, count);
-  if (!weights || *weights) return weights;
+      morph_target_count(asset, static_cast<std::size_t>(asset.model.nodes[node].mesh));
   return weights_in(asset.json["nodes"][node], gltf_element("nodes", node), count);
 }
 
 Result<std::optional<Weights>> default_morph_weights(const GltfAsset& asset, std::size_t mesh) {
   return weights_in(asset.json["meshes"][mesh], gltf_element("meshes", mesh),
-                    target_count(asset, mesh));
+                    morph_target_count(asset, mesh));
 }
 
 std::optional<Error> add_morph_targets(const GltfAsset& asset, const tinygltf::Primitive& primitive,

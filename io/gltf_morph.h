@@ -19,12 +19,15 @@ struct Primitive;
 
 namespace palpate {
 
-// How much each morph target of a mesh counts where a node carries it: the weights of an animation
-// at time 0, else those of the node; nothing if neither gives any. Their number must be that of the
-// targets. The node must have a mesh.
+// How many morph targets a mesh has: those of its first primitive, which all must have.
+std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh);
+
+// How much each morph target of a mesh counts where a node carries it: the weights of the pose,
+// else those of the node; nothing if neither gives any. Their number must be that of the targets.
+// The node must have a mesh.
 Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& asset,
                                                              std::size_t node,
-                                                             GltfAnimations& animations);
+                                                             const GltfPose& pose);
 
 // The weights of a mesh where nodes give none: its own, else none.
 Result<std::optional<std::vector<double>>> default_morph_weights(const GltfAsset& asset,

@@ -101,11 +101,9 @@ void push_all(const std::vector<int>& nodes, const PendingNode& common,
 }
 
 // The transform of a node whose parent is placed.
-Result<AffineTransform> place(const GltfAsset& asset, GltfAnimations& animations,
+Result<AffineTransform> place(const GltfAsset& asset, const GltfPose& pose,
                               const AffineTransform& T_scene_parent, std::size_t node) {
-  const auto pose = animations.pose_of(node);
-  if (!pose) return pose.error();
-  const auto T_parent_node = local_transform(asset.model.nodes[node], node, *pose);
+  const auto T_parent_node = local_transform(asset.model.nodes[node], node, pose.pose_of(node));
   if (!T_parent_node) return T_parent_node.error();
   const AffineTransform T_scene_node = T_scene_parent * *T_parent_node;
   if (!T_scene_node.all_finite()) {
@@ -128,7 +126,7 @@ std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool
 
 }  // namespace
 
-Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animations,
+Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
                                 std::vector<std::string>& warnings) {
   const tinygltf::Model& model = asset.model;
   auto parents = find_parents(model);
@@ -149,7 +147,7 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animatio
     pending.pop_back();
     if (auto error = check_visit(next, visited)) return *error;
     visited[next.node] = true;
-    const auto T_scene_node = place(asset, animations, next.T_scene_parent, next.node);
+    const auto T_scene_node = place(asset, pose, next.T_scene_parent, next.node);
     if (!T_scene_node) return T_scene_node.error();
     const tinygltf::Node& node = model.nodes[next.node];
     const auto tree_node = static_cast<std::uint32_t>(walk.tree.size());
@@ -167,7 +165,7 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animatio
   return walk;
 }
 
-Result<AffineTransform> scene_transform(const GltfAsset& asset, GltfAnimations& animations,
+Result<AffineTransform> scene_transform(const GltfAsset& asset, const GltfPose& pose,
                                         GltfNodeWalk& walk, std::size_t node) {
   std::vector<std::size_t> unplaced;
   for (int id = static_cast<int>(node);
@@ -178,7 +176,7 @@ Result<AffineTransform> scene_transform(const GltfAsset& asset, GltfAnimations& 
   for (auto id = unplaced.rbegin(); id != unplaced.rend(); ++id) {
     const int parent = walk.parents[*id];
     const auto placed = place(
-        asset, animations,
+        asset, pose,
         parent < 0 ? AffineTransform() : *walk.T_scene_nodes[static_cast<std::size_t>(parent)],
         *id);
     if (!placed) return placed.error();

@@ -33,17 +33,17 @@ struct GltfNodeWalk {
   std::vector<std::optional<AffineTransform>> T_scene_nodes;
 };
 
-// Nodes lie where the animations put them at time 0. The ids in the model must be within range (see
+// Nodes lie where the pose puts them. The ids in the model must be within range (see
 // gltf_schema.h). Refused: a node with two parents, a cycle, a node that the scene reaches twice,
 // nodes deeper than kMaxGltfNodeDepth, a broken or overflowing transform. A scene that starts at a
 // child, leaving its parent out, is read from there on, with a warning. Iterative, each node is
 // visited once. Thread-safe.
-Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, GltfAnimations& animations,
+Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
                                 std::vector<std::string>& warnings);
 
 // Where a joint lies: as walked or, if the scene does not reach it, by its own ancestors, which are
 // remembered in the walk. Iterative, each node is placed once.
-Result<AffineTransform> scene_transform(const GltfAsset& asset, GltfAnimations& animations,
+Result<AffineTransform> scene_transform(const GltfAsset& asset, const GltfPose& pose,
                                         GltfNodeWalk& walk, std::size_t node);
 
 }  // namespace palpate

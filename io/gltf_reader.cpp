@@ -158,10 +158,10 @@ class SceneReader {
   }
 
   Result<SceneDescription> run() {
-    auto animations = GltfAnimations::list(asset_, scene_.warnings);
-    if (!animations) return animations.error();
-    animations_ = &*animations;
-    auto walk = walk_nodes(asset_, *animations_, scene_.warnings);
+    auto pose = GltfPose::choose(asset_, options_.pose, budget_.pose_work, scene_.warnings);
+    if (!pose) return pose.error();
+    pose_ = std::move(*pose);
+    auto walk = walk_nodes(asset_, pose_, scene_.warnings);
     if (!walk) return walk.error();
     walk_ = &*walk;
     scene_.tree = std::move(walk->tree);
@@ -183,6 +183,8 @@ class SceneReader {
     scene_.images = images.take();
     if (auto error = read_physics_materials(asset_.json, scene_)) return *error;
     note_variants(asset_.json, scene_.notes);
+    scene_.animations = list_animations(asset_, scene_.warnings);
+    scene_.pose = pose_.description();
     add_notes();
     shorten_warnings();
     return std::move(scene_);
@@ -351,7 +353,7 @@ class SceneReader {
   // The morph weights of a node's mesh; empty if no target moves anything. Those of the mesh are
   // not gone through again for every node: many nodes may share many targets.
   Result<const Weights*> weights_of(std::size_t node) {
-    auto own = own_morph_weights(asset_, node, *animations_);
+    auto own = own_morph_weights(asset_, node, pose_);
     if (!own) return own.error();
     if (*own) {
       if ((*own)->size() > budget_.pose_work) {
@@ -382,19 +384,19 @@ class SceneReader {
     const auto known = skins_.find(skin_id);
     if (known != skins_.end()) return static_cast<const GltfSkin*>(&known->second);
     auto skin = read_skin(asset_, skin_id, kMaxGltfJoints - joint_count_, [&](std::size_t node) {
-      return scene_transform(asset_, *animations_, *walk_, node);
+      return scene_transform(asset_, pose_, *walk_, node);
     });
     if (!skin) return skin.error();
     joint_count_ += skin->T_scene_mesh.size();
     return static_cast<const GltfSkin*>(&skins_.emplace(skin_id, std::move(*skin)).first->second);
   }
 
-  // "pose: time 0 of animation "Walk"; 2 skinned meshes; 1 morphed mesh"
+  // "pose: animation #0 "Walk" at 1.5 s; 2 skinned meshes; 1 morphed mesh"
   void add_notes() {
-    std::string pose = animations_->description();
+    std::string pose = scene_.animations.empty() ? "" : pose_text(scene_.animations, scene_.pose);
     const auto add_count = [&](std::size_t count, const char* what) {
       if (count == 0) return;
-      if (pose.empty()) pose = "at rest";
+      if (pose.empty()) pose = pose_text(scene_.animations, scene_.pose);
       pose += "; " + std::to_string(count) + " " + what + (count == 1 ? " mesh" : " meshes");
     };
     add_count(skinned_meshes_, "skinned");
@@ -427,8 +429,8 @@ class SceneReader {
   std::map<std::size_t, const Weights*> default_weights_;  // by id of the mesh in the file
   std::set<std::pair<std::size_t, bool>> warned_;          // meshes that were read, with a skin?
   std::map<std::size_t, GltfSkin> skins_;                  // by id in the file
-  GltfAnimations* animations_ = nullptr;                   // these three: while run() runs
-  GltfNodeWalk* walk_ = nullptr;
+  GltfPose pose_;
+  GltfNodeWalk* walk_ = nullptr;  // these two: while run() runs
   GltfMaterials* materials_ = nullptr;
   std::size_t joint_count_ = 0;     // of skins_
   std::size_t instance_count_ = 0;  // those left out included

@@ -13,6 +13,9 @@ namespace palpate {
 struct ReadOptions {
   // What is set beside the file, in order: of two for one parameter the later one holds.
   std::vector<MaterialOverride> overrides;
+  // The pose in which the scene is read: "NAME@SECONDS" or "#number@SECONDS" of one animation (see
+  // GltfPose::choose); empty: at rest.
+  std::string pose = {};
 };
 
 // Reads the triangle geometry of a glTF 2.0 asset (.gltf with embedded or external buffers, or
@@ -23,8 +26,9 @@ struct ReadOptions {
 // textureHeight calls for (material_description.h). External files are read only from inside the
 // folder of the asset.
 //
-// Skins, morph targets and animated nodes are read in one pose, that of all animations at time 0
-// (see gltf_animation.h, gltf_skin.h, gltf_morph.h), of which a note tells. A skinned mesh is
+// Skins, morph targets and animated nodes are read in one pose: at rest, which is where the file
+// has its nodes and with its morph weights, or in that of ReadOptions::pose (see gltf_animation.h,
+// gltf_skin.h, gltf_morph.h). A note tells which. A skinned mesh is
 // described in the scene frame. Nodes that share a mesh, a skin and the morph weights share one
 // MeshDescription; otherwise each pose is one of its own.
 //

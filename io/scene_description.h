@@ -13,6 +13,7 @@
 
 #include "geometry/types.h"
 #include "io/material_description.h"
+#include "io/pose_description.h"
 #include "io/transform_product.h"
 
 namespace palpate {
@@ -89,8 +90,10 @@ struct SceneDescription {
   // The extras.palpate of the scene that is read: name "scene", element "/scenes/0/extras/palpate";
   // no parameters if it has none.
   MaterialDescription scene_parameters;
-  std::vector<RegionDescription> regions;  // in depth-first file order
-  std::vector<ImageDescription> images;    // those that TextureReference::pixels refer to
+  std::vector<RegionDescription> regions;        // in depth-first file order
+  std::vector<ImageDescription> images;          // those that TextureReference::pixels refer to
+  std::vector<AnimationDescription> animations;  // all of the file, in its order
+  std::optional<PoseDescription> pose;           // nothing: at rest
   std::vector<std::string> notes;     // what the reader decided, one line each: the pose it took
   std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;

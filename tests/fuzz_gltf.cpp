@@ -151,7 +151,10 @@ std::string joined(const Chunks& chunks) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
-  auto scene = read_gltf_bytes({data, size}, empty_folder(), "fuzz");
+  ReadOptions posed;
+  posed.pose = "#0@0.5";
+  auto scene = read_gltf_bytes({data, size}, empty_folder(), "fuzz", posed);
+  if (!scene) scene = read_gltf_bytes({data, size}, empty_folder(), "fuzz");
   if (!scene) {
     if (scene.error().problem.empty() || scene.error().path != "fuzz") std::abort();
     return 0;

@@ -1,4 +1,4 @@
-// Skins, morph targets and animations at time 0.
+// Skins, morph targets, and poses: at rest, and of one animation at one time.
 
 #include <cmath>
 #include <cstdint>
@@ -604,15 +604,29 @@ TEST(GltfMorph, RefusesBrokenTargetsAndWeights) {
 
 // --- Animations ----------------------------------------------------------------------------------
 
+// The asset in the pose of an animation.
+SceneDescription read_posed(const GltfBuilder& asset, const std::string& pose) {
+  ReadOptions options;
+  options.pose = pose;
+  return read_glb(asset, options);
+}
+
+void expect_invalid_posed(const GltfBuilder& asset, const std::string& pose,
+                          const std::string& element, const std::string& text = {}) {
+  ReadOptions options;
+  options.pose = pose;
+  expect_refused(asset, ErrorCode::kInvalidContent, element, text, options);
+}
+
 constexpr const char* kInterpolations[] = {"LINEAR", "STEP", "CUBICSPLINE"};
 
 // Adds an animation of one channel; a new one if animation is the number of those there are.
-// values: of the first of two keyframes; the second is other.
+// values: of the first of two keyframes; the second is a half, four of which are a rotation.
 void animate(GltfBuilder& asset, std::size_t animation, std::size_t node, const std::string& path,
              const std::vector<float>& values, const std::string& interpolation = "LINEAR",
              float first_time = 0.0f) {
   std::vector<float> output;
-  const std::vector<float> other(values.size(), 0.6f);
+  const std::vector<float> other(values.size(), 0.5f);
   const bool cubic = interpolation == "CUBICSPLINE";
   for (const std::vector<float>& key : {values, other}) {
     if (cubic) output.insert(output.end(), values.size(), 55.0f);
@@ -638,13 +652,13 @@ TEST(GltfAnimation, TakesTheFirstKeyframeOfEveryInterpolation) {
       animate(asset, 0, 0, "rotation", {0, 0, 0.7071068f, 0.7071068f}, interpolation, first_time);
       animate(asset, 0, 0, "scale", {2, 3, 4}, interpolation, first_time);
       asset.json["animations"][0]["name"] = "Walk";
-      const SceneDescription scene = read_glb(asset);
+      const SceneDescription scene = read_posed(asset, "Walk@0");
       Mat3 expected;
       expected << 0, -3, 0, 2, 0, 0, 0, 0, 4;
       EXPECT_EQ(scene.nodes.at(0).linear_scene_mesh, expected);
       EXPECT_EQ(scene.nodes[0].translation_m, Vec3(1, 2, 3));
       EXPECT_EQ(scene.tree.at(0).origin_m, Vec3(1, 2, 3));
-      EXPECT_EQ(scene.notes, (std::vector<std::string>{"pose: time 0 of animation \"Walk\""}));
+      EXPECT_EQ(scene.notes, (std::vector<std::string>{"pose: animation #0 \"Walk\" at 0 s"}));
       EXPECT_TRUE(scene.warnings.empty());
     }
   }
@@ -655,10 +669,10 @@ TEST(GltfAnimation, KeepsWhatItDoesNotAnimate) {
   asset.json["nodes"][0]["translation"] = {9, 8, 7};
   asset.json["nodes"][0]["scale"] = {5, 5, 5};
   animate(asset, 0, 0, "scale", {2, 2, 2});
-  const SceneDescription scene = read_glb(asset);
+  const SceneDescription scene = read_posed(asset, "#0@0");
   EXPECT_EQ(scene.nodes.at(0).linear_scene_mesh, Mat3(2.0 * Mat3::Identity()));
   EXPECT_EQ(scene.nodes[0].translation_m, Vec3(9, 8, 7));
-  EXPECT_EQ(scene.notes.at(0), "pose: time 0 of animation 0");
+  EXPECT_EQ(scene.notes.at(0), "pose: animation #0 \"animation 0\" at 0 s");
 }
 
 template <typename T>
@@ -670,9 +684,9 @@ void check_normalized_rotation(int component_type) {
   asset.json["animations"][0]["samplers"][0]["output"] =
       add_numbers(asset, keys, component_type, "VEC4", true);
   const Mat3 half_turn = Vec3(1, -1, -1).asDiagonal();
-  EXPECT_EQ(read_glb(asset).nodes.at(0).linear_scene_mesh, half_turn);
+  EXPECT_EQ(read_posed(asset, "#0@0").nodes.at(0).linear_scene_mesh, half_turn);
   asset.json["accessors"].back().erase("normalized");
-  expect_invalid(asset, "/accessors/4/componentType", "animated rotations");
+  expect_invalid_posed(asset, "#0@0", "/accessors/4/componentType", "animated rotations");
 }
 
 TEST(GltfAnimation, ReadsNormalisedIntegers) {
@@ -682,20 +696,24 @@ TEST(GltfAnimation, ReadsNormalisedIntegers) {
   check_normalized_rotation<std::uint16_t>(GltfBuilder::kUnsignedShort);
 }
 
-TEST(GltfAnimation, TurnsTheFirstOfTwoClipsAndFillsInFromTheSecond) {
+TEST(GltfAnimation, TakesOneAndNeverMergesTwo) {
   GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"][0]["scale"] = {5, 5, 5};
   animate(asset, 0, 0, "translation", {1, 2, 3});
   animate(asset, 1, 0, "scale", {2, 2, 2});
-  asset.json["animations"][0]["name"] = "Walk";
-  SceneDescription scene = read_glb(asset);
-  EXPECT_EQ(scene.notes.at(0), "pose: time 0 of 2 animations, first \"Walk\"");
   animate(asset, 1, 0, "translation", {7, 7, 7});
-  scene = read_glb(asset);
+  asset.json["animations"][0]["name"] = "Walk";
+  SceneDescription scene = read_posed(asset, "Walk@0");
   EXPECT_EQ(scene.nodes.at(0).translation_m, Vec3(1, 2, 3));
+  EXPECT_EQ(scene.nodes[0].linear_scene_mesh, Mat3(5.0 * Mat3::Identity()));
+  scene = read_posed(asset, "#1@0");
+  EXPECT_EQ(scene.nodes.at(0).translation_m, Vec3(7, 7, 7));
   EXPECT_EQ(scene.nodes[0].linear_scene_mesh, Mat3(2.0 * Mat3::Identity()));
-  EXPECT_EQ(scene.notes.at(0),
-            "pose: time 0 of 2 animations, first \"Walk\" (the first in the file counts where "
-            "several move the same)");
+  scene = read_glb(asset);
+  EXPECT_EQ(scene.nodes.at(0).translation_m, Vec3::Zero());
+  EXPECT_EQ(scene.nodes[0].linear_scene_mesh, Mat3(5.0 * Mat3::Identity()));
+  EXPECT_FALSE(scene.pose);
+  EXPECT_EQ(scene.notes, (std::vector<std::string>{"pose: at rest"}));
 }
 
 TEST(GltfAnimation, MovesAncestorsAndJoints) {
@@ -704,7 +722,7 @@ TEST(GltfAnimation, MovesAncestorsAndJoints) {
   asset.add_child({{"mesh", 0}});
   animate(asset, 0, 3, "translation", {1, 2, 3});
   animate(asset, 0, 1, "translation", {0, 0, 6});
-  const SceneDescription scene = read_glb(asset);
+  const SceneDescription scene = read_posed(asset, "#0@0");
   EXPECT_EQ(scene.meshes.at(0).positions[0], Vec3(0, 0, 6));
   EXPECT_EQ(scene.nodes.at(1).translation_m, Vec3(1, 2, 3));
 }
@@ -715,13 +733,13 @@ TEST(GltfAnimation, SetsMorphWeights) {
     asset.json["nodes"][0]["weights"] = {1, 1};
     asset.json["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     animate(asset, 0, 0, "weights", {0.25, 2}, interpolation);
-    const SceneDescription scene = read_glb(asset);
+    const SceneDescription scene = read_posed(asset, "#0@0");
     EXPECT_EQ(heights(scene), (std::vector<double>{2, 5, 6}));
-    EXPECT_EQ(scene.notes.at(0), "pose: time 0 of animation 0; 1 morphed mesh");
+    EXPECT_EQ(scene.notes.at(0), "pose: animation #0 \"animation 0\" at 0 s; 1 morphed mesh");
   }
   GltfBuilder asset = GltfBuilder::one_triangle();
   animate(asset, 0, 0, "weights", {0.25, 2});
-  expect_invalid(asset, "/animations/0/channels/0/target", "without morph targets");
+  expect_invalid_posed(asset, "#0@0", "/animations/0/channels/0/target", "without morph targets");
 }
 
 TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
@@ -734,23 +752,27 @@ TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
   channels[3] = 5;
   channels[4]["target"]["path"] = 7;
   asset.json["animations"].push_back("none");
-  const SceneDescription scene = read_glb(asset);
+  const SceneDescription scene = read_posed(asset, "#0@0");
   EXPECT_EQ(scene.nodes.at(0).translation_m, Vec3::Zero());
-  EXPECT_TRUE(scene.notes.empty());
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("/animations/1"), std::string::npos);
+  EXPECT_TRUE(scene.warnings.empty());
+  expect_invalid_posed(asset, "#1@0", "/animations/1", "channels");
+  asset.json["animations"] = "none";
+  const SceneDescription at_rest = read_glb(asset);
+  ASSERT_EQ(at_rest.warnings.size(), 1u);
+  EXPECT_TRUE(at_rest.warnings[0].starts_with("/animations: ")) << at_rest.warnings[0];
 }
 
-TEST(GltfAnimation, RefusesBrokenAnimationsOfTheSceneOnly) {
+TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
   const auto expect_broken = [](const std::string& element, const auto& change) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "rotation", {0, 0, 0, 1});
     change(asset, asset.json["animations"][0]);
-    expect_invalid(asset, element);
-    // The same harms nobody where the scene does not go.
-    asset.add_node({{"mesh", 0}});
-    asset.json["scenes"][0]["nodes"] = {1};
+    expect_invalid_posed(asset, "#0@0", element);
+    // The same harms nobody who does not choose it.
     EXPECT_EQ(read_glb(asset).nodes.size(), 1u) << element;
+    asset.add_node({{"mesh", 0}});
+    animate(asset, 1, 1, "translation", {1, 2, 3});
+    EXPECT_EQ(read_posed(asset, "#1@0").nodes.at(1).translation_m, Vec3(1, 2, 3)) << element;
   };
   const auto sampler_with = [](const char* property, const Json& value) {
     return [=](GltfBuilder&, Json& a) { a["samplers"][0][property] = value; };
@@ -794,6 +816,21 @@ TEST(GltfAnimation, RefusesBrokenAnimationsOfTheSceneOnly) {
     a["samplers"][0]["output"] =
         add_floats(asset, {0, 0, 0, std::numeric_limits<float>::quiet_NaN(), 0, 0, 0, 1}, "VEC4");
   });
+  // Not the keys at hand alone have to be sound.
+  expect_broken(sampler + "/output", [](GltfBuilder& asset, Json& a) {
+    a["samplers"][0]["output"] = add_floats(asset, {0, 0, 0, 1, 0, 0, 0, 1.1f}, "VEC4");
+  });
+  expect_broken("/animations/0/samplers/1/output", [](GltfBuilder& asset, Json& a) {
+    a["channels"].push_back(a["channels"][0]);
+    a["channels"][1]["target"]["path"] = "scale";
+    a["channels"][1]["sampler"] = 1;
+    a["samplers"].push_back(a["samplers"][0]);
+    a["samplers"][1]["output"] = add_floats(asset, {1, 1, 1}, "VEC3");
+  });
+  expect_broken("/accessors/4", [](GltfBuilder& asset, Json& a) {
+    a["samplers"][0]["input"] =
+        add_floats(asset, {0, std::numeric_limits<float>::infinity()}, "SCALAR");
+  });
   expect_broken(sampler + "/input", [](GltfBuilder& asset, Json& a) {
     a["samplers"][0]["input"] = add_floats(asset, {-0.5f, 1}, "SCALAR");
   });
@@ -804,11 +841,11 @@ TEST(GltfAnimation, RefusesTargetsThatAreNoNode) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "translation", {1, 2, 3});
     asset.json["animations"][0]["channels"][0]["target"]["node"] = id;
-    expect_invalid(asset, "/animations/0/channels/0/target/node");
+    expect_invalid_posed(asset, "#0@0", "/animations/0/channels/0/target/node");
   }
 }
 
-TEST(GltfAnimation, RefusesKeyframesInWrongOrderWhereItNeedsThem) {
+TEST(GltfAnimation, RefusesSparseElementsInWrongOrder) {
   GltfBuilder asset = morphed_triangle();
   animate(asset, 0, 0, "weights", {0.25, 2});
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint8_t>{1, 1}));
@@ -817,16 +854,16 @@ TEST(GltfAnimation, RefusesKeyframesInWrongOrderWhereItNeedsThem) {
       {"count", 2},
       {"indices", {{"bufferView", where}, {"componentType", GltfBuilder::kUnsignedByte}}},
       {"values", {{"bufferView", values}}}};
-  expect_invalid(asset, "/accessors/4/sparse/indices");
+  expect_invalid_posed(asset, "#0@0", "/accessors/4/sparse/indices");
   asset.json["accessors"][4]["sparse"]["count"] = 1;
-  EXPECT_EQ(heights(read_glb(asset)), (std::vector<double>{1, 3, 3}));
+  EXPECT_EQ(heights(read_posed(asset, "#0@0")), (std::vector<double>{1, 3, 3}));
 }
 
-TEST(GltfAnimation, TakesNoMemoryForKeyframesItDoesNotNeed) {
+TEST(GltfAnimation, TakesNoMemoryForKeyframesThatTheFileDoesNotHold) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   animate(asset, 0, 0, "translation", {1, 2, 3});
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint32_t>{0, 1u << 31}));
-  for (const std::size_t id : {2, 3}) {  // zeros, but for the two keyframes at hand
+  for (const std::size_t id : {2, 3}) {  // zeros, but for two keyframes
     Json& accessor = asset.json["accessors"][id];
     accessor["sparse"] = {
         {"count", 2},
@@ -835,7 +872,10 @@ TEST(GltfAnimation, TakesNoMemoryForKeyframesItDoesNotNeed) {
     accessor.erase("bufferView");
     accessor["count"] = 1ll << 50;
   }
-  EXPECT_EQ(read_glb(asset).nodes.at(0).translation_m, Vec3(1, 2, 3));
+  EXPECT_EQ(read_glb(asset).nodes.at(0).translation_m, Vec3::Zero());
+  ReadOptions options;
+  options.pose = "#0@0";
+  expect_refused(asset, ErrorCode::kLimitExceeded, "/animations/0/samplers/0/input", "", options);
 }
 
 }  // namespace

@@ -13,18 +13,18 @@
 
 namespace palpate::test {
 
-inline SceneDescription read_glb(const GltfBuilder& asset) {
+inline SceneDescription read_glb(const GltfBuilder& asset, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
-  auto scene = read_gltf(asset.write_glb(folder));
+  auto scene = read_gltf(asset.write_glb(folder), options);
   EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().to_string());
   return scene.ok() ? std::move(*scene) : SceneDescription{};
 }
 
 // Must be refused with this code and an error that names the element and, somewhere, the text.
 inline void expect_refused(const GltfBuilder& asset, ErrorCode code, const std::string& element,
-                           const std::string& text = {}) {
+                           const std::string& text = {}, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
-  const auto scene = read_gltf(asset.write_glb(folder));
+  const auto scene = read_gltf(asset.write_glb(folder), options);
   ASSERT_FALSE(scene.ok()) << "accepted; expected an error at " << element;
   const Error& error = scene.error();
   EXPECT_EQ(static_cast<int>(error.code), static_cast<int>(code)) << error.to_string();
