@@ -1,5 +1,6 @@
 #include "io/gltf_draco.h"
 
+#include <algorithm>
 #include <cstring>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
@@ -27,15 +28,31 @@ constexpr std::uint32_t kFirstVarintVersion = DRACO_BITSTREAM_VERSION(2, 0);
 constexpr std::uint32_t kVersion22 = DRACO_BITSTREAM_VERSION(2, 2);
 
 constexpr const char* kDamagedHint = "the data may be damaged";
-constexpr const char* kCountHint = "the exporter must write the counts of the decoded mesh";
 
 // What the accessors say of the decoded primitive.
 struct Declared {
   std::uint64_t vertices = 0;
   std::uint64_t indices = 0;
   bool strip = false;
-  std::uint64_t max_vertices = 0;  // that can still be read
-  std::uint64_t bytes = 0;         // of all of its accessors together
+  std::uint64_t vertex_bytes = 0;  // of one vertex, in all of its accessors together
+  std::uint64_t index_bytes = 0;   // of one index
+
+  // No product wraps: a count is at most 2^53 and an element has at most 64 bytes, and all of them
+  // together are no more than a buffer may have.
+  std::uint64_t bytes() const { return bytes_of(vertices, indices); }
+  std::uint64_t bytes_of(std::uint64_t vertex_count, std::uint64_t index_count) const {
+    return vertex_count * vertex_bytes + index_count * index_bytes;
+  }
+  // A strip may stand for the list that is decoded, or be as long as that list.
+  bool agrees_in_triangles(std::uint64_t faces) const {
+    return strip ? faces + 2 <= indices : 3 * faces == indices;
+  }
+};
+
+// How much more may be read.
+struct Room {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
 };
 
 // The numbers at the start of the connectivity.
@@ -74,47 +91,41 @@ std::optional<Connectivity> peek_edgebreaker(draco::DecoderBuffer stream) {
   return Connectivity{*faces, *vertices + *splits, attribute_tables};
 }
 
-// Says whether the decoder may go on, by what it has read so far, and keeps the reason if not.
+// Says whether the decoder may go on, by what it has read so far, and keeps the reason if not. The
+// stream's own counts are what counts: where the accessors say less, they are believed as far as a
+// stream of this length can be.
 class Gate {
  public:
-  Gate(const Declared& declared, const std::string& element)
-      : declared_(declared), element_(element) {}
+  Gate(GltfBuffers& buffers, const Declared& declared, const Room& room, std::size_t stream_bytes,
+       const std::string& element)
+      : buffers_(buffers),
+        declared_(declared),
+        room_(room),
+        stream_bytes_(stream_bytes),
+        element_(element) {}
 
   const std::optional<Error>& error() const { return error_; }
 
   bool admit(const std::optional<Connectivity>& connectivity) {
     if (!connectivity) return refuse("its stream ends or breaks off in the connectivity");
-    const std::uint64_t faces = connectivity->faces;
-    // A strip may stand for the list that is decoded, or be as long as that list.
-    const bool faces_agree =
-        declared_.strip ? faces + 2 <= declared_.indices : 3 * faces == declared_.indices;
-    if (faces == 0 || !faces_agree) {
-      return refuse("its stream holds " + std::to_string(faces) +
-                        " triangles, but the accessor of the indices has " +
-                        std::to_string(declared_.indices) + " elements",
-                    kCountHint);
-    }
+    faces_ = connectivity->faces;
+    if (faces_ == 0) return refuse("its stream holds no triangle");
+    if (faces_ > room_.triangles) return refuse_count(faces_, "triangles", room_.triangles);
     // What the decoder keeps per triangle: 3 corners in 4 arrays of 4 bytes, the same once more for
     // the triangles and the order of decoding, up to 6 symbols of the contexts. Per corner and
     // connectivity of an attribute: its vertex, its seams and their order.
     constexpr std::uint64_t kPerFace = 4 * 12 + 2 * 12 + 6 * 4;
     constexpr std::uint64_t kPerVertex = 8 * 4;
     constexpr std::uint64_t kPerTableFace = 4 * 12;
-    return admit_bytes(faces * (kPerFace + kPerTableFace * connectivity->attribute_tables) +
+    return admit_bytes(faces_ * (kPerFace + kPerTableFace * connectivity->attribute_tables) +
                        kPerVertex * connectivity->vertices * (1 + connectivity->attribute_tables));
   }
 
   // The vertices and the descriptions of the attributes are known, their values are not.
   bool admit(const draco::PointCloud& points) {
-    // Exporters count them before or after the codec has split some: a real sample does. A triangle
-    // has three at most.
-    if (points.num_points() > declared_.max_vertices ||
-        points.num_points() > std::max(declared_.indices, declared_.vertices)) {
-      return refuse("its stream holds " + std::to_string(points.num_points()) +
-                        " vertices, but the accessors of its attributes have " +
-                        std::to_string(declared_.vertices) + " elements",
-                    kCountHint);
-    }
+    const std::uint64_t vertices = points.num_points();
+    if (vertices > room_.vertices) return refuse_count(vertices, "vertices", room_.vertices);
+    if (!admit_decoded(declared_.bytes_of(vertices, 3 * faces_))) return false;
     std::uint64_t per_point = 0;
     for (int i = 0; i < points.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *points.attribute(i);
@@ -122,24 +133,54 @@ class Gate {
       const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
       per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
     }
-    return admit_bytes(per_point * points.num_points());
+    return admit_bytes(per_point * vertices);
   }
 
  private:
-  bool refuse(std::string problem, const char* hint = kDamagedHint) {
-    error_ = gltf_invalid(element_, std::move(problem), hint);
+  bool refuse(std::string problem) {
+    error_ = gltf_invalid(element_, std::move(problem), kDamagedHint);
     return false;
   }
 
-  bool admit_bytes(std::uint64_t bytes) {
-    if (bytes <= kDracoWorkingBytes + kDracoWorkingFactor * declared_.bytes) return true;
-    return refuse("its stream asks for " + std::to_string(bytes) +
-                  " bytes of memory, far more than what its accessors describe takes, " +
-                  std::to_string(declared_.bytes));
+  bool refuse_limit(std::string problem) {
+    error_ = gltf_error(ErrorCode::kLimitExceeded, element_, std::move(problem));
+    return false;
   }
 
-  Declared declared_;
+  bool refuse_count(std::uint64_t count, const char* what, std::size_t room) {
+    return refuse_limit("its stream holds " + std::to_string(count) + " " + what + "; at most " +
+                        std::to_string(room) + " can still be read");
+  }
+
+  // What the stream holds beyond the word of the accessors counts like any decoded data.
+  bool admit_decoded(std::uint64_t bytes) {
+    if (bytes <= declared_.bytes()) return true;
+    const std::uint64_t excess = bytes - declared_.bytes();
+    if (excess > kDracoUndeclaredBytes + kDracoUndeclaredFactor * stream_bytes_) {
+      return refuse_limit("its stream of " + std::to_string(stream_bytes_) + " bytes holds " +
+                          std::to_string(bytes) + " bytes, its accessors say " +
+                          std::to_string(declared_.bytes()) + "; so much more is not decoded");
+    }
+    error_ = buffers_.count_decoded(excess, element_);
+    return !error_;
+  }
+
+  bool admit_bytes(std::uint64_t bytes) {
+    const std::uint64_t accounted = std::max(kDracoWorkingFactor * declared_.bytes(),
+                                             kDracoWorkingPerStreamByte * stream_bytes_);
+    if (bytes <= kDracoWorkingBytes + accounted) return true;
+    return refuse("its stream of " + std::to_string(stream_bytes_) + " bytes asks for " +
+                  std::to_string(bytes) +
+                  " bytes of memory, far more than what its accessors describe takes, " +
+                  std::to_string(declared_.bytes()));
+  }
+
+  GltfBuffers& buffers_;
+  const Declared& declared_;
+  Room room_;
+  std::size_t stream_bytes_;
   const std::string& element_;
+  std::uint64_t faces_ = 0;
   std::optional<Error> error_;
 };
 
@@ -270,11 +311,11 @@ bool decode_with(Decoder&& decoder, Bytes bytes, draco::Mesh& mesh) {
   return static_cast<draco::MeshDecoder&>(decoder).Decode(options, &stream, &mesh).ok();
 }
 
-Result<std::shared_ptr<const draco::Mesh>> decode(Bytes bytes, const Declared& declared,
+// element: that of the gate
+Result<std::shared_ptr<const draco::Mesh>> decode(Bytes bytes, Gate& gate,
                                                   const std::string& element) {
   const auto stream = check_stream(bytes, element);
   if (!stream) return stream.error();
-  Gate gate(declared, element);
   const auto mesh = std::make_shared<draco::Mesh>();
   bool decoded = false;
   try {
@@ -301,6 +342,59 @@ std::size_t component_count(const tinygltf::Accessor& accessor) {
 std::size_t component_bytes(const tinygltf::Accessor& accessor) {
   return static_cast<std::size_t>(
       tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType)));
+}
+
+// The integers of a type, which are the same in Draco and in glTF; nothing for other types.
+struct IntegerType {
+  std::int64_t lowest = 0;
+  std::int64_t highest = 0;
+  std::size_t bytes = 0;
+};
+
+template <typename Integer>
+constexpr IntegerType integers() {
+  return {std::numeric_limits<Integer>::min(), std::numeric_limits<Integer>::max(),
+          sizeof(Integer)};
+}
+
+std::optional<IntegerType> integer_type(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return integers<std::int8_t>();
+    case draco::DT_UINT8:
+      return integers<std::uint8_t>();
+    case draco::DT_INT16:
+      return integers<std::int16_t>();
+    case draco::DT_UINT16:
+      return integers<std::uint16_t>();
+    case draco::DT_INT32:
+      return integers<std::int32_t>();
+    case draco::DT_UINT32:
+      return integers<std::uint32_t>();
+    default:
+      return std::nullopt;
+  }
+}
+
+// The first of its bytes is the lowest.
+std::int64_t integer_at(const std::uint8_t* bytes, const IntegerType& type) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, bytes, type.bytes);
+  const auto value = static_cast<std::int64_t>(bits);
+  return value > type.highest ? value - (std::int64_t{1} << (8 * type.bytes)) : value;
+}
+
+// Rewrites integers of one type as those of another. False if the other does not have them all.
+bool convert_integers(const std::uint8_t* stored, const IntegerType& from, std::size_t count,
+                      const IntegerType& to, std::vector<std::uint8_t>& converted) {
+  converted.resize(count * to.bytes);
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::int64_t value = integer_at(stored + c * from.bytes, from);
+    if (value < to.lowest || value > to.highest) return false;
+    const auto bits = static_cast<std::uint32_t>(value);
+    std::memcpy(converted.data() + c * to.bytes, &bits, to.bytes);
+  }
+  return true;
 }
 
 draco::DataType data_type_of(int component_type) {
@@ -345,19 +439,34 @@ Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) co
                                      ", but its stream holds no attribute of this id");
   }
   DracoAttribute attribute{component_count(accessor), {}};
-  if (stored->data_type() != data_type_of(accessor.componentType) ||
+  const draco::DataType declared_type = data_type_of(accessor.componentType);
+  const auto from = integer_type(stored->data_type());
+  const auto to = integer_type(declared_type);
+  const bool same_type = stored->data_type() == declared_type;
+  if ((!same_type && (!from || !to)) ||
       static_cast<std::size_t>(stored->num_components()) != attribute.components) {
     return gltf_invalid(element, "its stream holds values of another type than " +
                                      gltf_element("accessors", source.accessor) + " declares");
   }
   attribute.values.reserve(attribute.components * vertex_count());
+  std::vector<std::uint8_t> converted;
   for (draco::PointIndex point(0); point < mesh_->num_points(); ++point) {
     const draco::AttributeValueIndex index = stored->mapped_index(point);
     if (index.value() >= stored->size()) {
       return gltf_invalid(
           element, "vertex " + std::to_string(point.value()) + " has no value in its stream");
     }
-    append_components(accessor, stored->GetAddress(index), attribute.values);
+    const std::uint8_t* value = stored->GetAddress(index);
+    if (!same_type) {
+      if (!convert_integers(value, *from, attribute.components, *to, converted)) {
+        return gltf_invalid(element, "its stream holds integers of another type than " +
+                                         gltf_element("accessors", source.accessor) +
+                                         " declares, and those of vertex " +
+                                         std::to_string(point.value()) + " do not fit into that");
+      }
+      value = converted.data();
+    }
+    append_components(accessor, value, attribute.values);
   }
   return attribute;
 }
@@ -389,7 +498,7 @@ class DracoReader {
         primitive_element_(gltf_element("meshes", mesh, "primitives/" + std::to_string(primitive))),
         element_(primitive_element_ + "/extensions/" + kExtension) {}
 
-  Result<std::optional<DracoPrimitive>> run(std::size_t max_vertices, std::size_t max_triangles) {
+  Result<std::optional<DracoPrimitive>> run(const Room& room) {
     const auto extension = find_extension(json_, primitive_element_, kExtension);
     if (!extension) return extension.error();
     if (*extension == nullptr) return std::optional<DracoPrimitive>();
@@ -400,22 +509,48 @@ class DracoReader {
     DracoPrimitive result(asset_, element_);
     if (auto error = read_attributes(**extension, result)) return *error;
     if (auto error = declare_indices()) return *error;
-    if (auto error = check_limits(max_vertices, max_triangles)) return *error;
-    declared_.max_vertices = max_vertices;
+    if (auto error = check_limits(room)) return *error;
     const auto view = required_id(**extension, element_, "bufferView", "/bufferViews",
                                   asset_.model.bufferViews.size());
     if (!view) return view.error();
     const auto bytes = view_bytes(asset_, *view);
     if (!bytes) return bytes.error();
     if (auto error = check_expansion(bytes->size())) return *error;
-    auto mesh = decode(*bytes, declared_, element_);
+    Gate gate(asset_.buffers, declared_, room, bytes->size(), element_);
+    auto mesh = decode(*bytes, gate, element_);
     if (!mesh) return mesh.error();
     if (auto error = check_corners(**mesh)) return *error;
     result.mesh_ = std::move(*mesh);
+    warn(result);
     return std::optional(std::move(result));
   }
 
  private:
+  void warn(DracoPrimitive& result) const {
+    const draco::Mesh& mesh = *result.mesh_;
+    if (mesh.num_points() != declared_.vertices ||
+        !declared_.agrees_in_triangles(mesh.num_faces())) {
+      result.warnings_.push_back(
+          primitive_element_ + ": its compressed stream holds " +
+          std::to_string(mesh.num_points()) + " vertices and " + std::to_string(mesh.num_faces()) +
+          " triangles, its accessors say " + std::to_string(declared_.vertices) + " vertices and " +
+          std::to_string(declared_.indices) + " indices; the stream is read");
+    }
+    for (const auto& [semantic, source] : result.attributes_) {
+      const tinygltf::Accessor& accessor = asset_.model.accessors[source.accessor];
+      const draco::PointAttribute* stored = mesh.GetAttributeByUniqueId(source.unique_id);
+      if (!accessor.normalized || stored == nullptr || !integer_type(stored->data_type()) ||
+          stored->data_type() == data_type_of(accessor.componentType)) {
+        continue;
+      }
+      result.warnings_.push_back(element_ + "/attributes/" + gltf_shortened(semantic) +
+                                 ": its stream holds integers of another type than accessor " +
+                                 std::to_string(source.accessor) +
+                                 " declares, which normalises them; they are divided by the " +
+                                 "largest of the accessor's type");
+    }
+  }
+
   // The library takes the indices of a sequential stream as they come.
   std::optional<Error> check_corners(const draco::Mesh& mesh) const {
     for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
@@ -463,7 +598,8 @@ class DracoReader {
                                      std::to_string(declared_.vertices));
     }
     declared_.vertices = accessor.count;
-    return declare_bytes(accessor_id);
+    declared_.vertex_bytes += component_count(accessor) * component_bytes(accessor);
+    return count_declared(accessor_id);
   }
 
   std::optional<Error> declare_indices() {
@@ -474,35 +610,34 @@ class DracoReader {
     const auto accessor_id = static_cast<std::size_t>(primitive_.indices);
     if (auto error = check_index_type(asset_, accessor_id)) return error;
     declared_.indices = asset_.model.accessors[accessor_id].count;
+    declared_.index_bytes = component_bytes(asset_.model.accessors[accessor_id]);
     declared_.strip = primitive_.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
-    return declare_bytes(accessor_id);
+    return count_declared(accessor_id);
   }
 
-  std::optional<Error> declare_bytes(std::size_t accessor_id) {
+  std::optional<Error> count_declared(std::size_t accessor_id) const {
     const tinygltf::Accessor& accessor = asset_.model.accessors[accessor_id];
     if (accessor.sparse.isSparse) {
       return gltf_error(ErrorCode::kUnsupported, gltf_element("accessors", accessor_id, "sparse"),
                         "replaces values of a compressed primitive");
     }
-    // Counts are at most 2^53, an element has at most 64 bytes: no product wraps.
-    const std::uint64_t bytes =
-        accessor.count * component_count(accessor) * component_bytes(accessor);
-    declared_.bytes += bytes;
-    return asset_.buffers.count_decoded(bytes, gltf_element("accessors", accessor_id, "count"));
+    return asset_.buffers.count_decoded(
+        accessor.count * component_count(accessor) * component_bytes(accessor),
+        gltf_element("accessors", accessor_id, "count"));
   }
 
-  std::optional<Error> check_limits(std::size_t max_vertices, std::size_t max_triangles) const {
+  std::optional<Error> check_limits(const Room& room) const {
     const std::uint64_t triangles = declared_.strip ? declared_.indices : declared_.indices / 3;
-    if (declared_.vertices <= max_vertices && triangles <= max_triangles) return std::nullopt;
+    if (declared_.vertices <= room.vertices && triangles <= room.triangles) return std::nullopt;
     return gltf_error(ErrorCode::kLimitExceeded, primitive_element_,
                       "has more vertices or triangles than can still be read, " +
-                          std::to_string(max_vertices) + " and " + std::to_string(max_triangles));
+                          std::to_string(room.vertices) + " and " + std::to_string(room.triangles));
   }
 
   std::optional<Error> check_expansion(std::size_t stream_bytes) const {
-    if (declared_.bytes / kMaxDracoExpansion <= stream_bytes) return std::nullopt;
+    if (declared_.bytes() / kMaxDracoExpansion <= stream_bytes) return std::nullopt;
     return gltf_error(ErrorCode::kLimitExceeded, element_,
-                      "its accessors describe " + std::to_string(declared_.bytes) +
+                      "its accessors describe " + std::to_string(declared_.bytes()) +
                           " bytes, its stream has " + std::to_string(stream_bytes) + "; at most " +
                           std::to_string(kMaxDracoExpansion) + " times as many are decoded");
   }
@@ -519,7 +654,7 @@ Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asse
                                                            std::size_t primitive,
                                                            std::size_t max_vertices,
                                                            std::size_t max_triangles) {
-  return DracoReader(asset, mesh, primitive).run(max_vertices, max_triangles);
+  return DracoReader(asset, mesh, primitive).run({max_vertices, max_triangles});
 }
 
 }  // namespace palpate

@@ -71,9 +71,16 @@ inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
 // almost no space, so the format has no bound of its own; a million triangles in a flat grid, the
 // most regular mesh there is, come to less than 500.
 inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
-// Its decoder may use this many bytes, and so many for each that it decodes.
+// Its decoder may use this many bytes, and so many for each that its accessors describe, or for
+// each of the stream if that is more. A triangle takes it some 130 bytes and real streams one or
+// two.
 inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
 inline constexpr std::uint64_t kDracoWorkingFactor = 16;
+inline constexpr std::uint64_t kDracoWorkingPerStreamByte = 128;
+// What a stream may decode to beyond what its accessors describe: so many bytes, and so many for
+// each of it. Real streams decode to some ten times their length.
+inline constexpr std::uint64_t kDracoUndeclaredBytes = std::uint64_t{1} << 20;
+inline constexpr std::uint64_t kDracoUndeclaredFactor = 32;
 inline constexpr std::size_t kMaxGltfExtensionNames = std::size_t{1} << 16;  // per list
 inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
 

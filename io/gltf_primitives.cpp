@@ -109,6 +109,10 @@ class MeshReader {
     const auto compressed =
         read_draco_primitive(asset_, mesh_id_, primitive_id, budget_.vertices, budget_.triangles);
     if (!compressed) return compressed.error();
+    if (*compressed) {
+      const auto& warnings = (*compressed)->warnings();
+      warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+    }
     if (auto error = begin_run(primitive.material)) return error;
     const auto accessor = static_cast<std::size_t>(position->second);
     if (*compressed) return append_compressed(primitive, **compressed, accessor, element);
@@ -178,12 +182,6 @@ class MeshReader {
                          ? compressed.positions()
                          : read_positions(asset_, accessor, budget_.vertices);
     if (!positions) return positions.error();
-    const std::size_t declared = asset_.model.accessors[accessor].count;
-    if (compressed.has("POSITION") && positions->size() != declared) {
-      warnings_.push_back(element + ": its compressed stream holds " +
-                          std::to_string(positions->size()) + " vertices, its accessors say " +
-                          std::to_string(declared));
-    }
     if (positions->size() != compressed.vertex_count()) {
       return gltf_invalid(element + "/attributes/POSITION",
                           "has " + std::to_string(positions->size()) +

@@ -834,8 +834,10 @@ TEST(Draco, TakesAStripAsTheListThatWasDecoded) {
     EXPECT_EQ(strip.meshes.at(0).triangles, list.meshes.at(0).triangles);
     EXPECT_EQ(strip.meshes.at(0).positions, list.meshes.at(0).positions);
   }
-  expect_refused(draco_asset(stream, points.size(), indices.size() / 3 + 1, 5),
-                 ErrorCode::kInvalidContent, kDracoElement, "50 triangles");
+  const auto odd = read(draco_asset(stream, points.size(), indices.size() / 3 + 1, 5));
+  EXPECT_EQ(odd.meshes.at(0).triangles, list.meshes.at(0).triangles);
+  ASSERT_EQ(odd.warnings.size(), 1u);
+  EXPECT_NE(odd.warnings[0].find("50 triangles"), std::string::npos) << odd.warnings[0];
 }
 
 TEST(Draco, DecodesEvenWhenAFallbackIsThere) {
@@ -899,34 +901,42 @@ TEST(CompressedSeeds, OfTheFuzzTargetAreValid) {
   }
 }
 
-// Every second vertex goes up with its joint, the others down.
-TEST(Draco, PosesSkinsThatAreCompressed) {
-  const Points points = grid_points(4);
-  const Indices indices = grid_indices(4);
-  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+// A grid whose every second vertex goes up with its joint, the others down.
+struct SkinnedGrid {
+  Points points = grid_points(4);
+  Indices indices = grid_indices(4);
+
+  // Joints of the stream, of any integer type. first_joint: the number of the upper joint.
+  template <typename Joint>
+  std::string stream(int method, draco::DataType joint_type, Joint first_joint = 0) const {
     draco::Mesh mesh;
     mesh.set_num_points(static_cast<std::uint32_t>(points.size()));
     std::vector<float> coordinates;
-    std::vector<std::uint16_t> joints;
+    std::vector<Joint> joints;
     std::vector<float> weights;
     for (std::size_t v = 0; v < points.size(); ++v) {
       coordinates.insert(coordinates.end(), points[v].begin(), points[v].end());
-      joints.insert(joints.end(), {static_cast<std::uint16_t>(v % 2), 0, 0, 0});
+      joints.insert(joints.end(), {static_cast<Joint>(first_joint + static_cast<Joint>(v % 2)),
+                                   Joint{0}, Joint{0}, Joint{0}});
       weights.insert(weights.end(), {1.0f, 0.0f, 0.0f, 0.0f});
     }
     add_draco_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false,
                         coordinates);
-    add_draco_attribute(mesh, draco::GeometryAttribute::GENERIC, draco::DT_UINT16, 4, false,
-                        joints);
+    add_draco_attribute(mesh, draco::GeometryAttribute::GENERIC, joint_type, 4, false, joints);
     add_draco_attribute(mesh, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, 4, false,
                         weights);
     add_faces(mesh, indices);
-    GltfBuilder asset =
-        draco_asset(draco_bytes(mesh, {.method = method}), points.size(), indices.size());
+    return draco_bytes(mesh, {.method = method});
+  }
+
+  // joint_type: of the accessor. declared: how many vertices the accessors say there are.
+  GltfBuilder asset(const std::string& stream, int joint_type, std::size_t declared,
+                    std::size_t declared_indices) const {
+    GltfBuilder asset = draco_asset(stream, declared, declared_indices);
     asset.json["accessors"][1] = {
-        {"componentType", GltfBuilder::kUnsignedShort}, {"count", points.size()}, {"type", "VEC4"}};
+        {"componentType", joint_type}, {"count", declared}, {"type", "VEC4"}};
     asset.json["accessors"].push_back(
-        {{"componentType", GltfBuilder::kFloat}, {"count", points.size()}, {"type", "VEC4"}});
+        {{"componentType", GltfBuilder::kFloat}, {"count", declared}, {"type", "VEC4"}});
     const Json attributes = {{"POSITION", 0}, {"JOINTS_0", 1}, {"WEIGHTS_0", 3}};
     asset.json["meshes"][0]["primitives"][0]["attributes"] = attributes;
     draco_extension(asset)["attributes"] = {{"POSITION", 0}, {"JOINTS_0", 1}, {"WEIGHTS_0", 2}};
@@ -934,9 +944,13 @@ TEST(Draco, PosesSkinsThatAreCompressed) {
     asset.add_node({{"translation", {0, 0, -8}}});
     asset.json["skins"] = {{{"joints", {1, 2}}}};
     asset.json["nodes"][0]["skin"] = 0;
+    return asset;
+  }
 
-    const auto scene = read(asset);
-    ASSERT_EQ(scene.meshes.at(0).positions.size(), points.size());
+  void expect_posed(const SceneDescription& scene) const {
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    ASSERT_EQ(scene.meshes[0].positions.size(), points.size());
+    EXPECT_EQ(3 * scene.meshes[0].triangles.size(), indices.size());
     for (const Vec3& posed : scene.meshes[0].positions) {
       const auto original =
           std::find_if(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
@@ -947,6 +961,73 @@ TEST(Draco, PosesSkinsThatAreCompressed) {
       EXPECT_EQ(posed.z(), double{original->z()} + shift);
     }
   }
+};
+
+constexpr int kBothMethods[] = {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING};
+
+TEST(Draco, PosesSkinsThatAreCompressed) {
+  const SkinnedGrid grid;
+  for (const int method : kBothMethods) {
+    const std::string stream = grid.stream<std::uint16_t>(method, draco::DT_UINT16);
+    const auto scene = read(
+        grid.asset(stream, GltfBuilder::kUnsignedShort, grid.points.size(), grid.indices.size()));
+    grid.expect_posed(scene);
+    EXPECT_TRUE(scene.warnings.empty());
+  }
+}
+
+TEST(Draco, TakesIntegersOfAnotherTypeThanTheAccessorsAsTheNumbersTheyAre) {
+  const SkinnedGrid grid;
+  for (const int method : kBothMethods) {
+    for (const std::string& stream : {grid.stream<std::uint8_t>(method, draco::DT_UINT8),
+                                      grid.stream<std::int8_t>(method, draco::DT_INT8),
+                                      grid.stream<std::uint16_t>(method, draco::DT_UINT16),
+                                      grid.stream<std::int16_t>(method, draco::DT_INT16),
+                                      grid.stream<std::uint32_t>(method, draco::DT_UINT32),
+                                      grid.stream<std::int32_t>(method, draco::DT_INT32)}) {
+      for (const int type : {GltfBuilder::kUnsignedByte, GltfBuilder::kUnsignedShort}) {
+        const auto scene = read(grid.asset(stream, type, grid.points.size(), grid.indices.size()));
+        grid.expect_posed(scene);
+        EXPECT_TRUE(scene.warnings.empty());
+      }
+    }
+  }
+}
+
+// As a vertex beyond its values would be read by wrapping them.
+TEST(Draco, RefusesIntegersThatTheTypeOfTheAccessorDoesNotHave) {
+  const SkinnedGrid grid;
+  for (const int method : kBothMethods) {
+    for (const std::string& stream : {grid.stream<std::uint16_t>(method, draco::DT_UINT16, 255),
+                                      grid.stream<std::uint32_t>(method, draco::DT_UINT32, 255),
+                                      grid.stream<std::int8_t>(method, draco::DT_INT8, -1),
+                                      grid.stream<std::int32_t>(method, draco::DT_INT32, -256)}) {
+      expect_refused(
+          grid.asset(stream, GltfBuilder::kUnsignedByte, grid.points.size(), grid.indices.size()),
+          ErrorCode::kInvalidContent, std::string(kDracoElement) + "/attributes/JOINTS_0",
+          "do not fit");
+    }
+  }
+}
+
+TEST(Draco, DividesNormalisedIntegersByTheLargestOfTheAccessorsTypeAndSaysSo) {
+  const std::vector<std::uint8_t> stored = {0, 0, 0, 255, 0, 0, 0, 255, 51};
+  draco::Mesh mesh;
+  mesh.set_num_points(3);
+  add_draco_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_UINT8, 3, true, stored);
+  add_faces(mesh, {0, 1, 2});
+  GltfBuilder asset = draco_asset(draco_bytes(mesh, {}), 3, 3);
+  draco_extension(asset)["attributes"].erase("_NUMBER");
+  asset.json["extensionsUsed"].push_back("KHR_mesh_quantization");
+  asset.json["accessors"][0]["componentType"] = GltfBuilder::kUnsignedShort;
+  asset.json["accessors"][0]["normalized"] = true;
+  const auto scene = read(asset);
+  ASSERT_EQ(scene.meshes.at(0).positions.size(), 3u);
+  const Triangle& t = scene.meshes[0].triangles.at(0);
+  EXPECT_EQ(scene.meshes[0].positions[t[1]], Vec3(255.0 / 65535.0, 0, 0));
+  EXPECT_EQ(scene.meshes[0].positions[t[2]], Vec3(0, 255.0 / 65535.0, 51.0 / 65535.0));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("attributes/POSITION"), std::string::npos) << scene.warnings[0];
 }
 
 TEST(Draco, KeepsTheMaterialOfEachPrimitive) {
@@ -964,25 +1045,109 @@ TEST(Draco, KeepsTheMaterialOfEachPrimitive) {
   EXPECT_NE(runs[0].material, runs[1].material);
 }
 
-TEST(Draco, RefusesOtherTrianglesThanTheStreamHoldsAndWarnsOfOtherVertices) {
+// Real exporters count before or after the codec has split vertices or dropped triangles.
+TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
+  for (const DracoOptions& options : kMethods) {
+    const auto plain = read(draco_grid(5, options));
+    for (const int vertices : {1, 35, 36, 37, 3600}) {
+      for (const int indices : {3, 147, 149, 150, 153, 15000}) {
+        GltfBuilder asset = draco_grid(5, options);
+        asset.json["accessors"][0]["count"] = vertices;
+        asset.json["accessors"][1]["count"] = vertices;
+        asset.json["accessors"][2]["count"] = indices;
+        const auto scene = read(asset);
+        EXPECT_EQ(scene.meshes.at(0).positions, plain.meshes.at(0).positions);
+        EXPECT_EQ(scene.meshes.at(0).triangles, plain.meshes.at(0).triangles);
+        if (vertices == 36 && indices == 150) {
+          EXPECT_TRUE(scene.warnings.empty());
+          continue;
+        }
+        ASSERT_EQ(scene.warnings.size(), 1u);
+        EXPECT_NE(scene.warnings[0].find("36 vertices and 50 triangles"), std::string::npos)
+            << scene.warnings[0];
+      }
+    }
+  }
+}
+
+TEST(Draco, RefusesAccessorsThatDisagreeWithEachOther) {
   for (const DracoOptions& options : kMethods) {
     for (const int change : {-1, 1}) {
       GltfBuilder asset = draco_grid(5, options);
-      asset.json["accessors"][0]["count"] = 36 + change;
-      asset.json["accessors"][1]["count"] = 36 + change;
-      // Real exporters count vertices before or after the codec has split some.
-      const auto scene = read(asset);
-      EXPECT_EQ(scene.meshes.at(0).positions.size(), 36u);
-      ASSERT_EQ(scene.warnings.size(), 1u);
-      EXPECT_NE(scene.warnings[0].find("36 vertices"), std::string::npos);
-      asset = draco_grid(5, options);
       asset.json["accessors"][1]["count"] = 36 + change;
       expect_refused(asset, ErrorCode::kInvalidContent, "/accessors/1/count");
-      asset = draco_grid(5, options);
-      asset.json["accessors"][2]["count"] = 150 + 3 * change;
-      expect_refused(asset, ErrorCode::kInvalidContent, kDracoElement, "50 triangles");
     }
   }
+}
+
+TEST(Draco, PosesAsManyVerticesAsTheStreamHolds) {
+  const SkinnedGrid grid;
+  for (const int method : kBothMethods) {
+    const std::string stream = grid.stream<std::uint8_t>(method, draco::DT_UINT8);
+    for (const std::size_t declared : {std::size_t{3}, std::size_t{400}}) {
+      GltfBuilder asset = grid.asset(stream, GltfBuilder::kUnsignedShort, declared, 3 * declared);
+      const auto scene = read(asset);
+      grid.expect_posed(scene);
+      EXPECT_EQ(scene.warnings.size(), 1u);
+
+      // What is not compressed must fit the stream, not the accessors that it overrules.
+      const std::size_t count = grid.points.size();
+      const std::vector<float> up(3 * count, 1.0f);
+      const std::size_t target = asset.add_accessor(asset.add_view(test::bytes_of(up)),
+                                                    GltfBuilder::kFloat, count, "VEC3");
+      asset.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", target}}};
+      asset.json["meshes"][0]["weights"] = {1.0};
+      EXPECT_EQ(read(asset).meshes.at(0).positions.size(), count);
+      asset.json["accessors"][target]["count"] = count - 1;
+      expect_refused(asset, ErrorCode::kInvalidContent, "/meshes/0/primitives/0/targets/0/POSITION",
+                     "25 vertices");
+    }
+  }
+}
+
+TEST(Draco, AppliesLimitsToTheNumbersOfTheStream) {
+  for (const DracoOptions& options : kMethods) {
+    GltfBuilder builder = draco_grid(5, options);
+    for (const std::size_t accessor : {0u, 1u, 2u})
+      builder.json["accessors"][accessor]["count"] = 3;
+    OpenAsset open(builder);
+    const auto expect_limit = [&](std::size_t vertices, std::size_t triangles, const char* text) {
+      const auto primitive = read_draco_primitive(open.asset(), 0, 0, vertices, triangles);
+      ASSERT_FALSE(primitive.ok());
+      EXPECT_EQ(primitive.error().code, ErrorCode::kLimitExceeded);
+      EXPECT_NE(primitive.error().problem.find(text), std::string::npos)
+          << primitive.error().to_string();
+    };
+    expect_limit(36, 49, "50 triangles");
+    expect_limit(35, 50, "36 vertices");
+    EXPECT_TRUE(read_draco_primitive(open.asset(), 0, 0, 36, 50).ok());
+  }
+}
+
+// What repeats takes a stream next to no space. The accessors may vouch for some of it; a stream
+// alone is believed as far as its length goes.
+TEST(Draco, BoundsWhatAStreamDecodesToBeyondItsAccessors) {
+  constexpr std::size_t kSide = 300;
+  const Indices indices = grid_indices(kSide);
+  const std::size_t vertices = (kSide + 1) * (kSide + 1);
+  draco::Mesh mesh;
+  mesh.set_num_points(static_cast<std::uint32_t>(vertices));
+  add_draco_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false,
+                      std::vector<float>(3 * vertices, 0.0f));
+  add_faces(mesh, indices);
+  const std::string stream = draco_bytes(mesh, {.bits = 8});
+  const auto asset_of = [&](std::size_t declared, std::size_t declared_indices) {
+    GltfBuilder asset = draco_asset(stream, declared, declared_indices);
+    draco_extension(asset)["attributes"].erase("_NUMBER");
+    return asset;
+  };
+  const std::size_t decoded = 12 * vertices + 4 * indices.size();
+  ASSERT_GT(decoded, kDracoUndeclaredBytes + kDracoUndeclaredFactor * stream.size());
+  ASSERT_LE(decoded, kMaxDracoExpansion * stream.size());
+  EXPECT_EQ(read(asset_of(vertices, indices.size())).meshes.at(0).positions.size(), vertices);
+  const GltfBuilder lying = asset_of(3, 3);
+  EXPECT_LT(peak_while_refused(lying), kDracoWorkingBytes + (std::size_t{8} << 20));
+  expect_refused(lying, ErrorCode::kLimitExceeded, kDracoElement, "so much more is not decoded");
 }
 
 TEST(Draco, RefusesTypesThatDifferFromTheStream) {
