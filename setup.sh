@@ -49,7 +49,8 @@ install_missing_packages() {
   rm -f "$log"
 }
 
-# build_preset PRESET [TARGET...]: configures when needed, then builds.
+# build_preset PRESET [TARGET...]: configures when needed, then builds. Shows the progress of it on a
+# terminal; elsewhere its output is shown if it fails.
 build_preset() {
   local preset=$1 build=$palpate_root/build/$1
   shift
@@ -64,8 +65,13 @@ build_preset() {
   fi
   local target_flags=()
   if (($#)); then target_flags=(--target "$@"); fi
-  if ! cmake --build "$build" "${target_flags[@]}" -- -n 2>/dev/null | grep -q 'no work to do'; then
-    say "building $preset (a few minutes the first time)"
+  if cmake --build "$build" "${target_flags[@]}" -- -n 2>/dev/null | grep -q 'no work to do'; then
+    return 0
+  fi
+  say "building $preset (a few minutes the first time)"
+  if [ -t 2 ]; then  # ninja tells how far it is in one line, and what fails, by itself
+    cmake --build "$build" "${target_flags[@]}" >&2
+    return
   fi
   local log
   log=$(mktemp)

@@ -72,7 +72,7 @@ std::optional<Error> check_device(const AccuracyCommand& command, const RunSetup
 }
 
 std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyEffort& effort) {
-  const ProgressBar bar("accuracy");
+  ProgressBar bar("accuracy");
   std::vector<KnobResult> results;
   for (std::size_t i = 0; i < knobs.size(); ++i) {
     const auto of_all = [&](double share) {
@@ -101,7 +101,7 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& comman
   findings.path = command.scene.path;
   findings.device = command.device;
   findings.rate_Hz = command.options.rate_Hz;
-  const ProgressBar bar("scene");
+  ProgressBar bar("scene");
   Result<SceneStudy> study =
       study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
   if (!study) return study.error();

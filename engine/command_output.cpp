@@ -1,7 +1,10 @@
 #include "engine/command_output.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
+#include <sys/ioctl.h>
 #include <unistd.h>
 #include <utility>
 
@@ -13,6 +16,14 @@ namespace palpate {
 namespace {
 
 constexpr int kBadInput = 2;
+
+// Of the terminal on stderr, one at least.
+std::size_t terminal_columns() {
+  constexpr std::size_t kUsual = 80;
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return kUsual;
+}
 
 }  // namespace
 
@@ -37,20 +48,53 @@ void tell_what_was_not_understood(const Scene& scene) {
   }
 }
 
-ProgressBar::ProgressBar(std::string label)
-    : label_(std::move(label)), shown_(isatty(STDERR_FILENO)) {}
-
-ProgressBar::~ProgressBar() {
-  if (shown_) std::fprintf(stderr, "\r\033[K");
+std::string progress_line(const std::string& label, double share, double total_s,
+                          std::size_t columns) {
+  constexpr std::size_t kMostBar = 40;
+  constexpr std::size_t kLeastBar = 5;  // a shorter one says nothing
+  const double done = std::clamp(share, 0.0, 1.0);
+  std::array<char, 64> text{};
+  std::string seconds;
+  if (total_s > 0.0) {
+    std::snprintf(text.data(), text.size(), " %.1f of %.1f s", done * total_s, total_s);
+    seconds = text.data();
+  }
+  std::snprintf(text.data(), text.size(), " %3.0f %%", 100 * done);
+  const std::string percent = text.data();
+  constexpr std::size_t kFrame = 3;  // a blank and the brackets
+  const std::size_t taken = label.size() + seconds.size() + percent.size() + kFrame;
+  if (taken + kLeastBar <= columns) {
+    const std::size_t bar = std::min(kMostBar, columns - taken);
+    const auto full = static_cast<std::size_t>(done * static_cast<double>(bar));
+    return label + " [" + std::string(full, '#') + std::string(bar - full, ' ') + "]" + seconds +
+           percent;
+  }
+  // Where there is no room for all, the most telling part of it.
+  for (const std::string& line : {label + seconds + percent, label + percent, percent}) {
+    if (line.size() <= columns) return line;
+  }
+  return percent.substr(0, columns);
 }
 
-void ProgressBar::show(const std::string& label, double share) const {
-  if (!shown_) return;
-  constexpr int kWidth = 40;
-  const int full = static_cast<int>(share * kWidth);
-  std::fprintf(stderr, "\r%s [%s%s] %3.0f %%\033[K", label.c_str(), std::string(full, '#').c_str(),
-               std::string(kWidth - full, ' ').c_str(), 100 * share);
+ProgressBar::ProgressBar(std::string label, double total_s)
+    : label_(std::move(label)), total_s_(total_s), has_terminal_(isatty(STDERR_FILENO)) {}
+
+ProgressBar::~ProgressBar() {
+  if (shown_.empty()) return;
+  std::fprintf(stderr, "\r%s\r", std::string(shown_.size(), ' ').c_str());
   std::fflush(stderr);
+}
+
+void ProgressBar::show(const std::string& label, double share) {
+  if (!has_terminal_) return;
+  // In the last column some terminals go on to the next line.
+  const std::string line = progress_line(label, share, total_s_, terminal_columns() - 1);
+  if (line == shown_) return;
+  // Blanks over what the last one has more.
+  const std::size_t rest = shown_.size() > line.size() ? shown_.size() - line.size() : 0;
+  std::fprintf(stderr, "\r%s%s", line.c_str(), std::string(rest, ' ').c_str());
+  std::fflush(stderr);
+  shown_ = line;
 }
 
 }  // namespace palpate

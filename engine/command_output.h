@@ -2,6 +2,7 @@
 
 // What the subcommands of the program have in common when they talk to a user.
 
+#include <cstddef>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -23,21 +24,30 @@ int finish_output();
 // Nothing that a file or a user meant is lost without a word: a line each on stderr.
 void tell_what_was_not_understood(const Scene& scene);
 
-// A bar on a terminal, nothing elsewhere. Goes away with the object.
+// What a line of progress says: the label, a bar, of a whole of total_s seconds those that are
+// done, and the share in percent; in `columns`, less of that, and in the end the share alone.
+std::string progress_line(const std::string& label, double share, double total_s,
+                          std::size_t columns);
+
+// A line of progress on a terminal, nothing elsewhere. It asks nothing of the terminal but a
+// carriage return, and goes away with the object.
 class ProgressBar {
  public:
-  explicit ProgressBar(std::string label);
+  // total_s: how long it is what progresses, in its own time; 0 tells no seconds.
+  explicit ProgressBar(std::string label, double total_s = 0.0);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   // share: of the work, 0 to 1.
-  void show(double share) const { show(label_, share); }
-  void show(const std::string& label, double share) const;
+  void show(double share) { show(label_, share); }
+  void show(const std::string& label, double share);
 
  private:
   std::string label_;
-  bool shown_;
+  double total_s_;
+  bool has_terminal_;
+  std::string shown_;
 };
 
 }  // namespace palpate

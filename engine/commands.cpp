@@ -162,7 +162,7 @@ std::optional<Error> move_into_place(OutputFiles& files) {
       if (stop.requested()) break;
       RunSetup setup = prepared.setup;
       setup.haptics.a4.enabled = a4;
-      const ProgressBar bar(a4 ? "with A4   " : "without A4");
+      ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
       Result<ExplorationRun> run = explore(
           prepared.scene, setup, command.exploration, [&](double share) { bar.show(share); },
           &stop);
@@ -178,7 +178,7 @@ std::optional<Error> move_into_place(OutputFiles& files) {
   std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
                                     const std::vector<ExplorationRun>& runs) {
     if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
-    const ProgressBar bar("what to try");
+    ProgressBar bar("what to try");
     return advise(
         command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
   }

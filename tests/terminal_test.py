@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Progress on a terminal is one line that fits it, and is not there where there is none.
+
+terminal_test.py PALPATE MODELS_DIR
+
+Runs the program on terminals of several widths and kinds, reads what it writes there, and stops it
+with the key Ctrl-C.
+"""
+
+import fcntl
+import os
+import pathlib
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import termios
+
+RUN = ["run", "star.glb", "--out", "out"]
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(message)
+
+
+class Terminal:
+    """A program whose stdin, stderr and controlling terminal are a terminal of so many columns."""
+
+    def __init__(self, palpate, models, folder, columns, kind, arguments):
+        self.end, inner = pty.openpty()
+        fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        arguments = [str(models / a) if a.endswith(".glb") else a for a in arguments]
+        self.process = subprocess.Popen(
+            [str(palpate), *arguments], cwd=folder, stdin=inner, stdout=subprocess.PIPE, stderr=inner,
+            env={**os.environ, "TERM": kind}, start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+        os.close(inner)
+        self.text = ""
+
+    def read(self, until=None):
+        """What is on the terminal, to its end or until `until` is there."""
+        while until is None or until not in self.text:
+            ready, _, _ = select.select([self.end], [], [], 60)
+            check(ready, f"nothing comes: {self.text!r}")
+            try:
+                part = os.read(self.end, 4096)
+            except OSError:  # the program has ended
+                break
+            if not part:
+                break
+            self.text += part.decode()
+        return self.text
+
+    def finish(self):
+        self.read()
+        out = self.process.stdout.read().decode()
+        os.close(self.end)
+        return self.process.wait(), out
+
+
+def check_progress(text, columns, seconds):
+    lines = [line for line in re.split(r"[\r\n]+", text) if "%" in line or "#" in line]
+    check(len(lines) >= 2, f"no progress: {text!r}")
+    check(all(len(line) < columns for line in lines), f"too long for {columns} columns: {lines}")
+    check("\x1b" not in text, f"an escape that not every terminal knows: {text!r}")
+    bar = text[:text.rfind("%") + 1]
+    check("\n" not in bar, f"more than a line: {bar!r}")
+    if columns >= 60:
+        shares = [int(share) for share in re.findall(r"(\d+) %", text)]
+        check(max(shares) == 100 and min(shares) == 0, f"shares {shares}")
+        check(re.search(rf"\d\.\d of {seconds:.1f} s", text), f"no seconds: {text!r}")
+
+
+def main():
+    palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+    with tempfile.TemporaryDirectory() as folder:
+        for columns, kind in ((80, "xterm"), (200, "dumb"), (60, "vt100"), (33, "xterm"),
+                              (12, "xterm"), (2, "dumb"), (1, "xterm"), (0, "unknown")):
+            for seconds, more in ((4, ["--virtual"]), (2, [])):
+                if more == [] and columns != 80:
+                    continue
+                terminal = Terminal(palpate, models, folder, columns, kind,
+                                    RUN + ["--seconds", str(seconds)] + more)
+                code, out = terminal.finish()
+                check(code == 0 and "mean contact angle" in out, f"{code}: {terminal.text}")
+                if columns not in (1, 2):  # too narrow for a share
+                    check_progress(terminal.text, columns or 80, seconds)
+        # Ctrl-C in the middle of a run in real time.
+        terminal = Terminal(palpate, models, folder, 80, "xterm", RUN + ["--seconds", "60"])
+        terminal.read(until=" 1.")
+        os.write(terminal.end, b"\x03")
+        code, out = terminal.finish()
+        check(code == 130, f"exit code {code}: {terminal.text!r}")
+        check("interrupted" in out and "after 1." in out, out)
+        check("palpate: interrupted;" in terminal.text, f"{terminal.text!r}")
+        # Without a terminal on stderr.
+        quiet = subprocess.run([str(palpate), "run", str(models / "star.glb"), "--virtual",
+                                "--seconds", "4"], cwd=folder, capture_output=True, text=True)
+        check(quiet.returncode == 0 and quiet.stderr == "", quiet.stderr)
+
+
+main()
