@@ -81,7 +81,8 @@ ProgressBar::ProgressBar(std::string label, double total_s)
 
 ProgressBar::~ProgressBar() {
   if (shown_.empty()) return;
-  std::fprintf(stderr, "\r%s\r", std::string(shown_.size(), ' ').c_str());
+  // All of the line: a terminal shows "^C" behind what was there.
+  std::fprintf(stderr, "\r%s\r", std::string(terminal_columns() - 1, ' ').c_str());
   std::fflush(stderr);
 }
 

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxColumns = 4;
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr const char* kLineHint = "write \"x y z\" or \"t x y z\" a line, decimals with a point";
-constexpr const char* kTraceHint = "record the trace again, or cut the line out";
+constexpr const char* kTraceHint = "end the line if it is whole, or cut it out";
 
 // Of a trace, in the order of x, y and z.
 constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
