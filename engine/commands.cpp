@@ -97,12 +97,14 @@ int tell_nothing_was_done() {
   return exit_code_after_signals(0);
 }
 
-void tell_interrupted(const std::vector<ExplorationRun>& runs) {
+// A line that says what the results are, nothing if no signal has come.
+std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_comparison) {
+  if (!signal_flag().requested()) return {};
   const bool was_cut = std::any_of(runs.begin(), runs.end(),
                                    [](const ExplorationRun& run) { return run.interrupted; });
-  std::cerr << "palpate: interrupted"
-            << (was_cut ? "; the results are of what was done until then\n"
-                        : "; the runs that the results tell of are whole\n");
+  if (was_cut) return "interrupted; the results are of what was done until then\n";
+  if (is_comparison && runs.size() < 2) return "interrupted before the run with A4 began\n";
+  return "interrupted when the runs were done; the results are whole\n";
 }
 
 std::optional<Error> move_into_place(OutputFiles& files) {
@@ -240,12 +242,13 @@ int run(const RunCommand& command) {
     std::cerr << "palpate: " << runs.front().realtime_note << "\n";
   }
   const std::optional<Advice> advice = find_advice(command, *prepared, runs);
-  if (signal_flag().requested()) tell_interrupted(runs);
+  const std::string interruption = interruption_line(runs, command.options.a4 == "compare");
+  if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
     print(runs_json(command, *prepared, runs, advice));
   } else {
-    if (!signal_flag().requested()) std::cout << judgement_text(runs, advice);
-    std::cout << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
+    std::cout << (interruption.empty() ? judgement_text(runs, advice) : interruption)
+              << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
               << (has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }
   const int code = finish_output();
