@@ -110,80 +110,82 @@ std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_c
 std::optional<Error> move_into_place(OutputFiles& files) {
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
   return files.move_into_place();
-  Error with_path(Error error, const std::string& path) {
-    if (error.path.empty()) error.path = path;
-    return error;
-  }
+}
 
-  // What runs the same for every run of a command.
-  std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
-    const ActuationModel& actuation = prepared.setup.actuation;
-    std::ostringstream text;
-    text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
-         << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
-         << " actuators, workspace " << command.exploration.workspace_m
-         << " m along each sensed axis";
-    if (actuation.is_planar()) {
-      text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
-    }
-    if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
-      text << ", scale " << scale;
-    }
-    return text.str() + "\n";
-  }
+Error with_path(Error error, const std::string& path) {
+  if (error.path.empty()) error.path = path;
+  return error;
+}
 
-  nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
-                                   const std::vector<ExplorationRun>& runs,
-                                   const std::optional<Advice>& advice) {
-    nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
-                                {"comparable", are_comparable(runs)}};
-    json["reasons"] = nlohmann::ordered_json::array();
-    for (const ExplorationRun& r : runs) {
-      for (const std::string& reason : reasons(r)) {
-        json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
-      }
-    }
-    json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
-    json["workspace_m"] = command.exploration.workspace_m;
-    if (prepared.setup.actuation.is_planar()) {
-      json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
-    }
-    json["scale"] = prepared.scene.statistics().scale;
-    json["runs"] = nlohmann::ordered_json::array();
-    for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
-    return json;
+// What runs the same for every run of a command.
+std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
+  const ActuationModel& actuation = prepared.setup.actuation;
+  std::ostringstream text;
+  text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
+       << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
+       << " actuators, workspace " << command.exploration.workspace_m
+       << " m along each sensed axis";
+  if (actuation.is_planar()) {
+    text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
   }
+  if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
+    text << ", scale " << scale;
+  }
+  return text.str() + "\n";
+}
 
-  // Without A4 and with it, as asked for, until a signal comes.
-  Result<std::vector<ExplorationRun>> explore_and_write(
-      const RunCommand& command, const PreparedRun& prepared, const OutputFiles& files) {
-    const StopFlag& stop = signal_flag();
-    std::vector<ExplorationRun> runs;
-    for (const bool a4 : {false, true}) {
-      if (!command.wants(a4)) continue;
-      if (stop.requested()) break;
-      RunSetup setup = prepared.setup;
-      setup.haptics.a4.enabled = a4;
-      ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
-      Result<ExplorationRun> run = explore(
-          prepared.scene, setup, command.exploration, [&](double share) { bar.show(share); },
-          &stop);
-      if (!run) return with_path(run.error(), command.scene.path);
-      if (run->records.empty()) break;
-      if (const auto error = write_run(*run, files)) return *error;
-      runs.push_back(std::move(*run));
+nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
+                                 const std::vector<ExplorationRun>& runs,
+                                 const std::optional<Advice>& advice) {
+  nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
+                              {"comparable", are_comparable(runs)}};
+  json["reasons"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) {
+    for (const std::string& reason : reasons(r)) {
+      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
     }
-    return runs;
   }
+  json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
+  json["workspace_m"] = command.exploration.workspace_m;
+  if (prepared.setup.actuation.is_planar()) {
+    json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+  }
+  json["scale"] = prepared.scene.statistics().scale;
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
+  return json;
+}
 
-  // Of runs that ended by themselves and are not comparable.
-  std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
-                                    const std::vector<ExplorationRun>& runs) {
-    if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
-    ProgressBar bar("what to try");
-    return advise(
-        command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
+// Without A4 and with it, as asked for, until a signal comes.
+Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
+                                                      const PreparedRun& prepared,
+                                                      const OutputFiles& files) {
+  const StopFlag& stop = signal_flag();
+  std::vector<ExplorationRun> runs;
+  for (const bool a4 : {false, true}) {
+    if (!command.wants(a4)) continue;
+    if (stop.requested()) break;
+    RunSetup setup = prepared.setup;
+    setup.haptics.a4.enabled = a4;
+    ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
+    Result<ExplorationRun> run = explore(
+        prepared.scene, setup, command.exploration, [&](double share) { bar.show(share); }, &stop);
+    if (!run) return with_path(run.error(), command.scene.path);
+    if (run->records.empty()) break;
+    if (const auto error = write_run(*run, files)) return *error;
+    runs.push_back(std::move(*run));
   }
+  return runs;
+}
+
+// Of runs that ended by themselves and are not comparable.
+std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
+                                  const std::vector<ExplorationRun>& runs) {
+  if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
+  ProgressBar bar("what to try");
+  return advise(
+      command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
+}
 
 }  // namespace
 

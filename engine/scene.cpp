@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <sstream>
 
 #include "engine/node_placement.h"
 #include "engine/node_tree.h"
@@ -101,8 +102,12 @@ std::optional<Error> refuse_beyond_limits(const std::vector<Box>& boxes,
     const Vec3 farthest = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
     const Vec3 reach_m = node.linear_scene_mesh.cwiseAbs() * farthest;
     if ((reach_m.array() <= kLargestExtent_m).all()) continue;  // false for NaN
-    return Error{ErrorCode::kLimitExceeded, "", "node \"" + node.name + "\"",
-                 "its mesh in its scale reaches farther than 1e60 m", "choose another scale"};
+    std::ostringstream problem;
+    const double scale = lengthening(node.linear_scene_mesh);
+    if (scale != 1.0) problem << "at its scale of " << scale << " ";
+    problem << "its mesh reaches farther than " << kLargestExtent_m << " m";
+    return Error{ErrorCode::kLimitExceeded, "", "node \"" + node.name + "\"", problem.str(),
+                 "choose another scale"};
   }
   return std::nullopt;
 }
@@ -234,11 +239,13 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   scene.haptic_materials_ = std::move(description.haptic_materials);
   scene.weld_meshes(description.meshes);
 
+  const std::size_t reader_warnings = statistics.warnings.size();
   std::vector<NodePlacement> placements = scene.touchable(description.nodes);
   if (description.nodes.empty()) {
+    const bool left_out = statistics.warnings.size() > reader_warnings;
     return Error{ErrorCode::kEmptyScene, description.path, "scene",
                  "no node has a triangle with area, expected at least one",
-                 "palpate info lists what was dropped and why"};
+                 left_out ? statistics.warnings[reader_warnings] : std::string()};
   }
   const std::vector<Box> boxes = bounding_boxes(scene.welded_);
   Box bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
@@ -251,14 +258,14 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   }
   statistics.bounds_scene = bounds;
   statistics.extent_m = bounds.high - bounds.low;
+  if (auto error = refuse_beyond_limits(boxes, description.nodes)) {
+    return with_path(*error, description.path);
+  }
   const double extent_m = statistics.extent_m.maxCoeff();
   if (!statistics.extent_m.allFinite() || extent_m > kLargestExtent_m ||
       extent_m < kSmallestExtent_m) {
     return Error{ErrorCode::kLimitExceeded, description.path, "scene",
                  "its largest extent is not between 1e-60 and 1e60 m", "choose another scale"};
-  }
-  if (auto error = refuse_beyond_limits(boxes, description.nodes)) {
-    return with_path(*error, description.path);
   }
   scene.tree_ = std::move(description.tree);
   SceneEffects effects(
@@ -302,8 +309,10 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
     if (welded_[node.mesh].face_count() == 0) return true;
     const auto placement = split_linear(node.linear_scene_mesh);
     if (!placement || !node.translation_m.allFinite()) {
-      statistics_.warnings.push_back(node.name +
-                                     ": left out, its transform is singular and leaves no surface");
+      statistics_.warnings.push_back(
+          node.name +
+          ": left out, its transform stretches it by so much more in one "
+          "direction than in another that no surface is left");
       return true;
     }
     placements.push_back(*placement);

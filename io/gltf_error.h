@@ -2,6 +2,7 @@
 
 // Shorthand for the errors of the glTF reader. read_gltf() adds the name of the file.
 
+#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -36,6 +37,13 @@ inline std::string gltf_shortened(const std::string& text) {
 // The same in quotes.
 inline std::string gltf_quoted(const std::string& text) {
   return "\"" + gltf_shortened(text) + "\"";
+}
+
+// In few digits, however large or small.
+inline std::string gltf_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
 }
 
 }  // namespace palpate

@@ -47,7 +47,11 @@ constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
   return std::min(kMaxGltfElements, kOfAnyText + text_bytes / 12);
 }
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
-inline constexpr std::size_t kMaxGltfNodeDepth = 1024;                 // 1: a root
+inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
+// By which a node may scale a mesh, with its ancestors. Beyond them products of three lengths, such
+// as volumes, overflow or vanish.
+inline constexpr double kMaxGltfScale = 1e100;
+inline constexpr double kMinGltfScale = 1e-100;
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all meshes of the scene
 // Elements of sparse accessors without a buffer view, which cost the file nothing.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;

@@ -100,6 +100,20 @@ void push_all(const std::vector<int>& nodes, const PendingNode& common,
   }
 }
 
+// Why the transform of a node, in that of its parent, has left the numbers.
+Error overflow_of(const tinygltf::Node& node, std::size_t node_id,
+                  const AffineTransform& T_scene_parent, const AffineTransform& T_parent_node) {
+  const std::string inherited = gltf_number(lengthening(T_scene_parent.linear));
+  const std::string cause =
+      (T_scene_parent.linear * T_parent_node.linear).allFinite()
+          ? "its translation of " + gltf_number(T_parent_node.translation_m.cwiseAbs().maxCoeff()) +
+                " m, scaled by its ancestors by " + inherited + ", overflows"
+          : "its scale of " + gltf_number(T_parent_node.linear.cwiseAbs().maxCoeff()) +
+                ", times that of its ancestors, " + inherited + ", overflows";
+  const std::string named = node.name.empty() ? "" : gltf_quoted(node.name) + ": ";
+  return gltf_invalid(gltf_element("nodes", node_id), named + cause);
+}
+
 // The transform of a node whose parent is placed.
 Result<AffineTransform> place(const GltfAsset& asset, const GltfPose& pose,
                               const AffineTransform& T_scene_parent, std::size_t node) {
@@ -107,8 +121,7 @@ Result<AffineTransform> place(const GltfAsset& asset, const GltfPose& pose,
   if (!T_parent_node) return T_parent_node.error();
   const AffineTransform T_scene_node = T_scene_parent * *T_parent_node;
   if (!T_scene_node.all_finite()) {
-    return gltf_invalid(gltf_element("nodes", node),
-                        "its transform, with those of its ancestors, overflows");
+    return overflow_of(asset.model.nodes[node], node, T_scene_parent, *T_parent_node);
   }
   return T_scene_node;
 }

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "io/gltf_error.h"
 #include "io/gltf_limits.h"
@@ -52,6 +53,26 @@ Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
   return chunk;
 }
 
+// Passes over the mark of UTF-8. element: of the text, for messages.
+std::optional<Error> check_encoding(GltfContainer& container, const std::string& element) {
+  using namespace std::string_view_literals;
+  // Without a mark, the zeros beside the first brace tell.
+  constexpr std::pair<std::string_view, const char*> kOthers[] = {
+      {"\xFF\xFE\0\0"sv, "UTF-32"}, {"\0\0\xFE\xFF"sv, "UTF-32"}, {"{\0\0\0"sv, "UTF-32"},
+      {"\0\0\0{"sv, "UTF-32"},      {"\xFF\xFE"sv, "UTF-16"},     {"\xFE\xFF"sv, "UTF-16"},
+      {"{\0"sv, "UTF-16"},          {"\0{"sv, "UTF-16"}};
+  for (const auto& [start, name] : kOthers) {
+    if (!container.json.starts_with(start)) continue;
+    return gltf_error(ErrorCode::kNotGltf, element,
+                      std::string("is text in ") + name + "; expected UTF-8",
+                      "save it in UTF-8, without a byte order mark");
+  }
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  container.byte_order_mark = container.json.starts_with(kMark);
+  if (container.byte_order_mark) container.json.remove_prefix(kMark.size());
+  return std::nullopt;
+}
+
 Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
   if (file.size() < kHeaderBytes) {
     return gltf_invalid("GLB header",
@@ -76,6 +97,7 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
   }
   GltfContainer container;
   container.json = {reinterpret_cast<const char*>(json->data.data()), json->data.size()};
+  if (auto error = check_encoding(container, "JSON")) return *error;
   container.misaligned = json->data.size() % 4 != 0;
   for (std::size_t index = 1; offset < file.size(); ++index) {
     const auto chunk = next_chunk(file, offset, index);
@@ -94,16 +116,18 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
 
 Result<GltfContainer> split_container(std::span<const std::uint8_t> bytes) {
   if (bytes.size() >= 4 && word_at(bytes, 0) == kMagic) return split_glb(bytes);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos || text[first] != '{') {
+  GltfContainer container;
+  container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (auto error = check_encoding(container, {})) return *error;
+  const std::size_t first = container.json.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos || container.json[first] != '{') {
     return gltf_error(ErrorCode::kNotGltf, {},
                       bytes.empty() ? "is empty"
                                     : "begins neither like a GLB container (\"glTF\") nor like a "
-                                      "JSON object without byte order mark (\"{\")",
+                                      "JSON object (\"{\")",
                       "expected a glTF 2.0 file: .gltf or .glb");
   }
-  return GltfContainer{text, std::nullopt, false};
+  return container;
 }
 
 std::optional<Error> check_json_size(std::string_view json) {

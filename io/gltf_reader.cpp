@@ -22,14 +22,15 @@
 #include "io/gltf_file.h"
 #include "io/gltf_images.h"
 #include "io/gltf_instancing.h"
+#include "io/gltf_json_text.h"
 #include "io/gltf_limits.h"
 #include "io/gltf_materials.h"
 #include "io/gltf_meshopt.h"
+#include "io/gltf_model.h"
 #include "io/gltf_morph.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_prescan.h"
 #include "io/gltf_primitives.h"
-#include "io/gltf_schema.h"
 #include "io/gltf_skin.h"
 #include "io/tinygltf.h"
 
@@ -37,106 +38,6 @@ namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
-
-Result<Json> parse_json(std::string_view text) {
-  if (auto error = check_json_size(text)) return *error;
-  if (text.starts_with("\xEF\xBB\xBF")) {  // which the parser would pass over
-    return gltf_invalid("JSON", "begins with a byte order mark; expected none");
-  }
-  // The parser takes a zero byte for the end.
-  const std::size_t end = text.find('\0');
-  if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
-    return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
-  }
-  try {
-    return Json::parse(text);
-  } catch (const Json::exception& exception) {
-    return gltf_invalid("JSON", std::string(exception.what()).substr(0, 200));
-  }
-}
-
-// Moves the declarations out of the JSON: their data URIs may be long, and tinygltf is not to load
-// any.
-std::vector<GltfBufferDeclaration> take_buffers(Json& sections) {
-  std::vector<GltfBufferDeclaration> declarations;
-  const auto buffers = sections.find("buffers");
-  if (buffers == sections.end()) return declarations;
-  for (Json& buffer : *buffers) {
-    GltfBufferDeclaration declaration;
-    declaration.byte_length = buffer["byteLength"].get<std::uint64_t>();
-    const auto uri = buffer.find("uri");
-    if (uri != buffer.end()) declaration.uri = std::move(uri->get_ref<std::string&>());
-    declarations.push_back(std::move(declaration));
-  }
-  sections.erase(buffers);
-  return declarations;
-}
-
-// tinygltf refuses the whole file when an index accessor has no buffer view, which sparse ones need
-// not have. Such accessors get an empty view of their own here, and lose it in
-// remove_stand_in_view.
-void add_stand_in_view(Json& sections) {
-  Json& views = sections["bufferViews"];
-  if (views.is_null()) views = Json::array();
-  const std::size_t stand_in = views.size();
-  if (sections.contains("accessors")) {
-    for (Json& accessor : sections["accessors"]) {
-      if (!accessor.contains("bufferView")) accessor["bufferView"] = stand_in;
-    }
-  }
-  Json view;
-  view["buffer"] = 0;
-  view["byteLength"] = 0;
-  views.push_back(std::move(view));
-}
-
-void remove_stand_in_view(tinygltf::Model& model) {
-  const int stand_in = static_cast<int>(model.bufferViews.size()) - 1;
-  for (tinygltf::Accessor& accessor : model.accessors) {
-    if (accessor.bufferView == stand_in) accessor.bufferView = -1;
-  }
-  model.bufferViews.pop_back();
-}
-
-// How many elements each section has, and each mesh primitives.
-std::vector<std::size_t> element_counts(const Json& sections) {
-  std::vector<std::size_t> counts;
-  for (const char* name : {"nodes", "scenes", "accessors", "bufferViews", "meshes"}) {
-    counts.push_back(sections.contains(name) ? sections[name].size() : 0);
-  }
-  if (!sections.contains("meshes")) return counts;
-  for (const Json& mesh : sections["meshes"]) counts.push_back(mesh["primitives"].size());
-  return counts;
-}
-
-std::vector<std::size_t> element_counts(const tinygltf::Model& model) {
-  std::vector<std::size_t> counts = {model.nodes.size(), model.scenes.size(),
-                                     model.accessors.size(), model.bufferViews.size(),
-                                     model.meshes.size()};
-  for (const tinygltf::Mesh& mesh : model.meshes) counts.push_back(mesh.primitives.size());
-  return counts;
-}
-
-// Takes the sections, which are not needed beside tinygltf's own copy.
-Result<tinygltf::Model> load_model(Json sections) {
-  sections["asset"]["version"] = "2.0";
-  add_stand_in_view(sections);
-  const std::vector<std::size_t> expected_counts = element_counts(sections);
-  const std::string text = sections.dump(-1, ' ', false, Json::error_handler_t::replace);
-  sections = nullptr;
-  tinygltf::Model model;
-  std::string error;
-  std::string warning;
-  tinygltf::TinyGLTF loader;
-  const bool loaded = loader.LoadASCIIFromString(&model, &error, &warning, text.data(),
-                                                 static_cast<unsigned int>(text.size()), "");
-  // tinygltf drops without a word what it cannot parse; after the checks nothing should be.
-  if (!loaded || element_counts(model) != expected_counts) {
-    return gltf_invalid("JSON", "tinygltf cannot read it: " + error.substr(0, 200));
-  }
-  remove_stand_in_view(model);
-  return model;
-}
 
 // Instances repeat the name of their node: so many bytes of it.
 constexpr std::size_t kMaxInstanceName = 32;
@@ -259,11 +160,22 @@ class SceneReader {
     const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances - instance_count_);
     if (!instances) return instances.error();
     if (*instances) return add_instances(placed, **instances);
-    const std::string element = gltf_element("nodes", placed.node);
     const std::string& name = scene_.tree[placed.tree_node].name;
-    if (placed.T_scene_node.linear.isZero(0.0)) {
+    const Mat3& linear = placed.T_scene_node.linear;
+    if (linear == Mat3::Identity()) {  // of most nodes of large scenes
+      add_description(placed, name, placed.T_scene_node);
+      return std::nullopt;
+    }
+    const std::string element = gltf_element("nodes", placed.node);
+    if (auto error = check_scale(linear, element, gltf_quoted(name))) return error;
+    if (linear.isZero(0.0)) {
       warn(element, name, "is scaled to nothing and is left out");
-    } else if (is_singular(placed.T_scene_node.linear)) {
+    } else if (const double scale = lengthening(linear); scale < kMinGltfScale) {
+      warn(element, name,
+           "is scaled by " + gltf_number(scale) +
+               ", with its ancestors, and is left out; at least " + gltf_number(kMinGltfScale) +
+               " is read");
+    } else if (is_singular(linear)) {
       warn(element, name,
            "is left out: its transform, with those of its ancestors, flattens the mesh");
     } else {
@@ -283,11 +195,11 @@ class SceneReader {
     }
     for (std::size_t i = 0; i < instances.count; ++i) {
       const AffineTransform T_scene_instance = placed.T_scene_node * instances.T_node_instance(i);
-      if (!T_scene_instance.all_finite()) {
-        return gltf_invalid(element, "the transform of instance " + std::to_string(i) +
-                                         ", with those of its ancestors, overflows");
+      const Mat3& linear = T_scene_instance.linear;
+      if (!(lengthening(linear) <= kMaxGltfScale) || !T_scene_instance.all_finite()) {
+        return instance_out_of_range(element, name, i, instances, T_scene_instance);
       }
-      if (is_singular(T_scene_instance.linear)) {
+      if (is_singular(linear) || lengthening(linear) < kMinGltfScale) {
         ++flat;
       } else {
         add_description(placed, prefix + std::to_string(i), T_scene_instance);
@@ -299,6 +211,19 @@ class SceneReader {
                " instances are left out: their transforms flatten the mesh");
     }
     return std::nullopt;
+  }
+
+  static Error instance_out_of_range(const std::string& element, const std::string& name,
+                                     std::size_t instance, const GltfInstances& instances,
+                                     const AffineTransform& T_scene_instance) {
+    const std::string what = "instance " + std::to_string(instance) + " of " + gltf_quoted(name);
+    if (T_scene_instance.linear.allFinite()) {
+      if (auto error = check_scale(T_scene_instance.linear, element, what)) return *error;
+    }
+    const Mat3 own = instances.T_node_instance(instance).linear;
+    return gltf_invalid(element, "the transform of " + what + ", of scale " +
+                                     gltf_number(lengthening(own)) +
+                                     ", with those of its ancestors, overflows");
   }
 
   // Where the node lies is of no account: its mesh is posed in the scene frame.
@@ -383,9 +308,10 @@ class SceneReader {
   Result<const GltfSkin*> skin_of(std::size_t skin_id) {
     const auto known = skins_.find(skin_id);
     if (known != skins_.end()) return static_cast<const GltfSkin*>(&known->second);
-    auto skin = read_skin(asset_, skin_id, kMaxGltfJoints - joint_count_, [&](std::size_t node) {
-      return scene_transform(asset_, pose_, *walk_, node);
-    });
+    auto skin = read_skin(
+        asset_, skin_id, kMaxGltfJoints - joint_count_,
+        [&](std::size_t node) { return scene_transform(asset_, pose_, *walk_, node); },
+        scene_.warnings);
     if (!skin) return skin.error();
     joint_count_ += skin->T_scene_mesh.size();
     return static_cast<const GltfSkin*>(&skins_.emplace(skin_id, std::move(*skin)).first->second);
@@ -443,22 +369,26 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
                                     const ReadOptions& options) {
   const auto container = split_container(bytes);
   if (!container) return container.error();
-  const auto root = parse_json(container->json);
+  if (auto error = check_json_size(container->json)) return *error;
+  std::vector<std::string> warnings;
+  if (container->byte_order_mark) {
+    warnings.push_back("JSON: begins with a byte order mark, which is passed over");
+  }
+  auto root = parse_gltf_json(container->json, warnings);
   if (!root) return root.error();
   if (auto error = check_asset_version(*root)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  auto sections = checked_sections(*root, container->json.size());
+  warnings.insert(warnings.end(), extensions->warnings.begin(), extensions->warnings.end());
+  auto sections = read_model(*root, container->json.size(), warnings);
   if (!sections) return sections.error();
-  GltfBuffers buffers(take_buffers(*sections), container->bin_chunk, folder);
-  const auto model = load_model(std::move(*sections));
-  if (!model) return model.error();
-  std::vector<std::string> warnings = std::move(extensions->warnings);
+  GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder);
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
   GltfMeshoptViews compressed_views(*root, buffers);
-  const GltfAsset asset{*model, *root, buffers, compressed_views, extensions->mesh_quantization};
+  const GltfAsset asset{sections->model, *root, buffers, compressed_views,
+                        extensions->mesh_quantization};
   return SceneReader(asset, options, std::move(warnings)).run();
 }
 

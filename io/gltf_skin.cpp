@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -74,6 +75,45 @@ Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t
     joints.push_back(*id);
   }
   return joints;
+}
+
+std::string named_node(const GltfAsset& asset, std::size_t node) {
+  const std::string& name = asset.model.nodes[node].name;
+  return "node " + std::to_string(node) + (name.empty() ? "" : " (" + gltf_quoted(name) + ")");
+}
+
+// Each joint is read as it stands, with its own inverse bind matrix.
+void warn_of_duplicates(const GltfAsset& asset, std::size_t skin,
+                        const std::vector<std::size_t>& joints,
+                        std::vector<std::string>& warnings) {
+  std::map<std::size_t, std::size_t> joint_of_node;
+  std::size_t others = 0;
+  std::string first;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto [known, is_new] = joint_of_node.emplace(joints[i], i);
+    if (is_new || ++others > 1) continue;
+    first = named_node(asset, joints[i]) + " is joint " + std::to_string(known->second) +
+            " and joint " + std::to_string(i);
+  }
+  if (others == 0) return;
+  warnings.push_back(gltf_element("skins", skin, "joints") + ": " + first +
+                     ", expected each node once; it moves what each of them holds" +
+                     (others > 1 ? "; so do " + std::to_string(others - 1) + " more" : ""));
+}
+
+Error joint_out_of_range(const GltfAsset& asset, std::size_t skin, std::size_t joint,
+                         std::size_t node, const Mat3& linear_scene_joint,
+                         const Mat3& linear_scene_mesh) {
+  const std::string element = gltf_element("skins", skin, "joints/" + std::to_string(joint));
+  const std::string what = named_node(asset, node);
+  if (linear_scene_mesh.allFinite()) {
+    if (auto error = check_scale(linear_scene_joint, element, what)) return *error;
+    const std::string with_bind = what + " with its inverse bind matrix";
+    if (auto error = check_scale(linear_scene_mesh, element, with_bind)) return *error;
+  }
+  return gltf_invalid(element, "the transform of " + what + ", scaled by " +
+                                   gltf_number(lengthening(linear_scene_joint)) +
+                                   ", with its inverse bind matrix, overflows");
 }
 
 // 16 numbers for each joint, or none.
@@ -173,9 +213,11 @@ class Skinning {
 }  // namespace
 
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin_id, std::size_t max_joints,
-                           const std::function<Result<AffineTransform>(std::size_t)>& place) {
+                           const std::function<Result<AffineTransform>(std::size_t)>& place,
+                           std::vector<std::string>& warnings) {
   const auto joints = read_joints(asset, skin_id, max_joints);
   if (!joints) return joints.error();
+  warn_of_duplicates(asset, skin_id, *joints, warnings);
   const auto matrices = read_inverse_binds(asset, skin_id, joints->size());
   if (!matrices) return matrices.error();
   GltfSkin skin{skin_id, {}};
@@ -189,9 +231,9 @@ Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin_id, std::siz
       if (!T_joint_mesh) return T_joint_mesh.error();
       skin.T_scene_mesh.back() = *T_scene_joint * *T_joint_mesh;
     }
-    if (!skin.T_scene_mesh.back().all_finite()) {
-      return gltf_invalid(gltf_element("skins", skin_id, "joints/" + std::to_string(i)),
-                          "its transform, with its inverse bind matrix, overflows");
+    const Mat3& linear = skin.T_scene_mesh.back().linear;
+    if (!skin.T_scene_mesh.back().all_finite() || !(lengthening(linear) <= kMaxGltfScale)) {
+      return joint_out_of_range(asset, skin_id, i, (*joints)[i], T_scene_joint->linear, linear);
     }
   }
   return skin;

@@ -27,10 +27,12 @@ struct GltfSkin {
 };
 
 // place: the transform of a node to the scene. Refused: ids out of range, no joint, more than
-// max_joints (kLimitExceeded), fewer inverse bind matrices than joints, one that is not affine.
-// Without inverse bind matrices they are the identity. A node may be more than one joint.
+// max_joints (kLimitExceeded), fewer inverse bind matrices than joints, one that is not affine, a
+// scale beyond kMaxGltfScale (kLimitExceeded). Without inverse bind matrices they are the identity.
+// A node that is more than one joint, which glTF forbids, is a warning; it is each of them.
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin, std::size_t max_joints,
-                           const std::function<Result<AffineTransform>(std::size_t)>& place);
+                           const std::function<Result<AffineTransform>(std::size_t)>& place,
+                           std::vector<std::string>& warnings);
 
 class DracoPrimitive;
 

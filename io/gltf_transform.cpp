@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 
 #include "io/gltf_error.h"
+#include "io/gltf_limits.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -76,6 +77,16 @@ Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t 
   }
   if (!trs.scale && !node.scale.empty()) trs.scale = Vec3(node.scale.data());
   return transform_of(trs);
+}
+
+std::optional<Error> check_scale(const Mat3& linear_scene_mesh, const std::string& element,
+                                 const std::string& what) {
+  double scale = lengthening(linear_scene_mesh);
+  if (scale <= kMaxGltfScale) return std::nullopt;
+  if (!std::isfinite(scale)) scale = linear_scene_mesh.cwiseAbs().maxCoeff();  // that, and more
+  return gltf_error(ErrorCode::kLimitExceeded, element,
+                    what + " is scaled by " + gltf_number(scale) +
+                        ", with its ancestors; at most " + gltf_number(kMaxGltfScale) + " is read");
 }
 
 bool is_singular(const Mat3& linear) {

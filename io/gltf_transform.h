@@ -63,6 +63,11 @@ AffineTransform transform_of(const GltfTrs& trs);
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
                                         const GltfTrs& pose);
 
+// The error if a mesh is lengthened by more than kMaxGltfScale. element: of the node, or the joint.
+// what: which is scaled, for the message: "\"lid\"".
+std::optional<Error> check_scale(const Mat3& linear_scene_mesh, const std::string& element,
+                                 const std::string& what);
+
 // True iff the matrix has no inverse in double precision: with rows, then columns scaled to length
 // 1, its smallest singular value is rounding noise beside the largest.
 bool is_singular(const Mat3& linear);

@@ -18,6 +18,14 @@ inline double lengthening(const Mat3& linear) {
   return largest * std::sqrt((scaled.transpose() * scaled).cwiseAbs().rowwise().sum().maxCoeff());
 }
 
+// The length of a vector whose squares may overflow or vanish.
+inline double length_of(const Vec3& vector) {
+  constexpr double kSquaresAreNormal = 1e150;
+  const double length = vector.norm();
+  return length < kSquaresAreNormal && length > 1.0 / kSquaresAreNormal ? length
+                                                                        : vector.stableNorm();
+}
+
 // What a bound on the rounding of a product of transforms p -> linear p + translation_m goes by. A
 // long way out and back leaves a short one with the rounding of the long one.
 struct TransformProduct {
@@ -28,8 +36,10 @@ struct TransformProduct {
 
   static TransformProduct of(const Mat3& linear, const Vec3& translation_m) {
     // Spares most nodes a decomposition.
-    if (linear == Mat3::Identity()) return {1, 1.0, Vec3::Ones(), translation_m.norm()};
-    return {1, lengthening(linear), linear.colwise().norm(), translation_m.norm()};
+    if (linear == Mat3::Identity()) return {1, 1.0, Vec3::Ones(), length_of(translation_m)};
+    const Vec3 columns(length_of(linear.col(0)), length_of(linear.col(1)),
+                       length_of(linear.col(2)));
+    return {1, lengthening(linear), columns, length_of(translation_m)};
   }
   // First inner, then this.
   TransformProduct operator*(const TransformProduct& inner) const {

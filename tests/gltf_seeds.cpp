@@ -279,6 +279,16 @@ GltfBuilder hard_mesh() {
   return asset;
 }
 
+// Behind a byte order mark, with a key that is there twice and extremes that contradict each other.
+std::string said_twice() {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["accessors"][0]["min"] = {1, 1, 1};
+  asset.json["accessors"][0]["max"] = {0, 0, 0};
+  std::string text = asset.data_uri_text();
+  text.insert(text.size() - 1, ",\"scene\":0,\"scene\":0");
+  return "\xEF\xBB\xBF" + text;
+}
+
 }  // namespace
 
 std::vector<GltfSeed> gltf_seeds() {
@@ -307,6 +317,7 @@ std::vector<GltfSeed> gltf_seeds() {
       {"effects.glb", with_effects().glb_bytes()},
       {"left_out.glb", left_out().glb_bytes()},
       {"hard_mesh.glb", hard_mesh().glb_bytes()},
+      {"said_twice.gltf", said_twice()},
   };
 }
 

@@ -1,8 +1,11 @@
 // Files made to hurt: each must be refused, or read with what hurts left out, by the right error
 // and without more memory than its bytes deserve. What is merely wrong is in gltf_reader_test.
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -134,19 +137,239 @@ TEST(HostileGltf, TextThatIsNotUtf8IsRefused) {
   }
 }
 
-TEST(HostileGltf, AByteOrderMarkIsRefusedInBothContainers) {
-  const std::string mark = "\xEF\xBB\xBF";
-  expect_refused(mark + GltfBuilder::one_triangle().data_uri_text(), ErrorCode::kNotGltf, "");
-  expect_invalid(test::glb_of({{"JSON", mark + "{" + kAsset + "}  "}}), "JSON");
+bool has_warning(const SceneDescription& scene, const std::string& text) {
+  return std::any_of(scene.warnings.begin(), scene.warnings.end(), [&](const std::string& warning) {
+    return warning.find(text) != std::string::npos;
+  });
 }
 
-TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCounts) {
-  EXPECT_EQ(read_or_fail(triangle_with(R"("nodes":[{},{"mesh":0}],"scenes":[{"nodes":[1]}])"))
-                .nodes.at(0)
-                .name,
-            "node 1");
+TEST(HostileGltf, AByteOrderMarkIsPassedOverWithAWarning) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string text = GltfBuilder::one_triangle().data_uri_text();
+  for (const std::string& file : {mark + text, test::glb_of({{"JSON", mark + text}})}) {
+    const SceneDescription scene = read_or_fail(file);
+    EXPECT_EQ(scene.meshes.size(), 1u);
+    EXPECT_TRUE(has_warning(scene, "byte order mark"));
+  }
+  EXPECT_TRUE(read_or_fail(text).warnings.empty());
+  // One is passed over.
+  expect_refused(mark + mark + text, ErrorCode::kNotGltf, "");
+  expect_invalid(test::glb_of({{"JSON", mark + mark + text}}), "JSON");
+  expect_refused(mark, ErrorCode::kNotGltf, "");
+}
+
+// Each character with so many zero bytes before and behind it.
+std::string widened(const std::string& text, std::size_t before, std::size_t behind) {
+  std::string wide;
+  for (const char c : text) {
+    wide += std::string(before, '\0');
+    wide += c;
+    wide += std::string(behind, '\0');
+  }
+  return wide;
+}
+
+TEST(HostileGltf, TextInAnotherEncodingIsRefusedByItsName) {
+  const std::string text = GltfBuilder::one_triangle().data_uri_text();
+  const auto refuse = [](const std::string& bytes, const std::string& name) {
+    for (const auto& [file, element] :
+         {std::pair(bytes, std::string()),
+          std::pair(test::glb_of({{"JSON", bytes}}), std::string("JSON"))}) {
+      expect_refused(file, ErrorCode::kNotGltf, element);
+      const auto problem = read_measured(file, "/nowhere").scene.error().problem;
+      EXPECT_NE(problem.find(name), std::string::npos) << problem;
+    }
+  };
+  for (const char* mark : {"\xFF\xFE", ""}) refuse(mark + widened(text, 0, 1), "UTF-16");
+  for (const char* mark : {"\xFE\xFF", ""}) refuse(mark + widened(text, 1, 0), "UTF-16");
+  for (const auto& mark : {std::string("\xFF\xFE\0\0", 4), std::string()}) {
+    refuse(mark + widened(text, 0, 3), "UTF-32");
+  }
+  for (const auto& mark : {std::string("\0\0\xFE\xFF", 4), std::string()}) {
+    refuse(mark + widened(text, 3, 0), "UTF-32");
+  }
+}
+
+TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCountsAndItIsNamed) {
+  const SceneDescription scene =
+      read_or_fail(triangle_with(R"("nodes":[{},{"mesh":0}],"scenes":[{"nodes":[1]}])"));
+  EXPECT_EQ(scene.nodes.at(0).name, "node 1");
+  EXPECT_TRUE(has_warning(scene, "/nodes: is there more than once"));
+  EXPECT_TRUE(has_warning(scene, "/scenes: is there more than once"));
   expect_invalid(triangle_with(R"("nodes":7)"), "/nodes");
   expect_invalid(triangle_with(R"("accessors":[])"), "/meshes/0/primitives/0/indices");
+
+  const std::string nested = R"("nodes":[{},{"extras":[0,{"a":{"b":1,"b":2}}],)"
+                             R"("translation":[9,9,9],"mesh":0,"translation":[1,2,3]}],)"
+                             R"("scenes":[{"nodes":[1]}])";
+  const SceneDescription deep = read_or_fail(triangle_with(nested));
+  EXPECT_EQ(deep.nodes.at(0).translation_m, Vec3(1, 2, 3));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/translation: is there more than once"));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/extras/1/a/b: is there more than once"));
+}
+
+TEST(HostileGltf, ManyKeysOfOneNameAreCounted) {
+  constexpr std::size_t kMany = 100000;
+  const SceneDescription scene =
+      read_or_fail(triangle_with("\"extras\":{\"k\":0" + repeated(",\"k\":[1]", kMany) + "}"));
+  EXPECT_TRUE(has_warning(scene, "/extras/k: is there more than once"));
+  EXPECT_EQ(
+      scene.warnings.back(),
+      "and " + std::to_string(scene.warnings.size() - kMaxGltfWarnings) + " further warnings");
+}
+
+TEST(HostileGltf, ExtremesThatContradictEachOtherAreNamedAndIgnored) {
+  const auto warnings_of = [](const Json& low, const Json& high) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    asset.json["accessors"][0]["min"] = low;
+    asset.json["accessors"][0]["max"] = high;
+    const SceneDescription scene = read_or_fail(asset.glb_bytes());
+    EXPECT_EQ(scene.meshes.at(0).positions.at(1), Vec3(1, 0, 0));
+    return scene.warnings;
+  };
+  EXPECT_TRUE(warnings_of({0, 0, 0}, {1, 1, 0}).empty());
+  EXPECT_TRUE(warnings_of({0, 0, 0}, {0, 0, 0}).empty());
+  const auto above = warnings_of({0, 0.5, 0}, {1, -0.5, 0});
+  ASSERT_EQ(above.size(), 1u);
+  EXPECT_NE(above[0].find("/accessors/0: its min 0.5 is above its max -0.5 in component 1"),
+            std::string::npos)
+      << above[0];
+  // What exporters write for numbers that are not finite.
+  const auto null = warnings_of({0, 0, 0}, {nullptr, nullptr, nullptr});
+  ASSERT_EQ(null.size(), 1u);
+  EXPECT_NE(null[0].find("/accessors/0/max: is no list of 3 numbers"), std::string::npos);
+  EXPECT_EQ(warnings_of({0, 0}, "x").size(), 2u);
+}
+
+// --- Scales --------------------------------------------------------------------------------------
+
+Json scaled_by(double scale) {
+  return {{"scale", {scale, scale, scale}}};
+}
+
+// The node "small" carries the mesh and is scaled by all of these, from the outside to the inside.
+GltfBuilder scaled_triangle(const std::vector<double>& scales) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"] = Json::array();
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    Json node = scaled_by(scales[i]);
+    node["name"] = "level" + std::to_string(i);
+    node["children"] = {i + 1};
+    asset.add_child(node);
+  }
+  asset.add_child({{"mesh", 0}, {"name", "small"}});
+  return asset;
+}
+
+void expect_problem(const std::string& file, ErrorCode code, const std::string& element,
+                    const std::vector<std::string>& texts) {
+  expect_refused(file, code, element);
+  const std::string message = read_measured(file, "/nowhere").scene.error().to_string();
+  for (const std::string& text : texts) {
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+  }
+}
+
+TEST(HostileGltf, AScaleBeyondTheLimitIsRefusedByTheNameOfTheNodeAndTheScale) {
+  for (const double scale : {1.1e100, 1e155, 1e300, 1e308, -1e155}) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", std::abs(scale));
+    expect_problem(scaled_triangle({scale}).glb_bytes(), ErrorCode::kLimitExceeded, "/nodes/1",
+                   {"\"small\"", std::string("scaled by ") + text});
+    expect_problem(
+        scaled_triangle({1.0, std::sqrt(std::abs(scale)), std::sqrt(std::abs(scale))}).glb_bytes(),
+        ErrorCode::kLimitExceeded, "/nodes/3", {"\"small\"", "scaled by"});
+    GltfBuilder matrix = scaled_triangle({1.0});
+    matrix.json["nodes"][1]["matrix"] = {scale, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    expect_problem(matrix.glb_bytes(), ErrorCode::kLimitExceeded, "/nodes/1", {"\"small\"", text});
+  }
+  expect_problem(scaled_triangle({1e200, 1e200}).glb_bytes(), ErrorCode::kInvalidContent,
+                 "/nodes/1",
+                 {"\"level1\"", "its scale of 1e+200, times that of its ancestors, 1e+200"});
+  GltfBuilder moved = scaled_triangle({1e99});
+  moved.json["nodes"][1]["translation"] = {1e300, 0, 0};
+  expect_problem(moved.glb_bytes(), ErrorCode::kInvalidContent, "/nodes/1",
+                 {"\"small\"", "translation of 1e+300"});
+}
+
+TEST(HostileGltf, ScalesThatCancelAreThoseOfTheMesh) {
+  for (const double scale : {1e30, 1e60, 1e155, 1e200, 1e300}) {
+    for (const double first : {scale, 1.0 / scale}) {
+      const SceneDescription scene =
+          read_or_fail(scaled_triangle({first, 1.0 / first}).glb_bytes());
+      ASSERT_EQ(scene.nodes.size(), 1u);
+      const NodeDescription& node = scene.nodes[0];
+      EXPECT_LE((node.linear_scene_mesh - Mat3::Identity()).norm(), 1e-15);
+      // What seams go by: neither overflowed nor vanished.
+      EXPECT_LE((node.product.columns - Vec3::Ones()).norm(), 1e-12);
+      EXPECT_NEAR(node.product.linear, 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(HostileGltf, AScaleBelowTheLimitLeavesTheNodeOutByName) {
+  for (const double scale : {1e-101, 1e-155, 1e-300, 1e-308, 5e-324, -5e-324}) {
+    GltfBuilder asset = scaled_triangle({scale});
+    asset.add_node({{"mesh", 0}, {"name", "other"}});
+    const SceneDescription scene = read_or_fail(asset.glb_bytes());
+    ASSERT_EQ(scene.nodes.size(), 1u);
+    EXPECT_EQ(scene.nodes[0].name, "other");
+    EXPECT_TRUE(has_warning(scene, "/nodes/1: \"small\" is scaled by "));
+  }
+  EXPECT_EQ(read_or_fail(scaled_triangle({1e-99}).glb_bytes()).nodes.size(), 1u);
+}
+
+// One triangle, instanced at two places.
+TEST(HostileGltf, AScaleOfInstancesIsRefusedByTheNameOfTheNodeAndTheInstance) {
+  GltfBuilder asset = scaled_triangle({1e80});
+  const std::size_t scales = asset.add_accessor(
+      asset.add_view(test::bytes_of(std::vector<float>{1, 1, 1, 1e30f, 1e30f, 1e30f})),
+      GltfBuilder::kFloat, 2, "VEC3");
+  asset.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"] = {
+      {"attributes", {{"SCALE", scales}}}};
+  expect_problem(asset.glb_bytes(), ErrorCode::kLimitExceeded, "/nodes/1",
+                 {"instance 1 of \"small\"", "scaled by 1e+110"});
+  asset.json["nodes"][0] = scaled_by(1e290);
+  asset.json["nodes"][0]["children"] = {1};
+  asset.json["nodes"][1]["name"] = "";
+  expect_problem(asset.glb_bytes(), ErrorCode::kLimitExceeded, "/nodes/1",
+                 {"instance 0 of \"node 1\"", "scaled by 1e+290"});
+}
+
+GltfBuilder skinned_triangle() {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  const auto joints =
+      asset.add_accessor(asset.add_view(test::bytes_of(std::vector<std::uint8_t>(12, 0))),
+                         GltfBuilder::kUnsignedByte, 3, "VEC4");
+  const auto weights = asset.add_accessor(
+      asset.add_view(test::bytes_of(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})),
+      GltfBuilder::kFloat, 3, "VEC4");
+  Json& attributes = asset.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = joints;
+  attributes["WEIGHTS_0"] = weights;
+  asset.json["nodes"][0]["skin"] = 0;
+  asset.add_node({{"name", "arm"}, {"scale", {2, 2, 2}}});
+  asset.json["skins"] = {{{"joints", {1}}}};
+  return asset;
+}
+
+TEST(HostileGltf, AScaleOfAJointIsRefusedByTheNameOfTheNode) {
+  GltfBuilder asset = skinned_triangle();
+  EXPECT_EQ(read_or_fail(asset.glb_bytes()).meshes.at(0).positions.at(1), Vec3(2, 0, 0));
+  asset.json["nodes"][1]["scale"] = {1e155, 1e155, 1e155};
+  expect_problem(asset.glb_bytes(), ErrorCode::kLimitExceeded, "/skins/0/joints/0",
+                 {"node 1 (\"arm\")", "scaled by 1e+155"});
+}
+
+TEST(HostileGltf, ANodeThatIsSeveralJointsIsNamed) {
+  GltfBuilder asset = skinned_triangle();
+  EXPECT_TRUE(read_or_fail(asset.glb_bytes()).warnings.empty());
+  asset.json["skins"][0]["joints"] = {1, 0, 1, 1};
+  const SceneDescription scene = read_or_fail(asset.glb_bytes());
+  EXPECT_EQ(scene.meshes.at(0).positions.at(1), Vec3(2, 0, 0));
+  EXPECT_TRUE(has_warning(
+      scene, "/skins/0/joints: node 1 (\"arm\") is joint 0 and joint 2, expected each node once"));
+  EXPECT_TRUE(has_warning(scene, "so do 1 more"));
 }
 
 TEST(HostileGltf, TextBehindTheJsonIsRefused) {
