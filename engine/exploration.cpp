@@ -10,11 +10,12 @@
 #include <sstream>
 #include <thread>
 
-#include "engine/contour_plan.h"
+#include "engine/contour_path.h"
 #include "engine/haptic_thread.h"
 #include "engine/path_coverage.h"
+#include "engine/path_plan.h"
 #include "engine/simulated_device.h"
-#include "engine/surface_walk.h"
+#include "engine/surface_path.h"
 #include "geometry/section.h"
 
 namespace palpate {
@@ -54,9 +55,21 @@ class Recorder final : public TickObserver {
 struct PlannedHand {
   std::unique_ptr<HandPlan> plan;
   Vec3 start_scene_m;
-  const ContourPlan* contour = nullptr;  // one of these is the plan
-  const SurfaceWalk* walk = nullptr;
+  std::vector<Vec3> contour_m;  // what it follows, one of these
+  std::vector<Vec3> places_m;
 };
+
+PlannedHand hand_on(HandPath path, const PathFacts& facts, const PathPlanSettings& settings) {
+  auto plan = std::make_unique<PathPlan>(std::move(path), facts, settings);
+  const Vec3 start = plan->start_scene_m();
+  return {std::move(plan), start, {}, {}};
+}
+
+PathPlanSettings plan_settings(const ExplorationSettings& settings) {
+  PathPlanSettings plan;
+  plan.follow_s = settings.seconds - plan.approach_s;
+  return plan;
+}
 
 Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings) {
@@ -81,22 +94,53 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
                  "nothing to touch at this height: " + range.str(),
                  "choose a height in between, or use 3 sensors"};
   }
-  ContourPlanSettings plan;
-  plan.turn_s = settings.seconds - plan.approach_s;
-  auto hand = std::make_unique<ContourPlan>(section.front(), section, normal, plan);
-  const Vec3 start = hand->start_scene_m();
-  const ContourPlan* contour = hand.get();
-  return PlannedHand{std::move(hand), start, contour, nullptr};
+  const PathPlanSettings plan = plan_settings(settings);
+  PathFacts facts;
+  facts.room_m = kRestsInFront * plan.press_depth_m;
+  facts.slips_off_at_ends = !section.front().closed;
+  facts.sides = section.front().closed ? PathSides::kFront : PathSides::kEither;
+  std::vector<Vec3> contour = open_contour(section.front(), section, normal, facts.room_m);
+  PlannedHand hand =
+      hand_on(contour_path(contour, normal, kSmallForHand * plan.press_depth_m), facts, plan);
+  hand.contour_m = std::move(contour);
+  return hand;
 }
 
-PlannedHand plan_walk(const Scene& scene, const ExplorationSettings& settings) {
-  SurfaceWalkSettings walk;
-  walk.duration_s = settings.seconds;
-  walk.seed = settings.seed;
-  auto hand = std::make_unique<SurfaceWalk>(scene, walk);
-  const Vec3 start = hand->start_scene_m();
-  const SurfaceWalk* planned = hand.get();
-  return {std::move(hand), start, nullptr, planned};
+// A hand that feels its way over a surface; on a small object it goes no farther than so many times
+// its extent.
+constexpr double kWalkSpeed_m_per_s = 0.04;
+constexpr double kMostExtents = 5.0;
+constexpr double kSecondsPerHeading = 3.0;
+constexpr double kSecondsPerPlace = 0.5;
+
+// No wall holds it where no motor is, so that it would press as deep as it aims; and what pushes it
+// aside there grows with the depth.
+constexpr double kLightTouch = 0.6;
+
+Result<PlannedHand> plan_walk(const Scene& scene, const ExplorationSettings& settings) {
+  PathPlanSettings plan = plan_settings(settings);
+  plan.least_ease = kLightTouch;
+  SurfacePathSettings wanted;
+  wanted.length_m = std::min(kWalkSpeed_m_per_s * plan.follow_s,
+                             kMostExtents * scene.statistics().extent_m.maxCoeff());
+  const double speed_m_per_s = wanted.length_m / plan.follow_s;
+  wanted.leg_m = kSecondsPerHeading * speed_m_per_s;
+  wanted.room_m = plan.press_depth_m;
+  wanted.seed = settings.seed;
+  const std::optional<SurfacePath> found = plan_surface_path(scene, wanted);
+  if (!found) {
+    return Error{ErrorCode::kInvalidArgument, "", "scene",
+                 "has no surface with room for a hand in front of it",
+                 "scale it up (--fit), or choose a part of it (--node)"};
+  }
+  PathFacts facts;
+  facts.room_m = std::min(kRestsInFront * plan.press_depth_m, 0.5 * found->free_m);
+  facts.sides = found->is_open ? PathSides::kWhereFree : PathSides::kFront;
+  facts.may_cross_itself = true;
+  PlannedHand hand =
+      hand_on(simplified(found->path, kSmallForHand * plan.press_depth_m), facts, plan);
+  hand.places_m = places_along(found->path, kSecondsPerPlace * speed_m_per_s);
+  return hand;
 }
 
 // The first tick of the last fifth of a run.
@@ -105,10 +149,10 @@ std::size_t late_tick(const ExplorationRun& run) {
 }
 
 // What the hand followed, and how much of it the proxy came near to.
-void measure_way(const PlannedHand& hand, double largest_extent_m, ExplorationRun& run) {
+void measure_way(PlannedHand hand, double largest_extent_m, ExplorationRun& run) {
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m);
-  if (hand.contour) {
-    run.contour_scene_m = hand.contour->contour_scene_m();
+  if (!hand.contour_m.empty()) {
+    run.contour_scene_m = std::move(hand.contour_m);
     CurveCoverage coverage(run.contour_scene_m, run.near_m);
     const std::size_t late = late_tick(run);
     for (std::size_t n = 0; n < late; ++n) coverage.add(run.records[n].proxy_m);
@@ -118,8 +162,8 @@ void measure_way(const PlannedHand& hand, double largest_extent_m, ExplorationRu
     run.late_way_share = run.way_share - early_share;
     return;
   }
-  const auto places = hand.walk->places_scene_m();
-  run.places_scene_m.assign(places.begin(), places.end());
+  run.places_scene_m = std::move(hand.places_m);
+  const std::vector<Vec3>& places = run.places_scene_m;
   if (places.empty()) return;
   std::size_t reached = 0;
   std::size_t reached_late = 0;
@@ -174,7 +218,7 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
   const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
     return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
   };
-  if (!(settings.seconds > ContourPlanSettings{}.approach_s)) {
+  if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
     return invalid("--seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
                    "25 to 30 s are usual");
   }
@@ -228,7 +272,7 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (!run.interrupted) progress(1.0);
   const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
   take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
-  measure_way(*hand, scene.statistics().extent_m.maxCoeff(), run);
+  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(), run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
   return run;
 }

@@ -29,8 +29,9 @@ struct ExplorationRun {
   std::vector<TickRecord> records;
   std::vector<std::int64_t> steps_ns;
   RunSummary summary;
-  // What the hand followed, from where it began: a closed contour ends there. With 3 sensors the
-  // places that it aimed at and reached or gave up. Scene frame; one of the two is empty.
+  // What the hand set out to follow, from where it began: a closed contour ends there. With 3
+  // sensors places at equal distances along its whole path, reached or not. Scene frame; one of the
+  // two is empty.
   std::vector<Vec3> contour_scene_m;
   std::vector<Vec3> places_scene_m;
   // The part of the contour's length, or of the places, that had the proxy within near_m.

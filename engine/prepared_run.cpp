@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/contour_plan.h"
+#include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/plane_height.h"
 #include "engine/workspace.h"
@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 Workspace workspace_of(const RunCommand& command, const RunSetup& setup) {
-  const double depth_m = ContourPlanSettings{}.press_depth_m;
+  const double depth_m = PathPlanSettings{}.press_depth_m;
   return {setup.actuation.sensors(), command.exploration.workspace_m, 2 * depth_m, depth_m};
 }
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/command_line.h"
-#include "engine/contour_plan.h"
+#include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/run_judgement.h"
 
@@ -109,7 +109,7 @@ class Candidates {
     constexpr double kPartToFill = 0.95;
     const Vec3 extent_m = bounds_.high - bounds_.low;
     const double widest_m = extent_m.head(command_.options.sensors).maxCoeff();
-    const double room_m = 4 * ContourPlanSettings{}.press_depth_m;
+    const double room_m = 4 * PathPlanSettings{}.press_depth_m;
     const double factor = kPartToFill * (command_.exploration.workspace_m - room_m) / widest_m;
     const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
     if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;

@@ -20,14 +20,15 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/contour_plan.h"
+#include "engine/contour_path.h"
 #include "engine/haptic_session.h"
 #include "engine/haptic_thread.h"
 #include "engine/node_motions.h"
+#include "engine/path_plan.h"
 #include "engine/run_summary.h"
 #include "engine/scene.h"
 #include "engine/simulated_device.h"
-#include "engine/surface_walk.h"
+#include "engine/surface_path.h"
 #include "geometry/section.h"
 #include "tests/all_effects.h"
 #include "tests/random.h"
@@ -424,14 +425,22 @@ TEST(SilentHand, FollowsAContourWithoutAllocating) {
   scene->append_triangles_scene(positions, triangles);
   const auto section = plane_section(positions, triangles, Vec3::UnitZ(), 0.0);
   ASSERT_FALSE(section.empty());
-  ContourPlan plan(section.front(), section, Vec3::UnitZ(), {});
+  PathFacts facts;
+  facts.room_m = 8e-3;
+  const auto contour = open_contour(section.front(), section, Vec3::UnitZ(), facts.room_m);
+  PathPlan plan(contour_path(contour, Vec3::UnitZ(), 1e-3), facts, {});
   expect_silent_hand(*scene, plan, plan.start_scene_m(), 2);
 }
 
 TEST(SilentHand, WalksOverASurfaceWithoutAllocating) {
   const auto scene = Scene::load(PALPATE_MODELS_DIR "/torus.glb");
   ASSERT_TRUE(scene);
-  SurfaceWalk plan(*scene, {});
+  const auto found = plan_surface_path(*scene, {});
+  ASSERT_TRUE(found);
+  PathFacts facts;
+  facts.room_m = 8e-3;
+  facts.may_cross_itself = true;
+  PathPlan plan(simplified(found->path, 1e-3), facts, {});
   expect_silent_hand(*scene, plan, plan.start_scene_m(), 3);
 }
 

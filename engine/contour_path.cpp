@@ -1,14 +1,14 @@
-#include "engine/contour_way.h"
+#include "engine/contour_path.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "geometry/collinear_runs.h"
+
 namespace palpate {
 namespace {
-
-constexpr double kSharpCornerRad = std::numbers::pi / 4;
 
 // A curve that turns by more turns back: which way round, its points alone do not tell.
 constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
@@ -86,66 +86,34 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
   return points;
 }
 
-ContourWay::ContourWay(const std::vector<Vec3>& contour_m, const std::vector<Vec3>& whole_m,
-                       const Vec3& plane_normal, double press_depth_m, double side)
-    : plane_normal_(plane_normal), depth_m_(press_depth_m), side_(side) {
-  const auto tangent = [&](std::size_t i) {
-    return Vec3((contour_m[i + 1] - contour_m[i]).normalized());
-  };
-  add(contour_m.front() + depth_m_ * inward_of(tangent(0)), 0.0);
-  double along_m = 0.0;
+// The contour that these are points of, in order, tells a spike from a slit where both turn right
+// back.
+HandPath contour_path(const std::vector<Vec3>& whole_m, const Vec3& plane_normal,
+                      double tolerance_m) {
+  std::vector<Vec3> contour_m = without_collinear_points(whole_m, false, plane_normal, tolerance_m);
+  if (contour_m.size() < 2) contour_m = whole_m;
+  HandPath path;
   std::size_t in_whole = 0;
-  for (std::size_t i = 1; i + 1 < contour_m.size(); ++i) {
-    along_m += (contour_m[i] - contour_m[i - 1]).norm();
-    do ++in_whole;
-    while (in_whole + 2 < whole_m.size() && whole_m[in_whole] != contour_m[i]);
-    double turn_rad = side_ * turn(tangent(i - 1), tangent(i), plane_normal_);
-    if (std::abs(turn_rad) > kTurnsBackRad) {
-      const Vec3 before = whole_m[in_whole] - whole_m[in_whole - 1];
-      const Vec3 after = whole_m[in_whole + 1] - whole_m[in_whole];
-      turn_rad = std::copysign(turn_rad, side_ * turn(before, after, plane_normal_));
-    }
-    add_corner(contour_m[i], tangent(i - 1), tangent(i), turn_rad, along_m);
-  }
   const std::size_t last = contour_m.size() - 1;
-  along_m += (contour_m[last] - contour_m[last - 1]).norm();
-  add(contour_m[last] + depth_m_ * inward_of(tangent(last - 1)), along_m);
-}
-
-void ContourWay::add(const Vec3& p_m, double along_m, bool is_turn) {
-  const double way_m =
-      waypoints_.empty() ? 0.0 : waypoints_.back().way_m + (p_m - waypoints_.back().p_m).norm();
-  waypoints_.push_back({p_m, along_m, way_m, is_turn});
-}
-
-void ContourWay::add_corner(const Vec3& corner_m, const Vec3& tangent_in, const Vec3& tangent_out,
-                            double turn_rad, double along_m) {
-  const Vec3 inward_in = inward_of(tangent_in);
-  const Vec3 inward_out = inward_of(tangent_out);
-  if (turn_rad >= kSharpCornerRad) {
-    add(corner_m + depth_m_ * (inward_in + tangent_in), along_m, true);
-    // Of what is thinner than the depth it goes on along the front: inside is the other side.
-    if (turn_rad > kTurnsBackRad) {
-      add(corner_m + depth_m_ * (2.0 * tangent_out - inward_out), along_m);
+  Vec3 before = Vec3::Zero();
+  for (std::size_t i = 0; i < last; ++i) {
+    const Vec3 tangent = (contour_m[i + 1] - contour_m[i]).normalized();
+    double fold_rad = 0.0;
+    if (i > 0) {
+      do ++in_whole;
+      while (in_whole + 2 < whole_m.size() && whole_m[in_whole] != contour_m[i]);
+      fold_rad = turn(before, tangent, plane_normal);
+      if (std::abs(fold_rad) > kTurnsBackRad) {
+        fold_rad =
+            std::copysign(fold_rad, turn(whole_m[in_whole] - whole_m[in_whole - 1],
+                                         whole_m[in_whole + 1] - whole_m[in_whole], plane_normal));
+      }
     }
-    add(corner_m + depth_m_ * (inward_out + 2.0 * tangent_out), along_m);
-    return;
+    path.points.push_back({contour_m[i], plane_normal.cross(tangent), fold_rad});
+    before = tangent;
   }
-  // The two lines at press depth meet on the bisector. At a spike they meet far away; a concave
-  // corner needs no more than twice the depth to press both walls, and the end of a slit is in the
-  // way of who goes on.
-  const Vec3 middle = inward_in + inward_out;
-  const bool is_slit = turn_rad < -kTurnsBackRad;
-  const Vec3 bisector = is_slit ? tangent_in : Vec3(middle.normalized());
-  const double reach = is_slit ? depth_m_ : depth_m_ / std::max(0.5, bisector.dot(inward_in));
-  add(corner_m + reach * bisector, along_m);
-}
-
-std::size_t ContourWay::leg_at(double along_m) const {
-  const auto after = std::upper_bound(
-      waypoints_.begin() + 1, waypoints_.end() - 1, along_m,
-      [](double along, const Waypoint& waypoint) { return along < waypoint.along_m; });
-  return static_cast<std::size_t>(after - waypoints_.begin()) - 1;
+  path.points.push_back({contour_m[last], path.points.back().inward});
+  return path;
 }
 
 }  // namespace palpate
