@@ -18,11 +18,13 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
     auto mover = SteadyMotions::create(scene, setup.moves);
     if (!mover) return mover.error();
+    double time_s = 0.0;  // a sum, as a session has it: n dt has other bits
     for (std::size_t n = 0; n < path_m.size(); ++n) {
-      mover->move_bodies(static_cast<double>(n) * setup.dt_s, loop);
+      mover->move_bodies(time_s, loop);
       const auto start = std::chrono::steady_clock::now();
       const TickRecord& record = loop.tick(path_m[n], setup.dt_s);
       const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
+      time_s += setup.dt_s;
       if (pass == 0) {
         result.records[n] = record;
         result.steps_ns[n] = step.count();

@@ -1132,7 +1132,8 @@ TEST_F(CommandLine, ReplaysTheTraceOfARunToTheSameTrace) {
   const std::vector<std::vector<std::string>> devices{
       {"--sensors", "2", "--actuators", "1", "--damping", "2"},
       {"--sensors", "2", "--actuated-axes", "0.6 0.8 0", "--damping", "0.5", "--radius", "0.001"},
-      {"--sensors", "3", "--actuators", "2", "--damping", "2", "--rate", "2000"}};
+      {"--sensors", "3", "--actuators", "2", "--damping", "2", "--rate", "2000"},
+      {"--sensors", "2", "--actuators", "1", "--damping", "2", "--move", "star=0.002 0 0 0 0 0.1"}};
   for (const auto& device : devices) {
     for (const char* a4 : {"on", "off"}) {
       const std::string trace = std::string("out/trace-") + a4 + ".csv";
