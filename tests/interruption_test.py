@@ -26,6 +26,8 @@ SEED = int(os.environ.get("PALPATE_SEED", "20"))
 # Of each kind of run, interrupted by a signal that came before its end.
 INTERRUPTIONS = 20
 
+DONE = (0, 3)  # exit codes; 3: done, and not comparable
+
 OLD = "of an older run\n"
 RUN_FILES = ["trace-on.csv", "trace-off.csv", "contour-on.csv", "contour-off.csv", "places-on.csv",
              "places-off.csv", "paths.svg"]
@@ -122,7 +124,7 @@ def prepare(out):
 def seconds_of(command, folder):
     begin = time.monotonic()
     done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True)
-    check(done.returncode == 0, f"{done.returncode}: {done.stderr!r}")
+    check(done.returncode in DONE, f"{done.returncode}: {done.stderr!r}")
     return time.monotonic() - begin
 
 
@@ -140,7 +142,7 @@ def check_runs(palpate, models, folder, generator, options):
         number = next(signals)
         code, stdout, stderr, lived = interrupted(command, folder,
                                                   [generator.uniform(0.0, whole_s)], number)
-        if code == 0:  # it was on its last way out, or gone
+        if code in DONE:  # it was on its last way out, or gone
             seen["too late"] += 1
             whole_s *= 0.95  # the machine has less to do than before
             check_results(out, stdout, is_old_allowed=False)
@@ -171,7 +173,7 @@ def check_second_signals(palpate, models, folder, generator):
         prepare(out)
         delays_s = [generator.uniform(0.0, whole_s), generator.uniform(0.0, 0.02)]
         code, stdout, stderr, _ = interrupted(command, folder, delays_s, signal.SIGINT)
-        check(code in (0, 130), f"exit code {code}: {stderr}")
+        check(code in (*DONE, 130), f"exit code {code}: {stderr}")
         is_cut = bool(stdout) and not stdout.endswith("}\n")
         check_results(out, "" if is_cut else stdout, is_old_allowed=not stdout)
         fates = {(out / name).read_text() == OLD for name in RUN_FILES if (out / name).exists()}
