@@ -53,9 +53,13 @@ std::string shortened(const std::string& name) {
 // Makes the description of the scene from a model whose JSON has been checked.
 class SceneReader {
  public:
-  SceneReader(const GltfAsset& asset, const ReadOptions& options, std::vector<std::string> warnings)
+  // of_text: warnings of the file's form; of_extensions: of what is left out with them.
+  SceneReader(const GltfAsset& asset, const ReadOptions& options, std::vector<std::string> of_text,
+              const std::vector<std::string>& of_extensions)
       : asset_(asset), options_(options) {
-    scene_.warnings = std::move(warnings);
+    scene_.warnings = std::move(of_text);
+    first_loss_ = scene_.warnings.size();
+    scene_.warnings.insert(scene_.warnings.end(), of_extensions.begin(), of_extensions.end());
   }
 
   Result<SceneDescription> run() {
@@ -76,7 +80,7 @@ class SceneReader {
     }
     if (scene_.meshes.empty()) {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
-                        scene_.warnings.empty() ? "" : scene_.warnings.front());
+                        scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "");
     }
     GltfImages images(asset_);
     if (auto error = materials->decode_maps(images)) return *error;
@@ -348,6 +352,7 @@ class SceneReader {
   const GltfAsset& asset_;
   const ReadOptions& options_;
   SceneDescription scene_;
+  std::size_t first_loss_ = 0;  // of its warnings: the first that may be why there is no triangle
   PalpateExtras extras_;
   GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
@@ -379,7 +384,6 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   if (auto error = check_asset_version(*root)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  warnings.insert(warnings.end(), extensions->warnings.begin(), extensions->warnings.end());
   auto sections = read_model(*root, container->json.size(), warnings);
   if (!sections) return sections.error();
   GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder);
@@ -389,7 +393,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   GltfMeshoptViews compressed_views(*root, buffers);
   const GltfAsset asset{sections->model, *root, buffers, compressed_views,
                         extensions->mesh_quantization};
-  return SceneReader(asset, options, std::move(warnings)).run();
+  return SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
 }
 
 Error with_path(Error error, const std::string& path) {

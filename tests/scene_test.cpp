@@ -376,6 +376,8 @@ TEST(Scene, RefusesASceneOfWhichNothingIsLeft) {
   ASSERT_FALSE(flattened);
   EXPECT_EQ(flattened.error().code, ErrorCode::kEmptyScene);
   EXPECT_EQ(flattened.error().path, "made.glb");
+  EXPECT_NE(flattened.error().hint.find("n: left out"), std::string::npos);
+  EXPECT_NE(flattened.error().hint.find("stretches"), std::string::npos);
   const MeshDescription line{"line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}};
   const auto no_area =
       Scene::compile(description_of({line}, {{"n", 0, Mat3::Identity(), Vec3::Zero()}}));
@@ -456,6 +458,17 @@ TEST(Scene, RefusesASizeAtWhichNumbersVanish) {
     ASSERT_FALSE(scene);
     EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
   }
+  // A scale that is too large is told by the node and the scale, also where it comes from outside.
+  const SceneDescription description =
+      description_of({bent_octahedron(random)}, {{"ok", 0}, {"big", 0, 1e40 * Mat3::Identity()}});
+  EXPECT_TRUE(Scene::compile(description));
+  SceneSettings settings;
+  settings.scale = 1e30;
+  const auto scaled = Scene::compile(description, settings);
+  ASSERT_FALSE(scaled);
+  EXPECT_EQ(scaled.error().element, "node \"big\"");
+  EXPECT_NE(scaled.error().problem.find("at its scale of 1e+70"), std::string::npos)
+      << scaled.error().problem;
 }
 
 TEST(Scene, IsTouchedFarAwayAsItIsNearby) {
