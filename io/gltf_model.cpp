@@ -4,6 +4,7 @@
 #include <fstream>  // its writer needs it, and without TINYGLTF_NO_FS it would include it itself
 
 #define TINYGLTF_IMPLEMENTATION
+#include <malloc.h>
 #include <optional>
 #include <utility>
 
@@ -20,35 +21,34 @@ using Json = nlohmann::json;
 
 constexpr bool kKeepText = false;  // of extras and extensions, which are read beside tinygltf
 
+// Elements that have been read. They go many at a time, and their memory back to the system: were
+// each freed at once, the few bytes that the next one needs for good would be taken from its place,
+// and keep the page.
+class SpentElements {
+ public:
+  void add(Json element) {
+    elements_.push_back(std::move(element));
+    if (elements_.size() < kTogether) return;
+    elements_.clear();
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+  }
+
+ private:
+  static constexpr std::size_t kTogether = std::size_t{1} << 17;  // some 30 MB
+
+  std::vector<Json> elements_;
+};
+
 // Reads the elements one after the other. tinygltf drops without a word what it cannot parse; after
 // the checks nothing should be.
 class ModelReader : public GltfElements {
  public:
-  std::optional<Error> add(GltfSection section, Json element) override {
-    bool whole = false;
-    switch (section) {
-      case GltfSection::kScenes:
-        whole = read_scenes(element);
-        break;
-      case GltfSection::kNodes:
-        whole =
-            tinygltf::ParseNode(&result_.model.nodes.emplace_back(), &problem_, element, kKeepText);
-        break;
-      case GltfSection::kMeshes:
-        whole = read_mesh(element);
-        break;
-      case GltfSection::kAccessors:
-        whole = tinygltf::ParseAccessor(&result_.model.accessors.emplace_back(), &problem_, element,
-                                        kKeepText);
-        break;
-      case GltfSection::kBufferViews:
-        whole = tinygltf::ParseBufferView(&result_.model.bufferViews.emplace_back(), &problem_,
-                                          element, kKeepText);
-        break;
-      case GltfSection::kBuffers:
-        whole = read_buffer(element);
-        break;
-    }
+  std::optional<Error> add(GltfSection section, Json element, Json rest) override {
+    const bool whole = read(section, element);
+    spent_.add(std::move(element));
+    spent_.add(std::move(rest));
     if (whole) return std::nullopt;
     return gltf_invalid("JSON", "tinygltf cannot read it: " + problem_.substr(0, 200));
   }
@@ -62,6 +62,27 @@ class ModelReader : public GltfElements {
   GltfModel take() { return std::move(result_); }
 
  private:
+  bool read(GltfSection section, Json& element) {
+    tinygltf::Model& model = result_.model;
+    switch (section) {
+      case GltfSection::kScenes:
+        return read_scenes(element);
+      case GltfSection::kNodes:
+        return tinygltf::ParseNode(&model.nodes.emplace_back(), &problem_, element, kKeepText);
+      case GltfSection::kMeshes:
+        return read_mesh(element);
+      case GltfSection::kAccessors:
+        return tinygltf::ParseAccessor(&model.accessors.emplace_back(), &problem_, element,
+                                       kKeepText);
+      case GltfSection::kBufferViews:
+        return tinygltf::ParseBufferView(&model.bufferViews.emplace_back(), &problem_, element,
+                                         kKeepText);
+      case GltfSection::kBuffers:
+        return read_buffer(element);
+    }
+    return false;
+  }
+
   // All of them, and which is the default; tinygltf has no function for one.
   bool read_scenes(Json& scenes) {
     scenes["asset"]["version"] = "2.0";
@@ -94,6 +115,7 @@ class ModelReader : public GltfElements {
   }
 
   GltfModel result_;
+  SpentElements spent_;
   std::string problem_;
 };
 

@@ -192,13 +192,16 @@ class Checker {
       if (!object.is_object()) return gltf_expected(element.text(), object, "an object");
       Json taken = Json::object();
       if (auto error = check_object(section.id, object, element, taken)) return error;
+      Json rest;
+      if (object.empty()) rest.swap(object);
       if (scene_list != nullptr) {
         scene_list->push_back(std::move(taken));
-      } else if (auto error = elements_.add(section.id, std::move(taken))) {
+      } else if (auto error = elements_.add(section.id, std::move(taken), std::move(rest))) {
         return error;
       }
     }
-    return scene_list != nullptr ? elements_.add(section.id, std::move(scenes)) : std::nullopt;
+    if (scene_list == nullptr) return std::nullopt;
+    return elements_.add(section.id, std::move(scenes), nullptr);
   }
 
   // Each element costs much more memory than its text, which may be no longer than "{},".

@@ -24,10 +24,12 @@ class GltfElements {
   virtual ~GltfElements() = default;
   // So many elements of a section are about to come. The number is within the limits.
   virtual void expect(GltfSection section, std::size_t count) = 0;
-  // The next one: an object with the properties that the reader uses, each of the type, the array
-  // length and the id range that glTF 2.0 asks for; a whole number written "3.0" is 3. The scenes
-  // come as one, {"scene": 0, "scenes": [...]}, before all others.
-  virtual std::optional<Error> add(GltfSection section, nlohmann::json element) = 0;
+  // The next one: taken, an object with the properties that the reader uses, each of the type, the
+  // array length and the id range that glTF 2.0 asks for; a whole number written "3.0" is 3. The
+  // scenes come as one, {"scene": 0, "scenes": [...]}, before all others. rest: what is left of it
+  // in the document, if that is nothing, so that both can go together.
+  virtual std::optional<Error> add(GltfSection section, nlohmann::json taken,
+                                   nlohmann::json rest) = 0;
 };
 
 // Checks the sections in the order of GltfSection and hands over their elements, one at a time. The
