@@ -269,13 +269,15 @@ Vec3 PathPlan::correct_lag(const Aim& aim, const TickRecord& last, double dt_s) 
   return correction_m_ + press_more_m_ * held;
 }
 
-// Near where the proxy was last: a passage near another part of the path does not count, nor does
-// what lies beyond a turn that the hand has not taken, or before one that it has.
+// Near where the proxy was last, or up to the hand: a passage near another part of the path does
+// not count, nor does what lies beyond a turn that the hand has not taken, or before one that it
+// has.
 bool PathPlan::track(const TickRecord& last) {
   const double searched_m = kSearched * settings_.press_depth_m;
-  const auto next_turn = std::lower_bound(turns_m_.begin(), turns_m_.end(), hand_along_m());
+  const double hand_m = hand_along_m();
+  const auto next_turn = std::lower_bound(turns_m_.begin(), turns_m_.end(), hand_m);
   double first_m = proxy_along_m_ - searched_m;
-  double last_m = proxy_along_m_ + searched_m;
+  double last_m = std::max(proxy_along_m_ + searched_m, hand_m);
   if (next_turn != turns_m_.begin()) first_m = std::max(first_m, *(next_turn - 1));
   if (next_turn != turns_m_.end()) last_m = std::min(last_m, *next_turn);
   return find(last, std::min(first_m, last_m), last_m);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace palpate {
@@ -15,17 +15,19 @@ namespace {
 // Of so many faces at most the areas are added up: of every n-th where there are more.
 constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
 
-// Places tried for a start, headings tried at a turn.
-constexpr int kMostStarts = 64;
+// Places looked at for a start, and of these how many are tried; headings tried at a turn.
+constexpr int kMostPlaces = 64;
+constexpr std::size_t kMostStarts = 8;
 constexpr int kMostHeadings = 22;
 constexpr int kEdgeHeadings = 6;  // of these
 
 // In rooms: how far above the surface a probe looks for what is in the way; how far apart two looks
-// are, at most and at least; from how near the surface it looks up; how much surface there is to be
-// on both sides, and how far from edges a turn is; what a leg has at least.
+// are, at most and at least, and two looks aside; from how near the surface it looks up; how much
+// surface there is to be on both sides, and how far from edges a turn is; what a leg has at least.
 constexpr double kProbeHeight = 0.25;
 constexpr double kLookEvery = 0.25;
 constexpr double kLookAgain = 0.125;
+constexpr double kWidthEvery = 0.5;
 constexpr double kLookFrom = 1e-3;
 constexpr double kKeepOff = 1.0;
 constexpr double kLeastLeg = 2.0;
@@ -261,33 +263,41 @@ class PathFinder {
         far_m_(2.0 * scene.statistics().extent_m.norm()) {}
 
   std::optional<SurfacePath> find() {
-    std::optional<Start> best;
-    for (int i = 0; i < kMostStarts; ++i) {
-      std::optional<Start> start = draw_start();
-      if (!start || (best && start->rank() <= best->rank())) continue;
-      best = std::move(start);
-      if (std::isinf(best->free_m) && best->is_wide &&
-          best->first.worth_m >= kGoodLeg * settings_.leg_m)
-        break;
+    std::vector<Start> starts;
+    for (int i = 0; i < kMostPlaces; ++i) {
+      if (auto start = draw_start()) starts.push_back(*start);
+    }
+    std::stable_sort(starts.begin(), starts.end(),
+                     [](const Start& a, const Start& b) { return a.rank() > b.rank(); });
+    if (starts.size() > kMostStarts) starts.resize(kMostStarts);
+    const Start* best = nullptr;
+    Leg first;
+    for (const Start& start : starts) {
+      if (best && start.rank() < best->rank() && first.length_m > least_leg_m()) break;
+      Leg leg = best_leg(start.face, start.p_m);
+      if (leg.length_m < kLeastStart * settings_.length_m) continue;
+      if (best && leg.worth_m <= first.worth_m) continue;
+      best = &start;
+      first = std::move(leg);
+      if (first.length_m >= kGoodLeg * settings_.leg_m) break;
     }
     if (!best) return std::nullopt;
-    take(best->first);
+    take(first);
     while (done_m_ + least_leg_m() < settings_.length_m) take(next_leg());
-    const SceneObject& object = scene_.objects()[best->first.pieces.front().face.object];
+    const SceneObject& object = scene_.objects()[best->face.object];
     return SurfacePath{as_path(), best->free_m,
                        scene_.mesh(object.mesh).report().boundary_edges > 0};
   }
 
  private:
   struct Start {
-    Leg first;
+    Face face;
+    Vec3 p_m;
     double free_m;
     bool is_wide;
 
-    // Free ones first, then those with surface all around, then those that lead farthest.
-    std::tuple<bool, bool, double> rank() const {
-      return {std::isinf(free_m), is_wide, first.worth_m};
-    }
+    // Free ones first, and of these those with surface all around.
+    std::pair<bool, bool> rank() const { return {std::isinf(free_m), is_wide}; }
   };
 
   std::optional<Start> draw_start() {
@@ -300,12 +310,9 @@ class PathFinder {
     const double free_m =
         far_m_ * looker_.first_hit(p_m + above(kLookFrom, face.normal), p_m + far_m_ * face.normal);
     if (free_m < 2.0 * settings_.room_m) return std::nullopt;
-    Leg first = best_leg(face, p_m);
-    if (first.length_m < kLeastStart * settings_.length_m) return std::nullopt;
     const Vec3 u = face.winding.unitOrthogonal();
-    const bool is_wide_all_around =
-        is_wide(face, p_m, u) && is_wide(face, p_m, face.winding.cross(u));
-    return Start{std::move(first), free_m, is_wide_all_around};
+    return Start{face, p_m, free_m,
+                 is_wide(face, p_m, u) && is_wide(face, p_m, face.winding.cross(u))};
   }
 
   Vec3 above(double rooms, const Vec3& normal) const { return rooms * settings_.room_m * normal; }
@@ -376,6 +383,7 @@ class PathFinder {
     Leg leg;
     double fold_rad = 0.0;
     std::optional<Vec3> probe_m;
+    if (!look(face, from_m, probe_m)) return leg;
     for (std::size_t n = 0; n < kMostFaces && leg.length_m < wanted_m; ++n) {
       const auto exit = exit_of(face, from_m, heading);
       if (!exit) break;
@@ -407,7 +415,8 @@ class PathFinder {
       const Vec3 p_m = piece.from_m + look_m * piece.heading;
       if (!look(piece.face, p_m, probe_m)) break;
       const double along_m = leg.length_m + look_m;
-      if (leg.spots.empty() || along_m >= leg.spots.back().along_m + 0.5 * step_m) {
+      if (leg.spots.empty() ||
+          along_m >= leg.spots.back().along_m + kWidthEvery * settings_.room_m) {
         leg.spots.push_back({along_m, is_wide(piece.face, p_m, piece.heading)});
       }
       free_m = next_m;
