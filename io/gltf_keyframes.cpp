@@ -264,15 +264,18 @@ Result<std::vector<double>> GltfKeyframes::read_all(std::size_t accessor_id,
   if (const auto none = read_numbers(asset_, accessor_id, format, 0); !none) return none;
   const tinygltf::Accessor& accessor = asset_.model.accessors[accessor_id];
   const bool is_stored = accessor.bufferView >= 0;
-  if (accessor.count > pose_work_ ||
+  const auto components = static_cast<std::size_t>(
+      tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)));
+  if (accessor.count > pose_work_ / components ||
       (!is_stored && !asset_.buffers.take_unstored(accessor.count))) {
     return gltf_error(ErrorCode::kLimitExceeded, element,
-                      "brings what must be read to pose the scene to more than " +
-                          std::to_string(is_stored ? kMaxGltfPoseWork : kMaxGltfUnstored) +
-                          (is_stored ? " elements" : " elements that are not stored") +
-                          ", the most that are read");
+                      is_stored
+                          ? "brings what must be read to pose the scene to more than " +
+                                std::to_string(kMaxGltfPoseWork) + " numbers"
+                          : "brings the elements without a bufferView to more than " +
+                                std::to_string(kMaxGltfUnstored) + ", the most that are read");
   }
-  pose_work_ -= accessor.count;
+  pose_work_ -= accessor.count * components;
   return read_numbers(asset_, accessor_id, format, accessor.count);
 }
 
