@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/effects_report.h"
+#include "engine/printable.h"
 
 namespace palpate {
 namespace {
@@ -28,12 +29,13 @@ std::size_t terminal_columns() {
 }  // namespace
 
 int refuse(const Error& error) {
-  std::cerr << "palpate: " << error.to_string() << "\n";
+  std::cerr << "palpate: " << printable(error.to_string()) << "\n";
   return kBadInput;
 }
 
 void print(const nlohmann::ordered_json& json) {
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+  // In ASCII: what commands a terminal is written as \u001b, and a program reads it as it was.
+  std::cout << json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 
 int finish_output() {
@@ -44,7 +46,7 @@ int finish_output() {
 
 void tell_what_was_not_understood(const Scene& scene) {
   for (const std::string& line : not_understood_lines(scene)) {
-    std::cerr << "palpate: " << line << "\n";
+    std::cerr << "palpate: " << printable(line) << "\n";
   }
 }
 

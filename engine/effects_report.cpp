@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/printable.h"
+
 namespace palpate {
 namespace {
 
@@ -17,7 +19,7 @@ ordered_json value_json(const MaterialValue& value) {
 
 // On one line, whatever the bytes of a text are.
 std::string json_text(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return printable(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
 
 std::string value_line(const std::string& key, const MaterialValue& value,

@@ -12,6 +12,7 @@
 
 #include "engine/commands.h"
 #include "engine/number_option.h"
+#include "engine/printable.h"
 #include "engine/program_signals.h"
 
 namespace {
@@ -326,6 +327,8 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   palpate::take_signals();
+  const palpate::PrintableStream out(std::cout);
+  const palpate::PrintableStream err(std::cerr);
   try {
     return run_program(argc, argv);
   } catch (const std::exception& error) {  // out of memory, say

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "engine/printable.h"
+
 namespace palpate {
 namespace {
 
@@ -75,7 +77,7 @@ std::string tree_text(std::span<const TreeNode> tree) {
   std::vector<std::size_t> depths;
   for (const TreeNode& node : tree) {
     depths.push_back(node.parent ? depths[*node.parent] + 1 : 0);
-    text += std::string(2 + 2 * depths.back(), ' ') + node.name + "  #" +
+    text += std::string(2 + 2 * depths.back(), ' ') + printable(node.name) + "  #" +
             std::to_string(node.file_index) + (node.has_mesh ? "  mesh" : "") + "\n";
   }
   return text;

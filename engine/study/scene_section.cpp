@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "engine/printable.h"
 #include "engine/study/html.h"
 #include "engine/study/human_units.h"
 #include "engine/study/study_csv.h"
@@ -156,8 +157,8 @@ class Lines {
  public:
   void add(const std::string& what, const std::string& name, const char* quantity, double value,
            const char* unit) {
-    text_ << what << "," << csv_field(name) << "," << quantity << "," << value << "," << unit
-          << "\n";
+    text_ << what << "," << csv_field(printable(name)) << "," << quantity << "," << value << ","
+          << unit << "\n";
   }
   Lines() {
     text_.precision(17);
@@ -220,7 +221,7 @@ std::string scene_csv(const SceneFindings& f) {
 
 std::string scene_text(const SceneFindings& f) {
   std::ostringstream text;
-  text << f.path << "\n";
+  text << printable(f.path) << "\n";
   for (const PresetOnScene& p : f.study.presets) {
     text << "  " << p.name << std::string(10 - p.name.size(), ' ') << "tick "
          << human(p.p50_ns.median, "ns") << " / 99 % " << human(p.p99_ns.median, "ns")
@@ -233,7 +234,7 @@ std::string scene_text(const SceneFindings& f) {
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
-    text << "  " << v.surface.name << ": K " << human(v.felt_N_per_m, "N/m")
+    text << "  " << printable(v.surface.name) << ": K " << human(v.felt_N_per_m, "N/m")
          << (v.surface.relief_per_m > 0.0 ? " felt on its relief" : "") << ", "
          << (v.is_passive ? "passive" : "not passive");
     if (v.limits.passivity_bound == PassivityBound::kDamper) {
