@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/effects_report.h"
+#include "engine/printable.h"
 #include "engine/run_judgement.h"
+#include "engine/scene_contours.h"
 
 namespace palpate {
 namespace {
@@ -115,6 +117,97 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
   return lines;
 }
 
+ordered_json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Vec3 centre_of(const Box& box) {
+  return 0.5 * box.low + 0.5 * box.high;
+}
+
+ordered_json box_json(const Box& box) {
+  return {{"min_m", vector_json(box.low)},
+          {"max_m", vector_json(box.high)},
+          {"centre_m", vector_json(centre_of(box))}};
+}
+
+// null where there are too many to tell.
+ordered_json contours_json(const Scene& scene) {
+  const auto contours = scene_contours(scene);
+  if (!contours) return nullptr;
+  ordered_json list = ordered_json::array();
+  for (std::size_t axis = 0; axis < contours->size(); ++axis) {
+    const SceneContour& c = (*contours)[axis];
+    list.push_back({{"normal", kContourNormals[axis]},
+                    {"offset_m", c.offset_m},
+                    {"curves", c.curves},
+                    {"longest_m", c.longest_m},
+                    {"closed", c.is_closed}});
+  }
+  return list;
+}
+
+ordered_json animations_json(const SceneStatistics& s) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < s.animations.size(); ++i) {
+    const AnimationDescription& animation = s.animations[i];
+    ordered_json json = {{"number", i}, {"name", animation.name}};
+    json["length_s"] = animation.length_s ? ordered_json(*animation.length_s) : ordered_json();
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+// null at rest.
+ordered_json pose_json(const SceneStatistics& s) {
+  if (!s.pose) return nullptr;
+  return {{"number", s.pose->animation},
+          {"name", s.animations[s.pose->animation].name},
+          {"time_s", s.pose->time_s}};
+}
+
+std::string vector_text(const Vec3& v) {
+  return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
+}
+
+std::string contours_text(const Scene& scene) {
+  const auto contours = scene_contours(scene);
+  if (!contours) {
+    return "  contours through the centre: not looked for, the scene has too many triangles "
+           "there\n";
+  }
+  std::string text;
+  for (std::size_t axis = 0; axis < contours->size(); ++axis) {
+    const SceneContour& c = (*contours)[axis];
+    text += "  contour across " + std::string(kContourNormals[axis]) + " through the centre";
+    if (c.curves == 0) {
+      text += ": none\n";
+    } else if (c.curves == 1) {
+      text += format(": %.6g m, %s\n", c.longest_m, c.is_closed ? "closed" : "open");
+    } else {
+      text += format(": %zu curves, the longest %.6g m, %s\n", c.curves, c.longest_m,
+                     c.is_closed ? "closed" : "open");
+    }
+  }
+  return text;
+}
+
+// A line, or nothing for the rest pose.
+std::string chosen_pose_text(const Scene& scene, const char* indent) {
+  const SceneStatistics& s = scene.statistics();
+  return s.pose ? indent + ("pose: " + printable(pose_text(s.animations, s.pose))) + "\n" : "";
+}
+
+std::string animations_text(const SceneStatistics& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.animations.size(); ++i) {
+    const AnimationDescription& animation = s.animations[i];
+    text += "  animation #" + std::to_string(i) + " \"" + printable(animation.name) + "\", " +
+            (animation.length_s ? seconds_text(*animation.length_s) : "of unknown length") + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 ordered_json scene_json(const Scene& scene) {
@@ -135,6 +228,10 @@ ordered_json scene_json(const Scene& scene) {
           {"boundary_edges", s.cleaning.boundary_edges},
           {"non_manifold_edges", s.cleaning.non_manifold_edges},
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
+          {"bounding_box", box_json(s.bounds_scene)},
+          {"contours", contours_json(scene)},
+          {"animations", animations_json(s)},
+          {"pose", pose_json(s)},
           {"materials", materials_json(scene)},
           {"scene_parameters", declaration_json(scene.effects().scene)},
           {"regions", regions_json(scene)},
@@ -217,7 +314,7 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
 std::string scene_text(const std::string& path, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   const CleaningReport& c = s.cleaning;
-  std::string text = path + "\n";
+  std::string text = printable(path) + "\n";
   text += format("  nodes %zu, meshes %zu, instances %zu, indices %zu\n", s.nodes, s.meshes,
                  s.instances, s.indices);
   text +=
@@ -228,18 +325,25 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
                  c.non_manifold_edges);
   text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
+  text += "  bounding box " + vector_text(s.bounds_scene.low) + " to " +
+          vector_text(s.bounds_scene.high) + " m, centre " +
+          vector_text(centre_of(s.bounds_scene)) + " m\n";
+  text += contours_text(scene);
+  text += animations_text(s);
   text += declarations_text(scene);
   text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s), s.parse_ms,
                  s.mesh_ms, s.index_ms);
   text += memory_text(s);
   if (s.scale != 1.0) text += format("  scale %.6g\n", s.scale);
-  for (const std::string& note : s.notes) text += "  " + note + "\n";
-  for (const std::string& warning : s.warnings) text += "  warning: " + warning + "\n";
+  for (const std::string& note : s.notes) text += "  " + printable(note) + "\n";
+  for (const std::string& warning : s.warnings) {
+    text += "  warning: " + printable(warning) + "\n";
+  }
   return text;
 }
 
 std::string summary_text(const RunSummary& s, const Scene& scene) {
-  std::string text;
+  std::string text = chosen_pose_text(scene, "  ");
   text += format("  ticks %llu, in contact %llu, losses of contact %llu\n",
                  static_cast<unsigned long long>(s.ticks),
                  static_cast<unsigned long long>(s.contact_ticks),
@@ -285,6 +389,7 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
       "(1) what all motors would have given the hand, less what these gave; below 0: they would\n"
       "    have taken more from it\n"
       "(2) above 0 the device gave energy to the hand, below 0 it took energy from it\n";
+  text += chosen_pose_text(scene, "");
   bool exceeds = false;
   for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
   if (exceeds) {

@@ -218,6 +218,7 @@ const std::vector<Told> kSharedOptions{{"--sensors", "2 or 3"},
                                        {"--json", "JSON"},
                                        {"--a4", "on,off"},
                                        {"--material", "NAME.key=value"},
+                                       {"--pose", "NAME@SECONDS"},
                                        {"--effect-times", "share"}};
 
 // The part of a help text about an option: its line and the continuation of it.
@@ -660,6 +661,74 @@ TEST_F(CommandLine, RefusesPartsAndSizesThatAreNone) {
   expect_refused({"info", kCube, "--fit", "1", "--scale", "1"}, {"--fit", "--scale"});
 }
 
+// A triangle whose node goes from x = 0 to 4 within two seconds, and another clip.
+GltfBuilder moving_triangle() {
+  GltfBuilder gltf = GltfBuilder::one_triangle();
+  const auto clip = [&](const char* name, float x) {
+    const auto times = gltf.add_view(test::bytes_of(std::vector<float>{0, 2}));
+    const auto values = gltf.add_view(test::bytes_of(std::vector<float>{0, 0, 0, x, 0, 0}));
+    const auto input = gltf.add_accessor(times, GltfBuilder::kFloat, 2, "SCALAR");
+    const auto output = gltf.add_accessor(values, GltfBuilder::kFloat, 2, "VEC3");
+    gltf.json["animations"].push_back(
+        {{"name", name},
+         {"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
+  };
+  clip("Go", 4);
+  clip("Jump", 40);
+  return gltf;
+}
+
+TEST_F(CommandLine, PosesASceneByOneAnimationAtOneTime) {
+  const std::string path = moving_triangle().write_glb(folder);
+  const auto info = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"info", path, "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return json::parse(expect_done(arguments).out);
+  };
+  const json at_rest = info({});
+  EXPECT_TRUE(at_rest["pose"].is_null());
+  EXPECT_EQ(at_rest["animations"], json({{{"number", 0}, {"name", "Go"}, {"length_s", 2.0}},
+                                         {{"number", 1}, {"name", "Jump"}, {"length_s", 2.0}}}));
+  EXPECT_EQ(at_rest["bounding_box"]["min_m"], json({0.0, 0.0, 0.0}));
+  const json posed = info({"--pose", "Go@0.5", "--scale", "2"});
+  EXPECT_EQ(posed["pose"], json({{"number", 0}, {"name", "Go"}, {"time_s", 0.5}}));
+  EXPECT_EQ(posed["bounding_box"]["min_m"], json({2.0, 0.0, 0.0}));
+  EXPECT_EQ(posed["bounding_box"]["max_m"], json({4.0, 2.0, 0.0}));
+  EXPECT_EQ(posed["bounding_box"]["centre_m"], json({3.0, 1.0, 0.0}));
+  const std::string text = expect_done({"info", path, "--pose", "#1@1"}).out;
+  for (const char* line : {"\n  animation #0 \"Go\", 2 s\n", "\n  animation #1 \"Jump\", 2 s\n",
+                           "\n  pose: animation #1 \"Jump\" at 1 s\n",
+                           "\n  bounding box (20, 0, 0) to (21, 1, 0) m, centre (20.5, 0.5, 0) m\n",
+                           "\n  contour across A1 through the centre: 0.5 m, open\n",
+                           "\n  contour across A3 through the centre: none\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << " is not in " << text;
+  }
+  const std::string way = folder.write("way.txt", "2.2 0.2 0.1\n2.2 0.2 -0.01\n");
+  const auto replayed = [&](const char* pose) {
+    return json::parse(
+        expect_done({"replay", path, "--trajectory", way, "--json", "--pose", pose}).out);
+  };
+  EXPECT_EQ(replayed("Go@1")["contact_ticks"], 1);
+  EXPECT_EQ(replayed("Go@0")["contact_ticks"], 0);
+  EXPECT_NE(expect_done({"replay", path, "--trajectory", way, "--pose", "Go@1"})
+                .out.find("pose: animation #0 \"Go\" at 1 s"),
+            std::string::npos);
+}
+
+TEST_F(CommandLine, RefusesPosesThatAreNone) {
+  const std::string path = moving_triangle().write_glb(folder);
+  for (const char* pose : {"Go", "Go@", "Go@x", "Go@-1", "Go@nan", "@1", "Went@0", "#2@0"}) {
+    expect_refused({"info", path, "--pose", pose}, {pose, "#0 \"Go\" of 2 s, #1 \"Jump\" of 2 s"});
+  }
+  expect_refused({"info", path, "--pose", ""}, {"--pose"});
+  expect_refused({"run", path, "--virtual", "--pose", "Went@0"}, {"Went"});
+  const std::string way = folder.write("way.txt", "0 0 1\n");
+  expect_refused({"replay", path, "--trajectory", way, "--pose", "Went@0"}, {"Went"});
+  expect_refused({"accuracy", path, "--quick", "--pose", "Went@0"}, {"Went"});
+  expect_refused({"info", kStar, "--pose", "Go@0"}, {"Go@0", "no animation"});
+}
+
 TEST_F(CommandLine, MovesNodesTheSameWayEveryTime) {
   write_path();
   const auto trace = [&](const std::vector<std::string>& more) {
@@ -723,6 +792,10 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
                                    "boundary_edges",
                                    "non_manifold_edges",
                                    "extent_m",
+                                   "bounding_box",
+                                   "contours",
+                                   "animations",
+                                   "pose",
                                    "effects",
                                    "load_ms",
                                    "memory_bytes",
