@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <span>
 #include <sstream>
 
@@ -36,6 +35,12 @@ constexpr std::size_t kMostExactVertices = std::size_t{1} << 27;
 
 // So many bodies are asked one by one; more are found by a tree.
 constexpr std::size_t kFewBodies = 8;
+
+// That indices are built for. Of a proxy.
+double sweep_radius_m(double size_m, double proxy_radius_m) {
+  const double stand_off_m = SolverScale::of(size_m, proxy_radius_m).stand_off_m;
+  return proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off_m : 0.0;
+}
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 Box empty_box() {
@@ -181,42 +186,6 @@ Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings
   return compile(std::move(*description), settings);
 }
 
-// Finds the shape of an earlier node of the same mesh and scale, which a node can share. Nodes that
-// are turned have their scale from a decomposition, so it is the same only up to rounding; one that
-// is not turned keeps its vertices to the bit.
-class Scene::ShapeFinder {
- public:
-  explicit ShapeFinder(const std::vector<Shape>& shapes, std::size_t mesh_count)
-      : shapes_(shapes), by_size_(mesh_count) {}
-
-  std::optional<std::size_t> find(std::size_t mesh, const NodePlacement& placement) const {
-    const Mat3& scale = placement.deformation;
-    const double norm = scale.norm();
-    const bool is_turned = placement.rotation.coeffs() != Quat::Identity().coeffs();
-    const double tolerance = kSameScale * norm;
-    const auto& shapes = by_size_[mesh];
-    std::size_t left = kMaxCompared;
-    for (auto it = shapes.lower_bound(norm - tolerance);
-         it != shapes.end() && it->first <= norm + tolerance && left > 0; ++it, --left) {
-      const Mat3 difference = shapes_[it->second].map_body_mesh.linear - scale;
-      if (difference.norm() <= (is_turned ? tolerance : 0.0)) return it->second;
-    }
-    return std::nullopt;
-  }
-  void add(std::size_t shape) {
-    const Shape& s = shapes_[shape];
-    by_size_[s.mesh].emplace(s.map_body_mesh.linear.norm(), shape);
-  }
-
- private:
-  static constexpr double kSameScale = 64 * std::numeric_limits<double>::epsilon();
-  // A hostile file can have any number of scales of one norm. To share is to save memory, no more.
-  static constexpr std::size_t kMaxCompared = 256;
-
-  const std::vector<Shape>& shapes_;
-  std::vector<std::multimap<double, std::size_t>> by_size_;  // per mesh, by the norm of the scale
-};
-
 Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& settings) {
   Scene scene;
   complete_tree(description);
@@ -272,7 +241,8 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
       {scene.materials_, scene.physics_materials_, scene.haptic_materials_, description.images,
        &description.scene_parameters, description.regions, statistics.scale},
       scene.parts_);
-  if (auto error = scene.add_surfaces(description.nodes, placements, effects)) {
+  if (auto error = scene.add_surfaces(description.nodes, placements, boxes, settings.proxy_radius_m,
+                                      effects)) {
     return with_path(*error, description.path);
   }
   const auto index_start = std::chrono::steady_clock::now();
@@ -323,28 +293,34 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
 
 std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nodes,
                                          const std::vector<NodePlacement>& placements,
+                                         std::span<const Box> boxes, double proxy_radius_m,
                                          SceneEffects& effects) {
-  ShapeFinder finder(shapes_, welded_.size());
+  const double size_m = statistics_.extent_m.maxCoeff();
+  IndexSharing sharing(welded_, boxes, sweep_radius_m(size_m, proxy_radius_m), size_m);
+  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.look_at(nodes[i].mesh, placements[i]);
   objects_.reserve(nodes.size());
-  shape_of_object_.reserve(nodes.size());
+  use_of_object_.reserve(nodes.size());
+  std::vector<IndexUse> uses;
+  uses.reserve(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    uses.push_back(sharing.use(nodes[i].mesh, placements[i]));
+  }
+  shapes_ = sharing.take_shapes();
+  world_.stretches = std::make_shared<const std::vector<Stretch>>(sharing.take_stretches());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeDescription& node = nodes[i];
-    const NodePlacement& placement = placements[i];
     const auto outfit = effects.outfit(node.name, node.mesh, node.physics_material);
     if (!outfit) return outfit.error();
-    const std::size_t shape = add_shape(node, placement, finder);
-    const AffineMap& map = shapes_[shape].map_body_mesh;
-    const Vec3 middle = -map.translation_m;
-    const RigidTransform T_scene_body{placement.rotation,
-                                      node.translation_m + placement.rotation * middle};
+    const Vec3 middle_m = -uses[i].metres_per_unit * map_body_mesh(uses[i]).translation_m;
+    const Quat& rotation = placements[i].rotation;
+    const RigidTransform T_scene_body{rotation, node.translation_m + rotation * middle_m};
     statistics_.instanced_triangles += welded_[node.mesh].face_count();
     if (!effects.is_solid(*outfit)) {
-      media_.push_back({node.name, shape, *outfit, T_scene_body});
+      media_.push_back({node.name, uses[i], *outfit, T_scene_body});
       continue;
     }
-    objects_.push_back(
-        {node.name, node.mesh, node.tree_node, map, T_scene_body, node.physics_material});
-    shape_of_object_.push_back(shape);
+    objects_.push_back({node.name, node.mesh, node.tree_node, T_scene_body, node.physics_material});
+    use_of_object_.push_back(uses[i]);
     outfit_of_object_.push_back(*outfit);
     node_of_object_.push_back(static_cast<std::uint32_t>(i));
   }
@@ -353,15 +329,15 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
   return std::nullopt;
 }
 
-// That of an earlier node, or a new one.
-std::size_t Scene::add_shape(const NodeDescription& node, const NodePlacement& placement,
-                             ShapeFinder& finder) {
-  if (const auto shape = finder.find(node.mesh, placement)) return *shape;
-  // The body frame has its origin in the middle of the surface.
-  const Box box = bounding_box(welded_[node.mesh].positions(), placement.deformation);
-  shapes_.push_back({node.mesh, {placement.deformation, -0.5 * (box.low + box.high)}, nullptr});
-  finder.add(shapes_.size() - 1);
-  return shapes_.size() - 1;
+AffineMap Scene::map_body_mesh(const IndexUse& use) const {
+  const AffineMap& map = shapes_[use.shape].map_index_mesh;
+  if (use.stretch == IndexUse::kNoStretch) return map;
+  const Mat3& linear = (*world_.stretches)[use.stretch].linear_body_index();
+  return {linear * map.linear, linear * map.translation_m};
+}
+
+AffineMap Scene::map_body_mesh(std::size_t object) const {
+  return map_body_mesh(use_of_object_[object]);
 }
 
 std::optional<Error> Scene::build_world(const Box& bounds_scene,
@@ -372,42 +348,72 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
                                                : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
   world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
-  const double stand_off = SolverScale::of(world_.size_m, proxy_radius_m).stand_off_m;
-  const double sweep_radius_m = proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off : 0.0;
   Seams seams = seams_of(nodes);
   report_seams(seams);
   if (auto error = check_index_size()) return error;
-  build_meshes_and_indices(sweep_radius_m, seams);
-  world_.bodies.reserve(objects_.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const RigidTransform& T_scene_body = objects_[i].T_scene_body;
-    world_.bodies.push_back({shapes_[shape_of_object_[i]].index.get(), {}, true});
-    world_.bodies.back().place(
-        {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
-  }
+  if (proxy_radius_m == 0.0) widen_sweeps(seams);
+  build_meshes_and_indices();
+  add_bodies();
   if (!seams.bodies.empty()) add_corners(seams, nodes);
   node_of_object_ = {};
   // Short names are inside the objects and nodes. Embree's tree is counted as for clusters.
   constexpr std::size_t kTreeBytesPerBody = 200;
   statistics_.memory.places =
       objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
-      shape_of_object_.capacity() * sizeof(std::size_t) +
-      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(Shape) +
+      use_of_object_.capacity() * sizeof(IndexUse) +
+      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(IndexShape) +
+      world_.stretches->capacity() * sizeof(Stretch) +
       (world_.seams ? world_.seams->memory_bytes() : 0);
   if (world_.bodies.size() <= kFewBodies) return std::nullopt;
   statistics_.memory.places += world_.bodies.size() * kTreeBytesPerBody;
   std::vector<Box> boxes;
   boxes.reserve(world_.bodies.size());
   for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
-  world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m);
+  world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, proxy_radius_m));
   return std::nullopt;
+}
+
+void Scene::add_bodies() {
+  world_.bodies.reserve(objects_.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const RigidTransform& T_scene_body = objects_[i].T_scene_body;
+    const IndexUse& use = use_of_object_[i];
+    ContactBody& body = world_.bodies.emplace_back(indices_[use.shape].get());
+    body.place({T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
+    body.metres_per_unit = use.metres_per_unit;
+    body.units_per_metre = 1.0 / use.metres_per_unit;
+    if (use.stretch != IndexUse::kNoStretch) body.stretch = &(*world_.stretches)[use.stretch];
+  }
+}
+
+// For a point: as far as what sorts out looks beyond the clearance for bodies that meet others
+// along seams, and for stretched ones. Of one that is next to nothing beside the scene, that is
+// far: such a body is not searched with Embree (SegmentTracer).
+void Scene::widen_sweeps(const Seams& seams) {
+  constexpr double kMostSweep = 0x1p-10;  // of the size of the mesh
+  const double reach_m = SolverScale::of(world_.size_m, 0.0).stand_off_m;
+  const auto widen = [&](const IndexUse& use, double sweep_radius) {
+    double& widest = shapes_[use.shape].sweep_radius;
+    if (sweep_radius <= kMostSweep) widest = std::max(widest, sweep_radius);
+  };
+  for (const SeamBody& body : seams.bodies) {
+    const IndexUse& use = use_of_object_[body.surface];
+    widen(use, reach_m / std::abs(use.metres_per_unit));
+  }
+  // Steps that begin farther away are rare.
+  const Vec3 far_m = Vec3::Constant(world_.size_m);
+  for (const IndexUse& use : use_of_object_) {
+    if (use.stretch == IndexUse::kNoStretch) continue;
+    widen(use, (*world_.stretches)[use.stretch].reach_index(reach_m, far_m));
+  }
 }
 
 Seams Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
   std::vector<SeamSurface> surfaces;
   surfaces.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    surfaces.push_back({&nodes[node_of_object_[i]], objects_[i].map_body_mesh.linear,
+    const IndexUse& use = use_of_object_[i];
+    surfaces.push_back({&nodes[node_of_object_[i]], use.metres_per_unit * map_body_mesh(use).linear,
                         objects_[i].T_scene_body.rotation});
   }
   return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m);
@@ -439,16 +445,14 @@ void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes)
   std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);
   const auto made = std::make_shared<SeamedBodies>();
   for (const SeamBody& body : seams.bodies) {
-    const std::size_t id = shape_of_object_[body.surface];
-    if (slots_of_shape[id] != kNone) continue;
-    slots_of_shape[id] = made->slots.size();
-    const Shape& shape = shapes_[id];
-    made->slots.push_back(vertices_of_slots(*shape.index, meshes_[shape.mesh],
-                                            shape.map_body_mesh.linear.determinant() < 0.0));
+    const std::size_t shape = use_of_object_[body.surface].shape;
+    if (slots_of_shape[shape] != kNone) continue;
+    slots_of_shape[shape] = made->slots.size();
+    made->slots.push_back(vertices_of_slots(*indices_[shape], meshes_[shapes_[shape].mesh]));
   }
   made->bodies.reserve(seams.bodies.size());
   for (SeamBody& body : seams.bodies) {
-    const std::size_t shape = shape_of_object_[body.surface];
+    const std::size_t shape = use_of_object_[body.surface].shape;
     const NodeDescription& node = nodes[node_of_object_[body.surface]];
     body.joined.shrink_to_fit();
     made->bodies.push_back(std::make_unique<SolverCorners>(
@@ -461,7 +465,7 @@ void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes)
 
 std::optional<Error> Scene::check_index_size() const {
   std::uint64_t triangles = 0;
-  for (const Shape& shape : shapes_) triangles += welded_[shape.mesh].face_count();
+  for (const IndexShape& shape : shapes_) triangles += welded_[shape.mesh].face_count();
   if (triangles <= kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) return std::nullopt;
   return Error{ErrorCode::kLimitExceeded, "", "scene",
                "its nodes show meshes at " + std::to_string(shapes_.size()) +
@@ -472,21 +476,18 @@ std::optional<Error> Scene::check_index_size() const {
 }
 
 // Adjacency and indices at the same time: both need the welded surfaces alone.
-void Scene::build_meshes_and_indices(double sweep_radius_m, const Seams& seams) {
-  std::vector<bool> has_seams(shapes_.size(), false);
-  for (const SeamBody& body : seams.bodies) has_seams[shape_of_object_[body.surface]] = true;
-  const double seam_sweep_m =
-      std::max(sweep_radius_m, SolverScale::of(world_.size_m, 0.0).stand_off_m);
+void Scene::build_meshes_and_indices() {
   std::size_t triangles = 0;
   for (const WeldedSurface& mesh : welded_) triangles += mesh.face_count();
   meshes_.resize(welded_.size());
+  indices_.resize(shapes_.size());
   run_both(
       [&] {
         run_meshes(shapes_.size(), triangles, [&](std::size_t i) {
           const WeldedSurface& mesh = welded_[shapes_[i].mesh];
-          shapes_[i].index = std::make_unique<SurfaceIndex>(
-              MappedFaces{mesh.positions(), mesh.faces(), shapes_[i].map_body_mesh},
-              has_seams[i] ? seam_sweep_m : sweep_radius_m);
+          indices_[i] = std::make_unique<SurfaceIndex>(
+              MappedFaces{mesh.positions(), mesh.faces(), shapes_[i].map_index_mesh},
+              shapes_[i].sweep_radius);
         });
       },
       [&] {
@@ -498,29 +499,32 @@ void Scene::build_meshes_and_indices(double sweep_radius_m, const Seams& seams) 
     add(statistics_.cleaning, mesh.report());
     statistics_.memory += mesh.memory();
   }
-  for (const Shape& shape : shapes_) statistics_.memory += shape.index->memory();
+  for (const auto& index : indices_) statistics_.memory += index->memory();
 }
 
-EffectSurface Scene::effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
-                                    const RigidTransform& T_scene_body) const {
-  const Shape& s = shapes_[shape];
+EffectSurface Scene::effect_surface(const std::string& node, const IndexUse& use,
+                                    std::size_t outfit, const RigidTransform& T_scene_body) const {
+  const IndexShape& shape = shapes_[use.shape];
+  const bool is_stretched = use.stretch != IndexUse::kNoStretch;
   return {node,
           outfit,
-          shape,
-          {&meshes_[s.mesh], &parts_[s.mesh], s.map_body_mesh, s.index.get()},
-          {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)}};
+          is_stretched ? shapes_.size() + use.stretch : use.shape,
+          {&meshes_[shape.mesh], &parts_[shape.mesh], shape.map_index_mesh,
+           indices_[use.shape].get(), is_stretched ? &(*world_.stretches)[use.stretch] : nullptr},
+          {T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)},
+          use.metres_per_unit};
 }
 
 std::optional<Error> Scene::compile_effects(SceneEffects& effects) {
   std::vector<EffectSurface> bodies;
   bodies.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    bodies.push_back(effect_surface(objects_[i].name, shape_of_object_[i], outfit_of_object_[i],
+    bodies.push_back(effect_surface(objects_[i].name, use_of_object_[i], outfit_of_object_[i],
                                     objects_[i].T_scene_body));
   }
   std::vector<EffectSurface> media;
   for (const Medium& m : media_) {
-    media.push_back(effect_surface(m.name, m.shape, m.outfit, m.T_scene_body));
+    media.push_back(effect_surface(m.name, m.use, m.outfit, m.T_scene_body));
   }
   auto result = effects.compile(bodies, media, world_.anchor_scene_m);
   if (!result) return result.error();
@@ -541,13 +545,16 @@ std::optional<std::uint32_t> Scene::material(std::size_t object, std::size_t fac
 
 void Scene::append_triangles_scene(std::vector<Vec3>& positions_m,
                                    std::vector<Triangle>& triangles) const {
-  for (const SceneObject& object : objects_) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const SceneObject& object = objects_[i];
     const SurfaceMesh& mesh = meshes_[object.mesh];
+    const double metres_per_unit = use_of_object_[i].metres_per_unit;
+    const AffineMap map = map_body_mesh(i);
     const auto first = static_cast<std::uint32_t>(positions_m.size());
     for (const Vec3& p : mesh.welded_positions()) {
-      positions_m.push_back(object.T_scene_body.point(object.map_body_mesh(p)));
+      positions_m.push_back(object.T_scene_body.point(metres_per_unit * map(p)));
     }
-    const bool mirrored = object.map_body_mesh.linear.determinant() < 0.0;
+    const bool mirrored = metres_per_unit * map.linear.determinant() < 0.0;
     for (const Triangle& t : mesh.faces()) {
       triangles.push_back({first + t[0], first + t[mirrored ? 2 : 1], first + t[mirrored ? 1 : 2]});
     }

@@ -11,6 +11,7 @@
 #include "engine/node_placement.h"
 #include "engine/scene_effects.h"
 #include "engine/seams.h"
+#include "engine/shared_indices.h"
 #include "engine/surface_attributes.h"
 #include "geometry/box.h"
 #include "geometry/memory_breakdown.h"
@@ -34,7 +35,7 @@ struct SceneSettings {
   std::string pose = {};
 };
 
-// Memory that the indices of a scene may take: a mesh has one for every scale that nodes give it.
+// Memory that the indices of a scene may take.
 inline constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{8} << 30;
 
 // What `palpate info` tells. Triangles are counted per mesh, except instanced_triangles.
@@ -44,7 +45,7 @@ struct SceneStatistics {
   std::size_t instances = 0;
   CleaningReport cleaning;              // summed over meshes
   std::size_t instanced_triangles = 0;  // summed over nodes
-  std::size_t indices = 0;              // distinct meshes and scales
+  std::size_t indices = 0;              // that were built: see shared_indices.h
   std::size_t seam_vertices = 0;        // of nodes, joined with those of others (seams.h)
   std::size_t seam_places = 0;          // where they are
   std::size_t seam_nodes = 0;           // that have them
@@ -65,10 +66,9 @@ struct SceneStatistics {
 // region with a medium, which stays where the file has it (NodeMotions does not move it).
 struct SceneObject {
   std::string name;
-  std::size_t mesh;             // index for Scene::mesh()
+  std::uint32_t mesh;           // index for Scene::mesh()
   std::uint32_t tree_node;      // index into Scene::tree()
-  AffineMap map_body_mesh;      // mesh frame to body frame: the node's scale, mirror and shear
-  RigidTransform T_scene_body;  // what is left of the node's transform
+  RigidTransform T_scene_body;  // the pose of its body, but for the unit (ContactBody)
   std::optional<std::uint32_t> physics_material = {};  // index into Scene::physics_materials()
 };
 
@@ -111,22 +111,18 @@ class Scene {
     return parts_[objects_[object].mesh].haptic_material();
   }
 
+  // From the frame of an object's mesh to that of its body: the node's stretch and shear, and the
+  // unit of the body.
+  AffineMap map_body_mesh(std::size_t object) const;
   // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
   void append_triangles_scene(std::vector<Vec3>& positions_m,
                               std::vector<Triangle>& triangles) const;
 
  private:
-  // A mesh at one scale: what an index is made of.
-  struct Shape {
-    std::size_t mesh;
-    AffineMap map_body_mesh;
-    std::unique_ptr<SurfaceIndex> index;
-  };
-  class ShapeFinder;
   // A surface that is no object.
   struct Medium {
     std::string name;
-    std::size_t shape;
+    IndexUse use;
     std::size_t outfit;  // of SceneEffects
     RigidTransform T_scene_body;
   };
@@ -136,27 +132,30 @@ class Scene {
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
   std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,
                                     const std::vector<NodePlacement>& placements,
+                                    std::span<const Box> boxes, double proxy_radius_m,
                                     SceneEffects& effects);
-  std::size_t add_shape(const NodeDescription& node, const NodePlacement& placement,
-                        ShapeFinder& finder);
+  AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
                                    double proxy_radius_m);
   std::optional<Error> check_index_size() const;
-  void build_meshes_and_indices(double sweep_radius_m, const Seams& seams);
+  void build_meshes_and_indices();
+  void add_bodies();
+  void widen_sweeps(const Seams& seams);
   Seams seams_of(const std::vector<NodeDescription>& nodes) const;
   void report_seams(const Seams& seams);
   void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
   std::optional<Error> compile_effects(SceneEffects& effects);
-  EffectSurface effect_surface(const std::string& node, std::size_t shape, std::size_t outfit,
+  EffectSurface effect_surface(const std::string& node, const IndexUse& use, std::size_t outfit,
                                const RigidTransform& T_scene_body) const;
 
   std::vector<WeldedSurface> welded_;  // by mesh, while it is compiled
   std::vector<SurfaceMesh> meshes_;
   std::vector<MeshParts> parts_;  // by mesh
-  std::vector<Shape> shapes_;
+  std::vector<IndexShape> shapes_;
+  std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // by shape
   std::vector<SceneObject> objects_;
-  std::vector<std::size_t> shape_of_object_;
+  std::vector<IndexUse> use_of_object_;
   std::vector<std::uint32_t> node_of_object_;  // of the description, while it is compiled
   std::vector<std::size_t> outfit_of_object_;  // while it is compiled
   std::vector<Medium> media_;                  // likewise

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include <Eigen/SVD>
+
 #include "geometry/inside.h"
 #include "haptics/effects/friction.h"
 #include "haptics/effects/magnet.h"
@@ -104,6 +106,23 @@ std::size_t memory_of(const EffectProgram& program) {
   for (const HeightMap& map : program.maps) bytes += map.memory_bytes();
   for (const SurfaceIndex& index : program.indices) bytes += index.memory_bytes();
   return bytes;
+}
+
+AffineMap map_index_solver(const EffectSurface& surface) {
+  const Quat to_body = surface.T_solver_body.rotation.conjugate();
+  AffineMap map{to_body.toRotationMatrix(), -(to_body * surface.T_solver_body.translation_m)};
+  const double units_per_metre = 1.0 / surface.metres_per_unit;
+  map.linear *= units_per_metre;
+  map.translation_m *= units_per_metre;
+  if (const Stretch* stretch = surface.surface.stretch) {
+    for (int k = 0; k < 3; ++k) map.linear.col(k) = stretch->to_index(Vec3(map.linear.col(k)));
+    map.translation_m = stretch->to_index(map.translation_m);
+  }
+  return map;
+}
+
+double largest_stretch(const Mat3& linear) {
+  return Eigen::JacobiSVD<Mat3>(linear).singularValues()[0];
 }
 
 }  // namespace
@@ -365,10 +384,10 @@ SceneEffects::MaybeError SceneEffects::add_magnets(std::span<const EffectSurface
   return std::nullopt;
 }
 
-// Of the faces of one part, shared by all surfaces of the shape.
+// Of the faces of one part, shared by all surfaces that share the index of all parts.
 const SurfaceIndex* SceneEffects::magnet_index(const EffectSurface& body, std::size_t part) {
   if (body.surface.parts->materials().size() == 1) return body.surface.index;
-  const SurfaceIndex*& index = index_of_part_[{body.shape, part}];
+  const SurfaceIndex*& index = index_of_part_[{body.surface.index, part}];
   if (!index) {
     auto& indices = builder_.program.indices;
     indices.push_back(part_index(body.surface, part));
@@ -443,9 +462,8 @@ SceneEffects::MaybeError SceneEffects::add_through_media(std::span<const EffectS
     if (auto error = check_medium_surface(surface, c)) return error;
     MediumRegion region;
     region.shape = MediumRegion::Shape::kThrough;
-    const Quat to_body = surface.T_solver_body.rotation.conjugate();
-    region.p_region_solver = {to_body.toRotationMatrix(),
-                              -(to_body * surface.T_solver_body.translation_m)};
+    region.p_region_solver = map_index_solver(surface);
+    region.least_scale = 1.0 / largest_stretch(region.p_region_solver.linear);
     region.index = surface.surface.index;
     if (auto error = add_medium(*c.effects.entry(ViscosityEffect::kName), region, &c)) return error;
   }

@@ -68,9 +68,10 @@ struct EffectDeclarations {
 struct EffectSurface {
   std::string node;    // name, for messages
   std::size_t outfit;  // of SceneEffects::outfit()
-  std::size_t shape;   // surfaces of one shape share index and attributes
+  std::size_t shape;   // surfaces of one shape share attributes
   PartedSurface surface;
   RigidTransform T_solver_body;
+  double metres_per_unit;  // of the body frame (ContactBody)
 };
 
 struct SceneEffectsResult {
@@ -152,7 +153,7 @@ class SceneEffects {
 
   EffectProgramBuilder builder_;
   std::map<std::size_t, const SurfaceAttributes*> attributes_of_shape_;
-  std::map<std::pair<std::size_t, std::size_t>, const SurfaceIndex*> index_of_part_;  // shape, part
+  std::map<std::pair<const SurfaceIndex*, std::size_t>, const SurfaceIndex*> index_of_part_;
   std::map<const SurfaceMesh*, bool> is_closed_;
   std::uint32_t place_count_ = 0;
   SceneEffectsReport report_;

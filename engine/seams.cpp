@@ -35,10 +35,11 @@ constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
 
 // How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
 // deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
-// index, 24 for a point turned by a quaternion both ways, 16 for the product that the difference is
-// told by. And a point on its way to the index, 24 of its distance from the body: where a step can
-// meet something that is less than three sizes of the scene.
-constexpr double kFrameRoundoff = 64 * kUnitRoundoff;
+// index, 4 for the unit of the body, that is for its inverse and a product each way, 24 for a point
+// turned by a quaternion both ways, 16 for the product that the difference is told by. And a point
+// on its way to the index, 24 of its distance from the body: where a step can meet something that
+// is less than three sizes of the scene.
+constexpr double kFrameRoundoff = 72 * kUnitRoundoff;
 
 // What the two may be, in stand-offs, so that a vertex that has been joined is within
 // kMostApartPerStandOff of what the index has: one may move by the rounding of two.

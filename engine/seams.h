@@ -18,7 +18,7 @@ namespace palpate {
 // A surface in its place, with what the solver has for its place.
 struct SeamSurface {
   const NodeDescription* node;  // its transform; its mesh is an index into the meshes
-  Mat3 deformation;             // the linear part of the map to its index
+  Mat3 deformation;             // the linear part of the map to its body, in metres
   Quat rotation;                // of its pose
 };
 

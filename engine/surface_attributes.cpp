@@ -41,7 +41,7 @@ std::vector<CornerNormals> shaded_normals(const PartedSurface& surface,
   std::sort(angles.begin(), angles.end());
   angles.erase(std::unique(angles.begin(), angles.end()), angles.end());
   for (const double angle : angles) {
-    const auto of_angle = crease_normals(*surface.mesh, surface.map_index_mesh, angle);
+    const auto of_angle = crease_normals(*surface.mesh, surface.map_body_mesh(), angle);
     for (std::size_t f = 0; f < normals.size(); ++f) {
       const auto wanted = needs.crease_angles_rad[surface.parts->part_of_face(f)];
       if (wanted && *wanted == angle) normals[f] = of_angle[f];
@@ -162,7 +162,7 @@ SurfaceAttributes surface_attributes(const PartedSurface& surface, const Attribu
   SurfaceAttributes attributes;
   const MeshParts& parts = *surface.parts;
   const std::size_t slots = surface.slot_count();
-  const bool is_mirrored = surface.map_index_mesh.linear.determinant() < 0.0;
+  const bool is_mirrored = surface.map_body_mesh().linear.determinant() < 0.0;
   const bool is_shaded = std::any_of(needs.crease_angles_rad.begin(), needs.crease_angles_rad.end(),
                                      [](const auto& angle) { return angle.has_value(); });
   std::vector<CornerNormals> normals;
@@ -181,11 +181,11 @@ SurfaceAttributes surface_attributes(const PartedSurface& surface, const Attribu
     const std::uint32_t source = surface.mesh->source_triangle(face);
     if (needs.texture_uv) {
       attributes.texture_uv[slot] = UvMap::over(
-          surface.index->triangle(slot), in_index_order(parts.texture_uv(source), is_mirrored));
+          surface.triangle(slot), in_index_order(parts.texture_uv(source), is_mirrored));
     }
     if (needs.friction_uv) {
       attributes.friction_uv[slot] = UvMap::over(
-          surface.index->triangle(slot), in_index_order(parts.friction_uv(source), is_mirrored));
+          surface.triangle(slot), in_index_order(parts.friction_uv(source), is_mirrored));
     }
   }
   return attributes;

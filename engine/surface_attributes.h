@@ -15,6 +15,7 @@
 
 #include "geometry/height_map.h"
 #include "geometry/result.h"
+#include "geometry/stretch.h"
 #include "geometry/surface_index.h"
 #include "geometry/surface_mesh.h"
 #include "haptics/effects/face_point.h"
@@ -62,7 +63,17 @@ struct PartedSurface {
   const MeshParts* parts;
   AffineMap map_index_mesh;
   const SurfaceIndex* index;
+  const Stretch* stretch = nullptr;  // if the body frame is not that of the index
 
+  // Attributes are those of the body frame.
+  AffineMap map_body_mesh() const {
+    if (!stretch) return map_index_mesh;
+    const Mat3& linear = stretch->linear_body_index();
+    return {linear * map_index_mesh.linear, linear * map_index_mesh.translation_m};
+  }
+  TriangleGeometry triangle(std::uint32_t slot) const {
+    return stretch ? stretch->triangle(index->triangle(slot)) : index->triangle(slot);
+  }
   std::size_t slot_count() const { return index->pack_count() * TrianglePack::kLanes; }
 };
 

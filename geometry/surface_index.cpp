@@ -116,6 +116,39 @@ class FoundPacks {
   bool are_too_many_ = false;
 };
 
+bool may_hold_some(const Box& box, const Vec3& p, const StretchedBall& ball) {
+  const Vec3 outside = (box.low - p).cwiseMax(p - box.high);
+  return (outside.array() <= ball.by_axis_m.array()).all() &&
+         box.squared_distance(p) <= ball.radius_m * ball.radius_m;
+}
+
+// Which of sixteen boxes come into a ball that has been stretched: a bit each.
+struct BoxesInStretchedBall : BoxesNear {
+  StretchedBall needed;
+  float low[3], high[3];
+
+  BoxesInStretchedBall(const Vec3& point, const StretchedBall& ball)
+      : BoxesNear(point, ball.radius_m), needed(ball) {
+    const double margin_m = float_point_margin_m(point);
+    for (int k = 0; k < 3; ++k) {
+      low[k] = round_down(point[k] - ball.by_axis_m[k] - margin_m);
+      high[k] = round_up(point[k] + ball.by_axis_m[k] + margin_m);
+    }
+  }
+  std::uint32_t operator()(const BoxPack& boxes) const {
+    std::uint32_t lanes = BoxesNear::operator()(boxes);
+    for (std::uint32_t left = lanes; left != 0;) {
+      const int lane = take_lane(left);
+      for (int k = 0; k < 3; ++k) {
+        if (boxes.low[k][lane] <= high[k] && boxes.high[k][lane] >= low[k]) continue;
+        lanes &= ~(1u << lane);
+        break;
+      }
+    }
+    return lanes;
+  }
+};
+
 // Visits the packs of clusters in order, from one on: those whose boxes pass the test.
 template <typename Test, typename Visit>
 void visit_clusters(const OrderedBoxes& ordered, std::span<const BoxPack> clusters,
@@ -258,10 +291,10 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
   return nearest;
 }
 
-std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
-                                     NearSearch search) const noexcept {
+template <typename Test>
+std::size_t SurfaceIndex::packs_that_pass(const Test& test, std::span<std::uint32_t> packs,
+                                          NearSearch search) const noexcept {
   std::size_t count = 0;
-  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return count;
   // Whether there is room for more.
   const auto add = [&](std::span<const std::uint32_t> some) {
     count += some.size();
@@ -269,17 +302,46 @@ std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<s
     insert_in_order(some, packs.first(count));
     return true;
   };
-  const BoxesNear near(p, radius_m);
   if (search == NearSearch::kInOrder) {
-    visit_clusters(ordered_clusters_, cluster_boxes_, 0, near, add);
+    visit_clusters(ordered_clusters_, cluster_boxes_, 0, test, add);
     return count;
   }
-  clusters_->query_point(near.p, near.radius, [&](std::uint32_t cluster) {
+  clusters_->query_point(test.p, test.radius, [&](std::uint32_t cluster) {
     if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
-    const ClusterPacks found(cluster, near(cluster_boxes_[cluster]));
-    return found.count == 0 || add(found.span()) ? near.radius : 0.0f;
+    const ClusterPacks found(cluster, test(cluster_boxes_[cluster]));
+    return found.count == 0 || add(found.span()) ? test.radius : 0.0f;
   });
   return count;
+}
+
+std::size_t SurfaceIndex::packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
+                                     NearSearch search) const noexcept {
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return 0;
+  return packs_that_pass(BoxesNear(p, radius_m), packs, search);
+}
+
+std::size_t SurfaceIndex::packs_near(const Vec3& p, const StretchedBall& ball,
+                                     std::span<std::uint32_t> packs,
+                                     NearSearch search) const noexcept {
+  if (surface_.packs.empty() || !may_hold_some(box_, p, ball)) return 0;
+  return packs_that_pass(BoxesInStretchedBall(p, ball), packs, search);
+}
+
+void SurfaceIndex::visit_nearest_packs(const Vec3& p, const StretchedBall& ball,
+                                       NearestPackVisitor visitor, void* state) const noexcept {
+  if (surface_.packs.empty() || !may_hold_some(box_, p, ball)) return;
+  BoxesInStretchedBall test(p, ball);
+  clusters_->query_point(test.p, test.radius, [&](std::uint32_t cluster) {
+    const BoxPack& boxes = cluster_boxes_[cluster];
+    for (std::uint32_t lanes = test(boxes); lanes != 0;) {
+      const int lane = take_lane(lanes);
+      const StretchedBall needed = visitor(state, slot(cluster, lane));
+      if (needed.radius_m >= test.needed.radius_m) continue;
+      test = BoxesInStretchedBall(p, needed);
+      lanes &= test(boxes);
+    }
+    return test.radius;
+  });
 }
 
 void SurfaceIndex::visit_segment(const Vec3& p, const Vec3& d, double radius_m, PackVisitor visitor,

@@ -38,6 +38,12 @@ struct SegmentHit {
   std::uint32_t face;
 };
 
+// What holds a ball that has been stretched: a ball, and a box, by its half extents.
+struct StretchedBall {
+  double radius_m;
+  Vec3 by_axis_m;
+};
+
 // The triangles of a surface in the order of their packs: slot n is lane n % kLanes of pack
 // n / kLanes. Slots past a pack's count repeat its last triangle. Packs n kLanes to
 // (n + 1) kLanes - 1 lie close together, too: cluster n.
@@ -60,6 +66,8 @@ using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t
 // order, and all before them have been visited. Must not throw.
 using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
                                              bool in_order);
+// Called with a pack; returns how far around the point packs are still of interest. Must not throw.
+using NearestPackVisitor = StretchedBall (*)(void* state, std::uint32_t pack);
 // Called with up to sixteen packs, in ascending order; returns whether more are wanted.
 using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> packs);
 
@@ -94,6 +102,13 @@ class SurfaceIndex {
   // there are; when that exceeds packs.size(), only some were written and the search ended early.
   std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
                          NearSearch search = NearSearch::kWithEmbree) const noexcept;
+
+  // The same of all packs whose boxes come into a ball that has been stretched, around p.
+  std::size_t packs_near(const Vec3& p, const StretchedBall& ball, std::span<std::uint32_t> packs,
+                         NearSearch search) const noexcept;
+  // Visits those packs, the nearest first, roughly, until nothing is left of what is of interest.
+  void visit_nearest_packs(const Vec3& p, const StretchedBall& ball, NearestPackVisitor visitor,
+                           void* state) const noexcept;
 
   // Visits all packs that come within radius_m <= sweep_radius_m of the segment p to p + d,
   // roughly in order along it, until the visitor says that the rest is of no interest. A segment of
@@ -152,6 +167,9 @@ class SurfaceIndex {
 
  private:
   std::vector<Box> build_clusters();
+  template <typename Test>
+  std::size_t packs_that_pass(const Test& test, std::span<std::uint32_t> packs,
+                              NearSearch search) const noexcept;
   double grown_by_m(double radius_m) const { return float_margin_m_ + radius_m; }
 
   PackedSurface surface_;

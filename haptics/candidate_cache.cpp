@@ -40,7 +40,9 @@ double finest_pack_diagonal(const LiveWorld& world) {
   double finest = world.size_m();
   for (const ContactBody& body : world.bodies()) {
     if (body.index->pack_count() > 0) {
-      finest = std::min(finest, body.index->mean_pack_diagonal_m());
+      const double diagonal = body.index->mean_pack_diagonal_m();
+      finest = std::min(finest, body.stretch ? body.stretch->mean_length_m(diagonal)
+                                             : body.length_to_solver(diagonal));
     }
   }
   return finest;
@@ -83,9 +85,10 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
   world_->visit_resting_near(centre, radius_m + reach_m_, search, [&](std::uint32_t b) {
     if (are_many) {
       const ContactBody& body = world_->body(b);
-      const double reach_m = radius_m + reach_m_;
-      const double distance2_m2 = body.index->box().squared_distance(body.to_body(centre));
-      if (distance2_m2 > reach_m * reach_m) return true;
+      const Vec3 centre_body = body.to_body(centre);
+      const double reach = body.reach_index(radius_m + reach_m_, centre_body);
+      const double squared = body.index->box().squared_distance(body.to_index(centre_body));
+      if (squared > reach * reach) return true;
       ++entered;
     }
     fits = entered <= kMostBodies && add_body(b, search, used);
@@ -101,23 +104,37 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
 bool CandidateCache::add_body(std::uint32_t b, NearSearch search, std::size_t& used) noexcept {
   const ContactBody& body = world_->body(b);
   const Vec3 centre_body = body.to_body(centre_);
-  const double reach_m = radius_m_ + reach_m_;
+  const Vec3 centre = body.to_index(centre_body);
+  const StretchedBall ball = ball_in_index(body, centre_body);
   const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
-  const std::size_t count = body.index->packs_near(centre_body, reach_m, room, search);
+  const std::size_t count = body.stretch
+                                ? body.index->packs_near(centre, ball, room, search)
+                                : body.index->packs_near(centre, ball.radius_m, room, search);
   if (count > room.size()) return false;
   if (count == 0) return true;
   BodyCandidates& candidates = bodies_[body_count_];
   candidates.body = b;
   candidates.first = static_cast<std::uint32_t>(used);
   candidates.count = static_cast<std::uint32_t>(count);
+  candidates.reach = body.reach_index(
+      reach_m_, centre_body.cwiseAbs() + Vec3::Constant(body.length_to_body(radius_m_)));
   for (int k = 0; k < 3; ++k) {
-    candidates.around.low[k] = round_low(centre_body[k] - reach_m);
-    candidates.around.high[k] = round_high(centre_body[k] + reach_m);
+    candidates.around.low[k] = round_low(centre[k] - ball.by_axis_m[k]);
+    candidates.around.high[k] = round_high(centre[k] + ball.by_axis_m[k]);
   }
   keep_boxes(candidates);
   ++body_count_;
   used = (used + count + kLanes - 1) / kLanes * kLanes;
   return true;
+}
+
+// The ball and the reach in the index frame of a body.
+StretchedBall CandidateCache::ball_in_index(const ContactBody& body,
+                                            const Vec3& centre_body) const noexcept {
+  const double reach_m = radius_m_ + reach_m_;
+  if (body.stretch) return body.stretch->ball_index(reach_m, centre_body);
+  const double reach = body.length_to_body(reach_m);
+  return {reach, Vec3::Constant(reach)};
 }
 
 void CandidateCache::keep_boxes(const BodyCandidates& candidates) noexcept {
@@ -141,13 +158,14 @@ void CandidateCache::keep_boxes(const BodyCandidates& candidates) noexcept {
 }
 
 std::size_t CandidateCache::packs_along(
-    std::size_t n, const Vec3& p_body, const Vec3& d_body,
+    std::size_t n, const Vec3& p_index, const Vec3& d_index,
     std::array<std::uint32_t, kCapacity>& packs) const noexcept {
   const BodyCandidates& candidates = bodies_[n];
   const std::size_t first_box_pack = candidates.first / kLanes;
   const std::size_t box_packs = (candidates.count + kLanes - 1) / kLanes;
-  const std::size_t found = boxes_along(std::span(boxes_).subspan(first_box_pack, box_packs),
-                                        p_body, d_body, reach_m_, candidates.around, packs.data());
+  const std::size_t found =
+      boxes_along(std::span(boxes_).subspan(first_box_pack, box_packs), p_index, d_index,
+                  candidates.reach, candidates.around, packs.data());
   for (std::size_t i = 0; i < found; ++i) packs[i] = packs_[candidates.first + packs[i]];
   return found;
 }

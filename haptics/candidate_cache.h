@@ -58,8 +58,8 @@ class CandidateCache {
   }
 
   // The cached packs of the n-th body whose boxes come within the reach of the part of the segment
-  // p to p + d that is inside the ball, body frame. Returns how many were written.
-  std::size_t packs_along(std::size_t n, const Vec3& p_body, const Vec3& d_body,
+  // p to p + d that is inside the ball, index frame. Returns how many were written.
+  std::size_t packs_along(std::size_t n, const Vec3& p_index, const Vec3& d_index,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 
   std::size_t body_count() const { return body_count_; }
@@ -73,11 +73,13 @@ class CandidateCache {
     std::uint32_t body;
     std::uint32_t first;  // of packs_, at the first lane of a box pack
     std::uint32_t count;
-    FloatBox around;  // the ball and the reach, rounded outwards; body frame
+    double reach;     // index frame
+    FloatBox around;  // the ball and the reach, rounded outwards; index frame
   };
 
   bool fill_ball(const Vec3& centre, double radius_m, NearSearch search, WorkMeter& work) noexcept;
   bool add_body(std::uint32_t b, NearSearch search, std::size_t& used) noexcept;
+  StretchedBall ball_in_index(const ContactBody& body, const Vec3& centre_body) const noexcept;
   void keep_boxes(const BodyCandidates& candidates) noexcept;
 
   const LiveWorld* world_;
@@ -91,7 +93,7 @@ class CandidateCache {
   std::size_t body_count_ = 0;
   std::array<BodyCandidates, kBoxPacks> bodies_{};
   std::array<std::uint32_t, kCapacity> packs_{};
-  std::array<BoxPack, kBoxPacks> boxes_{};  // body frames
+  std::array<BoxPack, kBoxPacks> boxes_{};  // index frames
 };
 
 }  // namespace palpate

@@ -40,7 +40,8 @@ std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   double built_for_m = SurfaceIndex::kLargestSweep_m;
   if (world.tree) built_for_m = std::min(built_for_m, world.tree->sweep_radius_m());
   for (const ContactBody& body : world.bodies) {
-    built_for_m = std::min(built_for_m, body.index->sweep_radius_m());
+    const double units_per_metre = body.reach_index(1.0, Vec3::Zero());
+    built_for_m = std::min(built_for_m, body.index->sweep_radius_m() / units_per_metre);
   }
   if (sweep_m <= built_for_m) return std::nullopt;
   return invalid("radius_m",

@@ -162,10 +162,12 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
   const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
   return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
     const ContactBody& body = world_->body(contact.face.body);
-    const TriangleGeometry& t = body.index->triangle(contact.face.slot);
+    TriangleGeometry room;
+    const TriangleGeometry& t = body.triangle(contact.face.slot, room);
     const Vec3 p_body = body.to_body(proxy_);
+    const double near = body.length_to_body(near_m);
     const auto is_near = [&](const Vec3& corner) {
-      return (p_body - corner).squaredNorm() <= near_m * near_m;
+      return (p_body - corner).squaredNorm() <= near * near;
     };
     return is_near(t.a) || is_near(t.b) || is_near(t.c);
   });

@@ -57,8 +57,10 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
   SolverScale scale = SolverScale::of(world.size_m(), radius_m);
   if (!is_in_float(radius_m, accuracy)) return scale;
   for (const ContactBody& body : world.bodies()) {
+    if (body.stretch) continue;  // decided in double
     scale.stand_off_m =
-        std::max(scale.stand_off_m, float_stand_off_m(body.index->largest_pack_reach_m()));
+        std::max(scale.stand_off_m,
+                 float_stand_off_m(body.length_to_solver(body.index->largest_pack_reach_m())));
   }
   scale.stop_m = SolverScale::kStopPerStandOff * scale.stand_off_m;
   scale.clearance_m = SolverScale::kClearancePerStandOff * scale.stand_off_m;
@@ -80,7 +82,8 @@ struct SegmentTracer::Search {
   const ContactBody* placed = nullptr;
   const SolverCorners* corners = nullptr;  // if they are what decides
   Vec3 p_body, q_body;
-  Vec3 d_body;  // the part searched, rounded: for what only sorts out
+  Vec3 p_index, d_index;  // the part searched, rounded: for what only sorts out
+  double sorted_within;   // of that, index frame: what is farther from the step does not matter
 
   bool is_resumed = false;
   bool has_begun = false;  // something has been examined for good, so that it can be cut short
@@ -99,12 +102,11 @@ struct SegmentTracer::Search {
     if (placed && body == id) return;
     body = id;
     placed = &tracer.world_->body(id);
+    corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
-    d_body = limit.value() * (q_body - p_body);
-    corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
     // A step that is shorter than the rounding of its ends in the body is a step all the same.
-    if (corners) d_body = limit.value() * placed->direction_to_body(q - p);
+    enter_index(corners ? placed->way_to_body(q - p) : Vec3(q_body - p_body));
   }
 
   // Enters a body with a step given in its own frame.
@@ -113,13 +115,23 @@ struct SegmentTracer::Search {
     placed = &tracer.world_->body(id);
     p_body = from_body;
     q_body = to_body;
-    d_body = limit.value() * (q_body - p_body);
     corners = nullptr;
+    enter_index(q_body - p_body);
   }
 
-  bool misses_body() const {
-    return !placed->index->may_meet(p_body, d_body, tracer.sweep_radius_m(*placed));
+  void enter_index(const Vec3& d_body) {
+    p_index = placed->to_index(p_body);
+    d_index = placed->to_index(limit.value() * d_body);
+    sorted_within = placed->reach_index(tracer.sorted_within_m(*placed), p_body);
   }
+
+  // For queries of whole segments, whose float margins cover a point's clearance.
+  double sweep_radius() const {
+    const bool is_covered = tracer.radius_m_ == 0.0 && !corners && !placed->stretch;
+    return is_covered ? 0.0 : sorted_within;
+  }
+
+  bool misses_body() const { return !placed->index->may_meet(p_index, d_index, sweep_radius()); }
 
   bool must_stop() const { return has_begun && tracer.work_.is_spent(); }
 
@@ -144,8 +156,8 @@ struct SegmentTracer::Search {
   bool consider_for_point(std::span<const std::uint32_t> packs) {
     tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackLanes, kPacksAtOnce> doubtful;
-    const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_body, d_body,
-                                               tracer.clearance_m(*placed), doubtful.data());
+    const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_index, d_index,
+                                               sorted_within, doubtful.data());
     for (std::size_t i = 0; i < count; ++i) {
       if (i > 0 && tracer.work_.is_spent()) return false;  // never where there is one
       for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
@@ -159,8 +171,8 @@ struct SegmentTracer::Search {
   bool consider_for_sphere(std::span<const std::uint32_t> packs) {
     tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackApproach, kPacksAtOnce> doubtful;
-    const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_body, d_body,
-                                             tracer.reach_m(), doubtful.data());
+    const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_index, d_index,
+                                             sorted_within, doubtful.data());
     for (std::size_t i = 0; i < count; ++i) {
       if (i > 0 && tracer.work_.is_spent()) return false;
       PackApproach& in = doubtful[i];
@@ -203,23 +215,25 @@ struct SegmentTracer::Search {
   }
 
   bool meets(std::uint32_t slot, TriangleHit& hit, TriangleWork& work) const {
-    const SurfaceIndex& index = *placed->index;
     const SolverScale& scale = tracer.scale_;
-    if (tracer.is_in_float_) {
+    const double stop = placed->length_to_body(scale.stop_m);
+    if (tracer.is_in_float_ && !placed->stretch) {
       const auto lane = static_cast<int>(slot % TrianglePack::kLanes);
-      const TrianglePack& pack = index.pack(slot / TrianglePack::kLanes);
-      return trace_point_in_float(pack, lane, p_body, q_body, scale.stop_m, hit);
+      const TrianglePack& pack = placed->index->pack(slot / TrianglePack::kLanes);
+      return trace_point_in_float(pack, lane, p_body, q_body, stop, hit);
     }
+    TriangleGeometry room;
+    const TriangleGeometry& t = placed->triangle(slot, room);
     if (corners) {
-      const Vec3 normal = placed->direction_to_solver(index.triangle(slot).normal);
+      const Vec3 normal = placed->direction_to_solver(t.normal);
       return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
                          hit, work);
     }
     if (tracer.radius_m_ == 0.0) {
-      return trace_point(index.triangle(slot), p_body, q_body, {scale.stop_m, scale.clearance_m},
-                         hit, work);
+      return trace_point(t, p_body, q_body, {stop, placed->length_to_body(scale.clearance_m)}, hit,
+                         work);
     }
-    return trace_sphere(index.triangle(slot), p_body, q_body, tracer.radius_m_, scale.stop_m,
+    return trace_sphere(t, p_body, q_body, placed->length_to_body(tracer.radius_m_), stop,
                         best ? std::min(best->meet_fraction, limit) : limit, hit, work);
   }
 
@@ -229,14 +243,17 @@ struct SegmentTracer::Search {
     if (hit.meet_fraction > limit) return;
     if (best && hit.meet_fraction > best->meet_fraction) return;
     if (best && hit.meet_fraction == best->meet_fraction && face > best->contact.face) return;
-    const bool is_in_solver = placed->is_identity || corners;
-    const Vec3 normal =
-        is_in_solver ? hit.normal : Vec3(placed->T_solver_body.direction(hit.normal).normalized());
-    const Vec3 feature_point =
-        is_in_solver ? hit.feature_point : placed->to_solver(hit.feature_point);
-    best = TraceHit{{face, normal, hit.clearance_m, hit.feature, feature_point},
-                    hit.fraction,
-                    hit.meet_fraction};
+    Vec3 normal = hit.normal;
+    Vec3 feature_point = hit.feature_point;
+    double clearance_m = hit.clearance_m;
+    if (!corners) {
+      normal = placed->direction_to_solver(normal);
+      if (!placed->is_identity) normal.normalize();
+      feature_point = placed->to_solver(feature_point);
+      clearance_m = placed->length_to_solver(clearance_m);
+    }
+    best = TraceHit{
+        {face, normal, clearance_m, hit.feature, feature_point}, hit.fraction, hit.meet_fraction};
   }
 
   // How far along the part searched a triangle can still matter.
@@ -292,7 +309,7 @@ void SegmentTracer::forget_moving_searches() noexcept {
   for (std::size_t n = 0; n < cache_.body_count(); ++n) {
     search.enter_body(cache_.body(n));
     work_.add(work::kBody);
-    const std::size_t count = cache_.packs_along(n, search.p_body, search.d_body, packs);
+    const std::size_t count = cache_.packs_along(n, search.p_index, search.d_index, packs);
     if (!search.consider_packs(std::span(packs).first(count), unexamined)) return false;
   }
   return true;
@@ -353,9 +370,12 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
     TraceCursor* cursor;
     bool is_complete;
   } state{&search, &cursor, true};
-  const auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
+  auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
+  // Embree's boxes may be too small for a point that is far from a stretched body.
+  const double sweep_radius = search.sweep_radius();
+  if (!first && sweep_radius > search.placed->index->sweep_radius_m()) first = 0;
   const std::size_t in_vain = search.placed->index->visit_packs_along(
-      search.p_body, search.d_body, sweep_radius_m(*search.placed), first,
+      search.p_index, search.d_index, sweep_radius, first,
       [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
         State& in = *static_cast<State*>(s);
         std::uint32_t unexamined = 0;

@@ -85,8 +85,8 @@ class SegmentTracer {
   // The same for a shorter step along the last one traced, from the same p.
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
-  // The first obstacle in one body alone, of a proxy that goes from p to q in the frame of the
-  // body, whatever moves.
+  // The first obstacle in one body alone, of a proxy that goes from p to q in the body frame,
+  // whatever moves.
   std::optional<TraceHit> trace_in_body(std::uint32_t body, const Vec3& p_body,
                                         const Vec3& q_body) noexcept;
 
@@ -112,7 +112,9 @@ class SegmentTracer {
   // Whether a point is beside a face by more than reach_m (is_far_beside). Not for a sphere.
   bool is_far_beside_face(const FaceRef& face, const Vec3& p, double reach_m) const noexcept {
     const ContactBody& body = world_->body(face.body);
-    return is_far_beside(body.index->triangle(face.slot), body.to_body(p), reach_m);
+    TriangleGeometry room;
+    return is_far_beside(body.triangle(face.slot, room), body.to_body(p),
+                         body.length_to_body(reach_m));
   }
 
   // The contact of a proxy at p with the place of a face that is nearest to it.
@@ -196,17 +198,15 @@ class SegmentTracer {
                       const Visitor& visit) noexcept;
   std::optional<FaceContact> find_steepest_contact(const Vec3& p, const Vec3& d) const;
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
-  // For queries of whole segments, whose float margins cover a point's clearance.
+  // For queries of the world's tree, whose float margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
-  // What sorts out in the frame of the body looks as much farther as that and its corners may be
-  // apart.
-  double clearance_m(const ContactBody& body) const {
+  // What is farther from a step does not matter. What sorts out in the index looks as much farther
+  // as that and the corners of the body may be apart.
+  double sorted_within_m(const ContactBody& body) const {
+    if (radius_m_ > 0.0) return reach_m();
     return scale_.clearance_m +
            (decides_by_corners(body) ? kMostApartPerStandOff * scale_.stand_off_m : 0.0);
-  }
-  double sweep_radius_m(const ContactBody& body) const {
-    return decides_by_corners(body) ? clearance_m(body) : sweep_radius_m();
   }
 
   const LiveWorld* world_;

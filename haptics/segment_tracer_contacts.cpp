@@ -53,23 +53,26 @@ class NearestContacts {
 
 FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
   const ContactBody& body = world_->body(face.body);
+  TriangleGeometry room;
   const TrianglePoint nearest =
-      closest_point_on_triangle(body.index->triangle(face.slot), body.to_body(p));
-  return {face, body.direction_to_solver(nearest.direction), nearest.distance - radius_m_,
-          nearest.feature, body.to_solver(nearest.point)};
+      closest_point_on_triangle(body.triangle(face.slot, room), body.to_body(p));
+  return {face, body.direction_to_solver(nearest.direction),
+          body.length_to_solver(nearest.distance) - radius_m_, nearest.feature,
+          body.to_solver(nearest.point)};
 }
 
 Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
   const ContactBody& body = world_->body(contact.face.body);
-  const TriangleGeometry& t = body.index->triangle(contact.face.slot);
+  TriangleGeometry room;
+  const TriangleGeometry& t = body.triangle(contact.face.slot, room);
   const Vec3 p_body = body.to_body(contact.feature_point);
   Vec3 nearest = Vec3::Zero();
-  double least_m = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& [from, to] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
     const Vec3 direction = (to - from).normalized();
-    const double distance_m = (p_body - from).cross(direction).norm();
-    if (distance_m >= least_m) continue;
-    least_m = distance_m;
+    const double distance = (p_body - from).cross(direction).norm();
+    if (distance >= least) continue;
+    least = distance;
     nearest = direction;
   }
   return body.direction_to_solver(nearest);
@@ -81,7 +84,8 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
   if (radius_m_ > 0.0) return nearest;
   const ContactBody& body = world_->body(face.body);
   const Vec3 direction_body = body.direction_to_body(nearest.normal);
-  if (!is_rather_over(body.index->triangle(face.slot), direction_body)) return nearest;
+  TriangleGeometry room;
+  if (!is_rather_over(body.triangle(face.slot, room), direction_body)) return nearest;
   const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
   FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
   contact.feature = nearest.feature;
@@ -91,12 +95,13 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
 FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
                                         const Vec3& side) const noexcept {
   const ContactBody& body = world_->body(face.body);
-  const TriangleGeometry& t = body.index->triangle(face.slot);
+  TriangleGeometry room;
+  const TriangleGeometry& t = body.triangle(face.slot, room);
   const Vec3 p_body = body.to_body(p);
   const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
   const double height = normal.dot(p_body - t.a);
-  return {face, body.direction_to_solver(normal), height, TriangleFeature::kFace,
-          body.to_solver(p_body - height * normal)};
+  return {face, body.direction_to_solver(normal), body.length_to_solver(height),
+          TriangleFeature::kFace, body.to_solver(p_body - height * normal)};
 }
 
 std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left, const Vec3& p,
@@ -107,14 +112,18 @@ std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left,
   const std::uint32_t pack = left.slot / TrianglePack::kLanes;
   work_.add(work::kPack);
   PackLanes near;
-  const Vec3 d_body = q_body - p_body;
-  if (lanes_in_the_way(body.index->packs(), {&pack, 1}, p_body, d_body, 0.0, &near) == 0) return {};
+  if (lanes_in_the_way(body.index->packs(), {&pack, 1}, body.to_index(p_body),
+                       body.to_index(q_body - p_body), body.reach_index(0.0, p_body), &near) == 0) {
+    return {};
+  }
   std::optional<FaceContact> nearest;
   while (near.lanes != 0) {
     const FaceRef face{left.body, SurfaceIndex::slot(pack, take_lane(near.lanes))};
-    const TriangleGeometry& t = body.index->triangle(face.slot);
-    const double height_m = t.normal.dot(p_body - t.a);
-    const bool is_between = height_m * t.normal.dot(q_body - t.a) < 0.0;
+    TriangleGeometry room;
+    const TriangleGeometry& t = body.triangle(face.slot, room);
+    const double height = t.normal.dot(p_body - t.a);
+    const double height_m = body.length_to_solver(height);
+    const bool is_between = height * t.normal.dot(q_body - t.a) < 0.0;
     if (!is_between || std::abs(height_m) < scale_.clearance_m || !prism_contains(t, p_body)) {
       continue;
     }
@@ -132,7 +141,8 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
   }
   if (contact.feature != TriangleFeature::kFace) return false;
   const ContactBody& body = world_->body(contact.face.body);
-  return prism_contains(body.index->triangle(contact.face.slot), body.to_body(p));
+  TriangleGeometry room;
+  return prism_contains(body.triangle(contact.face.slot, room), body.to_body(p));
 }
 
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
@@ -145,7 +155,9 @@ std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
   const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
   world_->visit_resting_near(p, reach_m, NearSearch::kInOrder, [&](std::uint32_t b) {
     const ContactBody& body = world_->body(b);
-    if (body.index->box().squared_distance(body.to_body(p)) > reach_m * reach_m) return true;
+    const Vec3 p_body = body.to_body(p);
+    const double reach = body.reach_index(reach_m, p_body);
+    if (body.index->box().squared_distance(body.to_index(p_body)) > reach * reach) return true;
     visit_contacts(b, p, reach_m, packs_left, add);
     return --bodies_left > 0 && packs_left > 0 && !is_cut_short_;
   });
@@ -159,6 +171,7 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   if (packs_left == 0 || is_cut_short_) return;
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
+  const double reach = body.length_to_body(reach_m);
   work_.add(work::kBody);
   const auto consider_pack = [&](std::uint32_t pack) {
     const int count = body.index->pack(pack).count;
@@ -170,12 +183,13 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
     work_.add(work::kPack + count * work::kNearestPoint);
     for (int lane = 0; lane < count; ++lane) {
       const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
-      const TriangleGeometry& t = body.index->triangle(slot);
+      TriangleGeometry room;
+      const TriangleGeometry& t = body.triangle(slot, room);
       const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-      if (nearest.distance > reach_m) continue;
+      if (nearest.distance > reach) continue;
       visit({{b, slot},
              body.direction_to_solver(t.normal),
-             t.normal.dot(p_body - t.a),
+             body.length_to_solver(t.normal.dot(p_body - t.a)),
              TriangleFeature::kFace,
              body.to_solver(nearest.point)});
     }
@@ -183,7 +197,7 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   };
   using ConsiderPack = decltype(consider_pack);
   body.index->visit_packs_near(
-      p_body, reach_m, 0,
+      body.to_index(p_body), body.reach_index(reach_m, p_body), 0,
       [](void* state, std::span<const std::uint32_t> packs) {
         return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
       },

@@ -13,6 +13,7 @@ SolverCorners::SolverCorners(std::span<const Vec3> positions_mesh, std::span<con
     : positions_mesh_(positions_mesh),
       slots_(slots),
       linear_solver_mesh_(linear_solver_mesh),
+      is_mirrored_(linear_solver_mesh.determinant() < 0.0),
       translation_solver_m_(translation_solver_m),
       joined_(std::move(joined)) {}
 
@@ -26,7 +27,8 @@ Vec3 SolverCorners::vertex(std::uint32_t v) const noexcept {
 
 TriangleGeometry SolverCorners::triangle(std::uint32_t slot,
                                          const Vec3& normal_solver) const noexcept {
-  const Triangle& corners = slots_[slot];
+  Triangle corners = slots_[slot];
+  if (is_mirrored_) std::swap(corners[1], corners[2]);
   TriangleGeometry t{vertex(corners[0]), vertex(corners[1]), vertex(corners[2]), normal_solver};
   if (!exactly_collinear(t.a, t.b, t.c)) t.normal = accurate_unit_normal(t.a, t.b, t.c);
   return t;
@@ -41,12 +43,10 @@ std::size_t SeamedBodies::memory_bytes() const {
   return bytes;
 }
 
-std::vector<Triangle> vertices_of_slots(const SurfaceIndex& index, const SurfaceMesh& mesh,
-                                        bool is_mirrored) {
+std::vector<Triangle> vertices_of_slots(const SurfaceIndex& index, const SurfaceMesh& mesh) {
   std::vector<Triangle> slots(index.pack_count() * TrianglePack::kLanes);
   for (std::uint32_t slot = 0; slot < slots.size(); ++slot) {
     slots[slot] = mesh.face(index.face(slot));
-    if (is_mirrored) std::swap(slots[slot][1], slots[slot][2]);
   }
   return slots;
 }

@@ -53,7 +53,7 @@ struct JoinedVertex {
 // logarithmic in the joined vertices. What it is made from must outlive it.
 class SolverCorners {
  public:
-  // slots: the welded vertices of the triangles of the index, by slot, in their order there.
+  // slots: the welded vertices of the triangles of the index, by slot, in their order in the mesh.
   // joined: in rising order of their vertices.
   SolverCorners(std::span<const Vec3> positions_mesh, std::span<const Triangle> slots,
                 const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
@@ -74,6 +74,7 @@ class SolverCorners {
   std::span<const Vec3> positions_mesh_;
   std::span<const Triangle> slots_;
   Mat3 linear_solver_mesh_;
+  bool is_mirrored_;
   Vec3 translation_solver_m_;
   std::vector<JoinedVertex> joined_;
 };
@@ -86,9 +87,7 @@ struct SeamedBodies {
   std::size_t memory_bytes() const;
 };
 
-// The welded vertices of every slot of an index over a mesh, in the order that the corners have
-// there. is_mirrored: the map of the index is a mirror.
-std::vector<Triangle> vertices_of_slots(const SurfaceIndex& index, const SurfaceMesh& mesh,
-                                        bool is_mirrored);
+// The welded vertices of every slot of an index over a mesh, in their order there.
+std::vector<Triangle> vertices_of_slots(const SurfaceIndex& index, const SurfaceMesh& mesh);
 
 }  // namespace palpate

@@ -239,7 +239,8 @@ TEST_F(Cores, CompileTheSameSceneHoweverMany) {
     test::Random queries(7204);
     for (const ContactBody& body : scene->world().bodies) {
       for (int i = 0; i < 20; ++i) {
-        const auto nearest = body.index->closest_point(queries.in_box(1.0), 100.0);
+        const auto nearest = body.index->closest_point(
+            body.length_to_body(1.0) * queries.in_box(1.0), body.length_to_body(100.0));
         if (!nearest) continue;
         numbers.insert(numbers.end(), {nearest->point_m.x(), nearest->point_m.y(),
                                        nearest->point_m.z(), static_cast<double>(nearest->face)});

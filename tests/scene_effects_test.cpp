@@ -223,20 +223,21 @@ TEST(SceneEffects, SlotsKnowTheirMaterialAndCornersTheirCoordinates) {
     const EffectProgram& program = *scene.world().effects;
     std::set<std::uint32_t> program_materials;
     for (std::uint32_t body = 0; body < 2; ++body) {
-      const SceneObject& object = scene.objects()[body];
+      const AffineMap map = scene.map_body_mesh(body);
       const SurfaceIndex& index = *scene.world().bodies[body].index;
       const SurfaceAttributes& attributes = *program.bodies[body].attributes;
-      const Mat3 mesh_from_index = object.map_body_mesh.linear.inverse();
+      const Mat3 mesh_from_index = map.linear.inverse();
       for (const std::uint32_t slot : slots_of(index)) {
         const std::uint32_t face = index.face(slot);
         const auto of_file = *scene.material(body, face);
         program_materials.insert(program.material(body, slot));
         const auto table = program.table(program.material(body, slot), EffectStage::kForceMap);
         ASSERT_EQ(table.size(), of_file == 2 ? 0u : 1u);
-        const TriangleGeometry& t = index.triangle(slot);
+        TriangleGeometry room;
+        const TriangleGeometry& t = scene.world().bodies[body].triangle(slot, room);
         const Vec3 corners[3] = {t.a, t.b, t.c};
         for (std::size_t i = 0; i < 3; ++i) {
-          const Vec3 p = mesh_from_index * (corners[i] - object.map_body_mesh.translation_m);
+          const Vec3 p = mesh_from_index * (corners[i] - map.translation_m);
           const Eigen::Vector2d uv = uv_of * p;
           const auto texture_uv = attributes.texture_uv[slot].at(corners[i]);
           const auto friction_uv = attributes.friction_uv[slot].at(corners[i]);
@@ -266,7 +267,7 @@ TEST(SceneEffects, PartsAreShadedByTheirOwnCreaseAngles) {
     const std::uint32_t face = index.face(slot);
     const std::uint32_t of_file = *scene.material(0, face);
     if (of_file == 2) continue;
-    const auto expected = crease_normals(scene.mesh(0), scene.objects()[0].map_body_mesh,
+    const auto expected = crease_normals(scene.mesh(0), scene.map_body_mesh(0),
                                          angles_deg[of_file] * std::numbers::pi / 180.0);
     EXPECT_EQ(attributes.corner_normals[slot], expected[face]);
   }
@@ -437,9 +438,11 @@ TEST(SceneEffects, MagnetsAreTheFacesOfTheirMaterialAlone) {
   ASSERT_EQ(program.magnets.size(), 2u);
   EXPECT_EQ(program.indices.size(), 1u) << "of one shape";
   EXPECT_EQ(program.magnets[0].index, program.magnets[1].index);
-  const auto nearest = program.magnets[0].index->closest_point({0.9, 0, 0}, 10.0);
+  const ContactBody& body = scene.world().bodies[0];
+  const auto nearest = program.magnets[0].index->closest_point(
+      body.length_to_body(1.0) * Vec3(0.9, 0, 0), body.length_to_body(10.0));
   ASSERT_TRUE(nearest);
-  EXPECT_LE((nearest->point_m - Vec3(-1, 0, 0)).norm(), 1e-15);
+  EXPECT_LE((body.length_to_solver(1.0) * nearest->point_m - Vec3(-1, 0, 0)).norm(), 1e-15);
 
   HapticLoop loop = loop_in(scene);
   const double distance_m = 0.1;

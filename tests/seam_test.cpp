@@ -191,7 +191,10 @@ double farthest_apart_m(const ContactWorld& world) {
     for (std::uint32_t pack = 0; pack < body.index->pack_count(); ++pack) {
       for (int lane = 0; lane < body.index->pack(pack).count; ++lane) {
         const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
-        const TriangleGeometry& t = body.index->triangle(slot);
+        TriangleGeometry room;
+        TriangleGeometry t = body.triangle(slot, room);
+        if (body.units_per_metre < 0.0)
+          std::swap(t.b, t.c);  // corners are in order about the front
         const TriangleGeometry u = body.corners->triangle(slot, body.direction_to_solver(t.normal));
         farthest_m =
             std::max({farthest_m, (body.to_solver(t.a) - u.a).norm(),

@@ -37,9 +37,11 @@ std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m
 double file_floor_m(const Scene& scene) {
   double farthest_m = 0.0;
   for (std::size_t i = 0; i < scene.objects().size(); ++i) {
-    const Box& box = scene.world().bodies[i].index->box();
-    const Vec3& origin = scene.objects()[i].map_body_mesh.translation_m;  // of the mesh frame
-    const Vec3 reach_m = (box.low - origin).cwiseAbs().cwiseMax((box.high - origin).cwiseAbs());
+    const ContactBody& body = scene.world().bodies[i];
+    const Box box = body.box_body();
+    const Vec3 origin = scene.map_body_mesh(i).translation_m;  // of the mesh frame
+    const Vec3 reach_m = body.length_to_solver(1.0) *
+                         (box.low - origin).cwiseAbs().cwiseMax((box.high - origin).cwiseAbs());
     farthest_m = std::max(farthest_m, reach_m.maxCoeff());
   }
   return float_floor_m(farthest_m);

@@ -18,9 +18,9 @@ using CornerCoordinates = std::array<std::array<double, 2>, 3>;
 
 // Texture coordinates over a triangle: linear in the point, and beyond its edges as well.
 struct UvMap {
-  Vec3 origin = Vec3::Zero();  // body frame, m
+  Vec3 origin = Vec3::Zero();  // body frame
   std::array<double, 2> at_origin{};
-  std::array<Vec3, 2> gradient{Vec3::Zero(), Vec3::Zero()};  // 1/m, along the triangle
+  std::array<Vec3, 2> gradient{Vec3::Zero(), Vec3::Zero()};  // body frame, along the triangle
 
   std::array<double, 2> at(const Vec3& p_body) const noexcept {
     const Vec3 from_origin = p_body - origin;
@@ -33,13 +33,13 @@ struct UvMap {
     UvMap map{t.a, corners[0]};
     const Vec3 ab = t.b - t.a;
     const Vec3 ac = t.c - t.a;
-    const double twice_area_m2 = triple_product(t.normal, ab, ac);
-    if (!(twice_area_m2 > 0.0)) return map;
+    const double twice_area = triple_product(t.normal, ab, ac);
+    if (!(twice_area > 0.0)) return map;
     for (std::size_t i = 0; i < 2; ++i) {
       const double along_ab = corners[1][i] - corners[0][i];
       const double along_ac = corners[2][i] - corners[0][i];
       map.gradient[i] =
-          (along_ab * ac.cross(t.normal) + along_ac * t.normal.cross(ab)) / twice_area_m2;
+          (along_ab * ac.cross(t.normal) + along_ac * t.normal.cross(ab)) / twice_area;
     }
     return map;
   }
@@ -61,13 +61,15 @@ struct FacePoint {
   const ContactBody* body = nullptr;
   const SurfaceAttributes* attributes = nullptr;
   std::uint32_t slot = 0;
-  Vec3 point_body = Vec3::Zero();  // body frame, m
+  Vec3 point_body = Vec3::Zero();
 
-  const TriangleGeometry& triangle() const { return body->index->triangle(slot); }
+  // Body frame: where it is, or made in `room`.
+  const TriangleGeometry& triangle(TriangleGeometry& room) const {
+    return body->triangle(slot, room);
+  }
 
   // Weights of the corners, >= 0, sum 1: those of the point itself where it lies over the triangle.
-  std::array<double, 3> barycentric() const noexcept {
-    const TriangleGeometry& t = triangle();
+  std::array<double, 3> barycentric(const TriangleGeometry& t) const noexcept {
     const Vec3 a = t.a - point_body;
     const Vec3 b = t.b - point_body;
     const Vec3 c = t.c - point_body;

@@ -14,7 +14,7 @@ namespace palpate {
 struct MagneticSurface {
   std::uint32_t body = 0;
   std::uint32_t material = 0;           // of the effect program
-  const SurfaceIndex* index = nullptr;  // of the faces with that material, body frame
+  const SurfaceIndex* index = nullptr;  // of the faces with that material, as the body's own
 };
 
 // Attraction towards the nearest point of a surface within a range: F = F0 (1 - s / r)^2 at a
@@ -54,23 +54,33 @@ struct MagnetEffect {
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
     const bool may_come = tick.world->is_moving(surface.body);
-    const double to_box_m = std::sqrt(surface.index->box().squared_distance(proxy_body));
+    const double to_box_m = std::sqrt(box_body(surface, body).squared_distance(proxy_body)) *
+                            body.length_to_solver(1.0);
     const double reach_m = p.range_m + tick.radius_m;
     if (to_box_m >= reach_m) {
       tick.quiet_m = may_come ? 0.0 : to_box_m - reach_m;
       return false;
     }
     // Twice as far, so that what is seen to be out of range is out of it for a while.
-    const auto nearest = surface.index->closest_point(proxy_body, 2.0 * reach_m);
-    const double distance_m = nearest ? nearest->distance_m : 2.0 * reach_m;
+    const double range = body.length_to_body(2.0 * reach_m);
+    const auto nearest = body.stretch
+                             ? closest_point(*surface.index, *body.stretch, proxy_body, range)
+                             : surface.index->closest_point(proxy_body, range);
+    const double distance_m = nearest ? body.length_to_solver(nearest->distance_m) : 2.0 * reach_m;
     if (distance_m >= reach_m || distance_m == 0.0) {
       tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - reach_m);
       return false;
     }
     const double part = 1.0 - std::max(0.0, distance_m - tick.radius_m) / p.range_m;
-    const Vec3 towards = body.direction_to_solver(nearest->point_m - proxy_body) / distance_m;
+    const Vec3 towards =
+        body.direction_to_solver(nearest->point_m - proxy_body) / nearest->distance_m;
     tick.force_N += p.force_N * part * part * towards;
     return true;
+  }
+
+ private:
+  static Box box_body(const MagneticSurface& surface, const ContactBody& body) noexcept {
+    return body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
   }
 };
 

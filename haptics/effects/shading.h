@@ -34,9 +34,10 @@ struct ShadingEffect {
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
   static bool apply(const Parameters&, State&, EffectTick& tick) noexcept {
-    const auto w = tick.face.barycentric();
+    TriangleGeometry room;
+    const TriangleGeometry& facet = tick.face.triangle(room);
+    const auto w = tick.face.barycentric(facet);
     const CornerNormals& normals = tick.face.attributes->corner_normals[tick.face.slot];
-    const Vec3& facet_body = tick.face.triangle().normal;
     Vec3 smooth_body = Vec3::Zero();
     for (std::size_t i = 0; i < 3; ++i) {
       smooth_body += w[i] * Vec3(normals[i][0], normals[i][1], normals[i][2]);
@@ -44,7 +45,7 @@ struct ShadingEffect {
     const double length = smooth_body.norm();
     if (!(length > 0.0)) return false;
     smooth_body /= length;
-    if ((smooth_body - facet_body).squaredNorm() <= kFlat * kFlat) return false;
+    if ((smooth_body - facet.normal).squaredNorm() <= kFlat * kFlat) return false;
     const Vec3 front = tick.face.body->direction_to_solver(smooth_body);
     // The proxy may be at the back of the face.
     const double along = front.dot(tick.normal);

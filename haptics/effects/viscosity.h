@@ -76,7 +76,9 @@ struct ViscosityEffect {
   static bool is_inside_body(const MediumRegion& region, State& s, EffectTick& tick) noexcept {
     const ContactBody& body = tick.world->body(region.body);
     if (s.is_known == 0.0) {
-      const auto inside = palpate::is_inside(*body.index, body.to_body(tick.proxy_m));
+      // No proxy is so near to the surface that its way to the index could change its side.
+      const Vec3 p_index = body.to_index(body.to_body(tick.proxy_m));
+      const auto inside = palpate::is_inside(*body.index, p_index);
       if (!inside) return false;
       s.is_known = 1.0;
       s.is_inside = *inside ? 1.0 : 0.0;
