@@ -135,7 +135,7 @@ class Candidates {
     const auto& objects = prepared_.scene.objects();
     std::vector<std::pair<double, std::uint32_t>> by_extent;
     for (std::size_t i = 0; i < objects.size(); ++i) {
-      const Box& box = prepared_.scene.world().bodies[i].index->box();
+      const Box box = prepared_.scene.world().bodies[i].box_solver();
       by_extent.push_back({-(box.high - box.low).norm(), objects[i].tree_node});
     }
     std::sort(by_extent.begin(), by_extent.end());
