@@ -18,11 +18,13 @@ struct Heights {
 template <typename Visit>
 void visit_heights(const Scene& scene, const ScenePose& T_device_scene, const Visit& visit) {
   std::vector<double> height_of_vertex_m;
-  for (const SceneObject& object : scene.objects()) {
+  for (std::size_t i = 0; i < scene.objects().size(); ++i) {
+    const SceneObject& object = scene.objects()[i];
+    const AffineMap deformation = scene.deformation(i);
     const SurfaceMesh& mesh = scene.mesh(object.mesh);
     height_of_vertex_m.clear();
     for (const Vec3& p : mesh.welded_positions()) {
-      const Vec3 p_scene = object.T_scene_body.point(object.map_body_mesh(p));
+      const Vec3 p_scene = object.T_scene_body.point(deformation(p));
       height_of_vertex_m.push_back(T_device_scene.point(p_scene).z());
     }
     for (const Triangle& t : mesh.faces()) {

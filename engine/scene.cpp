@@ -340,6 +340,12 @@ AffineMap Scene::map_body_mesh(std::size_t object) const {
   return map_body_mesh(use_of_object_[object]);
 }
 
+AffineMap Scene::deformation(std::size_t object) const {
+  const double metres_per_unit = use_of_object_[object].metres_per_unit;
+  const AffineMap map = map_body_mesh(object);
+  return {metres_per_unit * map.linear, metres_per_unit * map.translation_m};
+}
+
 std::optional<Error> Scene::build_world(const Box& bounds_scene,
                                         const std::vector<NodeDescription>& nodes,
                                         double proxy_radius_m) {

@@ -114,6 +114,9 @@ class Scene {
   // From the frame of an object's mesh to that of its body: the node's stretch and shear, and the
   // unit of the body.
   AffineMap map_body_mesh(std::size_t object) const;
+  // The same in metres, with the node's scale and mirror: p_scene = T_scene_body of its deformation
+  // of p_mesh.
+  AffineMap deformation(std::size_t object) const;
   // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
   void append_triangles_scene(std::vector<Vec3>& positions_m,
                               std::vector<Triangle>& triangles) const;

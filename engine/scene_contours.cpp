@@ -30,11 +30,12 @@ struct CutFaces {
 // points of the mesh.
 struct PlacedMesh {
   const SceneObject& object;
+  AffineMap deformation;
   Mat3 linear;
   double roundoff_m;
 
   Vec3 scene_point(const Vec3& p_mesh) const {
-    return object.T_scene_body.point(object.map_body_mesh(p_mesh));
+    return object.T_scene_body.point(deformation(p_mesh));
   }
 };
 
@@ -54,9 +55,9 @@ class CutMesh {
 
   // Adds the curves of an object to those there are. Takes from faces_left; false if it has too
   // few.
-  bool cut(const SceneObject& object, std::size_t& faces_left,
+  bool cut(const SceneObject& object, const AffineMap& deformation, std::size_t& faces_left,
            std::array<SceneContour, 3>& contours) {
-    const PlacedMesh placed = place(object);
+    const PlacedMesh placed = place(object, deformation);
     if (planes_near(placed, box_) == 0) return true;
     if (faces_.empty()) divide();
     std::array<std::vector<std::uint32_t>, 3> cut_faces;
@@ -92,16 +93,15 @@ class CutMesh {
     }
   }
 
-  PlacedMesh place(const SceneObject& object) const {
-    const Mat3 linear =
-        object.T_scene_body.rotation.toRotationMatrix() * object.map_body_mesh.linear;
+  PlacedMesh place(const SceneObject& object, const AffineMap& deformation) const {
+    const Mat3 linear = object.T_scene_body.rotation.toRotationMatrix() * deformation.linear;
     // Of a dozen products and sums, each rounded to the size of what goes into them.
     constexpr double kRoundoff = 32 * std::numeric_limits<double>::epsilon();
     const Vec3 farthest = box_.low.cwiseAbs().cwiseMax(box_.high.cwiseAbs());
-    const double size_m = object.map_body_mesh.linear.norm() * farthest.norm() +
-                          object.map_body_mesh.translation_m.norm() +
+    const double size_m = deformation.linear.norm() * farthest.norm() +
+                          deformation.translation_m.norm() +
                           object.T_scene_body.translation_m.norm();
-    return {object, linear, kRoundoff * size_m};
+    return {object, deformation, linear, kRoundoff * size_m};
   }
 
   // The planes that may cut what is in a box of the mesh. Rounding may make them too many.
@@ -149,7 +149,7 @@ class CutMesh {
       return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
                                         used.begin());
     };
-    const bool is_mirrored = placed.object.map_body_mesh.linear.determinant() < 0.0;
+    const bool is_mirrored = placed.deformation.linear.determinant() < 0.0;
     cut.triangles.reserve(cut_faces.size());
     for (const std::uint32_t f : cut_faces) {
       Triangle t = faces_[f];
@@ -205,7 +205,7 @@ std::optional<std::array<SceneContour, 3>> scene_contours(const Scene& scene,
     const SceneObject& object = scene.objects()[i];
     if (mesh_id != object.mesh) mesh.emplace(scene.mesh(object.mesh), centre_scene_m);
     mesh_id = object.mesh;
-    if (!mesh->cut(object, faces_left, contours)) return std::nullopt;
+    if (!mesh->cut(object, scene.deformation(i), faces_left, contours)) return std::nullopt;
   }
   return contours;
 }

@@ -85,6 +85,7 @@ class FaceReader {
   Face read(std::uint32_t object, std::uint32_t face) const {
     const SceneObject& o = scene_.objects()[object];
     const OpenMeshSurface& surface = scene_.mesh(o.mesh).surface();
+    const AffineMap deformation = scene_.deformation(object);
     Face read;
     read.object = object;
     read.face = face;
@@ -92,14 +93,14 @@ class FaceReader {
     for (std::size_t k = 0; k < 3; ++k) {
       read.edges[k] = h;
       read.corners_m[k] =
-          o.T_scene_body.point(o.map_body_mesh(surface.point(surface.from_vertex_handle(h))));
+          o.T_scene_body.point(deformation(surface.point(surface.from_vertex_handle(h))));
       h = surface.next_halfedge_handle(h);
     }
     const Vec3 cross =
         (read.corners_m[1] - read.corners_m[0]).cross(read.corners_m[2] - read.corners_m[0]);
     read.winding = cross.stableNormalized();
     if (!read.winding.allFinite()) read.winding = Vec3::Zero();
-    const bool is_mirrored = o.map_body_mesh.linear.determinant() < 0.0;
+    const bool is_mirrored = deformation.linear.determinant() < 0.0;
     read.normal = is_mirrored ? Vec3(-read.winding) : read.winding;
     return read;
   }
