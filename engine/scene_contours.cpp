@@ -14,33 +14,25 @@
 namespace palpate {
 namespace {
 
-// A bit for each axis.
-using Axes = std::uint8_t;
-constexpr Axes bit(int axis) {
-  return static_cast<Axes>(1u << axis);
-}
-
 // The faces of one node that a plane cuts, with the vertices that they have.
 struct CutFaces {
   std::vector<Vec3> positions_scene_m;
   std::vector<Triangle> triangles;
 };
 
-// How a node shows a mesh: p_scene = linear * p_mesh + a translation, within roundoff_m for all
+// How a node shows a mesh: p_scene = linear * p_mesh + translation_m, within roundoff_m for all
 // points of the mesh.
 struct PlacedMesh {
   const SceneObject& object;
   AffineMap deformation;
   Mat3 linear;
+  Vec3 translation_m;
   double roundoff_m;
 
   Vec3 scene_point(const Vec3& p_mesh) const {
     return object.T_scene_body.point(deformation(p_mesh));
   }
 };
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Box kEmptyBox = {Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
 
 // A mesh while the nodes that show it are cut.
 class CutMesh {
@@ -49,7 +41,8 @@ class CutMesh {
       : surface_(surface),
         positions_(surface.welded_positions()),
         centre_scene_m_(centre_scene_m),
-        box_(kEmptyBox) {
+        box_{Vec3::Constant(std::numeric_limits<double>::infinity()),
+             Vec3::Constant(-std::numeric_limits<double>::infinity())} {
     for (const Vec3& p : positions_) box_ = box_.united({p, p});
   }
 
@@ -58,84 +51,67 @@ class CutMesh {
   bool cut(const SceneObject& object, const AffineMap& deformation, std::size_t& faces_left,
            std::array<SceneContour, 3>& contours) {
     const PlacedMesh placed = place(object, deformation);
-    if (planes_near(placed, box_) == 0) return true;
-    if (faces_.empty()) divide();
-    std::array<std::vector<std::uint32_t>, 3> cut_faces;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      const Axes near = planes_near(placed, blocks_[b]);
-      if (near == 0) continue;
-      const std::size_t end = std::min((b + 1) * kBlock, faces_.size());
-      if (end - b * kBlock > faces_left) return false;
-      faces_left -= end - b * kBlock;
-      for (std::size_t f = b * kBlock; f < end; ++f) {
-        const Axes cut = planes_through(placed, faces_[f]) & near;
-        for (int axis = 0; cut != 0 && axis < 3; ++axis) {
-          if (cut & bit(axis)) cut_faces[axis].push_back(static_cast<std::uint32_t>(f));
-        }
-      }
-    }
     for (int axis = 0; axis < 3; ++axis) {
-      if (!cut_faces[axis].empty()) add_curves(placed, axis, cut_faces[axis], contours[axis]);
+      if (!may_cut(placed, axis)) continue;
+      if (surface_.face_count() > faces_left) return false;
+      faces_left -= surface_.face_count();
+      if (faces_.empty()) faces_ = surface_.faces();
+      find_sides(placed, axis);
+      find_cut_faces();
+      if (!cut_faces_.empty()) add_curves(placed, axis, contours[axis]);
     }
     return true;
   }
 
  private:
-  // Faces that follow one another in a file are near each other as a rule.
-  static constexpr std::size_t kBlock = 64;
-
-  void divide() {
-    faces_ = surface_.faces();
-    blocks_.assign((faces_.size() + kBlock - 1) / kBlock, kEmptyBox);
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-      Box& block = blocks_[f / kBlock];
-      for (const std::uint32_t v : faces_[f]) block = block.united({positions_[v], positions_[v]});
-    }
-  }
-
   PlacedMesh place(const SceneObject& object, const AffineMap& deformation) const {
-    const Mat3 linear = object.T_scene_body.rotation.toRotationMatrix() * deformation.linear;
+    const Mat3 rotation = object.T_scene_body.rotation.toRotationMatrix();
     // Of a dozen products and sums, each rounded to the size of what goes into them.
     constexpr double kRoundoff = 32 * std::numeric_limits<double>::epsilon();
     const Vec3 farthest = box_.low.cwiseAbs().cwiseMax(box_.high.cwiseAbs());
     const double size_m = deformation.linear.norm() * farthest.norm() +
                           deformation.translation_m.norm() +
-                          object.T_scene_body.translation_m.norm();
-    return {object, deformation, linear, kRoundoff * size_m};
+                          object.T_scene_body.translation_m.norm() + centre_scene_m_.norm();
+    return {object, deformation, rotation * deformation.linear,
+            rotation * deformation.translation_m + object.T_scene_body.translation_m,
+            kRoundoff * size_m};
   }
 
-  // The planes that may cut what is in a box of the mesh. Rounding may make them too many.
-  Axes planes_near(const PlacedMesh& placed, const Box& box) const {
-    const Vec3 centre = placed.scene_point(0.5 * box.low + 0.5 * box.high);
-    const Vec3 reach = placed.linear.cwiseAbs() * (0.5 * box.high - 0.5 * box.low);
-    Axes axes = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double distance_m = std::abs(centre[axis] - centre_scene_m_[axis]);
-      if (!(distance_m > reach[axis] + placed.roundoff_m)) axes |= bit(axis);
-    }
-    return axes;
+  bool may_cut(const PlacedMesh& placed, int axis) const {
+    const auto row = placed.linear.row(axis);
+    const double centre = row.dot(0.5 * box_.low + 0.5 * box_.high) + placed.translation_m[axis];
+    const double reach = row.cwiseAbs().dot(0.5 * box_.high - 0.5 * box_.low);
+    return !(std::abs(centre - centre_scene_m_[axis]) > reach + placed.roundoff_m);
   }
 
-  // Those that have vertices of a face on both sides: as plane_section() has it, zero is above.
-  Axes planes_through(const PlacedMesh& placed, const Triangle& face) const {
-    Axes some = 0;
-    Axes all = 0xff;
-    for (const std::uint32_t v : face) {
-      const Vec3 height_m = placed.scene_point(positions_[v]) - centre_scene_m_;
-      Axes above = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (height_m[axis] >= 0.0) above |= bit(axis);
+  // By the numbers of plane_section(), which takes zero as above; where rounding cannot change the
+  // answer, by fewer.
+  void find_sides(const PlacedMesh& placed, int axis) {
+    const Vec3 row = placed.linear.row(axis);
+    const double offset_m = placed.translation_m[axis] - centre_scene_m_[axis];
+    is_above_.resize(positions_.size());
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      double height_m = row.dot(positions_[i]) + offset_m;
+      if (!(std::abs(height_m) > placed.roundoff_m)) {
+        height_m = placed.scene_point(positions_[i])[axis] - centre_scene_m_[axis];
       }
-      some |= above;
-      all &= above;
+      is_above_[i] = height_m >= 0.0 ? 1 : 0;
     }
-    return static_cast<Axes>(some & ~all);
   }
 
-  CutFaces collect(const PlacedMesh& placed, const std::vector<std::uint32_t>& cut_faces) const {
+  void find_cut_faces() {
+    cut_faces_.clear();
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const auto [a, b, c] = faces_[f];
+      const int above = is_above_[a] + is_above_[b] + is_above_[c];
+      if (above == 1 || above == 2) cut_faces_.push_back(static_cast<std::uint32_t>(f));
+    }
+  }
+
+  CutFaces collect(const PlacedMesh& placed) const {
     std::vector<std::uint32_t> used;
-    used.reserve(3 * cut_faces.size());
-    for (const std::uint32_t f : cut_faces) {
+    used.reserve(3 * cut_faces_.size());
+    for (const std::uint32_t f : cut_faces_) {
       used.insert(used.end(), faces_[f].begin(), faces_[f].end());
     }
     std::sort(used.begin(), used.end());
@@ -150,8 +126,8 @@ class CutMesh {
                                         used.begin());
     };
     const bool is_mirrored = placed.deformation.linear.determinant() < 0.0;
-    cut.triangles.reserve(cut_faces.size());
-    for (const std::uint32_t f : cut_faces) {
+    cut.triangles.reserve(cut_faces_.size());
+    for (const std::uint32_t f : cut_faces_) {
       Triangle t = faces_[f];
       if (is_mirrored) std::swap(t[1], t[2]);
       cut.triangles.push_back({new_index(t[0]), new_index(t[1]), new_index(t[2])});
@@ -159,9 +135,8 @@ class CutMesh {
     return cut;
   }
 
-  void add_curves(const PlacedMesh& placed, int axis, const std::vector<std::uint32_t>& cut_faces,
-                  SceneContour& contour) const {
-    const CutFaces cut = collect(placed, cut_faces);
+  void add_curves(const PlacedMesh& placed, int axis, SceneContour& contour) const {
+    const CutFaces cut = collect(placed);
     const auto curves = plane_section(cut.positions_scene_m, cut.triangles, Vec3::Unit(axis),
                                       centre_scene_m_[axis]);
     contour.curves += curves.size();
@@ -176,8 +151,9 @@ class CutMesh {
   std::span<const Vec3> positions_;
   Vec3 centre_scene_m_;
   Box box_;
-  std::vector<Triangle> faces_;  // when they are first needed, with
-  std::vector<Box> blocks_;      // the boxes of kBlock each
+  std::vector<Triangle> faces_;         // when they are first needed
+  std::vector<std::uint8_t> is_above_;  // by vertex, 0 or 1
+  std::vector<std::uint32_t> cut_faces_;
 };
 
 // The objects, those of one mesh together.

@@ -21,12 +21,13 @@ struct SceneContour {
   bool is_closed = false;  // the longest
 };
 
-// Faces that are looked at, of all nodes together: a few seconds at most.
-inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 27;
+// Faces that are looked at, of all nodes and planes together: a second or two.
+inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 28;
 
 // For each axis, the plane across it through the centre of the scene's bounding box. Curves end
 // where a node ends, as those of plane_section() and of `palpate run`. Media have none. Nothing if
-// more than most_faces faces are near the planes, which takes many instances.
+// the meshes of the nodes that planes cut have more than most_faces faces, which takes many
+// instances.
 //
 // Takes memory for one mesh, and for what is cut of one node at a time. For load time. Thread-safe.
 std::optional<std::array<SceneContour, 3>> scene_contours(

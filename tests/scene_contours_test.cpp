@@ -206,8 +206,8 @@ TEST(SceneContours, AreThoseOfTheWholeSceneCutAtOnce) {
 TEST(SceneContours, AreNotLookedForAmongTooManyFaces) {
   const std::vector<NodeDescription> nodes(10, node_of(0, Mat3::Identity(), Vec3::Zero()));
   const Scene scene = compiled({mesh_of(icosphere(2, 1.0))}, nodes);
-  EXPECT_FALSE(scene_contours(scene, 10));
-  EXPECT_TRUE(scene_contours(scene, 10 * 320));
+  EXPECT_FALSE(scene_contours(scene, 3 * 10 * 320 - 1));
+  EXPECT_TRUE(scene_contours(scene, 3 * 10 * 320));
 }
 
 }  // namespace
