@@ -129,6 +129,20 @@ TEST(SceneContours, OfASphereAreItsGreatCircles) {
   }
 }
 
+// Rings of its vertices lie in the plane, one outside and one inside.
+TEST(SceneContours, OfATorusAreThePolygonsOfItsVertices) {
+  const Scene scene =
+      compiled({mesh_of(torus(1.0, 0.25, 2))}, {node_of(0, Mat3::Identity(), Vec3::Zero())});
+  const SceneContour across_z = contours_of(scene)[2];
+  EXPECT_EQ(across_z.offset_m, 0.0);
+  EXPECT_EQ(across_z.curves, 2u);
+  EXPECT_TRUE(across_z.is_closed);
+  constexpr int kCorners = 32;
+  // The corners of a model are floats.
+  EXPECT_NEAR(across_z.longest_m, 2 * kCorners * 1.25 * std::sin(std::numbers::pi / kCorners),
+              1e-5);
+}
+
 TEST(SceneContours, GrowWithTheScene) {
   const std::vector<NodeDescription> nodes = {node_of(0, Mat3::Identity(), Vec3(1, 2, 3))};
   const auto once = contours_of(compiled({mesh_of(box(Vec3(1, 2, 4)))}, nodes));
