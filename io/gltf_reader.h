@@ -34,7 +34,9 @@ struct ReadOptions {
 //
 // Bad input is refused by an Error that names the file, the JSON path and what was expected; it is
 // never repaired. What is skipped without harm to the geometry (a camera, points and lines) is a
-// warning; what is beyond gltf_limits.h is refused. Not for the haptic thread. Thread-safe.
+// warning, and so is what the file says twice, in two ways, of which one is read: the warning
+// states which (gltf_json_text.h, gltf_draco.h, gltf_schema.h). What is beyond gltf_limits.h is
+// refused. Not for the haptic thread. Thread-safe.
 Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options = {});
 
 // The same for an asset in memory. folder: where external buffers may lie. name: what errors call

@@ -1070,6 +1070,18 @@ TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
   }
 }
 
+// The type of their accessor does not hold the larger ones; what is read are those of the stream.
+TEST(Draco, TakesIndicesOfTheStreamWhateverTheTypeOfTheirAccessor) {
+  for (const DracoOptions& options : kMethods) {
+    GltfBuilder asset = draco_grid(20, options);
+    for (const int type : {GltfBuilder::kUnsignedByte, GltfBuilder::kUnsignedShort}) {
+      asset.json["accessors"][2]["componentType"] = type;
+      expect_draco_grid(asset, 20, 0.0);
+      EXPECT_EQ(read(asset).meshes.at(0).triangles.size(), 800u);
+    }
+  }
+}
+
 TEST(Draco, RefusesAccessorsThatDisagreeWithEachOther) {
   for (const DracoOptions& options : kMethods) {
     for (const int change : {-1, 1}) {
