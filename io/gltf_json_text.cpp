@@ -8,12 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf_error.h"
-#include "io/gltf_limits.h"
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
+
+// Keys that are there twice and are named, so that other warnings are not lost behind them.
+constexpr std::size_t kMostListed = 20;
 
 // What the parser calls with each thing that it reads. The library's own builder of a document
 // replaces a key's value without a word.
@@ -24,7 +26,7 @@ class DocumentBuilder {
   Json take() { return std::move(root_); }
   const std::string& problem() const { return problem_; }
   std::size_t unlisted_duplicates() const {
-    return duplicates_ - std::min(duplicates_, kMaxGltfWarnings);
+    return duplicates_ - std::min(duplicates_, kMostListed);
   }
 
   bool null() { return put(nullptr); }
@@ -44,7 +46,7 @@ class DocumentBuilder {
     const auto [entry, is_new] = entries.try_emplace(std::move(name));
     open_.back().key = &entry->first;
     slot_ = &entry->second;
-    if (!is_new && ++duplicates_ <= kMaxGltfWarnings) {
+    if (!is_new && ++duplicates_ <= kMostListed) {
       warnings_.push_back(path() + ": is there more than once; the last one counts");
     }
     return true;
