@@ -57,7 +57,15 @@ double free_way(const Vec3& from, const Vec3& direction, const std::vector<Polyl
 std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyline>& curves,
                                const Vec3& plane_normal, double& room_m) {
   std::vector<Vec3> points = contour.points_m;
-  if (!contour.closed) return points;
+  if (!contour.closed) {
+    const Vec3 way = points[1] - points[0];
+    const Vec3 first = points[0] + std::min(0.25, 0.5 * room_m / way.norm()) * way;
+    const Vec3 outward = way.cross(plane_normal).normalized();
+    const double wanted_m = kRoomBehind * room_m;
+    const double free_m = free_way(first, outward, curves, plane_normal, points[0], wanted_m);
+    room_m = std::min(room_m, free_m / kRoomBehind);
+    return points;
+  }
   const std::size_t n = points.size();
   const auto next = [n](std::size_t i) { return (i + 1) % n; };
   std::vector<std::size_t> by_length(n);

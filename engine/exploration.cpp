@@ -12,6 +12,7 @@
 
 #include "engine/contour_path.h"
 #include "engine/haptic_thread.h"
+#include "engine/outline.h"
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
 #include "engine/simulated_device.h"
@@ -97,11 +98,15 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   const PathPlanSettings plan = plan_settings(settings);
   PathFacts facts;
   facts.room_m = kRestsInFront * plan.press_depth_m;
-  facts.slips_off_at_ends = !section.front().closed;
-  facts.sides = section.front().closed ? PathSides::kFront : PathSides::kEither;
-  std::vector<Vec3> contour = open_contour(section.front(), section, normal, facts.room_m);
-  PlannedHand hand =
-      hand_on(contour_path(contour, normal, kSmallForHand * plan.press_depth_m), facts, plan);
+  const double small_m = kSmallForHand * plan.press_depth_m;
+  const std::vector<Outline> found = outlines(section, normal, small_m);
+  // All may be hidden where solids are inside out.
+  const Outline outline =
+      found.empty() ? Outline{section.front(), !section.front().closed} : found.front();
+  facts.slips_off_at_ends = !outline.curve.closed;
+  facts.sides = outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
+  std::vector<Vec3> contour = open_contour(outline.curve, section, normal, facts.room_m);
+  PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
   hand.contour_m = std::move(contour);
   return hand;
 }

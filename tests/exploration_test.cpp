@@ -474,6 +474,20 @@ TEST(PathPlan, BeginsInFreeSpace) {
   expect_followed({{sheet, Vec3::Zero()}}, 0.9);
 }
 
+// What runs inside another part is none of the outline, and a shell without a bottom is a part,
+// too.
+TEST(PathPlan, GoesRoundTheUnionOfParts) {
+  const test::Soup bar = test::box_soup({0.08, 0.02, 0.02});
+  const test::Soup post = test::box_soup({0.02, 0.06, 0.02});
+  expect_followed({{bar, Vec3::Zero()}, {post, Vec3::Zero()}}, 0.9);
+  test::Soup shell;
+  shell.add_quad({0.03, 0, -0.02}, {0.03, 0.03, -0.02}, {0.03, 0.03, 0.02}, {0.03, 0, 0.02});
+  shell.add_quad({0.03, 0.03, -0.02}, {-0.03, 0.03, -0.02}, {-0.03, 0.03, 0.02},
+                 {0.03, 0.03, 0.02});
+  shell.add_quad({-0.03, 0.03, -0.02}, {-0.03, 0, -0.02}, {-0.03, 0, 0.02}, {-0.03, 0.03, 0.02});
+  expect_followed({{bar, Vec3::Zero()}, {shell, Vec3(0.0, 0.02, 0.0)}}, 0.9);
+}
+
 TEST(Exploration, FlagsATravelBeyondTheWorkspace) {
   ExplorationSettings settings;
   settings.virtual_time = true;
