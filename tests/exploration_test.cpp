@@ -299,7 +299,7 @@ TEST(Exploration, WalksOverEdgesWithThreeSensors) {
     double least_contact_share;
   };
   for (const auto& [name, least_contact_share] :
-       {Walked{"cube", 0.87}, Walked{"lock", 0.7}, Walked{"star", 0.7}, Walked{"gallery", 0.4}}) {
+       {Walked{"cube", 0.87}, Walked{"lock", 0.7}, Walked{"star", 0.7}, Walked{"gallery", 0.5}}) {
     for (const int actuators : {1, 2}) {
       for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         for (const bool a4 : {false, true}) {
@@ -420,8 +420,8 @@ struct Part {
   Vec3 middle_m;
 };
 
-// Explored with two sensors and one motor, without A4 and with it.
-void expect_followed(const std::vector<Part>& parts, double least_share) {
+// Explored with one motor, without A4 and with it.
+void expect_followed(const std::vector<Part>& parts, double least_share, int sensors = 2) {
   SceneDescription description;
   for (const Part& part : parts) {
     MeshDescription mesh;
@@ -439,7 +439,7 @@ void expect_followed(const std::vector<Part>& parts, double least_share) {
   for (const bool a4 : {false, true}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       SCOPED_TRACE((a4 ? "with A4, seed " : "without A4, seed ") + std::to_string(seed));
-      auto setup = make_setup(options_of(2, 1));
+      auto setup = make_setup(options_of(sensors, 1));
       ASSERT_TRUE(setup);
       setup->haptics.a4.enabled = a4;
       ExplorationSettings settings;
@@ -486,6 +486,26 @@ TEST(PathPlan, GoesRoundTheUnionOfParts) {
                  {0.03, 0.03, 0.02});
   shell.add_quad({-0.03, 0.03, -0.02}, {-0.03, 0, -0.02}, {-0.03, 0, 0.02}, {-0.03, 0.03, 0.02});
   expect_followed({{bar, Vec3::Zero()}, {shell, Vec3(0.0, 0.02, 0.0)}}, 0.9);
+}
+
+TEST(PathPlan, WalksOverBoxesThatTouch) {
+  const test::Soup box = test::box_soup({0.06, 0.05, 0.04});
+  expect_followed({{box, Vec3::Zero()}}, 0.9, 3);
+  expect_followed({{box, Vec3(-0.06, 0.0, 0.0)}, {box, Vec3(0.06, 0.0, 0.0)}}, 0.9, 3);
+  expect_followed({{box, Vec3(-0.06, 0.0, 0.0)}, {box, Vec3(0.0, 0.0, 0.08)}}, 0.9, 3);
+}
+
+// A hand that slips off finds itself behind, and goes on there.
+TEST(PathPlan, WalksOverSheetsAndATriangle) {
+  test::Soup sheet;
+  sheet.add_quad({-0.1, -0.08, 0.0}, {0.1, -0.08, 0.0}, {0.1, 0.08, 0.0}, {-0.1, 0.08, 0.0});
+  expect_followed({{sheet, Vec3::Zero()}}, 0.9, 3);
+  test::Soup upright;
+  upright.add_quad({0.0, -0.1, -0.03}, {0.0, 0.1, -0.03}, {0.0, 0.1, 0.03}, {0.0, -0.1, 0.03});
+  expect_followed({{upright, Vec3::Zero()}}, 0.9, 3);
+  test::Soup triangle;
+  triangle.add({-0.08, -0.06, 0.0}, {0.09, -0.05, 0.02}, {0.0, 0.1, 0.01});
+  expect_followed({{triangle, Vec3::Zero()}}, 0.9, 3);
 }
 
 TEST(Exploration, FlagsATravelBeyondTheWorkspace) {
