@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/command_output.h"
+#include "engine/memory_budget.h"
 #include "engine/node_tree.h"
 #include "engine/output_files.h"
 #include "engine/path_picture.h"
@@ -161,6 +162,11 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
                                                       const PreparedRun& prepared,
                                                       const OutputFiles& files) {
   const StopFlag& stop = signal_flag();
+  ExplorationSettings exploration = command.exploration;
+  if (!command.scene.max_memory.empty()) {  // prepare_run() has parsed it
+    exploration.max_memory_bytes = *parse_bytes(command.scene.max_memory);
+    exploration.taken_memory_bytes = prepared.scene.statistics().memory.total();
+  }
   std::vector<ExplorationRun> runs;
   for (const bool a4 : {false, true}) {
     if (!command.wants(a4)) continue;
@@ -169,10 +175,11 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
     setup.haptics.a4.enabled = a4;
     ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
     Result<ExplorationRun> run = explore(
-        prepared.scene, setup, command.exploration, [&](double share) { bar.show(share); }, &stop);
+        prepared.scene, setup, exploration, [&](double share) { bar.show(share); }, &stop);
     if (!run) return with_path(run.error(), command.scene.path);
     if (run->records.empty()) break;
     if (const auto error = write_run(*run, files)) return *error;
+    if (exploration.max_memory_bytes > 0) exploration.taken_memory_bytes += run->record_bytes();
     runs.push_back(std::move(*run));
   }
   return runs;

@@ -12,6 +12,7 @@
 
 #include "engine/contour_path.h"
 #include "engine/haptic_thread.h"
+#include "engine/memory_budget.h"
 #include "engine/outline.h"
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
@@ -240,15 +241,39 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
   return std::nullopt;
 }
 
+namespace {
+
+// What takes memory by numbers: the surfaces that a contour is cut from, and a record of each tick.
+std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
+                                 const ExplorationSettings& settings, MemoryLedger& ledger) {
+  ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
+  ledger.advise("choose a shorter run");
+  ledger.begin("what comes before the run");
+  if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
+  ledger.begin("recording the ticks", "--seconds");
+  const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
+  if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
+  if (!setup.actuation.is_planar()) return std::nullopt;
+  std::uint64_t bytes = 0;
+  for (const SceneObject& object : scene.objects()) {
+    const SurfaceMesh& mesh = scene.mesh(object.mesh);
+    bytes += mesh.welded_positions().size_bytes() + mesh.face_count() * sizeof(Triangle);
+  }
+  ledger.begin("cutting the scene for its contour", "scene");
+  return ledger.check(bytes);
+}
+
+// As below, but it may throw where there is no memory.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress,
-                               const StopFlag* stop) {
+                               const StopFlag* stop, MemoryLedger& ledger) {
   if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
   if (const auto error = check_setup(scene, setup)) return *error;
   if (scene.objects().empty()) {
     return Error{ErrorCode::kEmptyScene, "", "scene",
                  "has media and no surface that a hand could follow", "replay a path through it"};
   }
+  if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
                                                          : plan_walk(scene, settings);
   if (!hand) return hand.error();
@@ -280,6 +305,16 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(), run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
   return run;
+}
+
+}  // namespace
+
+Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
+                               const ExplorationSettings& settings, const Progress& progress,
+                               const StopFlag* stop) {
+  MemoryLedger ledger;
+  return or_out_of_memory(ledger,
+                          [&] { return explore(scene, setup, settings, progress, stop, ledger); });
 }
 
 }  // namespace palpate

@@ -21,6 +21,10 @@ struct ExplorationSettings {
   bool virtual_time = false;  // as fast as it goes, instead of the real-time thread
   std::uint64_t seed = 1;
   double workspace_m = 0.4;  // extent of the device along each axis
+  // Memory that the run may take, with what the caller has taken of it before; 0: half of what is
+  // free (memory_budget.h).
+  std::uint64_t max_memory_bytes = 0;
+  std::uint64_t taken_memory_bytes = 0;
 };
 
 struct ExplorationRun {
@@ -41,6 +45,10 @@ struct ExplorationRun {
   std::uint64_t missed_deadlines = 0;
   bool exceeds_workspace = false;
   std::string realtime_note;  // what the system did not grant
+
+  std::uint64_t record_bytes() const {
+    return records.size() * (sizeof(TickRecord) + sizeof(std::int64_t));
+  }
 };
 
 // How near to what it follows the proxy counts as there: this, or of the largest extent of the
@@ -56,8 +64,8 @@ using Progress = std::function<void(double)>;
 
 // One run. With 2 sensors the hand follows the longest section of the scene through the plane
 // height; with 3 it walks over the surface. An error if there is nothing at the plane height, or if
-// the settings are out of range (NaN included; also those that check_setup() refuses) or make more
-// ticks than are kept in memory.
+// the settings are out of range (NaN included; also those that check_setup() refuses), make more
+// ticks than are kept in memory, or need more of it than they allow or the system has.
 // stop: ends the run after the present tick, or a few later; null for none. However a run ends,
 // zero force is commanded.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,

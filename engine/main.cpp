@@ -1,8 +1,10 @@
 // The command line of Palpate: reads arguments, calls a command, turns errors into exit codes.
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +21,7 @@ namespace {
 
 constexpr int kOurFault = 1;
 constexpr int kBadArguments = 2;
+constexpr int kBadInput = 2;
 
 using palpate::add_integer;
 using palpate::add_real;
@@ -75,6 +78,9 @@ void add_scene(CLI::App& app, palpate::SceneOptions& scene, bool is_required = t
                  "NAME.key=value: goes before what the file says of this material; may be repeated")
       ->expected(1)
       ->take_all()
+      ->group(kSceneGroup);
+  app.add_option("--max-memory", scene.max_memory,
+                 "bytes that loading may take, such as 500M or 2GiB [half of what is free]")
       ->group(kSceneGroup);
 }
 
@@ -237,7 +243,7 @@ void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
       ->take_all();
   add_integer(app, "--seed", command.seed, {}, "of poses, paths and noise");
   CLI::Option* scene = app.get_option("SCENE");
-  for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material"}) {
+  for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material", "--max-memory"}) {
     app.get_option(name)->needs(scene)->group(kAccuracyGroup);
   }
   const auto of_scene = [&](const char* name, double& value, const palpate::RealRange& range,
@@ -331,7 +337,13 @@ int main(int argc, char** argv) {
   const palpate::PrintableStream err(std::cerr);
   try {
     return run_program(argc, argv);
-  } catch (const std::exception& error) {  // out of memory, say
+  } catch (const std::bad_alloc&) {  // where no step has named it: as results are told
+    std::fputs(
+        "palpate: there is not enough memory to go on (free some, or raise the "
+        "limit of the process, ulimit -v)\n",
+        stderr);
+    return kBadInput;
+  } catch (const std::exception& error) {
     std::cerr << "palpate: " << error.what() << "\n";
     return kOurFault;
   }

@@ -6,9 +6,15 @@
 
 namespace palpate {
 
+namespace {
+
+// As below, but it may throw where there is no memory.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
-                            const std::vector<Vec3>& path_m, int passes) {
+                            const std::vector<Vec3>& path_m, int passes, MemoryLedger& ledger) {
   if (auto error = check_setup(scene, setup)) return *error;
+  ledger.begin("recording the ticks");
+  const std::uint64_t ticks = path_m.size();
+  if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return *error;
   ReplayResult result;
   result.records.resize(path_m.size());
   result.steps_ns.resize(path_m.size());
@@ -42,6 +48,14 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
   result.summary.effect_ticks = of_first_pass.effect_ticks;
   result.summary.effect_time_shares = of_first_pass.effect_time_shares;
   return result;
+}
+
+}  // namespace
+
+Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
+                            const std::vector<Vec3>& path_m, int passes) {
+  MemoryLedger ledger;
+  return or_out_of_memory(ledger, [&] { return replay(scene, setup, path_m, passes, ledger); });
 }
 
 }  // namespace palpate

@@ -20,7 +20,8 @@ struct ReplayResult {
 
 // One tick per device position (device frame, metres). passes >= 1: repeats the whole path from a
 // fresh start and keeps each tick's shortest time, the one least disturbed by the machine.
-// An error if a node that is to move is not there, or as of check_setup().
+// An error if a node that is to move is not there, as of check_setup(), or (kOutOfMemory) if there
+// is not enough memory for a record of each tick.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes);
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/memory_budget.h"
 #include "haptics/check_settings.h"
 
 namespace palpate {
@@ -257,6 +258,11 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   if (options.fit_size_m) {
     if (auto error = check_number("--fit", *options.fit_size_m, false)) return *error;
     settings.fit_size_m = *options.fit_size_m;
+  }
+  if (!options.max_memory.empty()) {
+    const auto bytes = parse_bytes(options.max_memory);
+    if (!bytes) return bytes.error();
+    settings.max_memory_bytes = *bytes;
   }
   auto overrides = parse_overrides(options.materials);
   if (!overrides) return overrides.error();

@@ -50,6 +50,7 @@ struct SceneOptions {
   bool fits_workspace = false;  // --fit auto: to the workspace, where it does not fit as it is
   std::string pose;             // "NAME@SECONDS"; empty: at rest
   std::vector<std::string> materials;  // "NAME.key=value" each
+  std::string max_memory;              // "500M"; empty: half of what is free
 };
 
 struct RunSetup {

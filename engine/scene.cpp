@@ -8,6 +8,7 @@
 #include <span>
 #include <sstream>
 
+#include "engine/memory_budget.h"
 #include "engine/node_placement.h"
 #include "engine/node_tree.h"
 #include "geometry/parallel.h"
@@ -157,6 +158,49 @@ void drop_unused_meshes(SceneDescription& description) {
   description.meshes = std::move(used);
 }
 
+bool has_uv(const MeshDescription& mesh) {
+  return !mesh.texture_uv.empty() || !mesh.friction_uv.empty();
+}
+
+std::string mesh_named(const MeshDescription& mesh) {
+  return "mesh \"" + mesh.name + "\"";
+}
+
+std::string node_named(const std::string& name) {
+  return "node \"" + name + "\"";
+}
+
+// What height maps of all images take, one of each.
+MemoryNeed of_maps(const std::vector<ImageDescription>& images) {
+  constexpr std::uint64_t kMakingPerTexel = 28;  // see kMostMapTexels
+  MemoryNeed need;
+  for (const ImageDescription& image : images) {
+    const std::uint64_t texels = std::uint64_t{image.width} * image.height;
+    const std::uint64_t kept = texels * 16 / 3;
+    need = need + MemoryNeed{kept, kept + kMakingPerTexel * texels};
+  }
+  return need;
+}
+
+bool calls_for_shading(const std::vector<MaterialDescription>& materials) {
+  const auto calls = [](const MaterialDescription& material) {
+    return std::any_of(material.parameters.begin(), material.parameters.end(),
+                       [](const MaterialParameter& p) { return p.key == "creaseAngle"; });
+  };
+  return std::any_of(materials.begin(), materials.end(), calls);
+}
+
+// What surface_attributes() keeps of a surface of so many slots, if it is all called for.
+MemoryNeed of_attributes(const MeshParts& parts, std::uint64_t slots, bool is_shaded) {
+  const std::uint64_t maps = (parts.has_texture_uv() ? 1 : 0) + (parts.has_friction_uv() ? 1 : 0);
+  std::uint64_t kept = slots * maps * sizeof(UvMap);
+  if (parts.materials().size() > 1) kept += slots * sizeof(std::uint16_t);
+  if (!is_shaded) return {kept, kept};
+  constexpr std::uint64_t kPasses = 2;  // by face: of one angle, and of all
+  kept += slots * sizeof(CornerNormals);
+  return {kept, kept + kPasses * slots * sizeof(CornerNormals)};
+}
+
 // Calls work(i) for all meshes, or indices of them, on several cores if there is enough to do.
 template <typename Work>
 void run_meshes(std::size_t count, std::size_t triangles, const Work& work) {
@@ -181,13 +225,53 @@ void add(CleaningReport& sum, const CleaningReport& report) {
 }  // namespace
 
 Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings) {
-  Result<SceneDescription> description = read_gltf(path, {settings.overrides, settings.pose});
-  if (!description) return description.error();
-  return compile(std::move(*description), settings);
+  MemoryLedger ledger;
+  Result<Scene> scene = or_out_of_memory(ledger, [&]() -> Result<Scene> {
+    ledger.begin("loading the scene");
+    ReadOptions options{settings.overrides, settings.pose};
+    options.memory = memory_limit(settings.max_memory_bytes);
+    Result<SceneDescription> description = read_gltf(path, options);
+    if (!description) return description.error();
+    ledger = MemoryLedger(std::move(options.memory));
+    return compile(std::move(*description), settings, ledger);
+  });
+  if (!scene && scene.error().path.empty()) return with_path(scene.error(), path);
+  return scene;
 }
 
 Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& settings) {
+  MemoryLedger ledger;
+  return or_out_of_memory(ledger, [&]() -> Result<Scene> {
+    ledger.begin("compiling the scene");
+    ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
+    return compile(std::move(description), settings, ledger);
+  });
+}
+
+// Calls visit(shape) for each shape that has a surface without a stretch, and for each stretch:
+// what surfaces share that share attributes.
+template <typename Visit>
+void Scene::visit_shapes_and_stretches(const Visit& visit) const {
+  std::vector<bool> is_shape_known(shapes_.size(), false);
+  std::vector<bool> is_stretch_known(world_.stretches->size(), false);
+  const auto look_at = [&](const IndexUse& use) {
+    const bool is_stretched = use.stretch != IndexUse::kNoStretch;
+    std::vector<bool>::reference is_known =
+        is_stretched ? is_stretch_known[use.stretch] : is_shape_known[use.shape];
+    if (!is_known) visit(use.shape);
+    is_known = true;
+  };
+  for (const IndexUse& use : use_of_object_) look_at(use);
+  for (const Medium& medium : media_) look_at(medium.use);
+}
+
+Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& settings,
+                             MemoryLedger& ledger) {
+  SceneDescription description = std::move(given);  // so that what throws gives it back
   Scene scene;
+  scene.ledger_ = &ledger;
+  ledger.advise("load a part of it with --node");
+  ledger.begin("compiling the scene");
   complete_tree(description);
   if (!settings.node.empty()) {
     const auto node = find_node(description.tree, settings.node);
@@ -195,6 +279,10 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
     keep_subtree(description, *node);
   }
   drop_unused_meshes(description);
+  ledger.begin("what the scene describes");
+  if (auto error = ledger.take(memory_bytes(description))) {
+    return with_path(*error, description.path);
+  }
   SceneStatistics& statistics = scene.statistics_;
   statistics.nodes = description.tree.size();
   statistics.meshes = description.meshes.size();
@@ -206,8 +294,12 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   scene.materials_ = std::move(description.materials);
   scene.physics_materials_ = std::move(description.physics_materials);
   scene.haptic_materials_ = std::move(description.haptic_materials);
-  scene.weld_meshes(description.meshes);
-
+  if (auto error = scene.weld_meshes(description.meshes)) {
+    return with_path(*error, description.path);
+  }
+  if (auto error = scene.take_places(description.nodes)) {
+    return with_path(*error, description.path);
+  }
   const std::size_t reader_warnings = statistics.warnings.size();
   std::vector<NodePlacement> placements = scene.touchable(description.nodes);
   if (description.nodes.empty()) {
@@ -249,32 +341,64 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
   if (auto error = scene.build_world(bounds, description.nodes, settings.proxy_radius_m)) {
     return with_path(*error, description.path);
   }
+  MemoryNeed kept_for_effects = of_maps(description.images);
+  const bool is_shaded = calls_for_shading(scene.materials_);
+  scene.visit_shapes_and_stretches([&](std::uint32_t shape) {
+    const std::uint64_t slots = scene.indices_[shape]->pack_count() * TrianglePack::kLanes;
+    const MeshParts& parts = scene.parts_[scene.shapes_[shape].mesh];
+    kept_for_effects = kept_for_effects + of_attributes(parts, slots, is_shaded);
+  });
+  ledger.begin("what effects keep of surfaces and images", "scene");
+  if (auto error = ledger.take(kept_for_effects)) return with_path(*error, description.path);
   if (auto error = scene.compile_effects(effects)) return with_path(*error, description.path);
   statistics.index_ms = milliseconds_since(index_start);
+  scene.ledger_ = nullptr;
   return scene;
 }
 
-void Scene::weld_meshes(std::vector<MeshDescription>& descriptions) {
+std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptions) {
   const auto start = std::chrono::steady_clock::now();
   std::size_t triangles = 0;
-  for (const MeshDescription& mesh : descriptions) triangles += mesh.triangles.size();
+  std::vector<MemoryNeed> needs;
+  std::size_t largest = 0;
+  for (const MeshDescription& mesh : descriptions) {
+    triangles += mesh.triangles.size();
+    needs.push_back(WeldedSurface::memory_need(mesh.positions.size(), mesh.triangles.size()));
+    if (has_uv(mesh)) needs.back() = needs.back() + mesh.triangles.size() * sizeof(Triangle);
+    if (needs.back().peak > needs[largest].peak) largest = needs.size() - 1;
+  }
+  ledger_->begin("welding meshes", descriptions.empty() ? "" : mesh_named(descriptions[largest]));
+  if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
   welded_.resize(descriptions.size());
   run_meshes(descriptions.size(), triangles, [&](std::size_t i) {
     MeshDescription& mesh = descriptions[i];
-    const bool has_uv = !mesh.texture_uv.empty() || !mesh.friction_uv.empty();
     welded_[i] = WeldedSurface(std::move(mesh.positions),
-                               has_uv ? mesh.triangles : std::move(mesh.triangles));
+                               has_uv(mesh) ? mesh.triangles : std::move(mesh.triangles));
   });
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     parts_.emplace_back(welded_[i], std::move(descriptions[i]));
     descriptions[i] = {};  // what is compiled need not be kept twice
   }
   statistics_.mesh_ms = milliseconds_since(start);
+  return std::nullopt;
+}
+
+// Counts what the nodes take that are placed, whatever their surfaces.
+std::optional<Error> Scene::take_places(const std::vector<NodeDescription>& nodes) {
+  constexpr std::uint64_t kKept = sizeof(SceneObject) + sizeof(IndexUse) + sizeof(std::size_t) +
+                                  sizeof(std::uint32_t) + sizeof(ContactBody);
+  MemoryNeed need;
+  for (const NodeDescription& node : nodes) need.kept += kKept + text_bytes(node.name);
+  need.peak = need.kept + nodes.size() * sizeof(NodePlacement);
+  if (nodes.size() > kFewBodies) need = need + BoxTree::memory_need(nodes.size());
+  ledger_->begin("placing nodes", std::to_string(nodes.size()) + " nodes");
+  return ledger_->take(need);
 }
 
 // Leaves the nodes that have a surface to touch, and returns how each is placed.
 std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
   std::vector<NodePlacement> placements;
+  placements.reserve(nodes.size());
   std::erase_if(nodes, [&](const NodeDescription& node) {
     if (welded_[node.mesh].face_count() == 0) return true;
     const auto placement = split_linear(node.linear_scene_mesh);
@@ -356,26 +480,26 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
   Seams seams = seams_of(nodes);
   report_seams(seams);
-  if (auto error = check_index_size()) return error;
+  if (auto error = take_surfaces(seams)) return error;
   if (proxy_radius_m == 0.0) widen_sweeps(seams);
   build_meshes_and_indices();
   add_bodies();
   if (!seams.bodies.empty()) add_corners(seams, nodes);
   node_of_object_ = {};
-  // Short names are inside the objects and nodes. Embree's tree is counted as for clusters.
-  constexpr std::size_t kTreeBytesPerBody = 200;
   statistics_.memory.places =
       objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
       use_of_object_.capacity() * sizeof(IndexUse) +
       world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(IndexShape) +
       world_.stretches->capacity() * sizeof(Stretch) +
       (world_.seams ? world_.seams->memory_bytes() : 0);
+  for (const SceneObject& object : objects_) statistics_.memory.places += text_bytes(object.name);
+  for (const TreeNode& node : tree_) statistics_.memory.places += text_bytes(node.name);
   if (world_.bodies.size() <= kFewBodies) return std::nullopt;
-  statistics_.memory.places += world_.bodies.size() * kTreeBytesPerBody;
   std::vector<Box> boxes;
   boxes.reserve(world_.bodies.size());
   for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
   world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, proxy_radius_m));
+  statistics_.memory.places += world_.tree->memory_bytes();
   return std::nullopt;
 }
 
@@ -469,16 +593,47 @@ void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes)
   world_.seams = made;
 }
 
-std::optional<Error> Scene::check_index_size() const {
-  std::uint64_t triangles = 0;
-  for (const IndexShape& shape : shapes_) triangles += welded_[shape.mesh].face_count();
-  if (triangles <= kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle) return std::nullopt;
-  return Error{ErrorCode::kLimitExceeded, "", "scene",
-               "its nodes show meshes at " + std::to_string(shapes_.size()) +
-                   " different scales, which needs indices for " + std::to_string(triangles) +
-                   " triangles; expected at most " +
-                   std::to_string(kMaxIndexBytes / SurfaceIndex::kBytesPerTriangle),
-               "load a part of it with --node"};
+// What the triangles of the indices take, by slot, that bodies which meet others have.
+std::uint64_t Scene::corner_bytes(const Seams& seams) const {
+  std::vector<bool> has_seams(shapes_.size(), false);
+  for (const SeamBody& body : seams.bodies) has_seams[use_of_object_[body.surface].shape] = true;
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    if (has_seams[i]) bytes += sizeof(Triangle) * welded_[shapes_[i].mesh].face_count();
+  }
+  return bytes;
+}
+
+// Counts what adjacency and indices take, and the corners of those that meet others. The node that
+// is named shows the mesh of which indices take the most.
+std::optional<Error> Scene::take_surfaces(const Seams& seams) {
+  std::vector<MemoryNeed> needs;
+  for (const WeldedSurface& mesh : welded_) needs.push_back(SurfaceMesh::memory_need(mesh));
+  std::vector<std::uint64_t> of_mesh(welded_.size(), 0);
+  std::vector<std::uint64_t> shapes_of_mesh(welded_.size(), 0);
+  for (const IndexShape& shape : shapes_) {
+    needs.push_back(SurfaceIndex::memory_need(welded_[shape.mesh].face_count()) +
+                    sizeof(IndexShape));
+    of_mesh[shape.mesh] += needs.back().kept;
+    ++shapes_of_mesh[shape.mesh];
+  }
+  MemoryNeed need = sum_of(std::move(needs), core_count() + 1);
+  need = need + world_.stretches->size() * sizeof(Stretch);
+  for (const SeamBody& body : seams.bodies) {
+    need = need + (sizeof(SolverCorners) + body.joined.size() * sizeof(JoinedVertex));
+  }
+  if (!seams.bodies.empty()) need = need + corner_bytes(seams);
+  const auto largest =
+      static_cast<std::size_t>(std::max_element(of_mesh.begin(), of_mesh.end()) - of_mesh.begin());
+  const auto shows_it = [&](const SceneObject& object) { return object.mesh == largest; };
+  const auto object = std::find_if(objects_.begin(), objects_.end(), shows_it);
+  const bool is_object = object != objects_.end();
+  std::string element = is_object ? node_named(object->name) : "media";
+  if (shapes_of_mesh[largest] > 1) {
+    element += ", whose mesh has " + std::to_string(shapes_of_mesh[largest]) + " shapes";
+  }
+  ledger_->begin("building indices", std::move(element));
+  return ledger_->take(need);
 }
 
 // Adjacency and indices at the same time: both need the welded surfaces alone.

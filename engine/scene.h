@@ -15,6 +15,7 @@
 #include "engine/surface_attributes.h"
 #include "geometry/box.h"
 #include "geometry/memory_breakdown.h"
+#include "geometry/memory_ledger.h"
 #include "geometry/result.h"
 #include "geometry/surface_index.h"
 #include "geometry/surface_mesh.h"
@@ -33,10 +34,9 @@ struct SceneSettings {
   // When a file is loaded: one of its animations at one time, "NAME@SECONDS" or "#number@SECONDS"
   // (GltfPose::choose); empty: the file's rest pose.
   std::string pose = {};
+  // Memory that loading may take; 0: half of what is free (memory_budget.h).
+  std::uint64_t max_memory_bytes = 0;
 };
-
-// Memory that the indices of a scene may take.
-inline constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{8} << 30;
 
 // What `palpate info` tells. Triangles are counted per mesh, except instanced_triangles.
 struct SceneStatistics {
@@ -77,13 +77,15 @@ struct SceneObject {
 // threads may read it.
 class Scene {
  public:
-  // Reads and compiles a glTF file.
+  // Reads and compiles a glTF file. Besides the errors of read_gltf() and compile(): where the
+  // system has no more memory, kOutOfMemory, which names the step and what it takes.
   static Result<Scene> load(const std::string& path, const SceneSettings& settings = {});
 
   // Compiles a description. Nodes with a singular transform have no surface to touch; they are
-  // left out with a warning. An error if nothing is left, if the node is not to be found, if the
-  // indices would take more than kMaxIndexBytes, or if what is declared about how it feels is wrong
-  // or contradictory (scene_effects.h).
+  // left out with a warning. An error if nothing is left, if the node is not to be found, or if
+  // what is declared about how it feels is wrong or contradictory (scene_effects.h). Every step
+  // tells what it takes before it does: an error (kLimitExceeded) if that is more than is left of
+  // what the settings allow, or (kOutOfMemory) if the system has less.
   static Result<Scene> compile(SceneDescription description, const SceneSettings& settings = {});
 
   const ContactWorld& world() const { return world_; }
@@ -131,7 +133,11 @@ class Scene {
   };
 
   Scene() = default;
-  void weld_meshes(std::vector<MeshDescription>& descriptions);
+  // As compile(), but it may throw where there is no memory.
+  static Result<Scene> compile(SceneDescription&& description, const SceneSettings& settings,
+                               MemoryLedger& ledger);
+  std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions);
+  std::optional<Error> take_places(const std::vector<NodeDescription>& nodes);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
   std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,
                                     const std::vector<NodePlacement>& placements,
@@ -141,7 +147,8 @@ class Scene {
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
                                    double proxy_radius_m);
-  std::optional<Error> check_index_size() const;
+  std::optional<Error> take_surfaces(const Seams& seams);
+  std::uint64_t corner_bytes(const Seams& seams) const;
   void build_meshes_and_indices();
   void add_bodies();
   void widen_sweeps(const Seams& seams);
@@ -149,9 +156,12 @@ class Scene {
   void report_seams(const Seams& seams);
   void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
   std::optional<Error> compile_effects(SceneEffects& effects);
+  template <typename Visit>
+  void visit_shapes_and_stretches(const Visit& visit) const;
   EffectSurface effect_surface(const std::string& node, const IndexUse& use, std::size_t outfit,
                                const RigidTransform& T_scene_body) const;
 
+  MemoryLedger* ledger_ = nullptr;     // while it is compiled
   std::vector<WeldedSurface> welded_;  // by mesh, while it is compiled
   std::vector<SurfaceMesh> meshes_;
   std::vector<MeshParts> parts_;  // by mesh

@@ -107,6 +107,19 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, double sweep_radius_m)
 
 BoxTree::~BoxTree() = default;
 
+MemoryNeed BoxTree::memory_need(std::uint64_t boxes) {
+  const std::uint64_t groups = (boxes + kLanes - 1) / kLanes;
+  const MemoryNeed tree = EmbreeBoxes::memory_need(boxes);
+  const std::uint64_t kept =
+      sizeof(BoxTree) + tree.kept + groups * sizeof(BoxPack) + OrderedBoxes::memory_need(groups);
+  return {kept, kept + tree.peak - tree.kept + boxes * sizeof(Box)};
+}
+
+std::size_t BoxTree::memory_bytes() const {
+  return sizeof(*this) + groups_.capacity() * sizeof(BoxPack) + ordered_groups_.memory_bytes() +
+         boxes_->memory_bytes();
+}
+
 void BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
                          void* state) const noexcept {
   if (bounds_.squared_distance(p) > radius_m * radius_m) return;

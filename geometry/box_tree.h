@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/ordered_boxes.h"
 #include "geometry/triangle_pack.h"
 
@@ -39,6 +40,10 @@ class BoxTree {
                    Visitor visitor, void* state) const noexcept;
 
   double sweep_radius_m() const { return sweep_radius_m_; }
+
+  // What a tree over so many boxes takes.
+  static MemoryNeed memory_need(std::uint64_t boxes);
+  std::size_t memory_bytes() const;
 
  private:
   Box bounds_;  // around all boxes, with all margins

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "geometry/box.h"
 #include "geometry/embree.h"
 #include "geometry/fraction.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/pack_queries.h"
 
 namespace palpate {
@@ -96,11 +98,16 @@ struct BoxesAlong {
 class EmbreeBoxes {
  public:
   // boxes: grown by every margin. visit: called for each box that a ray meets; args->context is
-  // that of the SegmentQuery.
+  // that of the SegmentQuery. Works on the calling thread alone, so that what Embree runs out of is
+  // thrown here: std::bad_alloc.
   EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN visit);
   ~EmbreeBoxes();
   EmbreeBoxes(const EmbreeBoxes&) = delete;
   EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;
+
+  // What a tree over so many boxes takes.
+  static MemoryNeed memory_need(std::uint64_t boxes);
+  std::size_t memory_bytes() const { return memory_bytes_; }
 
   // Calls `visit` for every box within the radius. The visitor returns the radius it still needs,
   // margins included.
@@ -131,6 +138,7 @@ class EmbreeBoxes {
 
  private:
   RTCScene scene_;
+  std::size_t memory_bytes_;
 };
 
 }  // namespace palpate

@@ -35,6 +35,8 @@ struct alignas(16) Centre {
   std::uint32_t face;
 };
 
+static_assert(kOrderBytesPerFace == 2 * sizeof(Centre));
+
 struct Part {
   Centre* centres;
   Centre* spare;         // room for as many

@@ -15,5 +15,7 @@ namespace palpate {
 // to the part that is split; those that are equal by face number. Deterministic, for any number of
 // threads. O(n log n). order: room for all of them.
 void order_faces(const MappedFaces& faces, std::span<std::uint32_t> order);
+// Bytes that this takes for a face, beside what it writes.
+inline constexpr std::uint64_t kOrderBytesPerFace = 32;
 
 }  // namespace palpate

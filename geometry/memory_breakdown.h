@@ -1,10 +1,27 @@
 #pragma once
 
-// What compiled surfaces take, by what it is for.
+// What surfaces take: what making them will, and what those that are compiled do, by what it is
+// for.
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace palpate {
+
+// Bytes that making something takes, told before it is made.
+struct MemoryNeed {
+  std::uint64_t kept = 0;
+  std::uint64_t peak = 0;  // at any time while it is made, with what is kept
+
+  // One after the other.
+  MemoryNeed operator+(const MemoryNeed& next) const {
+    return {kept + next.kept, std::max(peak, kept + next.peak)};
+  }
+  MemoryNeed operator+(std::uint64_t more_kept) const {
+    return {kept + more_kept, peak + more_kept};
+  }
+};
 
 // Bytes. Those of a mesh and of an index add up.
 struct MemoryBreakdown {

@@ -40,6 +40,16 @@ OrderedBoxes::OrderedBoxes(std::span<const BoxPack> groups) {
   }
 }
 
+std::uint64_t OrderedBoxes::memory_need(std::uint64_t groups) {
+  std::uint64_t boxes = 0;
+  while (groups > 0) {
+    groups = (groups + kLanes - 1) / kLanes;
+    boxes += groups;
+    if (groups == 1) break;
+  }
+  return boxes * sizeof(BoxPack);
+}
+
 std::size_t OrderedBoxes::memory_bytes() const {
   std::size_t bytes = 0;
   for (const auto& level : levels_) bytes += level.size() * sizeof(BoxPack);

@@ -51,6 +51,8 @@ class OrderedBoxes {
     return std::nullopt;
   }
 
+  // What a tree over so many groups takes.
+  static std::uint64_t memory_need(std::uint64_t groups);
   std::size_t memory_bytes() const;
 
  private:

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <future>
+#include <new>
+#include <system_error>
 #include <utility>
 
 namespace palpate {
@@ -35,6 +37,18 @@ class SpareCore {
   bool is_taken_;
 };
 
+// Calls work() on a thread of its own. No future where the system has no memory for one, or no
+// thread: work() is not called then.
+template <typename Work>
+std::future<void> start_thread(const Work& work) {
+  try {
+    return std::async(std::launch::async, work);
+  } catch (const std::system_error&) {
+  } catch (const std::bad_alloc&) {
+  }
+  return {};
+}
+
 // Calls first() and second(), at the same time if a core is to spare. Returns when both have
 // returned; throws what one of them threw, of two the first.
 template <typename First, typename Second>
@@ -45,13 +59,13 @@ void run_both(const First& first, const Second& second) {
     second();
     return;
   }
-  // Deferred, and then called below, where no thread can be had.
-  auto other = std::async(std::launch::async | std::launch::deferred, [&] {
+  std::future<void> other = start_thread([&] {
     const SpareCore in_use = std::move(core);  // given back before first() has returned
     second();
   });
   first();
-  other.get();
+  if (other.valid()) return other.get();
+  second();
 }
 
 // Calls work(i) for begin <= i < end, in any order.

@@ -17,6 +17,7 @@ enum class ErrorCode {
   kUnsupported,     // valid, but needs something this build does not know
   kInvalidContent,  // breaks a rule of its format
   kLimitExceeded,   // within its format's rules, beyond this program's documented limits
+  kOutOfMemory,     // the system refused memory; kLimitExceeded if a limit of ours did
   kEmptyScene,      // no triangle with area
   kInvalidArgument,
 };

@@ -239,17 +239,32 @@ SurfaceIndex::~SurfaceIndex() = default;
 SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
 SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 
+MemoryNeed SurfaceIndex::memory_need(std::uint64_t triangles) {
+  constexpr std::uint64_t kLanes = TrianglePack::kLanes;
+  constexpr std::uint64_t kSlot = sizeof(TriangleGeometry) + sizeof(std::uint32_t);
+  // Of the blocks that an index is made of, each rounded up, and those in them.
+  constexpr std::uint64_t kBlocks = 512;
+  const std::uint64_t packs = (triangles + kLanes - 1) / kLanes;
+  const std::uint64_t clusters = (packs + kLanes - 1) / kLanes;
+  const MemoryNeed tree = EmbreeBoxes::memory_need(clusters);
+  const std::uint64_t packed = packs * (sizeof(TrianglePack) + kLanes * kSlot);
+  const std::uint64_t cluster_boxes =
+      clusters * sizeof(BoxPack) + OrderedBoxes::memory_need(clusters);
+  const std::uint64_t pack_boxes = packs * sizeof(Box);
+  const std::uint64_t kept = sizeof(SurfaceIndex) + kBlocks + packed + cluster_boxes + tree.kept;
+  const std::uint64_t while_ordered = packed + pack_boxes + kOrderBytesPerFace * triangles;
+  const std::uint64_t while_clustered =
+      kept + pack_boxes + clusters * sizeof(Box) + tree.peak - tree.kept;
+  return {kept, std::max(while_ordered, while_clustered)};
+}
+
 MemoryBreakdown SurfaceIndex::memory() const {
-  // Embree does not tell what one scene takes; 200 bytes a primitive is what its BVH4 builder
-  // allocates for user geometry.
-  constexpr std::size_t kEmbreeBytesPerCluster = 200;
   MemoryBreakdown memory;
   memory.index_triangles =
       surface_.triangles.size() * (sizeof(TriangleGeometry) + sizeof(std::uint32_t));
   memory.index_packs = pack_count() * sizeof(TrianglePack);
   memory.index_boxes = sizeof(*this) + cluster_boxes_.capacity() * sizeof(BoxPack) +
-                       ordered_clusters_.memory_bytes() +
-                       cluster_boxes_.size() * kEmbreeBytesPerCluster;
+                       ordered_clusters_.memory_bytes() + clusters_->memory_bytes();
   return memory;
 }
 

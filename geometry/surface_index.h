@@ -159,9 +159,8 @@ class SurfaceIndex {
   // No sweep is larger, whatever the index was built for: Embree leaves out boxes that reach beyond
   // 1.8e18.
   static constexpr double kLargestSweep_m = 1e18;
-  // What a triangle takes, not counting the clusters: a lane of its pack and its double geometry.
-  static constexpr std::size_t kBytesPerTriangle = sizeof(TrianglePack) / TrianglePack::kLanes +
-                                                   sizeof(TriangleGeometry) + sizeof(std::uint32_t);
+  // What an index of so many triangles takes, and memory() will be.
+  static MemoryNeed memory_need(std::uint64_t triangles);
   MemoryBreakdown memory() const;
   std::size_t memory_bytes() const { return memory().total(); }
 

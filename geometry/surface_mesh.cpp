@@ -9,6 +9,15 @@
 namespace palpate {
 namespace {
 
+std::size_t adjacency_bytes(std::size_t vertices, std::size_t edges, std::size_t faces) {
+  using Items = OpenMesh::ArrayItems;
+  // With every item and half-edge OpenMesh keeps a property for the traits, which are empty here.
+  constexpr std::size_t kTraits = 1;
+  return sizeof(SurfaceMesh) + sizeof(OpenMeshSurface) +
+         vertices * (sizeof(Items::Vertex) + kTraits) +
+         edges * (sizeof(Items::Edge) + 3 * kTraits) + faces * (sizeof(Items::Face) + kTraits);
+}
+
 template <typename T>
 std::size_t bytes_of(const std::vector<T>& vector) {
   return vector.capacity() * sizeof(T);
@@ -78,15 +87,34 @@ std::uint32_t SurfaceMesh::welded_neighbour(std::size_t face, int e) const {
   return cut != cut_edges_.end() && cut->half_edge == half_edge ? cut->mate / 3 : kNone;
 }
 
+MemoryNeed SurfaceMesh::memory_need(const WeldedSurface& welded) {
+  constexpr std::uint64_t kBlocks = 1024;  // what blocks are larger by, and small ones
+  const std::span<const std::uint32_t> mates = welded.mates().aligned.span();
+  const std::uint64_t faces = welded.face_count();
+  std::vector<bool> is_open(welded.positions().size(), false);
+  std::uint64_t open_fans = 0;  // each of them ends at one half-edge that has no mate
+  std::uint64_t copies = 0;     // where a vertex has several
+  for (std::size_t h = 0; h < mates.size(); ++h) {
+    if (mates[h] != kNoHalfEdge) continue;
+    const std::uint32_t vertex = welded.faces()[h / 3][h % 3];
+    ++open_fans;
+    copies += is_open[vertex] ? 1 : 0;
+    is_open[vertex] = true;
+  }
+  const std::uint64_t vertices = is_open.size() + copies;
+  const std::uint64_t kept = kBlocks +
+                             adjacency_bytes(vertices, (3 * faces + open_fans) / 2, faces) +
+                             copies * (sizeof(Vec3) + sizeof(std::uint32_t));
+  // Marks of corners and vertices; and where there are copies, faces and all positions once more.
+  std::uint64_t split = (3 * faces + vertices) / 8;
+  if (copies > 0) split += faces * sizeof(Triangle) + welded.positions().size() * sizeof(Vec3);
+  return {kept, kept + split};
+}
+
 MemoryBreakdown SurfaceMesh::memory() const {
-  using Items = OpenMesh::ArrayItems;
   MemoryBreakdown memory;
-  // With every item and half-edge OpenMesh keeps a property for the traits, which are empty here.
-  constexpr std::size_t kTraits = 1;
-  memory.adjacency = sizeof(*this) + sizeof(OpenMeshSurface) +
-                     surface_->n_vertices() * (sizeof(Items::Vertex) + kTraits) +
-                     surface_->n_edges() * (sizeof(Items::Edge) + 3 * kTraits) +
-                     surface_->n_faces() * (sizeof(Items::Face) + kTraits);
+  memory.adjacency =
+      adjacency_bytes(surface_->n_vertices(), surface_->n_edges(), surface_->n_faces());
   memory.positions = surface_->n_vertices() * sizeof(Vec3);
   memory.maps = sources_.memory_bytes() + bytes_of(copied_vertices_) + bytes_of(cut_edges_);
   return memory;

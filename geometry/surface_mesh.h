@@ -85,6 +85,9 @@ class SurfaceMesh {
   // three faces or more meet. O(log n) in the edges cut for orientation.
   std::uint32_t welded_neighbour(std::size_t face, int e) const;
 
+  // What that of a welded surface takes, beside the positions and the mates that it takes out of
+  // it. Vertices that have several closed fans of faces are counted once.
+  static MemoryNeed memory_need(const WeldedSurface& welded);
   MemoryBreakdown memory() const;
   std::size_t memory_bytes() const { return memory().total(); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -96,6 +97,18 @@ class PartWelder {
 };
 
 }  // namespace
+
+std::uint64_t weld_memory(std::uint64_t positions) {
+  const std::uint64_t parts = positions < kWorthAThread ? 1 : pass_count();
+  // What a part of the hashes has more than its share: by chance, seldom four times as much.
+  const double share = static_cast<double>(positions) / static_cast<double>(parts);
+  const auto most = static_cast<std::uint64_t>(share + 4 * std::sqrt(share) + 1);
+  const std::uint64_t tables = parts * sizeof(std::uint64_t) * std::bit_ceil(2 * most);
+  const std::uint64_t vertex_of = positions * sizeof(std::uint32_t);
+  const std::uint64_t hashes = positions * sizeof(std::uint32_t);
+  const std::uint64_t positions_once_more = positions * sizeof(Vec3);  // in less room
+  return vertex_of + std::max(hashes + tables, positions_once_more);
+}
 
 Weld weld_equal_positions(std::vector<Vec3> positions_m) {
   assert(positions_m.size() < 0xffffffffu);

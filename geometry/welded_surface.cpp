@@ -112,7 +112,7 @@ WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> 
   report_.triangles_in = faces_.size();
   Weld weld = weld_equal_positions(std::move(positions));
   std::vector<std::uint32_t> dropped = weld_triangles(weld, faces_);
-  weld.vertex_of = {};
+  weld.vertex_of = std::vector<std::uint32_t>();  // {} would keep its room
   positions_ = std::move(weld.positions_m);
   erase_faces(dropped, faces_);
   report_.dropped_degenerate = dropped.size();
@@ -130,6 +130,17 @@ WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> 
   report_.welded_vertices = positions_.size();
   position_span_ = positions_;
   sources_ = SourceTriangles(dropped);
+}
+
+MemoryNeed WeldedSurface::memory_need(std::uint64_t positions, std::uint64_t triangles) {
+  constexpr std::uint64_t kBlocks = 1024;  // what blocks are larger by, and small ones
+  constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
+  const std::uint64_t mates = 3 * kIndex * triangles;
+  // Each half-edge by its lower end. Of duplicates, faces with their corners sorted, by the lowest.
+  const std::uint64_t match = mates + 3 * kIndex * triangles + kIndex * positions;
+  // A sample of lower ends, in a list that grows.
+  const std::uint64_t sample = mates + 9 * kIndex * std::min<std::uint64_t>(triangles, 4096);
+  return {mates + kBlocks, std::max({weld_memory(positions), match, sample}) + kBlocks};
 }
 
 // Adds them to the triangles that have been dropped.

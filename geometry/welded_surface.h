@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/half_edges.h"
+#include "geometry/memory_breakdown.h"
 #include "geometry/types.h"
 
 namespace palpate {
@@ -53,6 +54,9 @@ class WeldedSurface {
   // (checked by asserts: a reader must have refused such a file before). The same for any number
   // of threads. O(n log n).
   WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> triangles);
+
+  // What it takes to make one of so many positions and triangles, beside those.
+  static MemoryNeed memory_need(std::uint64_t positions, std::uint64_t triangles);
 
   std::size_t face_count() const { return faces_.size(); }
   // In welded vertices.

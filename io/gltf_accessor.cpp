@@ -401,6 +401,11 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
   if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
   if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const std::uint64_t bytes = sizeof(Vec3) * std::uint64_t{accessor.count};
+  if (auto error =
+          asset.buffers.take_memory({bytes, bytes}, gltf_element("accessors", accessor_id))) {
+    return *error;
+  }
   std::vector<Vec3> positions(accessor.count);  // not set to anything
   if (accessor.bufferView < 0) std::fill(positions.begin(), positions.end(), Vec3::Zero());
   if (auto error =
@@ -427,6 +432,10 @@ Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t acc
                             std::to_string(count) + " " + format.what);
   }
   const std::size_t components = layout_of(accessor).components;
+  if (auto error = asset.buffers.take_memory({0, sizeof(double) * components * count},
+                                             gltf_element("accessors", accessor_id))) {
+    return *error;
+  }
   std::vector<double> numbers(count * components);
   if (auto error = decode_accessor(asset, accessor_id, count, numbers.data())) return *error;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -453,6 +462,11 @@ Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor_id,
   }
   if (auto error = check_data_and_count(asset, accessor_id, max_count)) return *error;
   if (auto error = check_unstored(asset, accessor, accessor_id)) return *error;
+  const std::uint64_t bytes = sizeof(std::uint32_t) * std::uint64_t{accessor.count};
+  if (auto error =
+          asset.buffers.take_memory({bytes, bytes}, gltf_element("accessors", accessor_id))) {
+    return *error;
+  }
   return accessor.count;
 }
 

@@ -39,8 +39,9 @@ Result<FileBytes> data_uri_bytes(std::string_view uri) {
 }  // namespace
 
 GltfBuffers::GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
-                         std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder)
-    : bin_chunk_(bin_chunk), folder_(std::move(folder)) {
+                         std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
+                         MemoryLedger* memory)
+    : bin_chunk_(bin_chunk), folder_(std::move(folder)), memory_(memory) {
   buffers_.reserve(declarations.size());
   for (auto& declaration : declarations) buffers_.push_back({std::move(declaration), {}, false});
 }
@@ -73,8 +74,15 @@ std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::
                       "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
                           " bytes, the most that are read");
   }
+  if (auto error = take_memory({bytes, bytes}, element)) return error;
   loaded_bytes_ += bytes;
   return std::nullopt;
+}
+
+std::optional<Error> GltfBuffers::take_memory(const MemoryNeed& need, const std::string& element) {
+  if (memory_ == nullptr) return std::nullopt;
+  memory_->begin("decoding it", element);
+  return memory_->take(need);
 }
 
 Result<std::span<const std::uint8_t>> GltfBuffers::part(std::size_t index,
@@ -108,7 +116,9 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
                         "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
                             " bytes, the most that are read");
     }
-    auto loaded = read_uri(*uri, kMaxGltfFileBytes, buffer.declaration.byte_length);
+    const std::uint64_t length = buffer.declaration.byte_length;
+    if (auto error = take_memory({length, length}, gltf_element("buffers", index))) return *error;
+    auto loaded = read_uri(*uri, kMaxGltfFileBytes, length);
     if (!loaded) {
       Error error = loaded.error();
       error.element = gltf_element("buffers", index, "uri");

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/memory_ledger.h"
 #include "geometry/result.h"
 #include "io/gltf_file.h"
 #include "io/gltf_limits.h"
@@ -25,9 +26,11 @@ struct GltfBufferDeclaration {
 // Not thread-safe; one per call of read_gltf().
 class GltfBuffers {
  public:
-  // folder: that of the asset, which external buffers must not leave. bin_chunk must outlive this.
+  // folder: that of the asset, which external buffers must not leave. bin_chunk must outlive this,
+  // and so must memory, if there is one.
   GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
-              std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder);
+              std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
+              MemoryLedger* memory = nullptr);
 
   // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file, of
   // which no more is read. Valid while this lives.
@@ -39,6 +42,10 @@ class GltfBuffers {
 
   // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
   bool take_unstored(std::size_t elements);
+
+  // Counts what is about to be decoded, beside all that has been: the error if that is more than
+  // may be taken. element: what it is made of, "/accessors/3".
+  std::optional<Error> take_memory(const MemoryNeed& need, const std::string& element);
 
   // What a URI of the asset holds, a data URI (base64, any media type) or a file in its folder of
   // at most max_bytes, or its beginning if no more than wanted_bytes are called for. Not counted.
@@ -63,6 +70,7 @@ class GltfBuffers {
   std::vector<Buffer> buffers_;
   std::optional<std::span<const std::uint8_t>> bin_chunk_;
   std::string folder_;
+  MemoryLedger* memory_;
   std::uint64_t loaded_bytes_ = 0;
   std::size_t unstored_left_ = kMaxGltfUnstored;
 };

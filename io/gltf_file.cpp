@@ -118,7 +118,7 @@ bool lies_inside(const std::filesystem::path& folder, const std::filesystem::pat
 }  // namespace
 
 Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
-                                    std::uint64_t wanted_bytes) {
+                                    std::uint64_t wanted_bytes, MemoryLedger* memory) {
   if (path.find('\0') != std::string::npos) {
     return file_error(ErrorCode::kFileNotFound, path.substr(0, path.find('\0')),
                       "the name contains a zero byte");
@@ -137,6 +137,12 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
     return file_error(ErrorCode::kLimitExceeded, path,
                       "has " + std::to_string(size) + " bytes; at most " +
                           std::to_string(max_bytes) + " are read");
+  }
+  if (memory != nullptr) {
+    if (auto error = memory->take(std::min(size, wanted_bytes))) {
+      error->path = path;
+      return *error;
+    }
   }
   FileBytes bytes(std::min(size, wanted_bytes));
   if (auto error = read_fully(file.get(), path, bytes)) return *error;

@@ -31,6 +31,11 @@ std::optional<Error> GltfImages::decode(TextureReference& reference, const std::
     auto image = decoded(*reference.image);
     if (!image) return with_caller(image.error());
     pixels_left_ -= std::uint64_t{image->width} * image->height;
+    const std::uint64_t bytes = image->rgb.size() * sizeof(image->rgb.front());
+    if (auto error =
+            asset_.buffers.take_memory({bytes, bytes}, gltf_element("images", *reference.image))) {
+      return with_caller(*error);
+    }
     images_.push_back(std::move(*image));
   }
   reference.pixels = known->second;

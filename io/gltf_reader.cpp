@@ -8,6 +8,8 @@
 #include <new>
 #include <optional>
 #include <set>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -32,6 +34,7 @@
 #include "io/gltf_prescan.h"
 #include "io/gltf_primitives.h"
 #include "io/gltf_skin.h"
+#include "io/json_memory.h"
 #include "io/tinygltf.h"
 
 namespace palpate {
@@ -194,6 +197,8 @@ class SceneReader {
     const std::string& name = scene_.tree[placed.tree_node].name;
     const std::string prefix = shortened(name) + " #";
     std::size_t flat = 0;
+    const std::uint64_t bytes = instances.count * (sizeof(NodeDescription) + kMaxInstanceName);
+    if (auto error = asset_.buffers.take_memory({bytes, bytes}, element)) return error;
     if (instances.count > scene_.nodes.size()) {
       scene_.nodes.reserve(scene_.nodes.size() + instances.count);
     }
@@ -371,10 +376,16 @@ class SceneReader {
 
 // As read_gltf_bytes, but it may throw, and Error::path is empty.
 Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
-                                    const ReadOptions& options) {
+                                    const ReadOptions& options, MemoryLedger& ledger) {
   const auto container = split_container(bytes);
   if (!container) return container.error();
   if (auto error = check_json_size(container->json)) return *error;
+  ledger.begin("parsing the JSON");
+  const JsonExtent extent = extent_of_json(container->json);
+  const MemoryNeed json_need = memory_of_json(container->json, extent);
+  if (auto error = ledger.take(json_need)) return *error;
+  expect_available(json_need.peak);
+  const MemoryReserve reserve(memory_to_destroy(container->json, extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
     warnings.push_back("JSON: begins with a byte order mark, which is passed over");
@@ -385,15 +396,36 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
   auto sections = read_model(*root, container->json.size(), warnings);
-  if (!sections) return sections.error();
-  GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder);
+  if (!sections) {
+    if (MemoryReserve::has_helped_out()) throw std::bad_alloc();  // tinygltf keeps it to itself
+    return sections.error();
+  }
+  GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder, &ledger);
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
   GltfMeshoptViews compressed_views(*root, buffers);
   const GltfAsset asset{sections->model, *root, buffers, compressed_views,
                         extensions->mesh_quantization};
+  ledger.begin("reading the scene");
   return SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
+}
+
+// What memory is not the cause of.
+Result<SceneDescription> read_counted(std::span<const std::uint8_t> bytes,
+                                      const std::string& folder, const ReadOptions& options,
+                                      MemoryLedger& ledger) {
+  try {
+    return read_asset(bytes, folder, options, ledger);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::length_error&) {
+    throw;
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::exception& exception) {
+    return gltf_invalid({}, std::string("cannot be read: ") + exception.what());
+  }
 }
 
 Error with_path(Error error, const std::string& path) {
@@ -406,26 +438,27 @@ Error with_path(Error error, const std::string& path) {
 Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
                                          const std::string& folder, const std::string& name,
                                          const ReadOptions& options) {
-  try {
-    auto scene = read_asset(bytes, folder, options);
-    if (!scene) return with_path(scene.error(), name);
-    scene->path = name;
-    return scene;
-  } catch (const std::bad_alloc&) {
-    return with_path(gltf_error(ErrorCode::kLimitExceeded, {}, "there is not enough memory for it"),
-                     name);
-  } catch (const std::exception& exception) {
-    return with_path(gltf_invalid({}, std::string("cannot be read: ") + exception.what()), name);
-  }
+  MemoryLedger ledger;
+  auto scene =
+      or_out_of_memory(ledger, [&] { return read_counted(bytes, folder, options, ledger); });
+  if (!scene) return with_path(scene.error(), name);
+  scene->path = name;
+  return scene;
 }
 
 Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const auto file = read_regular_file(path, kMaxGltfFileBytes);
-  if (!file) return with_path(file.error(), path);
-  auto scene = read_gltf_bytes(file->span(), std::filesystem::path(path).parent_path().string(),
-                               path, options);
-  if (!scene) return scene;
+  MemoryLedger ledger;
+  auto scene = or_out_of_memory(ledger, [&]() -> Result<SceneDescription> {
+    ledger = MemoryLedger(options.memory);
+    ledger.begin("reading the file");
+    const auto file = read_regular_file(path, kMaxGltfFileBytes, kWholeFile, &ledger);
+    if (!file) return file.error();
+    return read_counted(file->span(), std::filesystem::path(path).parent_path().string(), options,
+                        ledger);
+  });
+  if (!scene) return with_path(scene.error(), path);
+  scene->path = path;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
   scene->parse_ms = elapsed.count();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/memory_ledger.h"
 #include "geometry/result.h"
 #include "io/scene_description.h"
 
@@ -16,6 +17,7 @@ struct ReadOptions {
   // The pose in which the scene is read: "NAME@SECONDS" or "#number@SECONDS" of one animation (see
   // GltfPose::choose); empty: at rest.
   std::string pose = {};
+  MemoryLimit memory = {};  // that reading may take
 };
 
 // Reads the triangle geometry of a glTF 2.0 asset (.gltf with embedded or external buffers, or

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <optional>
 #include <spng.h>
 #include <string>
@@ -56,7 +57,9 @@ std::vector<std::uint16_t> widened(const std::vector<std::uint8_t>& values) {
 
 // --- PNG -----------------------------------------------------------------------------------------
 
+// Throws std::bad_alloc where it is memory that the library did not have.
 Error png_error(int status) {
+  if (status == SPNG_EMEM) throw std::bad_alloc();
   return gltf_invalid({}, std::string("cannot be decoded as PNG: ") + spng_strerror(status),
                       kDamagedHint);
 }
@@ -107,9 +110,14 @@ struct CloseTurboJpeg {
   void operator()(void* decoder) const { tjDestroy(decoder); }
 };
 
+// Throws std::bad_alloc where it is memory that the library did not have, which it only tells in
+// words.
 Error jpeg_error(tjhandle decoder) {
-  return gltf_invalid({}, std::string("cannot be decoded as JPEG: ") + tjGetErrorStr2(decoder),
-                      kDamagedHint);
+  const std::string reason = tjGetErrorStr2(decoder);
+  const bool has_no_memory = reason.find("nsufficient memory") != std::string::npos ||
+                             reason.find("emory allocation failure") != std::string::npos;
+  if (decoder == nullptr || has_no_memory) throw std::bad_alloc();
+  return gltf_invalid({}, "cannot be decoded as JPEG: " + reason, kDamagedHint);
 }
 
 Result<ImageDescription> decode_jpeg(Bytes bytes, std::uint64_t max_pixels) {
