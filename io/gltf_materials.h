@@ -30,7 +30,7 @@ namespace palpate {
 class GltfMaterials {
  public:
   // An error if a haptic material is not as its convention asks, or an override has a value that
-  // nothing can have. root, of the shape that check_sections() takes, and extras must outlive it.
+  // nothing can have. root, as check_sections() has left it, and extras must outlive it.
   static Result<GltfMaterials> open(const nlohmann::json& root, PalpateExtras& extras,
                                     std::span<const MaterialOverride> overrides);
 
@@ -99,7 +99,7 @@ class GltfMaterials {
 // node or, nearest first, an ancestor (the geometry of a node includes its children). Where such
 // colliders disagree, the first in depth-first order wins, with a note. Colliders outside the scene
 // and triggers say nothing. An error if a declaration is not as its convention asks. The JSON is
-// one that check_sections() takes.
+// as check_sections() has left it.
 std::optional<Error> read_physics_materials(const nlohmann::json& root, SceneDescription& scene);
 
 // Names the variants of KHR_materials_variants, which are not read.
