@@ -391,7 +391,12 @@ TEST(HandPath, TellsAnEdgeFromASlitWhenBothTurnRightBack) {
                  {{0.1, 0, 0}, Vec3::UnitX(), -std::numbers::pi / 2},
                  {{0.1, 0, 1e-4}, -down, -std::numbers::pi / 2},
                  {{0, 0, 1e-4}, -down}};
-  for (const HandPath& path : {plate, slit}) {
+  // The same where the way back bends to the other side of the way there.
+  HandPath bent_plate = plate;
+  bent_plate.points.back().p_m = {0.0, 0.05, 0.01};
+  HandPath bent_slit = slit;
+  bent_slit.points.back().p_m = {0.0, 0.05, -0.01};
+  for (const HandPath& path : {plate, slit, bent_plate, bent_slit}) {
     const HandPath simple = simplified(path, 1e-3);
     ASSERT_EQ(simple.points.size(), 3u);
     EXPECT_NEAR(std::abs(simple.points[1].fold_rad), std::numbers::pi, 0.1);
