@@ -62,12 +62,12 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
 // Called now and then from the calling thread with the share of the run that is done.
 using Progress = std::function<void(double)>;
 
-// One run. With 2 sensors the hand follows the longest outline of what the plane height cuts; with 3
-// it follows a path over the surface. An error if there is nothing at the plane height, or if
-// the settings are out of range (NaN included; also those that check_setup() refuses), make more
-// ticks than are kept in memory, or need more of it than they allow or the system has.
-// stop: ends the run after the present tick, or a few later; null for none. However a run ends,
-// zero force is commanded.
+// One run. With 2 sensors the hand follows the longest outline of what the plane height cuts; with
+// 3 it follows a path over the surface. An error if there is nothing at the plane height, or if the
+// settings are out of range (NaN included; also those that check_setup() refuses), make more ticks
+// than are kept in memory, or need more of it than they allow or the system has. stop: ends the run
+// after the present tick, or a few later; null for none. However a run ends, zero force is
+// commanded.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress,
                                const StopFlag* stop = nullptr);
