@@ -56,8 +56,10 @@ constexpr double kOffVertex = 1e-6;
 constexpr double kEdgeCosts = 6.0;
 constexpr double kRightAngle = std::numbers::pi / 2;
 
-// Faces that a leg crosses at most.
-constexpr std::size_t kMostFaces = 200000;
+// Faces that a leg crosses at most, and after how many the path ends: what is finer than any hand
+// feels costs no more memory than that.
+constexpr std::size_t kMostFaces = 20000;
+constexpr std::size_t kMostPieces = 200000;
 
 class Random {
  public:
@@ -143,6 +145,9 @@ class FaceSampler {
     }
   }
 
+  bool is_empty() const { return area_up_to_.empty(); }
+
+  // Of a scene that is not empty.
   Face draw() {
     const double at = random_.uniform() * area_up_to_.back();
     const auto found = std::upper_bound(area_up_to_.begin(), area_up_to_.end(), at);
@@ -264,6 +269,7 @@ class PathFinder {
         far_m_(2.0 * scene.statistics().extent_m.norm()) {}
 
   std::optional<SurfacePath> find() {
+    if (sampler_.is_empty()) return std::nullopt;
     std::vector<Start> starts;
     for (int i = 0; i < kMostPlaces; ++i) {
       if (auto start = draw_start()) starts.push_back(*start);
@@ -284,7 +290,9 @@ class PathFinder {
     }
     if (!best) return std::nullopt;
     take(first);
-    while (done_m_ + least_leg_m() < settings_.length_m) take(next_leg());
+    while (done_m_ + least_leg_m() < settings_.length_m && pieces_.size() < kMostPieces) {
+      take(next_leg());
+    }
     const SceneObject& object = scene_.objects()[best->face.object];
     return SurfacePath{as_path(), best->free_m,
                        scene_.mesh(object.mesh).report().boundary_edges > 0};
