@@ -337,6 +337,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
                                       effects)) {
     return with_path(*error, description.path);
   }
+  std::vector<NodePlacement>().swap(placements);  // of a million nodes, that counts
   const auto index_start = std::chrono::steady_clock::now();
   if (auto error = scene.build_world(bounds, description.nodes, settings.proxy_radius_m)) {
     return with_path(*error, description.path);
@@ -350,6 +351,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   });
   ledger.begin("what effects keep of surfaces and images", "scene");
   if (auto error = ledger.take(kept_for_effects)) return with_path(*error, description.path);
+  std::vector<NodeDescription>().swap(description.nodes);
   if (auto error = scene.compile_effects(effects)) return with_path(*error, description.path);
   statistics.index_ms = milliseconds_since(index_start);
   scene.ledger_ = nullptr;
@@ -663,8 +665,8 @@ void Scene::build_meshes_and_indices() {
   for (const auto& index : indices_) statistics_.memory += index->memory();
 }
 
-EffectSurface Scene::effect_surface(const std::string& node, const IndexUse& use,
-                                    std::size_t outfit, const RigidTransform& T_scene_body) const {
+EffectSurface Scene::effect_surface(std::string_view node, const IndexUse& use, std::size_t outfit,
+                                    const RigidTransform& T_scene_body) const {
   const IndexShape& shape = shapes_[use.shape];
   const bool is_stretched = use.stretch != IndexUse::kNoStretch;
   return {node,
@@ -677,16 +679,15 @@ EffectSurface Scene::effect_surface(const std::string& node, const IndexUse& use
 }
 
 std::optional<Error> Scene::compile_effects(SceneEffects& effects) {
-  std::vector<EffectSurface> bodies;
-  bodies.reserve(objects_.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    bodies.push_back(effect_surface(objects_[i].name, use_of_object_[i], outfit_of_object_[i],
-                                    objects_[i].T_scene_body));
-  }
-  std::vector<EffectSurface> media;
-  for (const Medium& m : media_) {
-    media.push_back(effect_surface(m.name, m.use, m.outfit, m.T_scene_body));
-  }
+  const EffectSurfaces bodies{objects_.size(), [&](std::size_t i) {
+                                const SceneObject& object = objects_[i];
+                                return effect_surface(object.name, use_of_object_[i],
+                                                      outfit_of_object_[i], object.T_scene_body);
+                              }};
+  const EffectSurfaces media{media_.size(), [&](std::size_t i) {
+                               const Medium& m = media_[i];
+                               return effect_surface(m.name, m.use, m.outfit, m.T_scene_body);
+                             }};
   auto result = effects.compile(bodies, media, world_.anchor_scene_m);
   if (!result) return result.error();
   world_.effects = std::move(result->program);

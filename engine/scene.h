@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/node_placement.h"
@@ -158,7 +159,7 @@ class Scene {
   std::optional<Error> compile_effects(SceneEffects& effects);
   template <typename Visit>
   void visit_shapes_and_stretches(const Visit& visit) const;
-  EffectSurface effect_surface(const std::string& node, const IndexUse& use, std::size_t outfit,
+  EffectSurface effect_surface(std::string_view node, const IndexUse& use, std::size_t outfit,
                                const RigidTransform& T_scene_body) const;
 
   MemoryLedger* ledger_ = nullptr;     // while it is compiled

@@ -207,8 +207,8 @@ Result<std::size_t> SceneEffects::outfit(const std::string& node, std::size_t me
   return outfits_.size() - 1;
 }
 
-Result<SceneEffectsResult> SceneEffects::compile(std::span<const EffectSurface> bodies,
-                                                 std::span<const EffectSurface> media,
+Result<SceneEffectsResult> SceneEffects::compile(const EffectSurfaces& bodies,
+                                                 const EffectSurfaces& media,
                                                  const Vec3& anchor_scene_m) {
   HeightMapMaker maps(declarations_.images, builder_.program.maps);
   if (auto error = add_materials(maps)) return *error;
@@ -274,10 +274,11 @@ SceneEffects::MaybeError SceneEffects::set_maps(const Combination& c, HeightMapM
 }
 
 // For each shape whose surfaces are felt by anything at all.
-SceneEffects::MaybeError SceneEffects::add_attributes(std::span<const EffectSurface> bodies) {
+SceneEffects::MaybeError SceneEffects::add_attributes(const EffectSurfaces& bodies) {
   std::map<std::size_t, std::vector<std::size_t>> outfits_of_shape;
-  std::map<std::size_t, const EffectSurface*> body_of_shape;
-  for (const EffectSurface& body : bodies) {
+  std::map<std::size_t, std::size_t> body_of_shape;
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    const EffectSurface body = bodies.at(b);
     const auto& combinations = outfits_[body.outfit].combinations;
     const bool is_bare = std::all_of(combinations.begin(), combinations.end(), [&](std::size_t c) {
       return combinations_[c].program_material == 0;
@@ -287,19 +288,25 @@ SceneEffects::MaybeError SceneEffects::add_attributes(std::span<const EffectSurf
     if (std::find(outfits.begin(), outfits.end(), body.outfit) == outfits.end()) {
       outfits.push_back(body.outfit);
     }
-    body_of_shape.emplace(body.shape, &body);
+    body_of_shape.emplace(body.shape, b);
   }
+  // Of which only the parts are asked for: the same however they are stretched.
+  std::map<const SurfaceIndex*, const SurfaceAttributes*> plain;
   for (const auto& [shape, outfits] : outfits_of_shape) {
-    const EffectSurface& body = *body_of_shape[shape];
+    const EffectSurface body = bodies.at(body_of_shape[shape]);
     const auto needs = needs_of(body.surface, outfits);
     if (!needs) {
       Error error = needs.error();
-      error.element = "node \"" + body.node + "\"";
+      error.element = "node \"" + std::string(body.node) + "\"";
       return error;
     }
+    const SurfaceAttributes*& of_shape = attributes_of_shape_[shape];
+    if (needs->is_of_parts_alone()) of_shape = plain[body.surface.index];
+    if (of_shape) continue;
     auto& attributes = builder_.program.attributes;
     attributes.push_back(surface_attributes(body.surface, *needs));
-    attributes_of_shape_[shape] = &attributes.back();
+    of_shape = &attributes.back();
+    if (needs->is_of_parts_alone()) plain[body.surface.index] = of_shape;
   }
   return std::nullopt;
 }
@@ -337,10 +344,15 @@ Result<AttributeNeeds> SceneEffects::needs_of(const PartedSurface& surface,
   return needs;
 }
 
-void SceneEffects::add_bodies(std::span<const EffectSurface> bodies) {
+void SceneEffects::add_bodies(const EffectSurfaces& bodies) {
   EffectProgram& program = builder_.program;
   std::vector<std::optional<std::uint32_t>> first_of_outfit(outfits_.size());
-  for (const EffectSurface& body : bodies) {
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    if (attributes_of_shape_.empty()) {
+      program.bodies.resize(bodies.count);
+      return;
+    }
+    const EffectSurface body = bodies.at(b);
     const auto attributes = attributes_of_shape_.find(body.shape);
     if (attributes == attributes_of_shape_.end()) {
       program.bodies.push_back({});
@@ -359,21 +371,22 @@ void SceneEffects::add_bodies(std::span<const EffectSurface> bodies) {
 
 // --- Magnets -------------------------------------------------------------------------------------
 
-SceneEffects::MaybeError SceneEffects::add_magnets(std::span<const EffectSurface> bodies) {
-  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    const auto& combinations = outfits_[bodies[b].outfit].combinations;
+SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies) {
+  for (std::uint32_t b = 0; b < bodies.count; ++b) {
+    const EffectSurface body = bodies.at(b);
+    const auto& combinations = outfits_[body.outfit].combinations;
     for (std::size_t part = 0; part < combinations.size(); ++part) {
       Combination& c = combinations_[combinations[part]];
       const Entry* magnet = c.effects.entry(MagnetEffect::kName);
       if (!magnet) continue;
       auto& magnets = builder_.program.magnets;
       if (magnets.size() == kMostMagnets) {
-        return place_error(bodies[b], c, MagnetEffect::kKeys[0].key,
+        return place_error(body, c, MagnetEffect::kKeys[0].key,
                            "is one magnetic surface too many; expected at most " +
                                std::to_string(kMostMagnets) + " in a scene",
                            "load a part of it with --node");
       }
-      magnets.push_back({b, c.program_material, magnet_index(bodies[b], part)});
+      magnets.push_back({b, c.program_material, magnet_index(body, part)});
       Entry entry = *magnet;
       auto parameters = read<MagnetEffect::Parameters>(entry);
       parameters.surface = &magnets.back();
@@ -406,7 +419,8 @@ Error SceneEffects::place_error(const EffectSurface& surface, const Combination&
     if (h.key == key) element = h.element;
   }
   return {ErrorCode::kInvalidContent, "", element,
-          "material \"" + name_of(c) + "\", node \"" + surface.node + "\": " + problem, hint};
+          "material \"" + name_of(c) + "\", node \"" + std::string(surface.node) + "\": " + problem,
+          hint};
 }
 
 // The arguments by which a material has no medium; then it must be solid.
@@ -440,13 +454,14 @@ SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface&
                      "close the surface, or load it without the medium: " + without_medium(c));
 }
 
-SceneEffects::MaybeError SceneEffects::add_body_media(std::span<const EffectSurface> bodies) {
-  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    for (const std::size_t i : outfits_[bodies[b].outfit].combinations) {
+SceneEffects::MaybeError SceneEffects::add_body_media(const EffectSurfaces& bodies) {
+  for (std::uint32_t b = 0; b < bodies.count; ++b) {
+    const EffectSurface body = bodies.at(b);
+    for (const std::size_t i : outfits_[body.outfit].combinations) {
       Combination& c = combinations_[i];
       const Entry* viscosity = c.effects.entry(ViscosityEffect::kName);
       if (!viscosity) continue;
-      if (auto error = check_medium_surface(bodies[b], c)) return error;
+      if (auto error = check_medium_surface(body, c)) return error;
       MediumRegion region;
       region.shape = MediumRegion::Shape::kInside;
       region.body = b;
@@ -456,8 +471,9 @@ SceneEffects::MaybeError SceneEffects::add_body_media(std::span<const EffectSurf
   return std::nullopt;
 }
 
-SceneEffects::MaybeError SceneEffects::add_through_media(std::span<const EffectSurface> media) {
-  for (const EffectSurface& surface : media) {
+SceneEffects::MaybeError SceneEffects::add_through_media(const EffectSurfaces& media) {
+  for (std::size_t m = 0; m < media.count; ++m) {
+    const EffectSurface surface = media.at(m);
     Combination& c = combinations_[outfits_[surface.outfit].combinations.front()];
     if (auto error = check_medium_surface(surface, c)) return error;
     MediumRegion region;

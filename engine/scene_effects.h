@@ -3,11 +3,13 @@
 // Turns what a scene declares into the effect program of its world.
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -66,12 +68,18 @@ struct EffectDeclarations {
 
 // A surface of a node, as one tick meets it.
 struct EffectSurface {
-  std::string node;    // name, for messages
-  std::size_t outfit;  // of SceneEffects::outfit()
-  std::size_t shape;   // surfaces of one shape share attributes
+  std::string_view node;  // name, for messages
+  std::size_t outfit;     // of SceneEffects::outfit()
+  std::size_t shape;      // surfaces of one shape share attributes
   PartedSurface surface;
   RigidTransform T_solver_body;
   double metres_per_unit;  // of the body frame (ContactBody)
+};
+
+// Made when they are asked for: a scene has a million, and few of them are felt by an effect.
+struct EffectSurfaces {
+  std::size_t count;
+  std::function<EffectSurface(std::size_t)> at;
 };
 
 struct SceneEffectsResult {
@@ -95,8 +103,7 @@ class SceneEffects {
   bool is_solid(std::size_t outfit) const { return outfits_[outfit].is_solid; }
 
   // bodies: as the world's. media: those that are not solid.
-  Result<SceneEffectsResult> compile(std::span<const EffectSurface> bodies,
-                                     std::span<const EffectSurface> media,
+  Result<SceneEffectsResult> compile(const EffectSurfaces& bodies, const EffectSurfaces& media,
                                      const Vec3& anchor_scene_m);
 
  private:
@@ -127,14 +134,14 @@ class SceneEffects {
   MaybeError add_materials(HeightMapMaker& maps);
   MaybeError set_maps(const Combination& c, HeightMapMaker& maps,
                       std::vector<EffectProgramBuilder::Entry>& entries) const;
-  MaybeError add_attributes(std::span<const EffectSurface> bodies);
+  MaybeError add_attributes(const EffectSurfaces& bodies);
   Result<AttributeNeeds> needs_of(const PartedSurface& surface,
                                   std::span<const std::size_t> outfits) const;
-  void add_bodies(std::span<const EffectSurface> bodies);
-  MaybeError add_magnets(std::span<const EffectSurface> bodies);
+  void add_bodies(const EffectSurfaces& bodies);
+  MaybeError add_magnets(const EffectSurfaces& bodies);
   const SurfaceIndex* magnet_index(const EffectSurface& body, std::size_t part);
-  MaybeError add_body_media(std::span<const EffectSurface> bodies);
-  MaybeError add_through_media(std::span<const EffectSurface> media);
+  MaybeError add_body_media(const EffectSurfaces& bodies);
+  MaybeError add_through_media(const EffectSurfaces& media);
   MaybeError check_medium_surface(const EffectSurface& surface, const Combination& c);
   MaybeError add_medium(const EffectProgramBuilder::Entry& entry, const MediumRegion& region,
                         Combination* owner);

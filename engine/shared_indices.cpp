@@ -17,12 +17,17 @@ constexpr double kSameDeformation = 64 * std::numeric_limits<double>::epsilon();
 // no more.
 constexpr std::size_t kMostCompared = 256;
 
-// Beside a scene so much larger, coordinates of a body in a unit of its own would leave the range
-// in which signs are exact (orientation.h). Such a body has an index in metres.
-constexpr double kSmallestPart = 1e-60;
+// The unit of a body is at least 2^-40 of the scene, or the body is one of those whose unit is so
+// many steps longer, of 2^40 each. A tenth of a stand-off is as much of the scene; and a radius of
+// 2^40 has a square that is far from overflow in single precision, where the boxes that are not
+// there would count.
+constexpr int kUnitStep = 40;
 
 // A sphere may be larger than a body. Up to so much, the unit of the index is the size of the body.
-constexpr double kMostSweepPerUnit = 0x1p40;
+constexpr int kMostSweepExponent = 40;
+
+// The number of a deformation that is none.
+constexpr std::uint32_t kUniform = ~std::uint32_t{0};
 
 // Sweeps are rounded up.
 constexpr double kSlack = 1 + 0x1p-40;
@@ -101,12 +106,10 @@ void IndexSharing::look_at(std::uint32_t mesh, const NodePlacement& placement) {
 IndexUse IndexSharing::use(std::uint32_t mesh, const NodePlacement& placement) {
   const Mat3& deformation = placement.deformation;
   const double sign = sign_of(deformation);
-  const Vec3 columns = deformation.cwiseAbs() * (boxes_[mesh].high - boxes_[mesh].low);
-  if (columns.maxCoeff() < kSmallestPart * size_m_) return alone(mesh, sign * deformation, sign);
   const Mat3 unit = unit_of(deformation);
-  constexpr std::uint32_t kUniform = ~std::uint32_t{0};
   if (is_same(unit, uniform())) {
-    return similar(mesh, kUniform, Mat3::Identity(), uniform_scale(deformation));
+    const double scale = uniform_scale(deformation);
+    return similar(mesh, kUniform, Mat3::Identity(), scale, scale);
   }
   const bool is_point = sweep_radius_m_ == 0.0;
   if (is_point && !of_mesh_[mesh].is_alike && is_within_ratio(unit)) {
@@ -114,7 +117,8 @@ IndexUse IndexSharing::use(std::uint32_t mesh, const NodePlacement& placement) {
   }
   const std::uint32_t number = deformation_of(mesh, unit, sign * deformation);
   const Mat3& base = deformations_[number].base;
-  return similar(mesh, number, base, sign * (deformation.stableNorm() / base.stableNorm()));
+  const double scale = sign * (deformation.stableNorm() / base.stableNorm());
+  return similar(mesh, number, base, scale, scale);
 }
 
 // That of an earlier node, or a new one.
@@ -124,40 +128,57 @@ std::uint32_t IndexSharing::deformation_of(std::uint32_t mesh, const Mat3& unit,
       known.find(unit, [&](std::uint32_t id) -> const Mat3& { return deformations_[id].unit; });
   if (found) return *found;
   const auto number = static_cast<std::uint32_t>(deformations_.size());
-  deformations_.push_back({unit, base});
+  deformations_.push_back({unit, base, box_of(mesh, base)});
   known.add(unit, number);
   return number;
 }
 
-// scale: of the base, negative for a mirror.
+// scale: of the base, negative for a mirror. least_scale: by which the body shortens a length of
+// the base.
 IndexUse IndexSharing::similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base,
-                               double scale) {
+                               double scale, double least_scale) {
   const bool is_point = sweep_radius_m_ == 0.0;
   const int exponent = is_point ? 0 : std::ilogb(scale);
-  const auto [known, is_new] = shape_of_.try_emplace({mesh, deformation, exponent}, 0);
-  if (is_new) known->second = add_shape(mesh, base, exponent);
-  IndexShape& shape = shapes_[known->second];
-  // The base is positive definite.
-  const double units_per_metre = shape.map_index_mesh.linear(0, 0) / base(0, 0);
-  const double metres_per_unit = scale / units_per_metre;
-  shape.sweep_radius =
-      std::max(shape.sweep_radius, kSlack * sweep_radius_m_ / std::abs(metres_per_unit));
+  const Box& box = deformation == kUniform ? boxes_[mesh] : deformations_[deformation].box;
+  int unit = unit_exponent(box, exponent);
+  const int steps = steps_longer(std::ilogb(least_scale) + unit);
+  unit += kUnitStep * steps;
+  const auto [known, is_new] = shape_of_.try_emplace({mesh, deformation, exponent, steps}, 0);
+  if (is_new) {
+    known->second = static_cast<std::uint32_t>(shapes_.size());
+    const double units_per_metre = std::ldexp(1.0, -unit);
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    shapes_.push_back({mesh, {units_per_metre * base, -units_per_metre * middle}, 0.0});
+  }
+  const double metres_per_unit = std::ldexp(scale, unit);
+  double& sweep_radius = shapes_[known->second].sweep_radius;
+  sweep_radius = std::max(sweep_radius, kSlack * sweep_radius_m_ / std::abs(metres_per_unit));
   return {known->second, IndexUse::kNoStretch, metres_per_unit};
 }
 
-// A node with an index in metres.
-IndexUse IndexSharing::alone(std::uint32_t mesh, const Mat3& base, double sign) {
-  const Box box = box_of(mesh, base);
-  shapes_.push_back({mesh, {base, -0.5 * (box.low + box.high)}, sweep_radius_m_});
-  return {static_cast<std::uint32_t>(shapes_.size() - 1), IndexUse::kNoStretch, sign};
+// Of the unit that makes a box, scaled by 2^exponent, of size 1; or, beside a sphere that is far
+// larger, not too small for that.
+int IndexSharing::unit_exponent(const Box& box, int exponent) const {
+  const double sweep = std::ldexp(sweep_radius_m_, -exponent - kMostSweepExponent);
+  int unit = 0;
+  std::frexp(std::max((box.high - box.low).maxCoeff(), sweep), &unit);
+  return unit;
+}
+
+// Than a unit of about 2^exponent_m.
+int IndexSharing::steps_longer(int exponent_m) const {
+  const int missing = std::ilogb(size_m_) - kUnitStep - exponent_m;
+  return missing > 0 ? (missing + kUnitStep - 1) / kUnitStep : 0;
 }
 
 IndexUse IndexSharing::stretched(std::uint32_t mesh, const Mat3& deformation) {
-  IndexUse use = similar(mesh, ~std::uint32_t{0}, Mat3::Identity(), 1.0);
+  // The least singular value is at least so much of the norm: see kMostRatio.
+  const double least_scale = 0.5 / Stretch::kMostRatio * deformation.stableNorm();
+  IndexUse use = similar(mesh, kUniform, Mat3::Identity(), 1.0, least_scale);
   const AffineMap& map = shapes_[use.shape].map_index_mesh;
   const Mat3 linear = use.metres_per_unit * deformation;
   use.metres_per_unit = 1.0;
-  MatrixFinder& known = of_mesh_[mesh].stretches;
+  MatrixFinder& known = stretches_of_shape_[use.shape];
   const auto found = known.find(
       linear, [&](std::uint32_t id) -> const Mat3& { return stretches_[id].linear_body_index(); });
   if (found) {
@@ -168,17 +189,6 @@ IndexUse IndexSharing::stretched(std::uint32_t mesh, const Mat3& deformation) {
   stretches_.emplace_back(linear, Box{map(boxes_[mesh].low), map(boxes_[mesh].high)});
   known.add(linear, use.stretch);
   return use;
-}
-
-std::uint32_t IndexSharing::add_shape(std::uint32_t mesh, const Mat3& base, int exponent) {
-  const Box box = box_of(mesh, base);
-  const double reach = std::max((box.high - box.low).maxCoeff(),
-                                std::ldexp(sweep_radius_m_, -exponent) / kMostSweepPerUnit);
-  int unit = 0;
-  std::frexp(reach, &unit);
-  const double per_metre = std::ldexp(1.0, -unit);
-  shapes_.push_back({mesh, {per_metre * base, -per_metre * (0.5 * (box.low + box.high))}, 0.0});
-  return static_cast<std::uint32_t>(shapes_.size() - 1);
 }
 
 Box IndexSharing::box_of(std::uint32_t mesh, const Mat3& base) const {

@@ -20,7 +20,9 @@ namespace palpate {
 // What an index is made of: a mesh in a frame of its own. That is the frame of the mesh, about its
 // middle and times a power of two that makes it of size 1: so single precision has the same digits
 // whatever the unit, and a vertex has the bits that it has about its middle. Where all nodes deform
-// a mesh alike, but for their sizes, the index has it deformed.
+// a mesh alike, but for their sizes, the index has it deformed. Bodies that are next to nothing
+// beside the scene have an index with a longer unit, in which the scene is no larger than single
+// precision can say.
 struct IndexShape {
   std::uint32_t mesh;
   AffineMap map_index_mesh;
@@ -72,20 +74,22 @@ class IndexSharing {
   struct Deformation {
     Mat3 unit;
     Mat3 base;
+    Box box;  // around the mesh, with the base
   };
   struct OfMesh {
     std::optional<Mat3> unit;  // of the deformation of its first node
     bool is_alike = true;      // all nodes deform it like that
     MatrixFinder deformations;
-    MatrixFinder stretches;
   };
-  using ShapeKey = std::tuple<std::uint32_t, std::uint32_t, int>;  // mesh, deformation, exponent
+  // Mesh, deformation, exponent of its scale, steps that the unit is longer.
+  using ShapeKey = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
-  IndexUse similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base, double scale);
-  IndexUse alone(std::uint32_t mesh, const Mat3& base, double sign);
+  IndexUse similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base, double scale,
+                   double least_scale);
+  int unit_exponent(const Box& box, int exponent) const;
+  int steps_longer(int exponent_m) const;
   IndexUse stretched(std::uint32_t mesh, const Mat3& deformation);
   std::uint32_t deformation_of(std::uint32_t mesh, const Mat3& unit, const Mat3& base);
-  std::uint32_t add_shape(std::uint32_t mesh, const Mat3& base, int exponent);
   Box box_of(std::uint32_t mesh, const Mat3& base) const;
 
   const std::vector<WeldedSurface>& meshes_;
@@ -97,6 +101,7 @@ class IndexSharing {
   std::map<ShapeKey, std::uint32_t> shape_of_;
   std::vector<IndexShape> shapes_;
   std::vector<Stretch> stretches_;
+  std::map<std::uint32_t, MatrixFinder> stretches_of_shape_;
 };
 
 }  // namespace palpate

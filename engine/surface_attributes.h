@@ -3,6 +3,7 @@
 // What surfaces keep of their triangles for effects: made from meshes, images and their indices.
 // Load time only.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -82,6 +83,12 @@ struct AttributeNeeds {
   std::vector<std::optional<double>> crease_angles_rad;
   bool texture_uv = false;
   bool friction_uv = false;
+
+  bool is_of_parts_alone() const {
+    return !texture_uv && !friction_uv &&
+           std::none_of(crease_angles_rad.begin(), crease_angles_rad.end(),
+                        [](const auto& angle) { return angle.has_value(); });
+  }
 };
 
 SurfaceAttributes surface_attributes(const PartedSurface& surface, const AttributeNeeds& needs);

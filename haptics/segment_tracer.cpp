@@ -222,8 +222,7 @@ struct SegmentTracer::Search {
       const TrianglePack& pack = placed->index->pack(slot / TrianglePack::kLanes);
       return trace_point_in_float(pack, lane, p_body, q_body, stop, hit);
     }
-    TriangleGeometry room;
-    const TriangleGeometry& t = placed->triangle(slot, room);
+    const TriangleGeometry& t = tracer.made_.of(*placed, {body, slot});
     if (corners) {
       const Vec3 normal = placed->direction_to_solver(t.normal);
       return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},

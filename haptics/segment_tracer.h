@@ -13,6 +13,7 @@
 #include "haptics/candidate_cache.h"
 #include "haptics/contact.h"
 #include "haptics/live_world.h"
+#include "haptics/made_triangles.h"
 #include "haptics/trace_log.h"
 #include "haptics/work.h"
 
@@ -112,9 +113,7 @@ class SegmentTracer {
   // Whether a point is beside a face by more than reach_m (is_far_beside). Not for a sphere.
   bool is_far_beside_face(const FaceRef& face, const Vec3& p, double reach_m) const noexcept {
     const ContactBody& body = world_->body(face.body);
-    TriangleGeometry room;
-    return is_far_beside(body.triangle(face.slot, room), body.to_body(p),
-                         body.length_to_body(reach_m));
+    return is_far_beside(made_.of(body, face), body.to_body(p), body.length_to_body(reach_m));
   }
 
   // The contact of a proxy at p with the place of a face that is nearest to it.
@@ -214,6 +213,7 @@ class SegmentTracer {
   Accuracy accuracy_;
   bool is_in_float_;
   SolverScale scale_;
+  MadeTriangles made_;
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
   int refills_ = 0;             // of the cache, in this tick

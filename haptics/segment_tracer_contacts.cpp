@@ -53,9 +53,7 @@ class NearestContacts {
 
 FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
   const ContactBody& body = world_->body(face.body);
-  TriangleGeometry room;
-  const TrianglePoint nearest =
-      closest_point_on_triangle(body.triangle(face.slot, room), body.to_body(p));
+  const TrianglePoint nearest = closest_point_on_triangle(made_.of(body, face), body.to_body(p));
   return {face, body.direction_to_solver(nearest.direction),
           body.length_to_solver(nearest.distance) - radius_m_, nearest.feature,
           body.to_solver(nearest.point)};
@@ -63,8 +61,7 @@ FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) c
 
 Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
   const ContactBody& body = world_->body(contact.face.body);
-  TriangleGeometry room;
-  const TriangleGeometry& t = body.triangle(contact.face.slot, room);
+  const TriangleGeometry& t = made_.of(body, contact.face);
   const Vec3 p_body = body.to_body(contact.feature_point);
   Vec3 nearest = Vec3::Zero();
   double least = std::numeric_limits<double>::infinity();
@@ -84,8 +81,7 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
   if (radius_m_ > 0.0) return nearest;
   const ContactBody& body = world_->body(face.body);
   const Vec3 direction_body = body.direction_to_body(nearest.normal);
-  TriangleGeometry room;
-  if (!is_rather_over(body.triangle(face.slot, room), direction_body)) return nearest;
+  if (!is_rather_over(made_.of(body, face), direction_body)) return nearest;
   const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
   FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
   contact.feature = nearest.feature;
@@ -95,8 +91,7 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
 FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
                                         const Vec3& side) const noexcept {
   const ContactBody& body = world_->body(face.body);
-  TriangleGeometry room;
-  const TriangleGeometry& t = body.triangle(face.slot, room);
+  const TriangleGeometry& t = made_.of(body, face);
   const Vec3 p_body = body.to_body(p);
   const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
   const double height = normal.dot(p_body - t.a);
@@ -119,8 +114,7 @@ std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left,
   std::optional<FaceContact> nearest;
   while (near.lanes != 0) {
     const FaceRef face{left.body, SurfaceIndex::slot(pack, take_lane(near.lanes))};
-    TriangleGeometry room;
-    const TriangleGeometry& t = body.triangle(face.slot, room);
+    const TriangleGeometry& t = made_.of(body, face);
     const double height = t.normal.dot(p_body - t.a);
     const double height_m = body.length_to_solver(height);
     const bool is_between = height * t.normal.dot(q_body - t.a) < 0.0;
@@ -141,8 +135,7 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
   }
   if (contact.feature != TriangleFeature::kFace) return false;
   const ContactBody& body = world_->body(contact.face.body);
-  TriangleGeometry room;
-  return prism_contains(body.triangle(contact.face.slot, room), body.to_body(p));
+  return prism_contains(made_.of(body, contact.face), body.to_body(p));
 }
 
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,

@@ -594,9 +594,9 @@ TEST(SharedIndex, IsOneForAMeshWhateverItsScales) {
   SceneDescription description;
   description.meshes.push_back(pebble(random));
   for (int i = 0; i < 300; ++i) {
-    const double scale = std::pow(10.0, random.uniform(-5.0, 5.0));
+    const double scale = std::pow(10.0, random.uniform(-4.0, 4.0));
     description.nodes.push_back(
-        node_at(0, scale * random_map(MapKind::kAny, 1.0, random), random.in_box(1e5)));
+        node_at(0, scale * random_map(MapKind::kAny, 1.0, random), random.in_box(1e4)));
   }
   EXPECT_EQ(indices_of(description), 1u);
   for (NodeDescription& node : description.nodes) {
@@ -633,6 +633,38 @@ TEST(SharedIndex, OfASphereIsSharedWithinAFactorOfTwo) {
     node.linear_scene_mesh = random_map(MapKind::kShear, 5.0, random);
   }
   EXPECT_EQ(indices_of(description, 1e-3), 3u);
+}
+
+// Next to nothing beside the scene, or as large as it may be: nothing overflows, and what can be
+// felt is felt.
+TEST(SharedIndex, TakesScalesOfAnySize) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    SceneDescription description;
+    description.meshes.push_back(pebble(random));
+    const bool is_sphere = random.index(2);  // of no more than kLargestSweep_m
+    const double size = std::pow(10.0, random.uniform(-50.0, is_sphere ? 15.0 : 50.0));
+    description.nodes.push_back(node_at(0, size * Mat3::Identity(), Vec3::Zero()));
+    for (int i = 0; i < 6; ++i) {
+      const double scale = size * std::pow(10.0, -random.uniform(0.0, i % 2 ? 20.0 : 150.0));
+      const Mat3 linear = scale * random_map(MapKind::kAny, 1e3, random);
+      description.nodes.push_back(node_at(0, linear, size * random.in_box(5.0)));
+    }
+    const double radius_m = is_sphere ? size * 1e-3 : 0.0;
+    const Scene scene = compiled(description, radius_m);
+    GodObject god_object(scene.world(), {.radius_m = radius_m});
+    const auto start = scene.world().to_solver(size * Vec3(5, -3, 3.5));
+    god_object.place(start);
+    const auto goal = scene.world().to_solver(size * Vec3(5, -3, 2));
+    const ProxyState state = god_object.move_to(goal);
+    EXPECT_TRUE(state.in_contact) << "seed " << seed;
+    EXPECT_NEAR((state.proxy - goal).norm() / size, 1.0 + radius_m / size, 0.2);
+    for (std::size_t n = 1; n < description.nodes.size(); ++n) {
+      const Vec3 at = scene.objects()[n].T_scene_body.translation_m;
+      const ProxyState felt = god_object.move_to(scene.world().to_solver(at));
+      EXPECT_TRUE(felt.proxy.allFinite() && felt.normal.allFinite());
+    }
+  }
 }
 
 // A unit of size 1 in every index: the same digits in single precision whatever the file's unit.

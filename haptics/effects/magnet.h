@@ -54,15 +54,19 @@ struct MagnetEffect {
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
     const bool may_come = tick.world->is_moving(surface.body);
-    const double to_box_m = std::sqrt(box_body(surface, body).squared_distance(proxy_body)) *
-                            body.length_to_solver(1.0);
+    const Box box =
+        body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
+    const double to_box = std::sqrt(box.squared_distance(proxy_body));
+    const double to_box_m = body.length_to_solver(to_box);
     const double reach_m = p.range_m + tick.radius_m;
     if (to_box_m >= reach_m) {
       tick.quiet_m = may_come ? 0.0 : to_box_m - reach_m;
       return false;
     }
     // Twice as far, so that what is seen to be out of range is out of it for a while.
-    const double range = body.length_to_body(2.0 * reach_m);
+    // All of it is nearer than this, however large the range.
+    const double farthest = to_box + kMostBoxes * (box.high - box.low).norm();
+    const double range = std::min(body.length_to_body(2.0 * reach_m), farthest);
     const auto nearest = body.stretch
                              ? closest_point(*surface.index, *body.stretch, proxy_body, range)
                              : surface.index->closest_point(proxy_body, range);
@@ -79,9 +83,7 @@ struct MagnetEffect {
   }
 
  private:
-  static Box box_body(const MagneticSurface& surface, const ContactBody& body) noexcept {
-    return body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
-  }
+  static constexpr double kMostBoxes = 64.0;
 };
 
 }  // namespace palpate
