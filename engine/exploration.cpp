@@ -98,6 +98,7 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   }
   const PathPlanSettings plan = plan_settings(settings);
   PathFacts facts;
+  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
   facts.room_m = kRestsInFront * plan.press_depth_m;
   const double small_m = kSmallForHand * plan.press_depth_m;
   const std::vector<Outline> found = outlines(section, normal, small_m);
@@ -123,7 +124,8 @@ constexpr double kSecondsPerPlace = 0.5;
 // aside there grows with the depth.
 constexpr double kLightTouch = 0.6;
 
-Result<PlannedHand> plan_walk(const Scene& scene, const ExplorationSettings& settings) {
+Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
+                              const ExplorationSettings& settings) {
   PathPlanSettings plan = plan_settings(settings);
   plan.least_ease = kLightTouch;
   SurfacePathSettings wanted;
@@ -140,6 +142,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const ExplorationSettings& set
                  "scale it up (--fit), or choose a part of it (--node)"};
   }
   PathFacts facts;
+  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
   facts.room_m = std::min(kRestsInFront * plan.press_depth_m, 0.5 * found->free_m);
   facts.sides = found->is_open ? PathSides::kWhereFree : PathSides::kFront;
   facts.may_cross_itself = true;
@@ -155,8 +158,9 @@ std::size_t late_tick(const ExplorationRun& run) {
 }
 
 // What the hand followed, and how much of it the proxy came near to.
-void measure_way(PlannedHand hand, double largest_extent_m, ExplorationRun& run) {
-  run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m);
+void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
+                 ExplorationRun& run) {
+  run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
     run.contour_scene_m = std::move(hand.contour_m);
     CurveCoverage coverage(run.contour_scene_m, run.near_m);
@@ -275,7 +279,7 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   }
   if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
-                                                         : plan_walk(scene, settings);
+                                                         : plan_walk(scene, setup, settings);
   if (!hand) return hand.error();
   const ScenePose& pose = setup.haptics.initial_pose;
   PlantSettings plant;
@@ -302,7 +306,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (!run.interrupted) progress(1.0);
   const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
   take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
-  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(), run);
+  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
+              setup.haptics.god_object.radius_m, run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
   return run;
 }

@@ -52,7 +52,7 @@ struct ExplorationRun {
 };
 
 // How near to what it follows the proxy counts as there: this, or of the largest extent of the
-// scene, whichever is larger.
+// scene, whichever is larger; and a sphere's radius more, since its centre is the proxy.
 inline constexpr double kNearWay_m = 2e-3;
 inline constexpr double kNearWayShare = 0.01;
 

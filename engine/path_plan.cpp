@@ -73,8 +73,26 @@ Vec3 PathPlan::place(double along_m) const {
          (along_m - length_m_[wall]) * (points[wall + 1].p_m - points[wall].p_m).normalized();
 }
 
+// From where a sphere touches to its centre.
+Vec3 PathPlan::to_centre_m(const TickRecord& last) const {
+  const bool is_felt = last.contact && !last.normal_scene.isZero(0.0);
+  return facts_.proxy_radius_m * (is_felt ? last.normal_scene : Vec3(-inward(proxy_along_m_)));
+}
+
+// The hand follows the path with what touches it.
 HandTarget PathPlan::target(double time_s, const ScenePose& T_device_scene,
                             const TickRecord& last) noexcept {
+  const Vec3 to_centre = to_centre_m(last);
+  TickRecord touching = last;
+  touching.proxy_m -= to_centre;
+  touching.goal_m -= to_centre;
+  HandTarget target = touching_target(time_s, T_device_scene, touching);
+  target.position_m += T_device_scene.direction(to_centre);
+  return target;
+}
+
+HandTarget PathPlan::touching_target(double time_s, const ScenePose& T_device_scene,
+                                     const TickRecord& last) noexcept {
   const double dt_s = time_s - last_time_s_;
   last_time_s_ = time_s;
   if (detour_.is_done()) {

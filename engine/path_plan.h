@@ -39,6 +39,7 @@ struct PathFacts {
   bool slips_off_at_ends = false;  // an open contour: the hand touches it a little farther on
   PathSides sides = PathSides::kFront;
   bool may_cross_itself = false;  // near a place of it there are others that come much earlier
+  double proxy_radius_m = 0.0;    // of a sphere, whose centre stays so far in front of the path
 };
 
 // The hand follows the path as displayed: its plan is fixed to the scene and turns with it. It aims
@@ -57,9 +58,13 @@ class PathPlan final : public HandPlan {
                     const TickRecord& last) noexcept override;
 
   // Where the hand rests at time 0, in front of the object. Scene frame.
-  const Vec3& start_scene_m() const { return start_m_; }
+  Vec3 start_scene_m() const { return start_m_ - facts_.proxy_radius_m * inward(proxy_along_m_); }
 
  private:
+  Vec3 to_centre_m(const TickRecord& last) const;
+  HandTarget touching_target(double time_s, const ScenePose& T_device_scene,
+                             const TickRecord& last) noexcept;
+
   // A few points that the hand goes to one after the other, to a place of the path at last.
   struct Detour {
     std::array<Vec3, 3> points_m;
