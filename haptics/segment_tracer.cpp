@@ -120,9 +120,17 @@ struct SegmentTracer::Search {
   }
 
   void enter_index(const Vec3& d_body) {
-    p_index = placed->to_index(p_body);
-    d_index = placed->to_index(limit.value() * d_body);
-    sorted_within = placed->reach_index(tracer.sorted_within_m(*placed), p_body);
+    double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
+    // As much farther as the body's corners and its index may be apart.
+    if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
+    p_index = p_body;
+    d_index = limit.value() * d_body;
+    sorted_within = placed->length_to_body(within_m);
+    if (!placed->stretch) [[likely]]
+      return;
+    p_index = placed->to_index(p_index);
+    d_index = placed->to_index(d_index);
+    sorted_within = placed->reach_index(within_m, p_body);
   }
 
   // For queries of whole segments, whose float margins cover a point's clearance.

@@ -200,14 +200,6 @@ class SegmentTracer {
   // For queries of the world's tree, whose float margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
-  // What is farther from a step does not matter. What sorts out in the index looks as much farther
-  // as that and the corners of the body may be apart.
-  double sorted_within_m(const ContactBody& body) const {
-    if (radius_m_ > 0.0) return reach_m();
-    return scale_.clearance_m +
-           (decides_by_corners(body) ? kMostApartPerStandOff * scale_.stand_off_m : 0.0);
-  }
-
   const LiveWorld* world_;
   double radius_m_;
   Accuracy accuracy_;
