@@ -512,6 +512,33 @@ TEST(SharedIndex, IsShadedAndRubsAsAnIndexOfItsOwn) {
   expect_as_alone(MapKind::kAny, 20.0, 0.0, smooth, 20, 400);
 }
 
+// Slopes are those of the relief in the scene, however the map is stretched over the surface.
+TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    SceneDescription description =
+        pebbles(seed % 4 ? MapKind::kAny : MapKind::kUniform, 20.0, random);
+    description.materials = {material({{"textureHeight", 0.002}})};
+    description.meshes[0].material_runs = {{0, 0u}};
+    ImageDescription image{16, 16, {}};
+    for (int i = 0; i < 3 * 16 * 16; ++i) {
+      image.rgb.push_back(static_cast<std::uint16_t>(random.index(65536)));
+    }
+    description.images = {image};
+    TextureReference texture;
+    texture.pixels = 0;
+    description.haptic_materials = {
+        {"felt", {{"vibrotactileTexture", "Other", texture, "/maps/0"}}}};
+    description.meshes[0].haptic_material = 0;
+    const Scene shared = compiled(description);
+    const Scene alone = compiled(baked(description));
+    ASSERT_FALSE(shared.world().effects->maps.empty());
+    const Differences d = compare(description, shared, alone, 0.0, 400, random);
+    EXPECT_LE(d.force, 1e-5) << "seed " << seed;
+    EXPECT_GT(d.touches, 40);
+  }
+}
+
 TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
   MaterialDescription medium = material({{"viscosity", 2.0}});
   medium.parameters.push_back({"solid", false, "/materials/0/extras/palpate/solid"});
