@@ -337,10 +337,10 @@ def objects_table(path):
     return ("Without -> with A4: a simulated hand on a device with two sensors and one motor, once "
             "round each of the paper's objects in 27 s (with ten people, the paper measured 49.4 -> "
             "32.1 deg).\n\n" + "\n".join(lines) +
-            "\n\nA4 makes two things worse. The device gives energy: a hand that presses by d at an "
-            "angle a to the motor is charged for K d^2 cos^2(a) / 2 only, and gets K d^2 / 2 back "
-            "when it lets go after the scene has turned. And where the scene turns at a corner, the "
-            "hand moves on as before, so that it may lose the wall.")
+            "\n\nA4 makes one thing worse: the device gives energy. A hand that presses by d at an "
+            "angle a to the motor is charged for K d^2 cos^2(a) / 2 only, and gets up to K d^2 / 2 "
+            "back when it lets go after the scene has turned. Contact is lost at corners, without "
+            "A4 and with it, about as often.")
 
 
 def figure_of(result_path):
