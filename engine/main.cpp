@@ -184,7 +184,6 @@ void add_run(CLI::App& program, palpate::RunCommand& command) {
   command.options.sensors = 2;
   command.options.default_actuators = 1;
   command.options.a4 = "compare";
-  command.options.damping_Ns_per_m = 2.0;
   CLI::App& app = *program.add_subcommand(
       "run", "let a simulated hand explore a scene in real time, without and with A4");
   app.footer(footer("For example: palpate run your-scene.glb --fit 0.2 --virtual"));
@@ -231,7 +230,6 @@ void add_replay(CLI::App& program, palpate::ReplayCommand& command) {
 void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
   CLI::App& app = *program.add_subcommand(
       "accuracy", "show what accuracy costs in time: a report of every knob, and of a scene");
-  command.options.damping_Ns_per_m = 0.0;
   app.footer(footer("For example: palpate accuracy your-scene.glb --quick --out report"));
   add_scene(app, command.scene, false);
   app.add_flag("--quick", command.quick, "within a minute: coarser meshes, shorter paths");

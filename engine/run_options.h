@@ -29,8 +29,8 @@ struct RunOptions {
   std::string accuracy = "balanced";
   std::optional<std::int64_t> work_budget = {};  // units of haptics/work.h; that of --accuracy
   double rate_Hz = 1000.0;
-  double stiffness_N_per_m = 1000.0;
-  double damping_Ns_per_m = 0.0;
+  double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
+  double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
   std::string velocity_estimator = "difference";
   int velocity_window_ticks = 1;
   std::optional<double> encoder_quantum_m;

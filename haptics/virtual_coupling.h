@@ -9,9 +9,12 @@
 
 namespace palpate {
 
+// The defaults of the library, the program and the report. On a light desktop device (viscous
+// friction b = 0.5 N s/m) at T = 1 ms a wall is passive up to K = 2 (b - B) / T: 1000 N/m without a
+// damper, and nothing from B = 0.5 N s/m on (engine/stability_limits.h).
 struct CouplingSettings {
   double stiffness_N_per_m = 1000.0;  // K >= 0
-  double damping_Ns_per_m = 2.0;      // B >= 0
+  double damping_Ns_per_m = 0.0;      // B >= 0
   VelocitySettings velocity = {};     // of the lag, for the damper
 };
 

@@ -264,7 +264,7 @@ TEST_F(CommandLine, TellsTheDefaultsOfTheTwoCommands) {
   expect_default(run, "--sensors", "=2");
   expect_default(run, "--actuators", "[1");
   expect_default(run, "--stiffness", "=1000");
-  expect_default(run, "--damping", "=2");
+  expect_default(run, "--damping", "=0");
   expect_default(run, "--velocity-window", "=1");
   expect_default(run, "--velocity-estimator", "=difference");
   expect_default(run, "--a4", "=compare");

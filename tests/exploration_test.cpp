@@ -40,7 +40,6 @@ RunOptions options_of(int sensors, int actuators, const std::string& force = "ac
   RunOptions options;
   options.sensors = sensors;
   options.default_actuators = actuators;
-  options.damping_Ns_per_m = 2.0;
   options.force = force;
   return options;
 }

@@ -125,6 +125,7 @@ Felt feel(const PaperObject& object, bool a4) {
   }
   const OwnedWorld world(Soup{mesh->positions_m, mesh->triangles});
   HapticSettings settings;
+  settings.coupling.damping_Ns_per_m = 2.0;
   settings.a4.enabled = a4;
   settings.initial_pose = start_pose();
   HapticLoop loop(world.world(), *ActuationModel::from_counts(2, 1), settings);
