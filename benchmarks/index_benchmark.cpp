@@ -50,7 +50,7 @@ struct Setting {
   const std::vector<Vec3>& path_m;
   Caches caches;
 
-  const SurfaceIndex& index() const { return index_of(*sphere_scene(subdivisions, 0.0)); }
+  const SurfaceIndex& index() const { return sphere_index(subdivisions); }
   Samples samples() const { return {path_m.size(), caches}; }
 };
 

@@ -163,7 +163,7 @@ struct LoadedSphere {
 LoadedSphere load_and_ask(const std::string& path) {
   LoadedSphere loaded{Scene::load(path), {}};
   if (loaded.scene) {
-    loaded.nearest = index_of(*loaded.scene).closest_point(kQuery_m, kQueryRadius_m);
+    loaded.nearest = closest_point(*loaded.scene, kQuery_m, kQueryRadius_m);
   }
   return loaded;
 }

@@ -17,6 +17,14 @@ const Scene* sphere_scene(int subdivisions, double proxy_radius_m) {
   return scene ? &*scene : nullptr;
 }
 
+const SurfaceIndex& sphere_index(int subdivisions) {
+  static LastBuilt<int, SurfaceIndex> last;
+  return *last.get(subdivisions, [&] {
+    const TriangleMesh mesh = icosphere(subdivisions, kSphereRadius_m);
+    return std::optional<SurfaceIndex>(SurfaceMesh::build(mesh.positions_m, mesh.triangles));
+  });
+}
+
 const StockSurface& stock_sphere(int subdivisions) {
   static LastBuilt<int, StockSurface> last;
   return *last.get(subdivisions, [&] {

@@ -28,8 +28,20 @@ const StockSurface& stock_sphere(int subdivisions);
 // Requires kHaveCgal.
 const CgalSurface& cgal_sphere(int subdivisions);
 
-inline const SurfaceIndex& index_of(const Scene& scene) {
-  return *scene.world().bodies.front().index;
+// Its index in metres, about the origin: what peers are compared with.
+const SurfaceIndex& sphere_index(int subdivisions);
+
+// The nearest point of the only body of a scene, scene frame.
+inline std::optional<SurfacePoint> closest_point(const Scene& scene, const Vec3& p_scene,
+                                                 double radius_m) {
+  const ContactWorld& world = scene.world();
+  const ContactBody& body = world.bodies.front();
+  auto nearest = body.index->closest_point(body.to_body(world.to_solver(p_scene)),
+                                           body.length_to_body(radius_m));
+  if (!nearest) return std::nullopt;
+  nearest->point_m = world.to_scene(body.to_solver(nearest->point_m));
+  nearest->distance_m = (nearest->point_m - p_scene).norm();
+  return nearest;
 }
 
 }  // namespace palpate::bench

@@ -560,7 +560,7 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
 
 // The camera metaphor only changes what is shown: To = 0, Ts = -Tu.
 TEST(CameraMetaphor, ChangesTheDisplayAndNotABitOfTheTrace) {
-  const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 2, 6.0);
+  const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 3, 6.0);
   auto setup = make_setup(options_of(2, 1));
   ASSERT_TRUE(setup);
   setup->haptics.a4.enabled = true;

@@ -36,9 +36,11 @@ struct UvGradients {
   double v_per_m = 0.0;
 };
 
-UvGradients largest_gradients(const EffectProgram& program, std::uint32_t texture_call) {
+UvGradients largest_gradients(const ContactWorld& world, std::uint32_t texture_call) {
+  const EffectProgram& program = *world.effects;
   UvGradients largest;
   for (std::size_t b = 0; b < program.bodies.size(); ++b) {
+    const double units_per_metre = std::abs(world.bodies[b].units_per_metre);
     const SurfaceAttributes* attributes = program.bodies[b].attributes;
     if (!attributes) continue;
     for (std::size_t slot = 0; slot < attributes->texture_uv.size(); ++slot) {
@@ -48,8 +50,8 @@ UvGradients largest_gradients(const EffectProgram& program, std::uint32_t textur
           program.materials[material].tables[static_cast<std::size_t>(EffectStage::kSurface)];
       if (texture_call < table.first || texture_call >= table.first + table.count) continue;
       const auto& [grad_u, grad_v] = attributes->texture_uv[slot].gradient;
-      largest.u_per_m = std::max(largest.u_per_m, grad_u.norm());
-      largest.v_per_m = std::max(largest.v_per_m, grad_v.norm());
+      largest.u_per_m = std::max(largest.u_per_m, units_per_metre * grad_u.norm());
+      largest.v_per_m = std::max(largest.v_per_m, units_per_metre * grad_v.norm());
     }
   }
   return largest;
@@ -81,9 +83,9 @@ double map_curvature(const HeightMap& map, bool is_along_u) {
   return most;
 }
 
-double relief_per_m(const EffectProgram& program, std::uint32_t texture_call,
+double relief_per_m(const ContactWorld& world, std::uint32_t texture_call,
                     const TextureEffect::Parameters& texture) {
-  const UvGradients gradients = largest_gradients(program, texture_call);
+  const UvGradients gradients = largest_gradients(world, texture_call);
   const double columns_per_m = gradients.u_per_m * texture.map->width();
   const double rows_per_m = gradients.v_per_m * texture.map->height();
   return texture.height_m *
@@ -92,12 +94,13 @@ double relief_per_m(const EffectProgram& program, std::uint32_t texture_call,
 }
 
 // 0 if the material calls for no texture.
-double relief_of(const EffectProgram& program, const MaterialCalls& material) {
+double relief_of(const ContactWorld& world, const MaterialCalls& material) {
+  const EffectProgram& program = *world.effects;
   const std::optional<std::uint16_t> number = effect_number(TextureEffect::kName);
   for (const std::uint32_t call : material.calls) {
     if (!number || program.calls[call].effect != *number) continue;
     const auto texture = parameters_of<TextureEffect>(program, material);
-    if (texture && texture->map) return relief_per_m(program, call, *texture);
+    if (texture && texture->map) return relief_per_m(world, call, *texture);
   }
   return 0.0;
 }
@@ -111,7 +114,7 @@ std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSett
   for (const MaterialCalls& material : scene.material_calls()) {
     const auto stiffness = parameters_of<StiffnessEffect>(*program, material);
     const auto damping = parameters_of<DampingEffect>(*program, material);
-    const double relief = relief_of(*program, material);
+    const double relief = relief_of(scene.world(), material);
     if (!stiffness && !damping && relief == 0.0) continue;
     SurfaceCoupling own{material.material, loop, relief};
     if (stiffness) own.coupling.stiffness_N_per_m = stiffness->stiffness_N_per_m;
