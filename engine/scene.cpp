@@ -510,7 +510,7 @@ void Scene::add_bodies() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const RigidTransform& T_scene_body = objects_[i].T_scene_body;
     const IndexUse& use = use_of_object_[i];
-    ContactBody& body = world_.bodies.emplace_back(indices_[use.shape].get());
+    ContactBody& body = world_.bodies.emplace_back(ContactBody{indices_[use.shape].get()});
     body.place({T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
     body.metres_per_unit = use.metres_per_unit;
     body.units_per_metre = 1.0 / use.metres_per_unit;
