@@ -45,9 +45,14 @@ double sign_of(const Mat3& deformation) {
   return std::copysign(1.0, deformation.trace());
 }
 
+// As a vector's: Eigen 3.4 asserts in stableNorm() of a matrix of fixed size.
+double stable_norm(const Mat3& m) {
+  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(m.data()).stableNorm();
+}
+
 // Of size 1, and positive definite.
 Mat3 unit_of(const Mat3& deformation) {
-  return deformation / (sign_of(deformation) * deformation.stableNorm());
+  return deformation / (sign_of(deformation) * stable_norm(deformation));
 }
 
 double uniform_scale(const Mat3& deformation) {
@@ -73,13 +78,13 @@ double key_of(const Mat3& m) {
 template <typename Stored>
 std::optional<std::uint32_t> IndexSharing::MatrixFinder::find(const Mat3& m,
                                                               const Stored& stored) const {
-  const double tolerance = kSameDeformation * m.stableNorm();
+  const double tolerance = kSameDeformation * stable_norm(m);
   const double key = key_of(m);
   std::size_t left = kMostCompared;
   // The weights' norm is less than 2.
   for (auto it = by_key_.lower_bound(key - 2 * tolerance);
        it != by_key_.end() && it->first <= key + 2 * tolerance && left > 0; ++it, --left) {
-    if ((stored(it->second) - m).stableNorm() <= tolerance) return it->second;
+    if (stable_norm(stored(it->second) - m) <= tolerance) return it->second;
   }
   return std::nullopt;
 }
@@ -117,7 +122,7 @@ IndexUse IndexSharing::use(std::uint32_t mesh, const NodePlacement& placement) {
   }
   const std::uint32_t number = deformation_of(mesh, unit, sign * deformation);
   const Mat3& base = deformations_[number].base;
-  const double scale = sign * (deformation.stableNorm() / base.stableNorm());
+  const double scale = sign * (stable_norm(deformation) / stable_norm(base));
   return similar(mesh, number, base, scale, scale);
 }
 
@@ -173,7 +178,7 @@ int IndexSharing::steps_longer(int exponent_m) const {
 
 IndexUse IndexSharing::stretched(std::uint32_t mesh, const Mat3& deformation) {
   // The least singular value is at least so much of the norm: see kMostRatio.
-  const double least_scale = 0.5 / Stretch::kMostRatio * deformation.stableNorm();
+  const double least_scale = 0.5 / Stretch::kMostRatio * stable_norm(deformation);
   IndexUse use = similar(mesh, kUniform, Mat3::Identity(), 1.0, least_scale);
   const AffineMap& map = shapes_[use.shape].map_index_mesh;
   const Mat3 linear = use.metres_per_unit * deformation;
