@@ -35,7 +35,13 @@ SurfaceMesh::SurfaceMesh(WeldedSurface& welded)
   copied_vertices_.shrink_to_fit();
   report_.split_vertices = copied_vertices_.size();
   const auto surface = std::make_shared<OpenMeshSurface>();
-  write_open_mesh(faces, std::move(mates.aligned), points(welded.positions_), *surface);
+  try {
+    write_open_mesh(faces, std::move(mates.aligned), points(welded.positions_), *surface);
+  } catch (...) {  // for want of memory; others may still read the positions
+    std::vector<Vec3>& taken = surface->property(surface->points_property_handle()).data_vector();
+    if (copied_vertices_.empty()) welded.positions_ = std::move(taken);
+    throw;
+  }
   surface_ = surface;
   cut_edges_ = std::move(mates.misaligned);
   cut_edges_.shrink_to_fit();
