@@ -35,6 +35,13 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
   const double widest = widest_m(workspace, bounds_device);
   const double most_m = workspace.extent_m - 2 * workspace.room_m;
   if (widest >= workspace.least_m && widest <= most_m) return std::nullopt;
+  if (most_m < workspace.least_m) {
+    std::ostringstream problem;
+    problem << workspace.extent_m << " m given, expected "
+            << 2 * workspace.room_m + workspace.least_m
+            << " m at least: room for the hand on each side of what it presses on";
+    return Error{ErrorCode::kInvalidArgument, "", "--workspace", problem.str(), ""};
+  }
   const Vec3 extent_m = bounds_device.high - bounds_device.low;
   std::ostringstream problem;
   problem << "spans ";

@@ -147,6 +147,9 @@ TEST(Workspace, HoldsWhatLeavesTheHandItsRoom) {
   EXPECT_FALSE(check_fits(planar, wide(0.005, 0.001), 10.0));
   EXPECT_TRUE(check_fits(planar, wide(0.003, 0.003), 10.0)) << "the hand presses deeper";
   EXPECT_TRUE(check_fits({3, 0.4, 0.008, 0.004}, wide(0.1, 0.1), 10.0));
+  const auto no_room = check_fits({2, 0.01, 0.008, 0.004}, wide(0.1, 0.1), 10.0);
+  ASSERT_TRUE(no_room);
+  EXPECT_EQ(no_room->element, "--workspace") << "no size fits";
 }
 
 // By the text of the error, as a user would.
