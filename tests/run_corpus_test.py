@@ -33,7 +33,8 @@ LONGEST_GAP = 0.1
 LEAST_CONTACT_OF_MEANS = 0.05
 LEAST_CLOSED_SHARE = 0.8  # of closed models over CLOSED_TRIANGLES that must end comparable
 CLOSED_TRIANGLES = 1000
-STEPS_PER_NEAR = 8  # along the contour
+STEPS_PER_NEAR = 8  # along the contour, at least
+LEAST_STEPS = 2000  # along the whole contour, so that one step is far below the tolerance of a share
 
 
 def take_models(program, folder, count, skip):
@@ -84,9 +85,13 @@ def way_share(points, near, is_contour, near_m):
     if not is_contour:
         return sum(near(p) for p in points) / len(points) if points else 0.0
     length = covered = 0.0
+    whole = sum(math.dist(a, b) for a, b in zip(points, points[1:]))
+    longest_step = min(near_m / STEPS_PER_NEAR, whole / LEAST_STEPS)
+    if longest_step == 0.0:
+        return 0.0
     for a, b in zip(points, points[1:]):
         leg = math.dist(a, b)
-        steps = max(1, math.ceil(STEPS_PER_NEAR * leg / near_m))
+        steps = max(1, math.ceil(leg / longest_step))
         for s in range(steps):
             t = (s + 0.5) / steps
             place = tuple(x + t * (y - x) for x, y in zip(a, b))
