@@ -480,7 +480,9 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
                                                : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
   world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
-  Seams seams = seams_of(nodes);
+  auto found = seams_of(nodes);
+  if (!found) return found.error();
+  Seams seams = std::move(*found);
   report_seams(seams);
   if (auto error = take_surfaces(seams)) return error;
   if (proxy_radius_m == 0.0) widen_sweeps(seams);
@@ -510,7 +512,8 @@ void Scene::add_bodies() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const RigidTransform& T_scene_body = objects_[i].T_scene_body;
     const IndexUse& use = use_of_object_[i];
-    ContactBody& body = world_.bodies.emplace_back(ContactBody{indices_[use.shape].get()});
+    ContactBody& body = world_.bodies.emplace_back();
+    body.index = indices_[use.shape].get();
     body.place({T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
     body.metres_per_unit = use.metres_per_unit;
     body.units_per_metre = 1.0 / use.metres_per_unit;
@@ -540,7 +543,9 @@ void Scene::widen_sweeps(const Seams& seams) {
   }
 }
 
-Seams Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
+Result<Seams> Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
+  ledger_->begin("joining nodes that meet", std::to_string(objects_.size()) + " nodes");
+  if (auto error = ledger_->check(objects_.size() * sizeof(SeamSurface))) return *error;
   std::vector<SeamSurface> surfaces;
   surfaces.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -548,7 +553,7 @@ Seams Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
     surfaces.push_back({&nodes[node_of_object_[i]], use.metres_per_unit * map_body_mesh(use).linear,
                         objects_[i].T_scene_body.rotation});
   }
-  return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m);
+  return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m, *ledger_);
 }
 
 void Scene::report_seams(const Seams& seams) {
@@ -562,13 +567,19 @@ void Scene::report_seams(const Seams& seams) {
         " places and are joined, so that no point passes there; open stay nodes that have moved, "
         "a vertex on the edge of another node, and gaps that are in the file");
   }
-  if (seams.too_far.empty()) return;
-  const std::size_t others = seams.too_far.size() - 1;
-  statistics_.warnings.push_back(
-      objects_[seams.too_far.front()].name +
-      (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") +
-      ": too far from the origin of the scene, or of the mesh, to tell which vertices meet those "
-      "of other nodes; a point may pass between nodes there. Move the scene to its origin");
+  const auto warn = [&](const std::vector<std::uint32_t>& surfaces, const char* problem) {
+    if (surfaces.empty()) return;
+    const std::size_t others = surfaces.size() - 1;
+    statistics_.warnings.push_back(
+        objects_[surfaces.front()].name +
+        (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") + problem);
+  };
+  warn(seams.too_far,
+       ": too far from the origin of the scene, or of the mesh, to tell which vertices meet those "
+       "of other nodes; a point may pass between nodes there. Move the scene to its origin");
+  warn(seams.crowded,
+       ": too small beside the scene to tell which vertices meet those of other nodes; a point may "
+       "pass between nodes there. Leave out what makes the scene so large");
 }
 
 // Of the bodies that meet others, for a point. Their indices exist.

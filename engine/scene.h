@@ -153,7 +153,7 @@ class Scene {
   void build_meshes_and_indices();
   void add_bodies();
   void widen_sweeps(const Seams& seams);
-  Seams seams_of(const std::vector<NodeDescription>& nodes) const;
+  Result<Seams> seams_of(const std::vector<NodeDescription>& nodes) const;
   void report_seams(const Seams& seams);
   void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
   std::optional<Error> compile_effects(SceneEffects& effects);

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "geometry/boundary_vertices.h"
 #include "geometry/orientation.h"
 #include "geometry/point_grid.h"
+#include "geometry/shared_cells.h"
 #include "geometry/touching_boxes.h"
 #include "haptics/contact_world.h"
 
@@ -49,6 +51,11 @@ static_assert(kMostJoinPerStandOff + kMostFramePerStandOff <= kMostApartPerStand
 
 // Cells of this many times the largest distance to be joined: nearly all queries look at one.
 constexpr double kCellPerJoin = 64.0;
+
+// Places that one vertex may meet, at most. Where the rounding is small beside the mesh it meets
+// one, or two halfway between two; where it meets many, its mesh is smaller than the rounding and
+// nothing tells its vertices from each other.
+constexpr std::size_t kMostMet = 16;
 
 // What is known of a mesh, once for all its surfaces.
 struct MeshOutline {
@@ -142,23 +149,24 @@ class BoundaryGrid {
       : points_(points),
         distance_m_(distance_m),
         grid_(kCellPerJoin * distance_m, points.size()),
-        cells_(box_around(points).grown(distance_m)) {
+        cells_(box_around(points).grown(distance_m), distance_m) {
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       grid_.insert(points[i].position_m, i);
-      cells_.mark(points[i].position_m, distance_m);
+      cells_.mark(points[i].position_m);
     }
   }
 
-  // Whether p is within the distance of the boundary of another surface.
-  bool is_near_another(const Vec3& p, std::uint32_t surface) const {
+  // Whether p is within the distance of the boundary of another surface; nothing where too many
+  // points crowd about it to tell.
+  std::optional<bool> is_near_another(const Vec3& p, std::uint32_t surface) const {
     if (!cells_.may_hold(p)) return false;
     bool is_near = false;
-    grid_.visit_near(p, distance_m_, [&](std::uint32_t i) {
+    const bool is_certain = grid_.visit_near(p, distance_m_, [&](std::uint32_t i) {
       const BoundaryPoint& point = points_[i];
-      is_near =
-          is_near || (point.surface != surface && is_within(p, point.position_m, distance_m_));
+      is_near = point.surface != surface && is_within(p, point.position_m, distance_m_);
+      return !is_near;
     });
-    return is_near;
+    return is_certain ? std::optional(is_near) : std::nullopt;
   }
 
  private:
@@ -178,8 +186,9 @@ class BoundaryGrid {
 class SeamSearch {
  public:
   SeamSearch(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
-             const Vec3& anchor_scene_m, double size_m)
+             const Vec3& anchor_scene_m, double size_m, MemoryLedger& ledger)
       : meshes_(meshes),
+        ledger_(ledger),
         size_m_(size_m),
         most_m_(kMostJoinPerStandOff * SolverScale::of(size_m, 0.0).stand_off_m),
         most_apart_m_(kMostFramePerStandOff * SolverScale::of(size_m, 0.0).stand_off_m) {
@@ -189,18 +198,24 @@ class SeamSearch {
     for (const SeamSurface& s : surfaces) placed_.emplace_back(s, anchor_scene_m);
   }
 
-  Seams find() {
+  Result<Seams> find() {
     find_near();
     if (near_.empty()) return std::move(seams_);
-    find_boundary_points();
+    if (auto error = find_shared_boundary_points()) return *error;
+    if (points_.empty()) return std::move(seams_);
     const BoundaryGrid boundary(points_, most_m_);
-    PointGrid places(kCellPerJoin * most_m_, points_.size());
-    for (const std::uint32_t s : near_) join(s, candidates(s, boundary), places);
+    PointGrid places(kCellPerJoin * most_m_, most_candidates_);
+    for (const std::uint32_t s : near_) {
+      const auto vertices = candidates(s, boundary);
+      if (!vertices || !join(s, *vertices, places)) seams_.crowded.push_back(s);
+    }
     collect();
     return std::move(seams_);
   }
 
  private:
+  using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // squared, candidate, place
+
   const WeldedSurface& mesh(std::uint32_t s) const {
     return meshes_[placed_[s].surface->node->mesh];
   }
@@ -227,51 +242,139 @@ class SeamSearch {
     }
   }
 
-  void find_boundary_points() {
+  // Of the open surfaces that may meet others; finds their boundaries.
+  std::size_t count_boundary_points() {
     std::size_t count = 0;
     for (const std::uint32_t s : near_) {
       std::vector<std::uint32_t>& boundary = outline(s).boundary;
       if (is_open(s) && boundary.empty()) boundary = boundary_vertices(mesh(s));
       count += boundary.size();
     }
-    points_.reserve(count);
+    return count;
+  }
+
+  Vec3 vertex(std::uint32_t s, std::uint32_t v) const {
+    return placed_[s].vertex(mesh(s).positions()[v]);
+  }
+
+  // Those that others come near to, as far as small cells tell. All others meet nothing.
+  std::optional<Error> find_shared_boundary_points() {
+    const std::size_t most = count_boundary_points();
+    if (auto error = ledger_.check(SharedCells::bytes(most))) return error;
+    SharedCells cells(kCellPerJoin * most_m_, most);
+    std::erase_if(near_, [&](std::uint32_t s) {
+      const std::vector<std::uint32_t>& own = outline(s).boundary;
+      const bool is_told = std::all_of(own.begin(), own.end(),
+                                       [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
+      if (!is_told) seams_.crowded.push_back(s);
+      return !is_told;
+    });
+    std::size_t inner = 0;
+    for (const std::uint32_t s : near_) inner += share_cells(s, cells);
+    std::size_t shared = 0;
+    visit_shared(cells, [&](std::uint32_t, const Vec3&) { ++shared; });
+    if (shared == 0) return std::nullopt;
+    most_candidates_ = shared + inner;
+    if (auto error = ledger_.check(SharedCells::bytes(most) + bytes_of_search(shared))) {
+      return error;
+    }
+    points_.reserve(shared);
+    places_.reserve(most_candidates_);
+    memberships_.reserve(most_candidates_);
+    visit_shared(cells, [&](std::uint32_t s, const Vec3& p) { points_.push_back({s, p}); });
+    shared_cells_.emplace(std::move(cells));
+    return std::nullopt;
+  }
+
+  // Marks the cells that the vertices of a surface come near to; how many of those that are not on
+  // its boundary do.
+  std::size_t share_cells(std::uint32_t s, SharedCells& cells) {
+    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
+    std::size_t inner = 0;
+    std::size_t next = 0;
+    for (std::uint32_t v = 0; v < count; ++v) {
+      const bool is_on_boundary = next < own.size() && own[next] == v;
+      if (is_on_boundary) ++next;
+      const Vec3 p = vertex(s, v);
+      if (is_on_boundary && cells.is_inside_cell(p, most_m_)) continue;
+      if (cells.share_near(p, most_m_, s) && !is_on_boundary) ++inner;
+    }
+    return inner;
+  }
+
+  // Calls visit(surface, position) for the boundary points in shared cells.
+  template <typename Visit>
+  void visit_shared(const SharedCells& cells, Visit visit) {
     for (const std::uint32_t s : near_) {
       for (const std::uint32_t v : outline(s).boundary) {
-        points_.push_back({s, placed_[s].vertex(mesh(s).positions()[v])});
+        const Vec3 p = vertex(s, v);
+        if (cells.is_shared(p)) visit(s, p);
       }
     }
   }
 
-  // Vertices of a surface that are on its boundary or near to the boundary of another.
-  std::vector<Candidate> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
+  // What all that follows takes at a time. A candidate rarely makes more than one pair.
+  std::uint64_t bytes_of_search(std::size_t shared) const {
+    constexpr std::uint64_t kPerCandidate =
+        sizeof(Place) + sizeof(Membership) + sizeof(JoinedVertex);
+    std::size_t most_vertices = 0;  // of one surface
+    for (const std::uint32_t s : near_) {
+      most_vertices = std::max(most_vertices, mesh(s).positions().size());
+    }
+    return shared * sizeof(BoundaryPoint) + PointGrid::bytes(shared) +
+           PointGrid::bytes(most_candidates_) + most_candidates_ * kPerCandidate +
+           std::min(most_vertices, most_candidates_) * (sizeof(Candidate) + sizeof(Pair));
+  }
+
+  // Vertices of a surface that are on a shared part of its boundary or near to the boundary of
+  // another; nothing where too many points crowd about one to tell.
+  std::optional<std::vector<Candidate>> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
-    const std::span<const Vec3> positions = mesh(s).positions();
+    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
     const std::vector<std::uint32_t>& own = outline(s).boundary;
     std::size_t next = 0;
-    for (std::uint32_t v = 0; v < positions.size(); ++v) {
-      const Vec3 p = placed_[s].vertex(positions[v]);
+    for (std::uint32_t v = 0; v < count; ++v) {
+      const Vec3 p = vertex(s, v);
       const bool is_on_boundary = next < own.size() && own[next] == v;
-      if (is_on_boundary) ++next;
-      if (is_on_boundary || boundary.is_near_another(p, s)) found.push_back({v, is_on_boundary, p});
+      if (is_on_boundary) {
+        ++next;
+        if (shared_cells_->is_shared(p)) found.push_back({v, true, p});
+        continue;
+      }
+      const std::optional<bool> is_near = boundary.is_near_another(p, s);
+      if (!is_near) return std::nullopt;
+      if (*is_near) found.push_back({v, false, p});
     }
     return found;
   }
 
-  // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
-  void join(std::uint32_t s, const std::vector<Candidate>& vertices, PointGrid& grid) {
-    using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // squared, candidate, place
+  // Each vertex with the places that it may be at; nothing where too many crowd about one.
+  std::optional<std::vector<Pair>> pairs_of(std::uint32_t s, const std::vector<Candidate>& vertices,
+                                            const PointGrid& grid) const {
     std::vector<Pair> pairs;
     for (std::uint32_t c = 0; c < vertices.size(); ++c) {
       const Vec3& p = vertices[c].position_m;
-      grid.visit_near(p, most_m_, [&](std::uint32_t place) {
+      std::size_t met = 0;
+      const bool is_certain = grid.visit_near(p, most_m_, [&](std::uint32_t place) {
         const double bound_m = placed_[s].rounding_m + places_[place].rounding_m;
-        if (!is_within(p, places_[place].position_m, bound_m)) return;
+        if (!is_within(p, places_[place].position_m, bound_m)) return true;
         pairs.emplace_back((p - places_[place].position_m).squaredNorm(), c, place);
+        return ++met <= kMostMet;
       });
+      if (!is_certain || met > kMostMet) return std::nullopt;
     }
     std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
+  // False, and nothing is joined, where too many places crowd about a vertex.
+  bool join(std::uint32_t s, const std::vector<Candidate>& vertices, PointGrid& grid) {
+    const auto pairs = pairs_of(s, vertices, grid);
+    if (!pairs) return false;
     std::vector<bool> is_joined(vertices.size(), false);
-    for (const auto& [squared, c, n] : pairs) {
+    for (const auto& [squared, c, n] : *pairs) {
       Place& place = places_[n];
       if (is_joined[c] || place.last == s) continue;
       is_joined[c] = true;
@@ -289,6 +392,7 @@ class SeamSearch {
           {vertices[c].position_m, placed_[s].rounding_m, vertices[c].is_on_boundary, s});
       grid.insert(vertices[c].position_m, n);
     }
+    return true;
   }
 
   bool counts(const Place& place) const { return place.vertices > 1 && place.has_boundary; }
@@ -311,13 +415,16 @@ class SeamSearch {
   }
 
   const std::vector<WeldedSurface>& meshes_;
+  MemoryLedger& ledger_;
   double size_m_;        // of the scene
   double most_m_;        // that two vertices may be apart and be joined
   double most_apart_m_;  // that an index may be apart
   std::vector<MeshOutline> outlines_;
   std::vector<Placed> placed_;
   std::vector<std::uint32_t> near_;
-  std::vector<BoundaryPoint> points_;
+  std::optional<SharedCells> shared_cells_;
+  std::size_t most_candidates_ = 0;    // of all surfaces together
+  std::vector<BoundaryPoint> points_;  // in shared cells
   std::vector<Place> places_;
   std::vector<Membership> memberships_;
   Seams seams_;
@@ -325,13 +432,17 @@ class SeamSearch {
 
 }  // namespace
 
-Seams find_seams(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
-                 const Vec3& anchor_scene_m, double size_m) {
+Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
+                         std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
+                         double size_m, MemoryLedger& ledger) {
+  // The surface, its box with two numbers in the search for boxes that touch, and what is left.
+  constexpr std::uint64_t kPerSurface = sizeof(Placed) + sizeof(Box) + 3 * sizeof(std::uint32_t);
   const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const WeldedSurface& mesh) {
     return mesh.report().boundary_edges > 0;
   });
-  if (surfaces.size() < 2 || !has_open) return {};
-  return SeamSearch(meshes, surfaces, anchor_scene_m, size_m).find();
+  if (surfaces.size() < 2 || !has_open) return Seams{};
+  if (auto error = ledger.check(surfaces.size() * kPerSurface)) return *error;
+  return SeamSearch(meshes, surfaces, anchor_scene_m, size_m, ledger).find();
 }
 
 }  // namespace palpate

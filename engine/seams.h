@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "geometry/memory_ledger.h"
+#include "geometry/result.h"
 #include "geometry/surface_mesh.h"
 #include "haptics/solver_corners.h"
 #include "io/scene_description.h"
@@ -35,6 +37,9 @@ struct Seams {
   // Surfaces that have an open edge near another, or are near one that has, but whose coordinates
   // are too large beside the scene to tell what meets. Nothing of theirs is joined.
   std::vector<std::uint32_t> too_far;
+  // Surfaces whose vertices crowd so closely beside the scene that none can be told from another.
+  // Nothing of theirs is joined.
+  std::vector<std::uint32_t> crowded;
 };
 
 // Joins what meets: vertices of different surfaces that are nearer to each other than the bounds on
@@ -44,8 +49,11 @@ struct Seams {
 //
 // anchor_scene_m: the origin of the solver frame. size_m: of the scene. Takes next to nothing where
 // no mesh has a boundary or there is one surface; else O(n log n) in the surfaces, O(1) for each
-// vertex of those that an open one may touch. Deterministic.
-Seams find_seams(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
-                 const Vec3& anchor_scene_m, double size_m);
+// vertex of those that an open one may touch. The ledger is asked for the memory that it takes
+// meanwhile: up to 24 bytes for each boundary vertex of those, and some 200 for each vertex that
+// others come near to. Deterministic.
+Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
+                         std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
+                         double size_m, MemoryLedger& ledger);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "geometry/spatial_hash.h"
 #include "geometry/types.h"
 
 namespace palpate {
@@ -18,48 +19,44 @@ namespace palpate {
 class PointGrid {
  public:
   // What a query looks at, at most: a crowd in one cell cannot make a query long.
-  static constexpr std::size_t kMostVisited = 1024;
+  static constexpr std::size_t kMostVisited = 64;
 
   // capacity: points that will be inserted, at most.
   PointGrid(double cell_m, std::size_t capacity) : per_cell_(1.0 / cell_m) {
-    std::size_t buckets = 16;
-    while (buckets < 2 * capacity) buckets *= 2;
-    first_.assign(buckets, kNone);
+    first_.assign(bucket_count(capacity), kNone);
     entries_.reserve(capacity);
   }
 
+  static std::uint64_t bytes(std::size_t capacity) {
+    return bucket_count(capacity) * sizeof(std::uint32_t) + capacity * sizeof(Entry);
+  }
+
   void insert(const Vec3& p, std::uint32_t id) {
-    const std::uint64_t key = key_of(cell_of(p));
+    const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
     std::uint32_t& first = first_[key & (first_.size() - 1)];
     entries_.push_back({key, id, first});
     first = static_cast<std::uint32_t>(entries_.size() - 1);
   }
 
   // Calls visit(id) for the points in all cells that come within radius_m of p, the last inserted
-  // of a cell first: all that are so near, and some that are not. radius_m: less than half a cell.
+  // of a cell first, as long as it returns true: all that are so near, and some that are not.
+  // Returns false if it gave up before it had looked at all of them, because they are a crowd.
+  // radius_m: less than half a cell.
   template <typename Visit>
-  void visit_near(const Vec3& p, double radius_m, Visit visit) const {
-    const Cell low = cell_of((p.array() - radius_m).matrix());
-    const Cell high = cell_of((p.array() + radius_m).matrix());
+  bool visit_near(const Vec3& p, double radius_m, Visit visit) const {
     std::size_t visited = 0;
-    for (std::int64_t x = low.x; x <= high.x; ++x) {
-      for (std::int64_t y = low.y; y <= high.y; ++y) {
-        for (std::int64_t z = low.z; z <= high.z; ++z) {
-          const std::uint64_t key = key_of({x, y, z});
-          for (std::uint32_t e = first_[key & (first_.size() - 1)]; e != kNone;
-               e = entries_[e].next) {
-            if (++visited > kMostVisited) return;
-            if (entries_[e].key == key) visit(entries_[e].id);
-          }
-        }
+    bool goes_on = true;
+    visit_cells_near(p, radius_m, per_cell_, [&](std::uint64_t key) {
+      std::uint32_t e = first_[key & (first_.size() - 1)];
+      for (; goes_on && e != kNone && visited <= kMostVisited; e = entries_[e].next) {
+        if (++visited > kMostVisited) return;
+        if (entries_[e].key == key) goes_on = visit(entries_[e].id);
       }
-    }
+    });
+    return !goes_on || visited <= kMostVisited;
   }
 
  private:
-  struct Cell {
-    std::int64_t x, y, z;
-  };
   struct Entry {
     std::uint64_t key;
     std::uint32_t id;
@@ -67,23 +64,10 @@ class PointGrid {
   };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  Cell cell_of(const Vec3& p) const {
-    const auto floor_of = [&](double x) {
-      return static_cast<std::int64_t>(std::floor(x * per_cell_));
-    };
-    return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
-  }
-  // SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with one key are
-  // as if they were one.
-  static std::uint64_t key_of(const Cell& cell) {
-    std::uint64_t key = 0;
-    for (const std::int64_t c : {cell.x, cell.y, cell.z}) {
-      key = (key ^ static_cast<std::uint64_t>(c)) + 0x9e3779b97f4a7c15u;
-      key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
-      key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
-      key ^= key >> 31;
-    }
-    return key;
+  static std::size_t bucket_count(std::size_t capacity) {
+    std::size_t buckets = 16;
+    while (buckets < 2 * capacity) buckets *= 2;
+    return buckets;
   }
 
   double per_cell_;
@@ -95,9 +79,12 @@ class PointGrid {
 // to a PointGrid of many points, which is not.
 class OccupiedCells {
  public:
-  // Around the points that will be marked.
-  explicit OccupiedCells(const Box& box)
-      : box_(box), cells_per_m_(kAlongAxis / (box.high - box.low).array()) {
+  // box: around the points that will be marked. A cell is no smaller than the margin around them,
+  // so that each marks 27 at most.
+  OccupiedCells(const Box& box, double margin_m)
+      : box_(box),
+        margin_m_(margin_m),
+        cells_per_m_((kAlongAxis / (box.high - box.low).array()).min(1.0 / margin_m)) {
     // No width: all in the first cell.
     for (int k = 0; k < 3; ++k) {
       if (!std::isfinite(cells_per_m_[k])) cells_per_m_[k] = 0.0;
@@ -105,9 +92,9 @@ class OccupiedCells {
     bits_.assign(kAlongAxis * kAlongAxis * kAlongAxis / 64, 0);
   }
 
-  // Points that come within margin_m of p may be in an occupied cell from now on.
-  void mark(const Vec3& p, double margin_m) {
-    const Vec3 margin = Vec3::Constant(margin_m);
+  // Points that come within the margin of p are in an occupied cell from now on.
+  void mark(const Vec3& p) {
+    const Vec3 margin = Vec3::Constant(margin_m_);
     const Eigen::Array3i low = cell_of(p - margin);
     const Eigen::Array3i high = cell_of(p + margin);
     for (int x = low[0]; x <= high[0]; ++x) {
@@ -139,6 +126,7 @@ class OccupiedCells {
   }
 
   Box box_;
+  double margin_m_;
   Eigen::Array3d cells_per_m_;
   std::vector<std::uint64_t> bits_;
 };

@@ -279,6 +279,53 @@ TEST(MemoryBudget, IsRefusedByLimitOriginStepNodeAndOption) {
   }
 }
 
+// Many loose triangles, placed many times so near to each other that their boxes meet.
+SceneDescription loose_triangles(std::uint32_t triangles, int nodes, double apart_m) {
+  test::Random random(7);
+  MeshDescription mesh;
+  mesh.name = "grass";
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const Vec3 at = random.in_box(1.0);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(at + random.in_box(0.1));
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  SceneDescription description;
+  description.path = "grass.glb";
+  description.meshes.push_back(std::move(mesh));
+  for (int i = 0; i < nodes; ++i) {
+    NodeDescription node;
+    node.name = "tuft " + std::to_string(i);
+    node.translation_m = Vec3(apart_m * i, 0, 0);
+    description.nodes.push_back(std::move(node));
+  }
+  return description;
+}
+
+// Whether nodes meet is found out within the budget, and takes few bytes a vertex that meets none.
+TEST(MemoryBudget, CountsWhatLookingForSeamsTakes) {
+  constexpr std::uint32_t kTriangles = 1000;
+  constexpr int kNodes = 400;
+  const test::PeakMemory memory;
+  const std::size_t before = test::held_memory();
+  ASSERT_TRUE(compile_with(loose_triangles(kTriangles, kNodes, 1e-3), 0));
+  const std::size_t peak = memory.bytes() - before;
+  EXPECT_LT(peak, 40u * 3 * kTriangles * kNodes);
+  const auto refused = compile_with(loose_triangles(kTriangles, kNodes, 1e-3), peak / 3);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().to_string().find("joining nodes that meet"), std::string::npos)
+      << refused.error().to_string();
+  EXPECT_TRUE(compile_with(loose_triangles(kTriangles, kNodes, 1e-3), peak * 14 / 10));
+  // Where all of them meet, each takes more, and that is counted, too.
+  const test::PeakMemory again;
+  const std::size_t held = test::held_memory();
+  ASSERT_TRUE(compile_with(loose_triangles(kTriangles, kNodes, 0.0), 0));
+  const std::size_t all_meet = again.bytes() - held;
+  EXPECT_GT(all_meet, 2 * peak);
+  const auto refused_again = compile_with(loose_triangles(kTriangles, kNodes, 0.0), all_meet / 2);
+  ASSERT_FALSE(refused_again);
+  EXPECT_EQ(refused_again.error().code, ErrorCode::kLimitExceeded);
+}
+
 // An index is charged for its packs that are not full, and for Embree's objects.
 TEST(MemoryBudget, CountsAnIndexOfOneTriangleAsWhatItIs) {
   SceneDescription description;

@@ -430,6 +430,26 @@ TEST(Seams, AreNotSoughtInASceneTooFarFromItsOriginAndThatIsTold) {
                   .warnings.empty());
 }
 
+// One vertex is so far away that all others of a node are within the rounding of each other: nodes
+// that each have thousands of them would take years to compare.
+TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
+  Random random(33);
+  MeshDescription grass;
+  for (std::uint32_t t = 0; t < 3000; ++t) {
+    const Vec3 at = random.in_box(1.0);
+    for (int k = 0; k < 3; ++k) grass.positions.push_back(at + random.in_box(0.1));
+    grass.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  grass.positions.front() *= 1e24;
+  std::vector<NodeDescription> nodes;
+  for (int i = 0; i < 300; ++i) nodes.push_back(node_at({0.01 * i, 0, 0}));
+  const Scene scene = compiled(description_of({grass}, nodes));
+  EXPECT_EQ(scene.world().seams, nullptr);
+  const std::string warning = only_warning(scene);
+  EXPECT_NE(warning.find("more nodes: too small beside the scene to tell"), std::string::npos)
+      << warning;
+}
+
 TEST(Seams, AreKeptTenSizesFromTheOriginBelowAChainOfNodes) {
   SceneDescription description = description_of(
       {square()}, {node_at({20, 20, 20}), node_at({21, 20, 20}), node_at({20, 21, 20})});

@@ -13,6 +13,7 @@
 
 #include "geometry/boundary_vertices.h"
 #include "geometry/point_grid.h"
+#include "geometry/shared_cells.h"
 #include "tests/random.h"
 
 namespace palpate {
@@ -122,7 +123,7 @@ TEST(PointGrid, NamesAllThatAreNear) {
   for (int trial = 0; trial < 500; ++trial) {
     const Vec3 p = random.in_box(1.1);
     std::vector<bool> named(points.size(), false);
-    grid.visit_near(p, 0.05, [&](std::uint32_t i) { named[i] = true; });
+    EXPECT_TRUE(grid.visit_near(p, 0.05, [&](std::uint32_t i) { return named[i] = true; }));
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_TRUE(named[i] || (points[i] - p).norm() > 0.05);
     }
@@ -140,8 +141,8 @@ TEST(OccupiedCells, NameAllThatAreNearAndFewMore) {
     Box box{points[0], points[0]};
     for (const Vec3& p : points) box = box.united({p, p});
     const double margin = 1e-3;
-    OccupiedCells cells(is_flat ? box : box.grown(margin));
-    for (const Vec3& p : points) cells.mark(p, margin);
+    OccupiedCells cells(is_flat ? box : box.grown(margin), margin);
+    for (const Vec3& p : points) cells.mark(p);
     for (const Vec3& p : points) EXPECT_TRUE(cells.may_hold(p));
     int named = 0;
     for (int trial = 0; trial < 10'000; ++trial) {
@@ -160,8 +161,58 @@ TEST(PointGrid, LooksAtNoMoreOfACrowdThanItSays) {
   PointGrid grid(1.0, 100'000);
   for (std::uint32_t i = 0; i < 100'000; ++i) grid.insert(Vec3(0.5, 0.5, 0.5), i);
   std::size_t visited = 0;
-  grid.visit_near(Vec3(0.5, 0.5, 0.5), 0.1, [&](std::uint32_t) { ++visited; });
+  EXPECT_FALSE(grid.visit_near(Vec3(0.5, 0.5, 0.5), 0.1, [&](std::uint32_t) {
+    ++visited;
+    return true;
+  })) << "and says that it has not";
   EXPECT_EQ(visited, PointGrid::kMostVisited);
+}
+
+TEST(PointGrid, EndsWithTheVisitor) {
+  PointGrid grid(1.0, 100'000);
+  for (std::uint32_t i = 0; i < 100'000; ++i) grid.insert(Vec3(0.5, 0.5, 0.5), i);
+  std::size_t visited = 0;
+  EXPECT_TRUE(
+      grid.visit_near(Vec3(0.5, 0.5, 0.5), 0.1, [&](std::uint32_t) { return ++visited < 3; }));
+  EXPECT_EQ(visited, 3u);
+}
+
+TEST(SharedCells, NameAllPointsThatOthersComeNearToAndFewMore) {
+  Random random(46);
+  constexpr double kNear_m = 1e-3;
+  std::vector<std::pair<Vec3, std::uint32_t>> points;  // with their owners
+  for (int i = 0; i < 3000; ++i) {
+    const bool is_by_another = i > 0 && random.index(3) == 0;
+    const Vec3 p = is_by_another ? Vec3(points[random.index(i)].first + random.in_box(kNear_m))
+                                 : random.in_box(1.0);
+    points.emplace_back(p, static_cast<std::uint32_t>(random.index(4)));
+  }
+  SharedCells cells(64 * kNear_m / 10, points.size());
+  for (const auto& [p, owner] : points) EXPECT_TRUE(cells.add(p, owner));
+  for (const auto& [p, owner] : points) cells.share_near(p, kNear_m, owner);
+  int named = 0;
+  int expected = 0;
+  for (const auto& [p, owner] : points) {
+    const bool is_met = std::any_of(points.begin(), points.end(), [&](const auto& other) {
+      return other.second != owner && (other.first - p).norm() <= kNear_m;
+    });
+    EXPECT_TRUE(cells.is_shared(p) || !is_met);
+    named += cells.is_shared(p) ? 1 : 0;
+    expected += is_met ? 1 : 0;
+  }
+  EXPECT_GT(expected, 500);
+  EXPECT_LT(named, 2 * expected);
+  EXPECT_FALSE(SharedCells(1.0, 10).share_near(Vec3(0.5, 0.5, 0.5), 0.1, 0)) << "of none";
+}
+
+TEST(SharedCells, SayWhereOneOwnerCrowds) {
+  SharedCells cells(1.0, 200);
+  const Vec3 p(0.5, 0.5, 0.5);
+  for (std::uint32_t owner = 0; owner < 100; ++owner) EXPECT_TRUE(cells.add(p, owner));
+  for (std::uint64_t i = 1; i < SharedCells::kCrowd; ++i) EXPECT_TRUE(cells.add(p, 100));
+  EXPECT_FALSE(cells.add(p, 100));
+  EXPECT_TRUE(cells.add(p, 101));
+  EXPECT_TRUE(cells.is_shared(p));
 }
 
 }  // namespace
