@@ -23,15 +23,20 @@ std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& ru
                     run.scene.statistics().extent_m.maxCoeff());
 }
 
-// The same scene at the size that fits.
-Result<Scene> load_fitted(const RunCommand& command, const PreparedRun& run) {
+// The same scene at the size that fits. The one that does not goes first: both together would take
+// twice what the user allows.
+Result<PreparedRun> load_fitted(const RunCommand& command, PreparedRun run) {
   const auto size_m = fitting_size_m(workspace_of(command, run.setup),
                                      bounds_in_device(run.scene, run.setup.haptics.initial_pose),
                                      run.scene.statistics().extent_m.maxCoeff());
+  RunSetup setup = std::move(run.setup);
+  { const Scene not_fitting = std::move(run.scene); }
   SceneOptions scene = command.scene;
   scene.fits_workspace = false;
   scene.fit_size_m = size_m;
-  return load_scene(scene, command.options);
+  auto fitted = load_scene(scene, command.options);
+  if (!fitted) return fitted.error();
+  return PreparedRun{std::move(*fitted), std::move(setup)};
 }
 
 std::optional<Error> lay_plane(const RunCommand& command, PreparedRun& run) {
@@ -67,9 +72,9 @@ Result<PreparedRun> prepare_run(const RunCommand& command) {
   PreparedRun run{std::move(*scene), std::move(*setup)};
   auto misfit = check_fits(command, run);
   if (misfit && command.scene.fits_workspace) {
-    auto fitted = load_fitted(command, run);
+    auto fitted = load_fitted(command, std::move(run));
     if (!fitted) return fitted.error();
-    run.scene = std::move(*fitted);
+    run = std::move(*fitted);
     misfit = check_fits(command, run);
   }
   if (misfit) return *misfit;

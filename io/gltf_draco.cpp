@@ -117,8 +117,10 @@ class Gate {
     constexpr std::uint64_t kPerFace = 4 * 12 + 2 * 12 + 6 * 4;
     constexpr std::uint64_t kPerVertex = 8 * 4;
     constexpr std::uint64_t kPerTableFace = 4 * 12;
-    return admit_bytes(faces_ * (kPerFace + kPerTableFace * connectivity->attribute_tables) +
-                       kPerVertex * connectivity->vertices * (1 + connectivity->attribute_tables));
+    connectivity_bytes_ =
+        faces_ * (kPerFace + kPerTableFace * connectivity->attribute_tables) +
+        kPerVertex * connectivity->vertices * (1 + connectivity->attribute_tables);
+    return admit_bytes(connectivity_bytes_) && admit_memory(connectivity_bytes_);
   }
 
   // The vertices and the descriptions of the attributes are known, their values are not.
@@ -133,7 +135,8 @@ class Gate {
       const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
       per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
     }
-    return admit_bytes(per_point * vertices);
+    return admit_bytes(per_point * vertices) &&
+           admit_memory(connectivity_bytes_ + per_point * vertices);
   }
 
  private:
@@ -175,12 +178,20 @@ class Gate {
                   std::to_string(declared_.bytes()));
   }
 
+  // What is decoded is kept in our own form, which is counted by itself: no more than the tables of
+  // the connectivity, which are gone by then.
+  bool admit_memory(std::uint64_t bytes) {
+    error_ = buffers_.take_memory({0, bytes}, element_);
+    return !error_;
+  }
+
   GltfBuffers& buffers_;
   const Declared& declared_;
   Room room_;
   std::size_t stream_bytes_;
   const std::string& element_;
   std::uint64_t faces_ = 0;
+  std::uint64_t connectivity_bytes_ = 0;
   std::optional<Error> error_;
 };
 
