@@ -46,10 +46,14 @@ Result<ImageDescription> GltfImages::decoded(std::size_t id) {
   FileBytes storage;
   const auto bytes = encoded(id, storage);
   if (!bytes) return bytes.error();
-  auto image = decode_image(*bytes, pixels_left_);
+  const std::string element = gltf_element("images", id);
+  const auto admit = [&](std::uint64_t needed) {
+    return asset_.buffers.take_memory({0, needed}, element);
+  };
+  auto image = decode_image(*bytes, {pixels_left_, admit});
   if (image) return image;
   Error error = image.error();
-  error.element = gltf_element("images", id);
+  error.element = element;
   return error;
 }
 

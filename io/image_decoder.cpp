@@ -28,8 +28,9 @@ bool begins_with(Bytes bytes, std::span<const std::uint8_t> magic) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
-std::optional<Error> check_size(std::uint64_t width, std::uint64_t height,
-                                std::uint64_t max_pixels) {
+std::optional<Error> check_size(std::uint64_t width, std::uint64_t height, const ImageRoom& room) {
+  // As gltf_limits.h has it: what is decoded, what is kept of it, and what the decoder keeps.
+  constexpr std::uint64_t kBytesPerPixel = 16;
   const std::string size =
       "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; ";
   if (width == 0 || height == 0) return gltf_invalid({}, size + "expected 1 x 1 or more");
@@ -38,12 +39,13 @@ std::optional<Error> check_size(std::uint64_t width, std::uint64_t height,
     return gltf_error(ErrorCode::kLimitExceeded, {},
                       size + "at most " + side + " x " + side + " are read");
   }
-  if (width * height > max_pixels) {
+  if (width * height > room.max_pixels) {
     return gltf_error(
         ErrorCode::kLimitExceeded, {},
-        size + "at most " + std::to_string(max_pixels) + " of a scene can still be read",
+        size + "at most " + std::to_string(room.max_pixels) + " of a scene can still be read",
         "use a smaller image");
   }
+  if (room.admit) return room.admit(kBytesPerPixel * width * height);
   return std::nullopt;
 }
 
@@ -73,7 +75,7 @@ std::vector<std::uint16_t> without_alpha(const std::vector<std::uint16_t>& rgba)
   return rgb;
 }
 
-Result<ImageDescription> decode_png(Bytes bytes, std::uint64_t max_pixels) {
+Result<ImageDescription> decode_png(Bytes bytes, const ImageRoom& room) {
   // What no pixel is made of, such as a text, is stepped over; a profile is inflated before that.
   constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 22;
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> png(spng_ctx_new(0), &spng_ctx_free);
@@ -85,7 +87,7 @@ Result<ImageDescription> decode_png(Bytes bytes, std::uint64_t max_pixels) {
   }
   spng_ihdr header{};
   if (const int status = spng_get_ihdr(png.get(), &header)) return png_error(status);
-  if (auto error = check_size(header.width, header.height, max_pixels)) return *error;
+  if (auto error = check_size(header.width, header.height, room)) return *error;
   const std::size_t pixels = std::size_t{header.width} * header.height;
   ImageDescription image{header.width, header.height, {}};
   if (header.bit_depth == 16) {
@@ -120,7 +122,7 @@ Error jpeg_error(tjhandle decoder) {
   return gltf_invalid({}, "cannot be decoded as JPEG: " + reason, kDamagedHint);
 }
 
-Result<ImageDescription> decode_jpeg(Bytes bytes, std::uint64_t max_pixels) {
+Result<ImageDescription> decode_jpeg(Bytes bytes, const ImageRoom& room) {
   const std::unique_ptr<void, CloseTurboJpeg> decoder(tjInitDecompress());
   if (!decoder) return jpeg_error(nullptr);
   int width = 0;
@@ -137,7 +139,7 @@ Result<ImageDescription> decode_jpeg(Bytes bytes, std::uint64_t max_pixels) {
   }
   const auto columns = static_cast<std::uint32_t>(width);
   const auto rows = static_cast<std::uint32_t>(height);
-  if (auto error = check_size(columns, rows, max_pixels)) return *error;
+  if (auto error = check_size(columns, rows, room)) return *error;
   std::vector<std::uint8_t> rgb(kColours * columns * rows);
   // A file cut short is a mere warning of the library. The number of scans is bounded because each
   // goes over the whole image, however few bytes it has.
@@ -151,11 +153,11 @@ Result<ImageDescription> decode_jpeg(Bytes bytes, std::uint64_t max_pixels) {
 
 }  // namespace
 
-Result<ImageDescription> decode_image(Bytes bytes, std::uint64_t max_pixels) {
+Result<ImageDescription> decode_image(Bytes bytes, const ImageRoom& room) {
   constexpr std::array<std::uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr std::array<std::uint8_t, 3> kJpeg = {0xff, 0xd8, 0xff};
-  if (begins_with(bytes, kPng)) return decode_png(bytes, max_pixels);
-  if (begins_with(bytes, kJpeg)) return decode_jpeg(bytes, max_pixels);
+  if (begins_with(bytes, kPng)) return decode_png(bytes, room);
+  if (begins_with(bytes, kJpeg)) return decode_jpeg(bytes, room);
   return gltf_error(ErrorCode::kUnsupported, {}, "is neither PNG nor JPEG by its first bytes",
                     "save it as PNG, of 16 bits if heights need them");
 }
