@@ -71,13 +71,13 @@ class Streams {
   posix_spawn_file_actions_t actions_;
 };
 
-// A process that Ctrl-C in its terminal does not end: who started it says when to stop.
+// A process that Ctrl-C in its terminal, or the end of it, does not end: who started it says when to stop.
 class Unsignalled {
  public:
   Unsignalled() {
     sigset_t blocked;
     sigemptyset(&blocked);
-    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&blocked, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
     posix_spawnattr_init(&attributes_);
     posix_spawnattr_setsigmask(&attributes_, &blocked);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);

@@ -38,7 +38,8 @@ constexpr const char* kAccuracyGroup = "Of a SCENE";
 std::string footer(const std::string& first_line) {
   return first_line +
          "\nExit codes: 0; 1 for a fault of the program; 2 for bad arguments or bad input, told in "
-         "one line;\n3 for a run that is not comparable; 130 after Ctrl-C, 143 after SIGTERM.";
+         "one line;\n3 for a run that is not comparable; 129 after SIGHUP, 130 after Ctrl-C, 143 after "
+         "SIGTERM.";
 }
 
 // More than any tick that anybody waits for, and no sum of work overflows.
