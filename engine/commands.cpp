@@ -256,7 +256,7 @@ int run(const RunCommand& command) {
   if (command.json) {
     print(runs_json(command, *prepared, runs, advice));
   } else {
-    std::cout << (interruption.empty() ? judgement_text(runs, advice) : interruption)
+    std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
               << (has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }

@@ -185,15 +185,20 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
 }
 
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
-                           const std::optional<Advice>& advice) {
-  if (are_comparable(runs)) return {};
-  std::string text = "not comparable\n";
+                           const std::optional<Advice>& advice, bool is_search_cut) {
+  std::string found;
   for (const ExplorationRun& run : runs) {
+    if (run.interrupted) continue;
     for (const std::string& reason : reasons(run)) {
-      text += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
+      found += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
     }
   }
-  if (!advice) return text + "  nothing that was tried in simulated time does better\n";
+  if (found.empty()) return {};
+  std::string text = "not comparable\n" + found;
+  if (!advice) {
+    return text + (is_search_cut ? "  the search for what to try was interrupted\n"
+                                 : "  nothing that was tried in simulated time does better\n");
+  }
   text += "  try: " + advice->command_line + "\n";
   const auto percent = std::lround(100 * advice->least_way_share);
   return text + "  (in simulated time the proxy then came near to " + std::to_string(percent) +

@@ -27,8 +27,9 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
                              const std::vector<ExplorationRun>& runs, const Progress& progress,
                              const StopFlag* stop = nullptr);
 
-// That runs are not comparable, why, and what to try; empty for runs that are.
+// That runs are not comparable, why, and what to try; empty for runs that are. Runs that were
+// interrupted are not judged. is_search_cut: advise() was asked to stop, or not asked at all.
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
-                           const std::optional<Advice>& advice);
+                           const std::optional<Advice>& advice, bool is_search_cut);
 
 }  // namespace palpate

@@ -209,6 +209,27 @@ def check_killed(palpate, models, folder, generator):
     check(not list(out.glob(".palpate-unfinished-*")), "a hidden folder outlives the next run")
 
 
+def check_search(palpate, models, folder):
+    """A run that is whole is judged though a signal ends the search for what to try instead."""
+    command = [palpate, "run", models / "gallery.glb", "--virtual", "--seconds", "3", "--out", "cut"]
+    picture = folder / "cut" / "paths.svg"
+    for _ in range(INTERRUPTIONS):
+        picture.unlink(missing_ok=True)
+        process = subprocess.Popen([str(part) for part in command], cwd=folder, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   start_new_session=True)
+        while process.poll() is None and not picture.exists():
+            time.sleep(0.0005)
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+        if process.returncode == 128 + signal.SIGINT and "results are whole" in err:
+            break
+    check("the search for what to try was interrupted\n" in out, f"{out} {err}")
+    check(out.startswith("not comparable\n  without A4: the proxy came near to "), out)
+    check("\ninterrupted when the runs were done; the results are whole\n" in out, out)
+
+
 def check_nohup(palpate, models, folder):
     """A run that was started with SIGHUP ignored outlives its terminal, and obeys Ctrl-C."""
     command = [str(palpate), "run", str(models / "star.glb"), "--out", "nohup", "--seconds", "60"]
@@ -282,6 +303,7 @@ def main():
             check_runs(palpate, models, folder, generator, ["--seconds", "2"])
             check_second_signals(palpate, models, folder, generator)
             check_killed(palpate, models, folder, generator)
+            check_search(palpate, models, folder)
             check_nohup(palpate, models, folder)
             check_replays(palpate, models, folder, generator)
             check_studies(palpate, folder, generator)
