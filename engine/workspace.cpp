@@ -1,5 +1,6 @@
 #include "engine/workspace.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -12,12 +13,46 @@ double widest_m(const Workspace& workspace, const Box& bounds_device) {
   return (bounds_device.high - bounds_device.low).head(workspace.sensors).maxCoeff();
 }
 
+double unit_of(double x) {
+  constexpr int kDigits = 3;
+  return std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
+}
+
 // As it is typed: 0.0666 and not 0.066666667.
 double rounded_down(double x) {
-  constexpr int kDigits = 3;
-  const double unit = std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
+  const double unit = unit_of(x);
   const double rounded = std::floor(x / unit) * unit;
   return std::isfinite(rounded) && rounded > 0.0 ? rounded : x;
+}
+
+// What is left of a number of three digits or more when those behind the third are cut off: they
+// are less than one in a hundred.
+constexpr double kLeftOfRounded = 0.99;
+
+double most_m(const Workspace& workspace) {
+  return workspace.extent_m - 2 * workspace.room_m;
+}
+
+// Of the widest extent: as much below what the workspace holds as digits are cut off, so that the
+// scaled scene is not beyond it by a rounding.
+double wanted_m(const Workspace& workspace) {
+  return std::min(kPartToFill * workspace.extent_m, kLeftOfRounded * most_m(workspace));
+}
+
+// The smallest workspace that holds a size of three digits whatever is scaled to it.
+double least_workspace_m(const Workspace& workspace) {
+  const double least_m =
+      2 * workspace.room_m + workspace.least_m / (kLeftOfRounded * kLeftOfRounded);
+  const double unit = unit_of(least_m);
+  return std::ceil(least_m / unit) * unit;
+}
+
+Error too_small(const Workspace& workspace) {
+  std::ostringstream problem;
+  problem << workspace.extent_m << " m given, expected " << least_workspace_m(workspace)
+          << " m at least: room for the hand on each side of what it presses on";
+  return {ErrorCode::kInvalidArgument, "", "--workspace", problem.str(),
+          "no --fit makes a scene fit a smaller one"};
 }
 
 }  // namespace
@@ -25,7 +60,7 @@ double rounded_down(double x) {
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m) {
   const double size_m =
-      kPartToFill * workspace.extent_m * (largest_extent_m / widest_m(workspace, bounds_device));
+      wanted_m(workspace) * (largest_extent_m / widest_m(workspace, bounds_device));
   if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
   return rounded_down(size_m);
 }
@@ -33,15 +68,9 @@ std::optional<double> fitting_size_m(const Workspace& workspace, const Box& boun
 std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,
                                 double largest_extent_m) {
   const double widest = widest_m(workspace, bounds_device);
-  const double most_m = workspace.extent_m - 2 * workspace.room_m;
-  if (widest >= workspace.least_m && widest <= most_m) return std::nullopt;
-  if (most_m < workspace.least_m) {
-    std::ostringstream problem;
-    problem << workspace.extent_m << " m given, expected "
-            << 2 * workspace.room_m + workspace.least_m
-            << " m at least: room for the hand on each side of what it presses on";
-    return Error{ErrorCode::kInvalidArgument, "", "--workspace", problem.str(), ""};
-  }
+  const double most = most_m(workspace);
+  if (widest >= workspace.least_m && widest <= most) return std::nullopt;
+  if (workspace.extent_m < least_workspace_m(workspace)) return too_small(workspace);
   const Vec3 extent_m = bounds_device.high - bounds_device.low;
   std::ostringstream problem;
   problem << "spans ";
@@ -49,8 +78,8 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
     problem << (axis > 0 ? " x " : "") << extent_m[axis];
   }
   problem << " m along the sensed axes, expected ";
-  if (widest > most_m) {
-    problem << most_m << " m at most: the workspace of " << workspace.extent_m << " m less "
+  if (widest > most) {
+    problem << most << " m at most: the workspace of " << workspace.extent_m << " m less "
             << workspace.room_m << " m on each side for the hand";
   } else {
     problem << workspace.least_m << " m at least: the hand presses so deep";

@@ -162,7 +162,10 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
       part.linear *= size;
       part.translation_m *= size;
     }
-    const Workspace workspace{random.index(2) == 0 ? 2 : 3, random.uniform(0.1, 2.0), 0.008, 0.004};
+    // From the least that has room for a hand.
+    const double extent_m =
+        random.index(2) == 0 ? random.uniform(0.1, 2.0) : random.uniform(0.0201, 0.04);
+    const Workspace workspace{random.index(2) == 0 ? 2 : 3, extent_m, 0.008, 0.004};
     const ScenePose pose = random_pose(random);
     const Scene scene = scene_of(parts);
     const Box bounds = bounds_in_device(scene, pose);
@@ -176,8 +179,23 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
         check_fits(workspace, {factor * bounds.low, factor * bounds.high}, factor * largest_m))
         << error->to_string();
     const double widest_m = factor * (bounds.high - bounds.low).head(workspace.sensors).maxCoeff();
-    EXPECT_NEAR(widest_m, 0.5 * workspace.extent_m, 0.006 * workspace.extent_m);
+    const double wanted_m = std::min(0.5 * extent_m, 0.99 * (extent_m - 0.016));
+    EXPECT_NEAR(widest_m, wanted_m, 0.011 * wanted_m);
   }
+}
+
+// A workspace of 20 mm holds one size alone, which no three digits name.
+TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
+  const Box box{Vec3::Zero(), Vec3::Constant(0.1)};
+  for (const double extent_m : {0.001, 0.016, 0.02, 0.02005}) {
+    const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->element, "--workspace");
+    EXPECT_NE(error->problem.find("0.0201 m at least"), std::string::npos) << error->problem;
+  }
+  const auto error = check_fits({2, 0.0201, 0.008, 0.004}, box, 0.1);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->element, "scene") << "a size fits";
 }
 
 }  // namespace
