@@ -86,6 +86,15 @@ class CommandLine : public testing::Test {
     return outcome;
   }
 
+  // The same by a shell, as `palpate ... >&-`.
+  Outcome call_with_output_closed(const std::vector<std::string>& arguments) const {
+    const std::string err = folder.path("stderr");
+    std::string line = "cd '" + folder.path() + "' && '" PALPATE_PROGRAM "'";
+    for (const std::string& argument : arguments) line += " '" + argument + "'";
+    const int status = std::system((line + " >&- 2>'" + err + "'").c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", content_of(err)};
+  }
+
   // Bad arguments or input: code 2, nothing on stdout, one line on stderr with all of `names`.
   void expect_refused(const std::vector<std::string>& arguments,
                       const std::vector<std::string>& names) const {
@@ -626,6 +635,25 @@ TEST_F(CommandLine, LeavesNoFolderOfACommandThatFailed) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("a")));
 }
 
+TEST_F(CommandLine, LeavesWhatWasThereWhenNobodyCanBeToldOfIt) {
+  write_path();
+  folder.write("out/trace-off.csv", "old");
+  for (const char* output : {"/dev/full", ""}) {
+    SCOPED_TRACE(output);
+    for (const auto& arguments :
+         {std::vector<std::string>{"run", kStar, "--virtual", "--seconds", "2"},
+          replay({"--out", "out/trace-off.csv"})}) {
+      const Outcome o = *output ? call(arguments, output) : call_with_output_closed(arguments);
+      EXPECT_EQ(o.exit_code, 2);
+      EXPECT_EQ(o.err,
+                "palpate: standard output: cannot be written (check where it goes and the space "
+                "left)\n");
+      EXPECT_EQ(files_in(folder.path("out")), std::vector<std::string>{"trace-off.csv"});
+      EXPECT_EQ(content_of(folder.path("out/trace-off.csv")), "old");
+    }
+  }
+}
+
 TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
   const Outcome o = call({"info", kStar}, "/dev/full");
   EXPECT_EQ(o.exit_code, 2);
@@ -905,6 +933,27 @@ TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
     EXPECT_NE(text.find(line), std::string::npos) << line << " is not in " << text;
   }
   EXPECT_GT(info["memory"]["effects"], 0);
+}
+
+// What is refused is told in one line, whatever else there is to say.
+TEST_F(CommandLine, WarnsOfWhatWasNotUnderstoodWhenNothingIsRefused) {
+  GltfBuilder gltf = triangle_of({{"hue", 3}});
+  const std::string path = gltf.write_glb(folder);
+  const std::string trajectory = folder.write("path.txt", "0.2 0.2 0.1\n0.2 0.2 -0.1\n");
+  const std::vector<std::string> replayed{"replay", path, "--trajectory", trajectory};
+  const std::vector<std::string> run{"run", path, "--virtual", "--seconds", "2", "--sensors", "3"};
+  const std::string warning =
+      "palpate: warning: /materials/0/extras/palpate/hue: hue of \"wood.1\"";
+  EXPECT_TRUE(expect_done(replayed).err.starts_with(warning));
+  std::vector<std::string> fitted = run;
+  fitted.insert(fitted.end(), {"--fit", "0.2"});
+  EXPECT_TRUE(expect_run(fitted).err.starts_with(warning));
+  for (std::vector<std::string> refused : {replayed, fitted}) {
+    refused.insert(refused.end(), {"--move", "moon=0 0 0 0 0 0"});
+    expect_refused(refused, {"moon"});
+  }
+  expect_refused({"run", path, "--virtual", "--fit", "0.2", "--plane-height", "9"},
+                 {"--plane-height"});
 }
 
 TEST_F(CommandLine, TakesPhysicsMaterialsThatWriteOneCoefficient) {

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -16,6 +17,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/path_picture.h"
 #include "engine/replay.h"
 #include "tests/worlds.h"
 
@@ -554,6 +556,24 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
   Condition large;
   large.options.radius_m = 1e-3;  // of a scene that was loaded for a point
   EXPECT_EQ(refused_option(large, {}), "--radius");
+}
+
+// ---- picture -----------------------------------------------------------------------------------
+
+// `run` refuses the one, and does without the other.
+TEST(PathPicture, ThatFindsNoRoomIsToldFromOneThatCannotBeDrawn) {
+  const std::vector<ExplorationRun> runs{explored("star", {options_of(2, 1), false, 0}, 1, 3.0)};
+  const auto full = write_path_picture(runs, "star", "/dev/full");
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code, ErrorCode::kFileUnwritable);
+  EXPECT_EQ(full.error().path, "/dev/full");
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const auto missing = write_path_picture(runs, "star", "/dev/full");
+  ::setenv("PATH", path.c_str(), 1);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(missing.error().hint.find("the traces are complete"), std::string::npos);
 }
 
 // ---- display -----------------------------------------------------------------------------------
