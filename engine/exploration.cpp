@@ -16,6 +16,7 @@
 #include "engine/outline.h"
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
+#include "engine/room_hint.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_path.h"
 #include "geometry/section.h"
@@ -139,7 +140,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
                  "has no surface with room for a hand in front of it",
-                 "scale it up (--fit), or choose a part of it (--node)"};
+                 room_hint(scene, setup, settings, wanted)};
   }
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
@@ -160,6 +161,7 @@ std::size_t late_tick(const ExplorationRun& run) {
 // What the hand followed, and how much of it the proxy came near to.
 void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
                  ExplorationRun& run) {
+  run.proxy_radius_m = proxy_radius_m;
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
     run.contour_scene_m = std::move(hand.contour_m);

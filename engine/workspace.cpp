@@ -39,6 +39,13 @@ double wanted_m(const Workspace& workspace) {
   return std::min(kPartToFill * workspace.extent_m, kLeftOfRounded * most_m(workspace));
 }
 
+// The value of --fit with which what is so wide along the sensed axes becomes so wide.
+std::optional<double> size_for(double wanted_m, double widest_m, double largest_extent_m) {
+  const double size_m = wanted_m * (largest_extent_m / widest_m);
+  if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
+  return rounded_down(size_m);
+}
+
 // The smallest workspace that holds a size of three digits whatever is scaled to it.
 double least_workspace_m(const Workspace& workspace) {
   const double least_m =
@@ -59,10 +66,13 @@ Error too_small(const Workspace& workspace) {
 
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m) {
-  const double size_m =
-      wanted_m(workspace) * (largest_extent_m / widest_m(workspace, bounds_device));
-  if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
-  return rounded_down(size_m);
+  return size_for(wanted_m(workspace), widest_m(workspace, bounds_device), largest_extent_m);
+}
+
+std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
+                                     double largest_extent_m) {
+  return size_for(kLeftOfRounded * most_m(workspace), widest_m(workspace, bounds_device),
+                  largest_extent_m);
 }
 
 std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,

@@ -30,4 +30,8 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 
+// The same for all of the workspace but the room for the hand.
+std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
+                                     double largest_extent_m);
+
 }  // namespace palpate
