@@ -374,6 +374,13 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
   expect_refused(replay({"--place", "0 0 0 0 0 0 0"}), {"--place"});
   expect_refused(replay({"--place", "0 0 0 1 1 0 0"}), {"--place"});
   expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});
+  for (const char* far : {"1e12 0 0 1 0 0 0", "0 1e200 0 1 0 0 0"}) {
+    expect_refused(replay({"--place", far}), {": --place: ", "half of their digits"});
+    for (const char* fit : {"0.2", "auto"}) {
+      expect_refused({"run", kStar, "--virtual", "--place", far, "--fit", fit},
+                     {": --place: ", "half of their digits"});
+    }
+  }
 }
 
 // Digits and nothing else: what the option would take for another number, or for the largest that
