@@ -253,9 +253,10 @@ namespace {
 std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings, MemoryLedger& ledger) {
   ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
-  ledger.advise("choose a shorter run");
+  ledger.advise("load a part of the scene with --node");
   ledger.begin("what comes before the run");
   if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
+  ledger.advise("choose a shorter run");
   ledger.begin("recording the ticks", "--seconds");
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
@@ -265,6 +266,7 @@ std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
     const SurfaceMesh& mesh = scene.mesh(object.mesh);
     bytes += mesh.welded_positions().size_bytes() + mesh.face_count() * sizeof(Triangle);
   }
+  ledger.advise("load a part of the scene with --node, or use --sensors 3, which needs no contour");
   ledger.begin("cutting the scene for its contour", "scene");
   return ledger.check(bytes);
 }
