@@ -14,7 +14,8 @@ struct OptionSetting {
 };
 
 // The arguments with each option set to its value, or left out, in place of what was given for it
-// and for what excludes it. Every option named in changes takes one value, as "--fit 0.2" or "--fit=0.2".
+// and for what excludes it. Every option named in changes takes one value, as "--fit 0.2" or
+// "--fit=0.2".
 std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 

@@ -76,7 +76,8 @@ class Streams {
   posix_spawn_file_actions_t actions_;
 };
 
-// A process that Ctrl-C in its terminal, or the end of it, does not end: who started it says when to stop.
+// A process that Ctrl-C in its terminal, or the end of it, does not end: who started it says when
+// to stop.
 class Unsignalled {
  public:
   Unsignalled() {
