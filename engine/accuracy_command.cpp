@@ -287,7 +287,6 @@ int accuracy(const AccuracyCommand& command) {
     Result<Scene> loaded = load_scene(command.scene, command.options);
     if (!loaded) return refuse(loaded.error());
     scene.emplace(std::move(*loaded));
-    tell_what_was_not_understood(*scene);
     Result<SceneFindings> found = find_out(*scene, command, *setup, effort);
     if (!found) {
       Error error = found.error();
@@ -304,6 +303,7 @@ int accuracy(const AccuracyCommand& command) {
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
   // Now there is something to put in order: the files come whole.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  if (const auto error = check_output()) return refuse(*error);
   const auto written = write_in_place(results, findings, effort, command.out_dir);
   if (!written) return refuse(written.error());
   if (!*written) return tell_nothing_is_written();
@@ -311,7 +311,8 @@ int accuracy(const AccuracyCommand& command) {
   if (findings) std::cout << scene_text(*findings);
   std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
             << " and a diagram a knob in " << command.out_dir << "/\n";
-  return exit_code_after_signals(finish_output());
+  return exit_code_after_signals(
+      finish_output(scene ? what_was_not_understood(*scene) : std::vector<std::string>{}));
 }
 
 }  // namespace palpate

@@ -17,16 +17,18 @@ std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes) {
   for (const auto& [option, value] : changes) {
     std::vector<std::string> kept;
+    bool may_be_option = true;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
+      may_be_option = may_be_option && arguments[i] != "--";
       const std::string name = arguments[i].substr(0, arguments[i].find('='));
-      if (!excludes(option, name)) {
+      if (!may_be_option || !excludes(option, name)) {
         kept.push_back(arguments[i]);
       } else if (name == arguments[i]) {
         ++i;  // the value of its own
       }
     }
     const auto end_of_options = std::find(kept.begin(), kept.end(), "--");
-    kept.insert(end_of_options, {option, value});
+    if (value) kept.insert(end_of_options, {option, *value});
     arguments = std::move(kept);
   }
   return arguments;

@@ -26,6 +26,11 @@ std::size_t terminal_columns() {
   return kUsual;
 }
 
+Error lost_output() {
+  return {ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
+          "check where it goes and the space left"};
+}
+
 }  // namespace
 
 int refuse(const Error& error) {
@@ -38,16 +43,22 @@ void print(const nlohmann::ordered_json& json) {
   std::cout << json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 
-int finish_output() {
-  if (std::cout.flush()) return 0;
-  return refuse({ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
-                 "check where it goes and the space left"});
+int finish_output(const std::vector<std::string>& warnings) {
+  if (!std::cout.flush()) return refuse(lost_output());
+  for (const std::string& warning : warnings) {
+    std::cerr << "palpate: warning: " << printable(warning) << "\n";
+  }
+  return 0;
 }
 
-void tell_what_was_not_understood(const Scene& scene) {
-  for (const std::string& line : not_understood_lines(scene)) {
-    std::cerr << "palpate: " << printable(line) << "\n";
-  }
+std::vector<std::string> what_was_not_understood(const Scene& scene) {
+  return not_understood_lines(scene);
+}
+
+std::optional<Error> check_output() {
+  // A device that is full, and a descriptor that is none or is for reading, refuse nothing as well.
+  if (::write(STDOUT_FILENO, "", 0) < 0) return lost_output();
+  return std::nullopt;
 }
 
 std::string progress_line(const std::string& label, double share, double total_s,

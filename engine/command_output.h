@@ -3,7 +3,9 @@
 // What the subcommands of the program have in common when they talk to a user.
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -18,11 +20,17 @@ int refuse(const Error& error);
 // JSON for programs; a name in a file need not be UTF-8, and is then told with replacements.
 void print(const nlohmann::ordered_json& json);
 
-// The exit code once everything is told: output that got lost (a full disk) is no success.
-int finish_output();
+// The exit code once everything is told: output that got lost (a full disk) is no success. Whoever
+// is refused reads one line, the error: warnings, a line each on stderr, come when nothing can be
+// refused any more.
+int finish_output(const std::vector<std::string>& warnings = {});
 
-// Nothing that a file or a user meant is lost without a word: a line each on stderr.
-void tell_what_was_not_understood(const Scene& scene);
+// Nothing that a file or a user meant is lost without a word: a warning each.
+std::vector<std::string> what_was_not_understood(const Scene& scene);
+
+// What keeps stdout from being written to, as far as that shows before: it was closed, is open for
+// reading alone, or is a device that is full. A disk may still become full.
+std::optional<Error> check_output();
 
 // What a line of progress says: the label, a bar, of a whole of total_s seconds those that are
 // done, and the share in percent; in `columns`, less of that, and in the end the share alone.

@@ -84,13 +84,16 @@ std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& fil
   return std::nullopt;
 }
 
-// Without gnuplot there is no picture, which is told, and the traces are as good.
-bool draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
-          const OutputFiles& files) {
+// An error if there is no room for the picture. Without gnuplot there is none, which is a warning,
+// and the traces are as good.
+Result<bool> draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
+                  const OutputFiles& files, std::vector<std::string>& warnings) {
   const std::string name = std::filesystem::path(scene_path).filename().string();
   const auto picture = write_path_picture(runs, name, files.path(kPicture));
-  if (!picture) std::cerr << "palpate: " << files.in_place(picture.error()).to_string() << "\n";
-  return picture.ok();
+  if (picture) return true;
+  if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
+  warnings.push_back(files.in_place(picture.error()).to_string());
+  return false;
 }
 
 int tell_nothing_was_done() {
@@ -108,7 +111,11 @@ std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_c
   return "interrupted when the runs were done; the results are whole\n";
 }
 
+// Not if nobody can be told of it; but whoever has closed a terminal finds the results.
 std::optional<Error> move_into_place(OutputFiles& files) {
+  if (!signal_flag().requested()) {
+    if (auto error = check_output()) return error;
+  }
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
   return files.move_into_place();
 }
@@ -215,12 +222,12 @@ int replay(const ReplayCommand& command) {
   if (!path) return refuse(path.error());
   const Result<Scene> scene = load_scene(command.scene, command.options);
   if (!scene) return refuse(scene.error());
-  tell_what_was_not_understood(*scene);
   const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
   if (!result) return refuse(result.error());
   // Now there is something to put in order: the file comes whole.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (!command.trace.empty()) {
+    if (const auto error = check_output()) return refuse(*error);
     if (const auto error = write_trace(command.trace, result->records, result->steps_ns)) {
       return refuse(*error);
     }
@@ -231,13 +238,12 @@ int replay(const ReplayCommand& command) {
     std::cout << command.scene.path << ", " << command.trajectory << "\n"
               << summary_text(result->summary, *scene);
   }
-  return exit_code_after_signals(finish_output());
+  return exit_code_after_signals(finish_output(what_was_not_understood(*scene)));
 }
 
 int run(const RunCommand& command) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
-  tell_what_was_not_understood(prepared->scene);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   Result<OutputFiles> files = OutputFiles::create(command.out_dir, run_file_names());
   if (!files) return refuse(files.error());
@@ -245,22 +251,22 @@ int run(const RunCommand& command) {
   if (!done) return refuse(done.error());
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return tell_nothing_was_done();
-  const bool has_picture = draw(runs, command.scene.path, *files);
+  std::vector<std::string> warnings = what_was_not_understood(prepared->scene);
+  const Result<bool> has_picture = draw(runs, command.scene.path, *files, warnings);
+  if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);
-  if (!runs.front().realtime_note.empty()) {
-    std::cerr << "palpate: " << runs.front().realtime_note << "\n";
-  }
+  if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
   const std::optional<Advice> advice = find_advice(command, *prepared, runs);
   const std::string interruption = interruption_line(runs, command.options.a4 == "compare");
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
     print(runs_json(command, *prepared, runs, advice));
   } else {
-    std::cout << (interruption.empty() ? judgement_text(runs, advice) : interruption)
+    std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
-              << (has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
+              << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }
-  const int code = finish_output();
+  const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && !are_comparable(runs) ? kNotComparable : code);
 }
 

@@ -4,9 +4,9 @@
 // arguments or bad input, which one line on stderr names, 3 for a run that is not comparable, and
 // 128 + the signal if one came.
 //
-// Files appear under their names together, when all of them are whole (output_files.h). SIGINT and
-// SIGTERM end a command at once while there is nothing to put in order; a run is ended in order,
-// with what it did so far as its results.
+// Files appear under their names together, when all of them are whole (output_files.h). SIGINT,
+// SIGTERM and SIGHUP end a command at once while there is nothing to put in order; a run is ended
+// in order, with what it did so far as its results.
 
 #include <cstdint>
 #include <string>

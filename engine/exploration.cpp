@@ -16,6 +16,7 @@
 #include "engine/outline.h"
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
+#include "engine/room_hint.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_path.h"
 #include "geometry/section.h"
@@ -139,7 +140,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
                  "has no surface with room for a hand in front of it",
-                 "scale it up (--fit), or choose a part of it (--node)"};
+                 room_hint(scene, setup, settings, wanted)};
   }
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
@@ -160,6 +161,7 @@ std::size_t late_tick(const ExplorationRun& run) {
 // What the hand followed, and how much of it the proxy came near to.
 void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
                  ExplorationRun& run) {
+  run.proxy_radius_m = proxy_radius_m;
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
     run.contour_scene_m = std::move(hand.contour_m);
@@ -251,9 +253,10 @@ namespace {
 std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings, MemoryLedger& ledger) {
   ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
-  ledger.advise("choose a shorter run");
+  ledger.advise("load a part of the scene with --node");
   ledger.begin("what comes before the run");
   if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
+  ledger.advise("choose a shorter run");
   ledger.begin("recording the ticks", "--seconds");
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
@@ -263,6 +266,7 @@ std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
     const SurfaceMesh& mesh = scene.mesh(object.mesh);
     bytes += mesh.welded_positions().size_bytes() + mesh.face_count() * sizeof(Triangle);
   }
+  ledger.advise("load a part of the scene with --node, or use --sensors 3, which needs no contour");
   ledger.begin("cutting the scene for its contour", "scene");
   return ledger.check(bytes);
 }

@@ -42,6 +42,7 @@ struct ExplorationRun {
   double way_share = 0.0;
   double late_way_share = 0.0;  // of it, what came in the last fifth of the run
   double near_m = 0.0;
+  double proxy_radius_m = 0.0;
   std::uint64_t missed_deadlines = 0;
   bool exceeds_workspace = false;
   std::string realtime_note;  // what the system did not grant

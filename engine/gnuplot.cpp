@@ -34,6 +34,11 @@ Error gnuplot_error(const std::string& problem) {
   return {ErrorCode::kUnsupported, "", "gnuplot", problem, kHint};
 }
 
+Error no_room() {
+  return {ErrorCode::kFileUnwritable, "", "gnuplot", "there is no room for its temporary files",
+          "check the folder for temporary files and the space left"};
+}
+
 std::string content_of(std::FILE* file) {
   std::string content;
   std::rewind(file);
@@ -71,13 +76,14 @@ class Streams {
   posix_spawn_file_actions_t actions_;
 };
 
-// A process that Ctrl-C in its terminal does not end: who started it says when to stop.
+// A process that Ctrl-C in its terminal, or the end of it, does not end: who started it says when
+// to stop.
 class Unsignalled {
  public:
   Unsignalled() {
     sigset_t blocked;
     sigemptyset(&blocked);
-    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&blocked, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
     posix_spawnattr_init(&attributes_);
     posix_spawnattr_setsigmask(&attributes_, &blocked);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
@@ -115,7 +121,7 @@ int run_gnuplot(const Streams& streams) {
 Result<std::string> gnuplot_svg(const std::string& script, int width_px, int height_px,
                                 int font_px) {
   const NamelessFile in = nameless_file(), out = nameless_file(), err = nameless_file();
-  if (!in || !out || !err) return gnuplot_error("there is no room for temporary files");
+  if (!in || !out || !err) return no_room();
   // `noenhanced`: an underscore in a name is no subscript.
   const std::string all = "set encoding utf8\nset terminal svg noenhanced size " +
                           std::to_string(width_px) + "," + std::to_string(height_px) +
@@ -123,7 +129,7 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
                           "' background 'white'\n" + script + "\nunset output\n";
   if (std::fwrite(all.data(), 1, all.size(), in.get()) != all.size() ||
       std::fflush(in.get()) != 0) {
-    return gnuplot_error("there is no room for temporary files");
+    return no_room();
   }
   std::rewind(in.get());
   const int code = run_gnuplot(Streams(in.get(), out.get(), err.get()));

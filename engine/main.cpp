@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <fcntl.h>
 #include <iostream>
 #include <new>
 #include <string>
 #include <string_view>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -38,7 +40,9 @@ constexpr const char* kAccuracyGroup = "Of a SCENE";
 std::string footer(const std::string& first_line) {
   return first_line +
          "\nExit codes: 0; 1 for a fault of the program; 2 for bad arguments or bad input, told in "
-         "one line;\n3 for a run that is not comparable; 130 after Ctrl-C, 143 after SIGTERM.";
+         "one line;\n3 for a run that is not comparable; 129 after SIGHUP, 130 after Ctrl-C, 143 "
+         "after "
+         "SIGTERM.";
 }
 
 // More than any tick that anybody waits for, and no sum of work overflows.
@@ -327,9 +331,21 @@ int run_program(int argc, char** argv) {
   return palpate::info(info);
 }
 
+// A file that is opened later must not come to be what the program reads or writes as standard
+// input, output or error, if it was started without one of these. What is for reading alone refuses
+// to be written to, as what is closed does.
+void take_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0) continue;
+    // The lowest that is free: this one.
+    [[maybe_unused]] const int taken = ::open("/dev/null", O_RDONLY);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  take_standard_descriptors();
   palpate::take_signals();
   const palpate::PrintableStream out(std::cout);
   const palpate::PrintableStream err(std::cerr);

@@ -101,7 +101,9 @@ Result<std::string> write_path_picture(const std::vector<ExplorationRun>& runs,
   if (svg) return write_text_file(svg_path, *svg);
   Error error = svg.error();
   error.path = svg_path;
-  error.hint += "; the traces are complete without it";
+  if (error.code != ErrorCode::kFileUnwritable) {
+    error.hint += "; the traces are complete without it";
+  }
   return error;
 }
 

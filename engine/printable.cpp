@@ -39,12 +39,21 @@ bool is_between(char32_t code, char32_t first, char32_t last) {
   return code >= first && code <= last;
 }
 
-// C0, DEL and C1; what ends a line or a paragraph; and what turns the direction of writing, with
-// which a text can be made to show another one (Unicode's property Bidi_Control).
+// Of Unicode's property Default_Ignorable_Code_Point what can hide a text, or a difference between
+// two: it shows nothing of its own. Soft hyphen, fillers and joiners; signs of zero width; the byte
+// order mark; and tags, of which whole sentences are made. Variation selectors stay.
+bool is_invisible(char32_t code) {
+  return code == 0x00AD || code == 0x034F || is_between(code, 0x115F, 0x1160) ||
+         is_between(code, 0x17B4, 0x17B5) || code == 0x180E || is_between(code, 0x200B, 0x200F) ||
+         is_between(code, 0x2060, 0x206F) || code == 0x3164 || code == 0xFEFF || code == 0xFFA0 ||
+         is_between(code, 0xE0000, 0xE00FF);
+}
+
+// C0, DEL and C1; what ends a line or a paragraph; what turns the direction of writing, with which
+// a text can be made to show another one (Unicode's property Bidi_Control); and what is not seen.
 bool is_control(char32_t code) {
   return code < 0x20 || is_between(code, 0x7F, 0x9F) || code == 0x061C ||
-         is_between(code, 0x200E, 0x200F) || is_between(code, 0x2028, 0x202E) ||
-         is_between(code, 0x2066, 0x2069);
+         is_between(code, 0x2028, 0x202E) || is_invisible(code);
 }
 
 Front front_of(std::string_view text) {

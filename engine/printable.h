@@ -12,8 +12,11 @@
 
 namespace palpate {
 
-// The same text, with a space for each control character, end of a line and change of the direction
-// of writing, and "?" for each byte that is not part of valid UTF-8. XML knows neither.
+// The same text, with a space for each control character, end of a line, change of the direction of
+// writing and invisible character that can hide a text (soft hyphen, signs of zero width, fillers,
+// U+FEFF, and the tags U+E0000 to U+E007F: two names that look alike would differ by them, or say
+// what nobody reads), and "?" for each byte that is not part of valid UTF-8. Variation selectors
+// stay: they choose how the character before them looks.
 std::string printable(std::string_view text);
 
 // Passes on what is written to it likewise, but for ends of lines. Allocates nothing.

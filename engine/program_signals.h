@@ -1,23 +1,28 @@
 #pragma once
 
-// What Ctrl-C (SIGINT) and SIGTERM do. They belong to the program: the library leaves signals
-// alone.
+// What Ctrl-C (SIGINT), SIGTERM and a terminal that is closed (SIGHUP) do. They belong to the
+// program: the library leaves signals alone.
 
+#include <array>
+#include <csignal>
 #include <cstdint>
 
 #include "engine/stop_flag.h"
 
 namespace palpate {
 
+inline constexpr std::array kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
+
 enum class SignalPhase : std::uint8_t {
-  kAtOnce,   // either signal ends the program, with exit code 128 + signal
+  kAtOnce,   // each signal ends the program, with exit code 128 + signal
   kInOrder,  // the first one sets signal_flag(), the second ends the program
   kDeferred  // signals set signal_flag(), for moments that must not be cut in two
 };
 
-// Once, at the start of the program: kAtOnce from here on. Either signal is taken even if the
-// program was started with it ignored, as shells do with what runs in the background. A write
-// beyond the limit of file sizes fails and no longer ends the program.
+// Once, at the start of the program: kAtOnce from here on. SIGINT and SIGTERM are taken even if the
+// program was started with them ignored, as shells do with what runs in the background; SIGHUP is
+// then left ignored, as nohup wants it. A write beyond the limit of file sizes fails and no longer
+// ends the program.
 void take_signals();
 
 // The phase while this lives; then that of before.

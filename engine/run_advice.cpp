@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -21,21 +22,42 @@ using Changes = std::vector<OptionSetting>;
 constexpr std::size_t kMostTriangles = 20'000'000;
 constexpr std::size_t kMostNodes = 3;
 
-std::string text_of(double x) {
+// Three digits are wrong by half of the last one at most, of one number and of the other.
+constexpr double kMoreThanRounded = 1.02;
+
+// Of --place: the scene turned so that A3 is along its y axis, or its x axis.
+constexpr const char* kOtherPlanes[] = {"0 0 0 0.7071068 0.7071068 0 0",
+                                        "0 0 0 0.7071068 0 0.7071068 0"};
+
+std::string text_of(double x, int digits = 3) {
   std::ostringstream text;
-  text.precision(3);
+  text.precision(digits);
   text << x;
   return text.str();
 }
 
+// With so many digits that the last one is less than a hundredth of the step.
+std::string text_in_steps(double x, double step) {
+  const double digits = 3 + std::ceil(std::log10(std::abs(x) / step));
+  return text_of(x, static_cast<int>(std::clamp(digits, 3.0, 17.0)));
+}
+
 RunCommand changed(RunCommand command, const Changes& changes) {
+  RunOptions& options = command.options;
   for (const auto& [option, value] : changes) {
-    const double number = std::strtod(value.c_str(), nullptr);
+    const std::string text = value.value_or("");
+    const double number = std::strtod(text.c_str(), nullptr);
+    if (option == "--workspace") command.exploration.workspace_m = number;
     if (option == "--seconds") command.exploration.seconds = number;
-    if (option == "--plane-height") command.options.plane_height_m = number;
-    if (option == "--place") command.options.place = value;
-    if (option == "--sensors") command.options.sensors = static_cast<int>(number);
-    if (option == "--node") command.scene.node = value;
+    if (option == "--plane-height") {
+      options.plane_height_m = value ? std::optional(number) : std::nullopt;
+    }
+    if (option == "--place") options.place = text;
+    if (option == "--radius") options.radius_m = number;
+    if (option == "--actuated-axes") options.actuated_axes = text;
+    if (option == "--actuators") options.actuators = std::nullopt;  // only ever left out
+    if (option == "--sensors") options.sensors = static_cast<int>(number);
+    if (option == "--node") command.scene.node = text;
     if (option == "--fit") {
       command.scene.fit_size_m = number;
       command.scene.scale.reset();
@@ -83,14 +105,15 @@ class Candidates {
   std::vector<Changes> list() {
     add_time();
     add_size();
+    add_radii();
     if (prepared_.setup.actuation.is_planar()) {
       add_planes();
       add_heights();
     }
     add_nodes();
-    if (command_.options.actuated_axes.empty()) {
-      changes_.push_back({{"--sensors", command_.options.sensors == 2 ? "3" : "2"}});
-    }
+    add_sensors();
+    add_workspaces();
+    add_unpinned();
     return std::move(changes_);
   }
 
@@ -116,17 +139,80 @@ class Candidates {
     changes_.push_back({{"--fit", text_of(factor * largest_m)}});
   }
 
-  void add_planes() {
-    if (!command_.options.place.empty() || command_.options.plane_height_m) return;
-    for (const char* pose : {"0 0 0 0.7071068 0.7071068 0 0", "0 0 0 0.7071068 0 0.7071068 0"}) {
-      changes_.push_back({{"--place", pose}});
+  // A smaller sphere gets to more, and a point to most.
+  void add_radii() {
+    const double radius_m = command_.options.radius_m;
+    if (!(radius_m > 0.0)) return;
+    for (const double part : {0.5, 0.1}) {
+      changes_.push_back({{"--radius", text_of(part * radius_m)}});
     }
+    changes_.push_back({{"--radius", std::nullopt}});
+  }
+
+  void add_planes() {
+    if (is_place_pinned()) return;
+    for (const char* pose : kOtherPlanes) changes_.push_back({{"--place", pose}});
+  }
+
+  void add_sensors() {
+    if (command_.options.actuated_axes.empty()) changes_.push_back(other_sensors());
+  }
+
+  // Parts that are small beside the hand at every size that fits: as wide as it presses deep four
+  // times, or sixteen.
+  void add_workspaces() {
+    const double depth_m = PathPlanSettings{}.press_depth_m;
+    const double widest_m = (bounds_.high - bounds_.low).head(command_.options.sensors).maxCoeff();
+    double way_m = std::numeric_limits<double>::infinity();
+    for (const ExplorationRun& run : runs_) {
+      if (slips_off(run)) way_m = std::min(way_m, way_extent_m(run));
+    }
+    if (!(way_m > 0.0) || !std::isfinite(way_m)) return;
+    for (const double depths : {4.0, 16.0}) {
+      const double factor = depths * depth_m / way_m;
+      const double size_m = factor * prepared_.scene.statistics().extent_m.maxCoeff();
+      const double workspace_m = kMoreThanRounded * (factor * widest_m + 4 * depth_m);
+      changes_.push_back({{"--workspace", text_of(workspace_m)}, {"--fit", text_of(size_m)}});
+    }
+  }
+
+  // A plane device has no third motor.
+  Changes other_sensors() const {
+    if (command_.options.sensors == 2) return {{"--sensors", "3"}};
+    if (command_.options.actuators.value_or(0) <= 2) return {{"--sensors", "2"}};
+    return {{"--sensors", "2"}, {"--actuators", std::nullopt}};
+  }
+
+  bool is_place_pinned() const {
+    return !command_.options.place.empty() || command_.options.plane_height_m;
+  }
+
+  // Without what the user has chosen, one option after the other and then all; and what was left
+  // out above for its sake.
+  void add_unpinned() {
+    const RunOptions& options = command_.options;
+    Changes all;
+    if (!options.place.empty()) all.push_back({"--place", std::nullopt});
+    if (options.plane_height_m) all.push_back({"--plane-height", std::nullopt});
+    if (!options.actuated_axes.empty()) all.push_back({"--actuated-axes", std::nullopt});
+    for (const OptionSetting& pin : all) changes_.push_back({pin});
+    if (all.size() > 1) changes_.push_back(all);
+    if (prepared_.setup.actuation.is_planar() && is_place_pinned()) {
+      for (const char* pose : kOtherPlanes) {
+        changes_.push_back({{"--place", pose}, {"--plane-height", std::nullopt}});
+      }
+    }
+    if (options.actuated_axes.empty()) return;
+    Changes sensors = other_sensors();
+    sensors.push_back({"--actuated-axes", std::nullopt});
+    changes_.push_back(std::move(sensors));
   }
 
   void add_heights() {
     for (const double part : {0.35, 0.65, 0.2, 0.8}) {
       const double height_m = bounds_.low.z() + part * (bounds_.high.z() - bounds_.low.z());
-      changes_.push_back({{"--plane-height", text_of(height_m)}});
+      changes_.push_back(
+          {{"--plane-height", text_in_steps(height_m, bounds_.high.z() - bounds_.low.z())}});
     }
   }
 
@@ -185,15 +271,20 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
 }
 
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
-                           const std::optional<Advice>& advice) {
-  if (are_comparable(runs)) return {};
-  std::string text = "not comparable\n";
+                           const std::optional<Advice>& advice, bool is_search_cut) {
+  std::string found;
   for (const ExplorationRun& run : runs) {
+    if (run.interrupted) continue;
     for (const std::string& reason : reasons(run)) {
-      text += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
+      found += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
     }
   }
-  if (!advice) return text + "  nothing that was tried in simulated time does better\n";
+  if (found.empty()) return {};
+  std::string text = "not comparable\n" + found;
+  if (!advice) {
+    return text + (is_search_cut ? "  the search for what to try was interrupted\n"
+                                 : "  nothing that was tried in simulated time does better\n");
+  }
   text += "  try: " + advice->command_line + "\n";
   const auto percent = std::lround(100 * advice->least_way_share);
   return text + "  (in simulated time the proxy then came near to " + std::to_string(percent) +

@@ -1,7 +1,10 @@
 #include "engine/workspace.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+
+#include "haptics/check_settings.h"
 
 namespace palpate {
 namespace {
@@ -12,36 +15,88 @@ double widest_m(const Workspace& workspace, const Box& bounds_device) {
   return (bounds_device.high - bounds_device.low).head(workspace.sensors).maxCoeff();
 }
 
+double unit_of(double x) {
+  constexpr int kDigits = 3;
+  return std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
+}
+
 // As it is typed: 0.0666 and not 0.066666667.
 double rounded_down(double x) {
-  constexpr int kDigits = 3;
-  const double unit = std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
+  const double unit = unit_of(x);
   const double rounded = std::floor(x / unit) * unit;
   return std::isfinite(rounded) && rounded > 0.0 ? rounded : x;
+}
+
+// What is left of a number of three digits or more when those behind the third are cut off: they
+// are less than one in a hundred.
+constexpr double kLeftOfRounded = 0.99;
+
+double most_m(const Workspace& workspace) {
+  return workspace.extent_m - 2 * workspace.room_m;
+}
+
+// Of the widest extent: as much below what the workspace holds as digits are cut off, so that the
+// scaled scene is not beyond it by a rounding.
+double wanted_m(const Workspace& workspace) {
+  return std::min(kPartToFill * workspace.extent_m, kLeftOfRounded * most_m(workspace));
+}
+
+// The value of --fit with which what is so wide along the sensed axes becomes so wide.
+std::optional<double> size_for(double wanted_m, double widest_m, double largest_extent_m) {
+  const double size_m = wanted_m * (largest_extent_m / widest_m);
+  if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
+  return rounded_down(size_m);
+}
+
+// The smallest workspace that holds a size of three digits whatever is scaled to it.
+double least_workspace_m(const Workspace& workspace) {
+  const double least_m =
+      2 * workspace.room_m + workspace.least_m / (kLeftOfRounded * kLeftOfRounded);
+  const double unit = unit_of(least_m);
+  return std::ceil(least_m / unit) * unit;
+}
+
+Error too_small(const Workspace& workspace) {
+  std::ostringstream problem;
+  problem << workspace.extent_m << " m given, expected " << least_workspace_m(workspace)
+          << " m at least: room for the hand on each side of what it presses on";
+  return {ErrorCode::kInvalidArgument, "", "--workspace", problem.str(),
+          "no --fit makes a scene fit a smaller one"};
+}
+
+// So far away the extents along the axes are made of roundings.
+std::optional<Error> check_distance(const Box& bounds_device, double largest_extent_m) {
+  const double away_m =
+      bounds_device.low.cwiseAbs().cwiseMax(bounds_device.high.cwiseAbs()).maxCoeff();
+  const double most_m = kFarthestSamplePerSize * largest_extent_m;
+  if (away_m <= most_m) return std::nullopt;
+  std::ostringstream problem;
+  problem << "puts the scene " << away_m << " m away from the device's origin, expected at most "
+          << most_m << " m, where positions keep half of their digits for the scene";
+  return Error{ErrorCode::kInvalidArgument, "", "--place", problem.str(),
+               "place the scene nearer to the device's origin"};
 }
 
 }  // namespace
 
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m) {
-  const double size_m =
-      kPartToFill * workspace.extent_m * (largest_extent_m / widest_m(workspace, bounds_device));
-  if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
-  return rounded_down(size_m);
+  return size_for(wanted_m(workspace), widest_m(workspace, bounds_device), largest_extent_m);
+}
+
+std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
+                                     double largest_extent_m) {
+  return size_for(kLeftOfRounded * most_m(workspace), widest_m(workspace, bounds_device),
+                  largest_extent_m);
 }
 
 std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,
                                 double largest_extent_m) {
   const double widest = widest_m(workspace, bounds_device);
-  const double most_m = workspace.extent_m - 2 * workspace.room_m;
-  if (widest >= workspace.least_m && widest <= most_m) return std::nullopt;
-  if (most_m < workspace.least_m) {
-    std::ostringstream problem;
-    problem << workspace.extent_m << " m given, expected "
-            << 2 * workspace.room_m + workspace.least_m
-            << " m at least: room for the hand on each side of what it presses on";
-    return Error{ErrorCode::kInvalidArgument, "", "--workspace", problem.str(), ""};
-  }
+  const double most = most_m(workspace);
+  if (widest >= workspace.least_m && widest <= most) return std::nullopt;
+  if (workspace.extent_m < least_workspace_m(workspace)) return too_small(workspace);
+  if (auto error = check_distance(bounds_device, largest_extent_m)) return error;
   const Vec3 extent_m = bounds_device.high - bounds_device.low;
   std::ostringstream problem;
   problem << "spans ";
@@ -49,8 +104,8 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
     problem << (axis > 0 ? " x " : "") << extent_m[axis];
   }
   problem << " m along the sensed axes, expected ";
-  if (widest > most_m) {
-    problem << most_m << " m at most: the workspace of " << workspace.extent_m << " m less "
+  if (widest > most) {
+    problem << most << " m at most: the workspace of " << workspace.extent_m << " m less "
             << workspace.room_m << " m on each side for the hand";
   } else {
     problem << workspace.least_m << " m at least: the hand presses so deep";

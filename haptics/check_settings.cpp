@@ -51,6 +51,19 @@ std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
                  "load the scene for this radius");
 }
 
+std::optional<Error> check_pose(const ContactWorld& world, const RigidTransform& T_device_scene) {
+  if (!is_pose(T_device_scene)) {
+    return invalid("initial_pose", "is no pose: expected finite numbers and a unit quaternion");
+  }
+  const double away_m = T_device_scene.translation_m.stableNorm();
+  const double most_m = farthest_place_m(world);
+  if (away_m <= most_m) return std::nullopt;
+  return invalid("initial_pose",
+                 text_of(away_m) + " m away given, expected at most " + text_of(most_m) +
+                     " m, where positions keep half of their digits for the scene",
+                 "place the scene nearer to the device's origin");
+}
+
 std::optional<Error> check_coupling(const ContactWorld& world, const HapticSettings& settings) {
   const CouplingSettings& coupling = settings.coupling;
   const double lag_m = largest_lag_m(world, settings.initial_pose);
@@ -72,6 +85,10 @@ std::optional<Error> check_coupling(const ContactWorld& world, const HapticSetti
 
 double world_extent_m(const ContactWorld& world) noexcept {
   return world.size_m + world.anchor_scene_m.norm();
+}
+
+double farthest_place_m(const ContactWorld& world) noexcept {
+  return kFarthestSamplePerSize * world_extent_m(world);
 }
 
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept {
@@ -101,9 +118,7 @@ std::optional<Error> check_settings(const ContactWorld& world, const HapticSetti
     error->element = "god_object." + error->element;
     return error;
   }
-  if (!is_pose(settings.initial_pose)) {
-    return invalid("initial_pose", "is no pose: expected finite numbers and a unit quaternion");
-  }
+  if (auto error = check_pose(world, settings.initial_pose)) return error;
   if (auto error = check_coupling(world, settings)) return error;
   for (const double part :
        {settings.a4.profile.speed_at_zero_rad_per_s, settings.a4.profile.speed_at_knee_rad_per_s,

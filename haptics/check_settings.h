@@ -36,7 +36,9 @@ std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSe
 //                         the shortest tick of which the damper's speed counts (kShortestTick_s)
 //   a4.profile            three finite numbers, > 0
 //   plane_height_m        finite
-//   initial_pose          finite, its quaternion of length 1 (is_pose)
+//   initial_pose          finite, its quaternion of length 1 (is_pose), and no farther from the
+//                         device's origin than farthest_place_m(): a device's positions have 53
+//                         bits, of which the distance takes the first
 //
 // A loop that is made in spite of an error gives kFaultBadSettings and zero force in each tick.
 std::optional<Error> check_settings(const ContactWorld& world, const HapticSettings& settings);
@@ -47,6 +49,10 @@ inline constexpr double kFarthestSamplePerSize = 0x1p26;
 
 // The size of a world and how far it is from the scene's origin. m.
 double world_extent_m(const ContactWorld& world) noexcept;
+
+// The farthest from the device's origin that a scene can be placed: there a position that the
+// device reads is rounded by 2^-53 of the distance, which is 2^-27 of the scene's size. m.
+double farthest_place_m(const ContactWorld& world) noexcept;
 
 // The farthest from the device's origin that a sample counts. m.
 inline double farthest_sample_m(double world_extent_m,

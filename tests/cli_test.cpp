@@ -17,6 +17,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -35,6 +36,7 @@ using test::GltfBuilder;
 using test::TemporaryFolder;
 
 constexpr const char* kStar = PALPATE_MODELS_DIR "/star.glb";
+constexpr const char* kLock = PALPATE_MODELS_DIR "/lock.glb";
 constexpr const char* kCube = PALPATE_MODELS_DIR "/cube.glb";
 
 std::string content_of(const std::string& path) {
@@ -84,6 +86,15 @@ class CommandLine : public testing::Test {
     if (stdout_path.empty()) outcome.out = content_of(out);
     outcome.err = content_of(err);
     return outcome;
+  }
+
+  // The same by a shell, as `palpate ... >&-`.
+  Outcome call_with_output_closed(const std::vector<std::string>& arguments) const {
+    const std::string err = folder.path("stderr");
+    std::string line = "cd '" + folder.path() + "' && '" PALPATE_PROGRAM "'";
+    for (const std::string& argument : arguments) line += " '" + argument + "'";
+    const int status = std::system((line + " >&- 2>'" + err + "'").c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", content_of(err)};
   }
 
   // Bad arguments or input: code 2, nothing on stdout, one line on stderr with all of `names`.
@@ -365,6 +376,13 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
   expect_refused(replay({"--place", "0 0 0 0 0 0 0"}), {"--place"});
   expect_refused(replay({"--place", "0 0 0 1 1 0 0"}), {"--place"});
   expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});
+  for (const char* far : {"1e12 0 0 1 0 0 0", "0 1e200 0 1 0 0 0"}) {
+    expect_refused(replay({"--place", far}), {": --place: ", "half of their digits"});
+    for (const char* fit : {"0.2", "auto"}) {
+      expect_refused({"run", kStar, "--virtual", "--place", far, "--fit", fit},
+                     {": --place: ", "half of their digits"});
+    }
+  }
 }
 
 // Digits and nothing else: what the option would take for another number, or for the largest that
@@ -624,6 +642,25 @@ TEST_F(CommandLine, LeavesNoFolderOfACommandThatFailed) {
   expect_refused({"run", "missing.glb", "--virtual", "--out", "a/b/c"}, {"missing.glb"});
   expect_refused({"accuracy", "missing.glb", "--out", "a/b/c"}, {"missing.glb"});
   EXPECT_FALSE(std::filesystem::exists(folder.path("a")));
+}
+
+TEST_F(CommandLine, LeavesWhatWasThereWhenNobodyCanBeToldOfIt) {
+  write_path();
+  folder.write("out/trace-off.csv", "old");
+  for (const char* output : {"/dev/full", ""}) {
+    SCOPED_TRACE(output);
+    for (const auto& arguments :
+         {std::vector<std::string>{"run", kStar, "--virtual", "--seconds", "2"},
+          replay({"--out", "out/trace-off.csv"})}) {
+      const Outcome o = *output ? call(arguments, output) : call_with_output_closed(arguments);
+      EXPECT_EQ(o.exit_code, 2);
+      EXPECT_EQ(o.err,
+                "palpate: standard output: cannot be written (check where it goes and the space "
+                "left)\n");
+      EXPECT_EQ(files_in(folder.path("out")), std::vector<std::string>{"trace-off.csv"});
+      EXPECT_EQ(content_of(folder.path("out/trace-off.csv")), "old");
+    }
+  }
 }
 
 TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
@@ -905,6 +942,27 @@ TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
     EXPECT_NE(text.find(line), std::string::npos) << line << " is not in " << text;
   }
   EXPECT_GT(info["memory"]["effects"], 0);
+}
+
+// What is refused is told in one line, whatever else there is to say.
+TEST_F(CommandLine, WarnsOfWhatWasNotUnderstoodWhenNothingIsRefused) {
+  GltfBuilder gltf = triangle_of({{"hue", 3}});
+  const std::string path = gltf.write_glb(folder);
+  const std::string trajectory = folder.write("path.txt", "0.2 0.2 0.1\n0.2 0.2 -0.1\n");
+  const std::vector<std::string> replayed{"replay", path, "--trajectory", trajectory};
+  const std::vector<std::string> run{"run", path, "--virtual", "--seconds", "2", "--sensors", "3"};
+  const std::string warning =
+      "palpate: warning: /materials/0/extras/palpate/hue: hue of \"wood.1\"";
+  EXPECT_TRUE(expect_done(replayed).err.starts_with(warning));
+  std::vector<std::string> fitted = run;
+  fitted.insert(fitted.end(), {"--fit", "0.2"});
+  EXPECT_TRUE(expect_run(fitted).err.starts_with(warning));
+  for (std::vector<std::string> refused : {replayed, fitted}) {
+    refused.insert(refused.end(), {"--move", "moon=0 0 0 0 0 0"});
+    expect_refused(refused, {"moon"});
+  }
+  expect_refused({"run", path, "--virtual", "--fit", "0.2", "--plane-height", "9"},
+                 {"--plane-height"});
 }
 
 TEST_F(CommandLine, TakesPhysicsMaterialsThatWriteOneCoefficient) {
@@ -1425,6 +1483,82 @@ TEST_F(CommandLine, ProposesACommandLineForARunThatIsNotComparable) {
   words.erase(words.begin());
   EXPECT_EQ(json::parse(expect_done(words).out)["comparable"], true) << proposed;
   EXPECT_TRUE(std::filesystem::exists(folder.path("out/trace-on.csv")));
+}
+
+// What the program proposes for a run that is not comparable, as a script would take it.
+std::vector<std::string> proposed_words(const json& result) {
+  EXPECT_TRUE(result["try"].is_string());
+  std::istringstream line(result.value("try", std::string()));
+  std::vector<std::string> words;
+  bool is_quoted = false;
+  std::string word;
+  for (char c = '\0'; line.get(c);) {
+    if (c == '\'') is_quoted = !is_quoted;
+    if (c == ' ' && !is_quoted) words.push_back(std::exchange(word, {}));
+    if (c != '\'' && (c != ' ' || is_quoted)) word += c;
+  }
+  words.push_back(word);
+  words.erase(words.begin());  // palpate
+  return words;
+}
+
+bool has_word(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+TEST_F(CommandLine, ProposesASmallerSphereWhereOneIsTooLarge) {
+  const json result = json::parse(expect_not_comparable({"run", kLock, "--virtual", "--a4", "off",
+                                                         "--radius", "0.02", "--json"})
+                                      .out);
+  EXPECT_NE(result["reasons"][0].get<std::string>().find("a sphere of --radius 0.02 m"),
+            std::string::npos)
+      << result["reasons"];
+  const std::vector<std::string> words = proposed_words(result);
+  EXPECT_TRUE(has_word(words, "--radius")) << result["try"];
+  EXPECT_FALSE(has_word(words, "0.02")) << result["try"];
+  expect_done(words);
+}
+
+// The dark squares of a board, 40 mm wide, as columns of 100 mm: a contour touches itself at their
+// corners, where a hand finds no way through.
+GltfBuilder chessboard() {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<std::uint32_t> indices;
+  constexpr std::array<std::uint32_t, 36> kCorners{0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6,
+                                                   0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3,
+                                                   0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  for (int square = 0; square < 16; ++square) {
+    if ((square / 4 + square) % 2 != 0) continue;
+    for (const std::uint32_t corner : kCorners) {
+      indices.push_back(static_cast<std::uint32_t>(positions.size()) + corner);
+    }
+    const Eigen::Vector3f low(static_cast<float>(square % 4), static_cast<float>(square / 4), 0.0f);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3f offset(static_cast<float>(corner & 1),
+                                   static_cast<float>(corner >> 1 & 1),
+                                   static_cast<float>(corner >> 2) * 2.5f);
+      positions.push_back(0.04f * (low + offset));
+    }
+  }
+  GltfBuilder gltf;
+  const std::size_t position = gltf.add_positions(positions);
+  const std::size_t index = gltf.add_indices(indices);
+  gltf.add_node(
+      {{"mesh", gltf.add_mesh({{{"attributes", {{"POSITION", position}}}, {"indices", index}}})}});
+  return gltf;
+}
+
+TEST_F(CommandLine, ProposesToLeaveOutWhatStandsInTheWay) {
+  const std::string path = chessboard().write_glb(folder);
+  const json result = json::parse(
+      expect_not_comparable({"run", path, "--virtual", "--a4", "off", "--plane-height", "0.06",
+                             "--place=0 0 0 1 0 0 0", "--actuated-axes", "1 0 0", "--json"})
+          .out);
+  const std::vector<std::string> words = proposed_words(result);
+  const int kept = has_word(words, "--plane-height") + has_word(words, "--place=0 0 0 1 0 0 0") +
+                   has_word(words, "--actuated-axes");
+  EXPECT_LT(kept, 3) << result["try"];
+  expect_done(words);
 }
 
 TEST_F(CommandLine, PrintsNoMeansOfARunThatTouchedNothing) {

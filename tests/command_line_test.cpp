@@ -53,9 +53,19 @@ TEST(WithOptions, TakesThePlaceOfWhatWasGiven) {
             (Words{"run", "a=b.glb", "--node", "#2", "--fit", "0.2"}));
 }
 
+TEST(WithOptions, LeaveOutWhatHasNoValue) {
+  EXPECT_EQ(with_options({"run", "--place", "0 0 1 1 0 0 0", "a.glb"}, {{"--place", {}}}),
+            (Words{"run", "a.glb"}));
+  EXPECT_EQ(with_options({"run", "a.glb", "--plane-height=1"},
+                         {{"--plane-height", {}}, {"--place", {}}, {"--sensors", "2"}}),
+            (Words{"run", "a.glb", "--sensors", "2"}));
+}
+
 TEST(WithOptions, StandBeforeWhereOptionsEnd) {
   EXPECT_EQ(with_options({"run", "--", "-a.glb"}, {{"--fit", "0.2"}}),
             (Words{"run", "--fit", "0.2", "--", "-a.glb"}));
+  EXPECT_EQ(with_options({"run", "--", "--fit"}, {{"--fit", {}}}), (Words{"run", "--", "--fit"}))
+      << "a file of this name";
 }
 
 }  // namespace

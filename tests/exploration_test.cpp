@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -16,6 +17,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/path_picture.h"
 #include "engine/replay.h"
 #include "tests/worlds.h"
 
@@ -554,6 +556,49 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
   Condition large;
   large.options.radius_m = 1e-3;  // of a scene that was loaded for a point
   EXPECT_EQ(refused_option(large, {}), "--radius");
+}
+
+// ---- memory ------------------------------------------------------------------------------------
+
+// What helps against one step that lacks memory does not help against another.
+TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
+  ExplorationSettings settings;
+  settings.seconds = 2.0;
+  const std::uint64_t records = 2000 * (sizeof(TickRecord) + sizeof(std::int64_t));
+  const auto refused = [&](std::uint64_t bytes, std::uint64_t taken) {
+    settings.max_memory_bytes = bytes;
+    settings.taken_memory_bytes = taken;
+    const auto run = try_explore("star", {options_of(2, 1), false, 0}, settings);
+    EXPECT_FALSE(run) << bytes;
+    return run ? Error{} : run.error();
+  };
+  const Error before = refused(1000, 1001);
+  EXPECT_NE(before.hint.find("--node"), std::string::npos) << before.to_string();
+  const Error recording = refused(records - 1, 0);
+  EXPECT_EQ(recording.element, "--seconds");
+  EXPECT_NE(recording.hint.find("shorter run"), std::string::npos) << recording.to_string();
+  const Error cutting = refused(records + 1, 0);
+  EXPECT_NE(cutting.problem.find("cutting"), std::string::npos) << cutting.to_string();
+  EXPECT_NE(cutting.hint.find("--sensors 3"), std::string::npos) << cutting.to_string();
+  EXPECT_EQ(cutting.hint.find("shorter run"), std::string::npos) << cutting.to_string();
+}
+
+// ---- picture -----------------------------------------------------------------------------------
+
+// `run` refuses the one, and does without the other.
+TEST(PathPicture, ThatFindsNoRoomIsToldFromOneThatCannotBeDrawn) {
+  const std::vector<ExplorationRun> runs{explored("star", {options_of(2, 1), false, 0}, 1, 3.0)};
+  const auto full = write_path_picture(runs, "star", "/dev/full");
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code, ErrorCode::kFileUnwritable);
+  EXPECT_EQ(full.error().path, "/dev/full");
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const auto missing = write_path_picture(runs, "star", "/dev/full");
+  ::setenv("PATH", path.c_str(), 1);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(missing.error().hint.find("the traces are complete"), std::string::npos);
 }
 
 // ---- display -----------------------------------------------------------------------------------

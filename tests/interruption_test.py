@@ -3,7 +3,7 @@
 
 interruption_test.py PALPATE MODELS_DIR
 
-Sends SIGINT or SIGTERM, as a terminal does to the whole process group, at random instants of `run` in
+Sends SIGINT, SIGTERM or SIGHUP, as a terminal does to the whole process group, at random instants of `run` in
 real time and virtual time, of `replay` and of `accuracy`. The folder of results holds files of an
 older run before. Checks the exit code, that every line of every CSV file is whole, that no file of the
 older run stands beside new ones, that nothing else in the folder has changed, and that JSON and traces
@@ -43,11 +43,20 @@ def check(condition, message):
         raise Failure(message)
 
 
-def takes_signals(process):
-    """Whether the program has come so far that it handles SIGINT: before, the system ends it."""
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def signals_of(process, kind):
+    """The mask of the signals that the program catches (SigCgt) or ignores (SigIgn)."""
     status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
-    return int(caught.split()[1], 16) >> (signal.SIGINT - 1) & 1
+    line = next(line for line in status.splitlines() if line.startswith(kind))
+    return int(line.split()[1], 16)
+
+
+def takes_signals(process):
+    """Whether the program has come so far that it handles signals: before, the system ends it."""
+    caught = signals_of(process, "SigCgt:")
+    return all(caught >> (number - 1) & 1 for number in SIGNALS)
 
 
 def interrupted(command, folder, delays_s, number):
@@ -135,7 +144,7 @@ def check_runs(palpate, models, folder, generator, options):
     prepare(out)
     whole_s = seconds_of(command, folder)
     seen = {"nothing written": 0, "cut": 0, "whole": 0, "too late": 0}
-    signals = itertools.cycle((signal.SIGINT, signal.SIGTERM))
+    signals = itertools.cycle(SIGNALS)
     while sum(seen.values()) - seen["too late"] < INTERRUPTIONS:
         check(seen["too late"] < 10 * INTERRUPTIONS, f"signals come too late: {seen}")
         prepare(out)
@@ -200,6 +209,44 @@ def check_killed(palpate, models, folder, generator):
     check(not list(out.glob(".palpate-unfinished-*")), "a hidden folder outlives the next run")
 
 
+def check_search(palpate, models, folder):
+    """A run that is whole is judged though a signal ends the search for what to try instead."""
+    command = [palpate, "run", models / "gallery.glb", "--virtual", "--seconds", "3", "--out", "cut"]
+    picture = folder / "cut" / "paths.svg"
+    for _ in range(INTERRUPTIONS):
+        picture.unlink(missing_ok=True)
+        process = subprocess.Popen([str(part) for part in command], cwd=folder, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   start_new_session=True)
+        while process.poll() is None and not picture.exists():
+            time.sleep(0.0005)
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+        if process.returncode == 128 + signal.SIGINT and "results are whole" in err:
+            break
+    check("the search for what to try was interrupted\n" in out, f"{out} {err}")
+    check(out.startswith("not comparable\n  without A4: the proxy came near to "), out)
+    check("\ninterrupted when the runs were done; the results are whole\n" in out, out)
+
+
+def check_nohup(palpate, models, folder):
+    """A run that was started with SIGHUP ignored outlives its terminal, and obeys Ctrl-C."""
+    command = [str(palpate), "run", str(models / "star.glb"), "--out", "nohup", "--seconds", "60"]
+    process = subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, start_new_session=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    while not signals_of(process, "SigCgt:") >> (signal.SIGINT - 1) & 1:
+        time.sleep(0.0005)
+    os.killpg(process.pid, signal.SIGHUP)
+    time.sleep(2.0)
+    check(process.poll() is None, "SIGHUP ends a run that was started with it ignored")
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    check(process.returncode == 128 + signal.SIGINT, f"exit code {process.returncode}: {err}")
+    check("interrupted" in out, out)
+
+
 def check_replays(palpate, models, folder, generator):
     """The trace is the older one or the new one, and nothing is beside it."""
     ticks = 60000
@@ -244,7 +291,7 @@ def check_studies(palpate, folder, generator):
 
 def main():
     palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
-    for number in (signal.SIGINT, signal.SIGTERM):  # whoever runs this may have them ignored
+    for number in SIGNALS:  # whoever runs this may have them ignored
         signal.signal(number, signal.SIG_DFL)
     generator = random.Random(SEED)
     try:
@@ -256,6 +303,8 @@ def main():
             check_runs(palpate, models, folder, generator, ["--seconds", "2"])
             check_second_signals(palpate, models, folder, generator)
             check_killed(palpate, models, folder, generator)
+            check_search(palpate, models, folder)
+            check_nohup(palpate, models, folder)
             check_replays(palpate, models, folder, generator)
             check_studies(palpate, folder, generator)
     except Failure as failure:

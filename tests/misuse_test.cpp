@@ -75,7 +75,7 @@ std::vector<BadSetting> bad_settings() {
   });
   add("plane_height_m", {kNan, kInfinity},
       [](HapticSettings& s, double v) { s.plane_height_m = v; });
-  add("initial_pose", {kNan, kInfinity},
+  add("initial_pose", {kNan, kInfinity, 1e12, -1e200},
       [](HapticSettings& s, double v) { s.initial_pose.translation_m.y() = v; });
   add("initial_pose", {kNan, kInfinity, 0.0, 1.001},
       [](HapticSettings& s, double v) { s.initial_pose.rotation = Quat(v, 0, 0, 0); });
@@ -147,6 +147,27 @@ TEST(CheckSettings, AsksEveryIndexAndTheTreeOverThem) {
   ContactWorld tree_alone = large.world();
   tree_alone.tree = small.world().tree;
   EXPECT_TRUE(check_settings(tree_alone, settings));
+}
+
+// A position there is rounded by half of the double format's digits of the scene's size.
+TEST(CheckSettings, BoundsThePlaceByTheDigitsThatPositionsHaveThere) {
+  Random random(8103);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double size = std::pow(10.0, random.uniform(-6.0, 3.0));
+    const OwnedWorld world(box_soup(size * kHalf_m), random.pose(size));
+    const double most_m = farthest_place_m(world.world());
+    const double rounding_m = std::nextafter(most_m, HUGE_VAL) - most_m;
+    EXPECT_LE(rounding_m, 0x1p-26 * world_extent_m(world.world()));
+    HapticSettings settings = good_settings();
+    const Vec3 direction = random.rotation() * Vec3::UnitX();
+    settings.initial_pose.translation_m = 0.999 * most_m * direction;
+    const auto near = check_settings(world.world(), settings);
+    EXPECT_FALSE(near) << near->to_string();
+    settings.initial_pose.translation_m = 1.001 * most_m * direction;
+    const auto far = check_settings(world.world(), settings);
+    ASSERT_TRUE(far);
+    EXPECT_EQ(far->element, "initial_pose");
+  }
 }
 
 // With K at its bound, the farthest sample that counts still gives a force whose square is finite.

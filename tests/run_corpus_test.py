@@ -137,7 +137,7 @@ def check_run(folder, run, extent_m):
         wrong.append(f"longest gap {run['longest_gap_ticks']}, the trace has {gap}")
     if (run["mean_contact_angle_deg"] is None) != (contact < LEAST_CONTACT_OF_MEANS):
         wrong.append("a mean is printed where there is none, or none where there is one")
-    comparable = contact > 0 and run["way_share"] >= LEAST_WAY and gap <= LONGEST_GAP * ticks
+    comparable = contact >= LEAST_CONTACT_OF_MEANS and run["way_share"] >= LEAST_WAY and gap <= LONGEST_GAP * ticks
     if comparable != run["comparable"]:
         wrong.append(f"comparable is {run['comparable']}, expected {comparable}")
     if bool(run["reasons"]) == comparable:
@@ -155,6 +155,14 @@ def largest_extent(program, arguments):
     return max(json.loads(answer.stdout)["extent_m"])
 
 
+def with_option(arguments, option, value):
+    """The arguments with the option in place of what they have of it."""
+    if option in arguments:
+        at = arguments.index(option)
+        arguments = arguments[:at] + arguments[at + 2:]
+    return [*arguments, option, value]
+
+
 def one_round(program, arguments, folder):
     """Exit code, what is wrong, and the arguments to go on with (None: nothing is proposed)."""
     for old in folder.iterdir():
@@ -167,7 +175,7 @@ def one_round(program, arguments, folder):
         option = re.search(r"(--[a-z-]+) (\"[^\"]+\"|[^\s,;)]+)", lines[0] if lines else "")
         if not option:
             return 2, wrong, None
-        return 2, wrong, [*arguments, option[1], option[2].strip('"')]
+        return 2, wrong, with_option(arguments, option[1], option[2].strip('"'))
     if answer.returncode not in (0, 3):
         return answer.returncode, [f"exit code {answer.returncode}: {answer.stderr[-300:]!r}"], None
     result = json.loads(answer.stdout)

@@ -2,11 +2,15 @@
 
 #include "engine/run_summary.h"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "engine/run_judgement.h"
 
 namespace palpate {
 namespace {
@@ -182,6 +186,49 @@ TEST(RunSummary, MeasuresTheExtentOfTheDevice) {
   const RunSummary s =
       summary_of({free_tick({-1, 2, 0}), free_tick({3, 2, -4}), free_tick({0, 5, 0})});
   EXPECT_EQ(s.device_extent_m, Vec3(4, 3, 4));
+}
+
+// ---- whether it is comparable ------------------------------------------------------------------
+
+// A run of 1000 ticks of 1 ms, the first of them in contact, that came near to all of its way.
+ExplorationRun run_with(std::uint64_t contact_ticks) {
+  ExplorationRun run;
+  run.summary.ticks = 1000;
+  run.summary.contact_ticks = contact_ticks;
+  run.way_share = 1.0;
+  run.contour_scene_m = {Vec3::Zero(), Vec3(0.1, 0.05, 0)};
+  return run;
+}
+
+bool mentions(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(),
+                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+TEST(RunJudgement, TakesNoRunWhoseMeansAreNotPrinted) {
+  EXPECT_EQ(shortfalls(run_with(0)), std::vector{Shortfall::kNeverTouched});
+  EXPECT_EQ(shortfalls(run_with(49)), std::vector{Shortfall::kLittleContact});
+  EXPECT_TRUE(mentions(reasons(run_with(49)), "in contact for 4.9 % of the run, expected 5 %"));
+  EXPECT_FALSE(mentions(reasons(run_with(49)), "slips off"));
+  EXPECT_TRUE(is_comparable(run_with(50)));
+  for (const std::uint64_t ticks : {0, 1, 49, 50, 51, 1000}) {
+    EXPECT_TRUE(has_means(run_with(ticks).summary) || !is_comparable(run_with(ticks))) << ticks;
+  }
+}
+
+TEST(RunJudgement, NamesWhatIsSmallBesideTheHandWhereContactIsLittle) {
+  ExplorationRun run = run_with(20);
+  run.places_scene_m = {Vec3(1, 0, 0), Vec3(1.002, 0.001, 0)};
+  run.contour_scene_m.clear();
+  EXPECT_TRUE(mentions(reasons(run), "which spans 2.0 mm, while it presses 4.0 mm deep"));
+}
+
+TEST(RunJudgement, NamesTheSphereWhereTheWayIsLittle) {
+  ExplorationRun run = run_with(500);
+  run.way_share = 0.5;
+  EXPECT_FALSE(mentions(reasons(run), "--radius"));
+  run.proxy_radius_m = 0.01;
+  EXPECT_TRUE(mentions(reasons(run), "a sphere of --radius 0.01 m is too large for"));
 }
 
 TEST(StepTimes, AreThoseOfTheSmallestTickThatTheShareDoesNotExceed) {

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "engine/exploration.h"
 #include "engine/placed_bounds.h"
 #include "engine/plane_height.h"
 #include "geometry/section.h"
@@ -162,7 +165,10 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
       part.linear *= size;
       part.translation_m *= size;
     }
-    const Workspace workspace{random.index(2) == 0 ? 2 : 3, random.uniform(0.1, 2.0), 0.008, 0.004};
+    // From the least that has room for a hand.
+    const double extent_m =
+        random.index(2) == 0 ? random.uniform(0.1, 2.0) : random.uniform(0.0201, 0.04);
+    const Workspace workspace{random.index(2) == 0 ? 2 : 3, extent_m, 0.008, 0.004};
     const ScenePose pose = random_pose(random);
     const Scene scene = scene_of(parts);
     const Box bounds = bounds_in_device(scene, pose);
@@ -176,8 +182,67 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
         check_fits(workspace, {factor * bounds.low, factor * bounds.high}, factor * largest_m))
         << error->to_string();
     const double widest_m = factor * (bounds.high - bounds.low).head(workspace.sensors).maxCoeff();
-    EXPECT_NEAR(widest_m, 0.5 * workspace.extent_m, 0.006 * workspace.extent_m);
+    const double wanted_m = std::min(0.5 * extent_m, 0.99 * (extent_m - 0.016));
+    EXPECT_NEAR(widest_m, wanted_m, 0.011 * wanted_m);
   }
+}
+
+// A workspace of 20 mm holds one size alone, which no three digits name.
+TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
+  const Box box{Vec3::Zero(), Vec3::Constant(0.1)};
+  for (const double extent_m : {0.001, 0.016, 0.02, 0.02005}) {
+    const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->element, "--workspace");
+    EXPECT_NE(error->problem.find("0.0201 m at least"), std::string::npos) << error->problem;
+  }
+  const auto error = check_fits({2, 0.0201, 0.008, 0.004}, box, 0.1);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->element, "scene") << "a size fits";
+}
+
+// ---- room for a hand that walks ----------------------------------------------------------------
+
+// Up to the first tick.
+Result<ExplorationRun> planned(const Scene& scene, int sensors) {
+  RunOptions options;
+  options.sensors = sensors;
+  options.default_actuators = 1;
+  const auto setup = make_setup(options);
+  if (!setup) return setup.error();
+  ExplorationSettings settings;
+  StopFlag at_once;
+  at_once.request();
+  return explore(
+      scene, *setup, settings, [](double) {}, &at_once);
+}
+
+Scene beam(double length_m, double slenderness) {
+  const double half_m = 0.5 * length_m;
+  return scene_of({{test::box_soup(Vec3(half_m, half_m / slenderness, half_m / slenderness))}});
+}
+
+// What the hint names is taken: the hand finds its way then.
+TEST(RoomForAHand, IsFoundWithWhatTheErrorProposes) {
+  std::set<std::string> proposed;
+  constexpr double length_m = 0.2;
+  for (const double slenderness : {3000.0, 10000.0}) {
+    const auto refused = planned(beam(length_m, slenderness), 3);
+    if (refused) continue;
+    const std::string& hint = refused.error().hint;
+    SCOPED_TRACE(hint);
+    if (const std::size_t at = hint.find("--fit "); at != std::string::npos) {
+      const double size_m = std::stod(hint.substr(at + 6));
+      EXPECT_LE(size_m, 0.384) << "the workspace";
+      EXPECT_TRUE(planned(beam(size_m, slenderness), 3));
+      proposed.insert("--fit");
+    } else {
+      ASSERT_NE(hint.find("--sensors 2"), std::string::npos);
+      EXPECT_TRUE(planned(beam(length_m, slenderness), 2));
+      proposed.insert("--sensors");
+    }
+  }
+  EXPECT_FALSE(proposed.empty());
 }
 
 }  // namespace

@@ -1,0 +1,61 @@
+#include "engine/room_hint.h"
+
+#include <sstream>
+
+#include "engine/path_plan.h"
+#include "engine/placed_bounds.h"
+#include "engine/plane_height.h"
+#include "engine/workspace.h"
+
+namespace palpate {
+namespace {
+
+Workspace workspace_of(const ExplorationSettings& settings, int sensors) {
+  const double depth_m = PathPlanSettings{}.press_depth_m;
+  return {sensors, settings.workspace_m, 2 * depth_m, depth_m};
+}
+
+// A scene k times as large is to the hand what this one is to a hand that is k times as small.
+bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double factor) {
+  SurfacePathSettings smaller = wanted;
+  smaller.length_m /= factor;
+  smaller.leg_m /= factor;
+  smaller.room_m /= factor;
+  return plan_surface_path(scene, smaller).has_value();
+}
+
+// The device that senses A1 and A2 finds a contour that it reaches.
+bool has_contour(const Scene& scene, const RunSetup& setup, const ExplorationSettings& settings) {
+  const ScenePose& pose = setup.haptics.initial_pose;
+  const double largest_m = scene.statistics().extent_m.maxCoeff();
+  return !check_fits(workspace_of(settings, 2), bounds_in_device(scene, pose), largest_m) &&
+         height_with_contour_m(scene, pose).has_value();
+}
+
+std::string two_sensors_text(const ActuationModel& actuation) {
+  return actuation.actuators() > 2 ? "use --sensors 2 with two --actuators at most"
+                                   : "use --sensors 2";
+}
+
+}  // namespace
+
+std::string room_hint(const Scene& scene, const RunSetup& setup,
+                      const ExplorationSettings& settings, const SurfacePathSettings& wanted) {
+  const Workspace workspace = workspace_of(settings, setup.actuation.sensors());
+  const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
+  const double largest_m = scene.statistics().extent_m.maxCoeff();
+  for (const auto& size_m : {fitting_size_m(workspace, bounds, largest_m),
+                             largest_size_m(workspace, bounds, largest_m)}) {
+    if (!size_m || *size_m <= largest_m) continue;
+    if (!has_path_at(scene, wanted, *size_m / largest_m)) continue;
+    std::ostringstream hint;
+    hint << "scale it up with --fit " << *size_m;
+    return hint.str();
+  }
+  if (has_contour(scene, setup, settings)) return two_sensors_text(setup.actuation);
+  return scene.objects().size() > 1
+             ? "no size within --workspace has any: choose a part of it with --node"
+             : "no size within --workspace has any: choose a scene with larger faces";
+}
+
+}  // namespace palpate
