@@ -1,0 +1,157 @@
+#include "engine/ball_outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+
+#include "engine/free_chains.h"
+#include "geometry/collinear_runs.h"
+
+namespace palpate {
+namespace {
+
+// Of the radius: what is left out of an outline. Finer detail makes no difference to where the ball
+// can be, and bounds how many legs of an offset curve meet.
+constexpr double kLeftOut = 1.0 / 256;
+
+// Arcs become legs of so much at most, which are within 1/800 of the radius.
+constexpr double kLegRad = std::numbers::pi / 32;
+
+// What touches the ball while its centre is on a leg of the offset curve.
+enum class Touched : std::uint8_t { kSegment, kCorner, kNothing };
+struct Touch {
+  Touched what;
+  Vec3 corner_m;  // kCorner
+  Vec3 outward;   // kSegment: unit
+};
+
+class BallRoller {
+ public:
+  BallRoller(const Vec3& plane_normal, double radius_m)
+      : normal_(plane_normal), radius_m_(radius_m) {}
+
+  // The way of the centre at the distance of the radius: where the outline turns towards the ball
+  // it crosses itself, and what it goes round still is what the centre cannot get into (as of any
+  // offset curve by winding number, Chen and McMains 2005).
+  void add(const Outline& outline) {
+    std::vector<Vec3> points = without_collinear_points(
+        outline.curve.points_m, outline.curve.closed, normal_, kLeftOut * radius_m_);
+    if (points.size() < 2) return;
+    if (!outline.curve.closed) {  // there and back
+      for (std::size_t i = points.size() - 1; i-- > 1;) points.push_back(Vec3(points[i]));
+    }
+    Polyline offset{{}, true};
+    touches_.emplace_back();
+    const std::size_t n = points.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 out = outward(points[(i + n - 1) % n], points[i]);
+      add_corner(points[i], out, outward(points[i], points[(i + 1) % n]), offset);
+    }
+    offset_.push_back(std::move(offset));
+  }
+
+  std::vector<Outline> outlines() const {
+    std::vector<Outline> found;
+    const FreeChains free = free_chains(offset_, normal_);
+    for (const FreeChain& chain : free.chains) {
+      if (!chain.closed) continue;
+      Polyline touched{without_collinear_points(touched_on(chain), true, normal_, free.merged_m),
+                       true};
+      if (touched.points_m.size() > 1) found.push_back({std::move(touched), false});
+    }
+    std::stable_sort(found.begin(), found.end(), [](const Outline& a, const Outline& b) {
+      return length_m(a.curve) > length_m(b.curve);
+    });
+    return found;
+  }
+
+ private:
+  Vec3 outward(const Vec3& from, const Vec3& to) const {
+    return (to - from).cross(normal_).normalized();
+  }
+
+  // From one direction to another, to the left.
+  double turn_rad(const Vec3& from, const Vec3& to) const {
+    return std::atan2(from.cross(to).dot(normal_), from.dot(to));
+  }
+  Vec3 turned(const Vec3& direction, double angle_rad) const {
+    return std::cos(angle_rad) * direction + std::sin(angle_rad) * normal_.cross(direction);
+  }
+
+  // The centre goes round a corner that sticks out, and through one that does not; then along the
+  // segment behind it.
+  void add_corner(const Vec3& corner_m, const Vec3& before, const Vec3& after, Polyline& offset) {
+    const auto add_leg = [&](const Vec3& from, const Touch& touch) {
+      offset.points_m.push_back(from);
+      touches_.back().push_back(touch);
+    };
+    // What turns right back goes round an end: a slit without width is none.
+    const double rad = turn_rad(before, after);
+    const bool turns_back = before.cross(after).norm() < kTurnsBack && before.dot(after) < 0.0;
+    if (rad >= 0.0 || turns_back) {
+      const double whole_rad = std::abs(rad);
+      const double legs = std::ceil(whole_rad / kLegRad);
+      for (double k = 0.0; k < legs; ++k) {
+        const Vec3 out = k == 0.0 ? before : turned(before, k / legs * whole_rad);
+        add_leg(corner_m + radius_m_ * out, {Touched::kCorner, corner_m, Vec3::Zero()});
+      }
+    } else {
+      add_leg(corner_m + radius_m_ * before, {Touched::kNothing, corner_m, Vec3::Zero()});
+      add_leg(corner_m, {Touched::kNothing, corner_m, Vec3::Zero()});
+    }
+    add_leg(corner_m + radius_m_ * after, {Touched::kSegment, corner_m, after});
+  }
+
+  // The places that the ball touches, one after the other, and its own arc where it leaves one for
+  // another.
+  std::vector<Vec3> touched_on(const FreeChain& chain) const {
+    std::vector<Vec3> touched;
+    const std::size_t n = chain.points.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const ChainPoint& here = chain.points[i];
+      const ChainPoint& before = chain.points[(i + n - 1) % n];
+      const Vec3 left = place(before, here.p_m) - here.p_m;
+      const Vec3 next = place(here, here.p_m) - here.p_m;
+      touched.push_back(here.p_m + left);
+      add_arc(here.p_m, left, next, touched);
+      touched.push_back(here.p_m + next);
+    }
+    return touched;
+  }
+
+  Vec3 place(const ChainPoint& on, const Vec3& centre_m) const {
+    const Touch& touch = touches_[on.curve][on.segment];
+    return touch.what == Touched::kSegment ? Vec3(centre_m - radius_m_ * touch.outward)
+                                           : touch.corner_m;
+  }
+
+  // Around the centre, to the right.
+  void add_arc(const Vec3& centre_m, const Vec3& from, const Vec3& to,
+               std::vector<Vec3>& points) const {
+    const double rad = turn_rad(from, to);
+    if (rad >= -kLegRad) return;
+    const double legs = std::ceil(-rad / kLegRad);
+    for (double k = 1.0; k < legs; ++k) points.push_back(centre_m + turned(from, k / legs * rad));
+  }
+
+  // Sine of an angle that is none.
+  static constexpr double kTurnsBack = 0x1p-40;
+
+  Vec3 normal_;
+  double radius_m_;
+  std::vector<Polyline> offset_;
+  std::vector<std::vector<Touch>> touches_;  // by curve and segment
+};
+
+}  // namespace
+
+std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3& plane_normal,
+                                   double radius_m) {
+  BallRoller roller(plane_normal, radius_m);
+  for (const Outline& outline : found) roller.add(outline);
+  return roller.outlines();
+}
+
+}  // namespace palpate
