@@ -16,8 +16,10 @@ namespace {
 // can be, and bounds how many legs of an offset curve meet.
 constexpr double kLeftOut = 1.0 / 256;
 
-// Arcs become legs of so much at most, which are within 1/800 of the radius.
+// Arcs become legs of so much at most, which are within 1/800 of the radius; while smaller balls
+// prepare for the one that is asked for, within a fiftieth of theirs.
 constexpr double kLegRad = std::numbers::pi / 32;
+constexpr double kCoarseLegRad = std::numbers::pi / 8;
 
 // What touches the ball while its centre is on a leg of the offset curve.
 enum class Touched : std::uint8_t { kSegment, kCorner, kNothing };
@@ -27,10 +29,25 @@ struct Touch {
   Vec3 outward;   // kSegment: unit
 };
 
+// How near to each other segments are, about: as if they were spread evenly, along curves or over
+// a square. A ball as small as that meets few of them at a time.
+double spacing_m(const std::vector<Outline>& outlines) {
+  double whole_m = 0.0;
+  double count = 1.0;
+  Eigen::AlignedBox3d box;
+  for (const Outline& outline : outlines) {
+    whole_m += length_m(outline.curve);
+    count += static_cast<double>(outline.curve.points_m.size());
+    for (const Vec3& p : outline.curve.points_m) box.extend(p);
+  }
+  if (box.isEmpty()) return 0.0;
+  return std::min(whole_m / count, 0.25 * box.sizes().maxCoeff() / std::sqrt(count));
+}
+
 class BallRoller {
  public:
-  BallRoller(const Vec3& plane_normal, double radius_m)
-      : normal_(plane_normal), radius_m_(radius_m) {}
+  BallRoller(const Vec3& plane_normal, double radius_m, double leg_rad)
+      : normal_(plane_normal), radius_m_(radius_m), leg_rad_(leg_rad) {}
 
   // The way of the centre at the distance of the radius: where the outline turns towards the ball
   // it crosses itself, and what it goes round still is what the centre cannot get into (as of any
@@ -92,7 +109,7 @@ class BallRoller {
     const bool turns_back = before.cross(after).norm() < kTurnsBack && before.dot(after) < 0.0;
     if (rad >= 0.0 || turns_back) {
       const double whole_rad = std::abs(rad);
-      const double legs = std::ceil(whole_rad / kLegRad);
+      const double legs = std::ceil(whole_rad / leg_rad_);
       for (double k = 0.0; k < legs; ++k) {
         const Vec3 out = k == 0.0 ? before : turned(before, k / legs * whole_rad);
         add_leg(corner_m + radius_m_ * out, {Touched::kCorner, corner_m, Vec3::Zero()});
@@ -131,16 +148,18 @@ class BallRoller {
   void add_arc(const Vec3& centre_m, const Vec3& from, const Vec3& to,
                std::vector<Vec3>& points) const {
     const double rad = turn_rad(from, to);
-    if (rad >= -kLegRad) return;
-    const double legs = std::ceil(-rad / kLegRad);
+    if (rad >= -leg_rad_) return;
+    const double legs = std::ceil(-rad / leg_rad_);
     for (double k = 1.0; k < legs; ++k) points.push_back(centre_m + turned(from, k / legs * rad));
   }
 
-  // Sine of an angle that is none.
-  static constexpr double kTurnsBack = 0x1p-40;
+  // Sine of an angle that is none: of the rounding of what has been merged. Where a slit is taken
+  // for an end, what is added is inside of what the ball cannot get into.
+  static constexpr double kTurnsBack = 0x1p-20;
 
   Vec3 normal_;
   double radius_m_;
+  double leg_rad_;
   std::vector<Polyline> offset_;
   std::vector<std::vector<Touch>> touches_;  // by curve and segment
 };
@@ -149,9 +168,18 @@ class BallRoller {
 
 std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3& plane_normal,
                                    double radius_m) {
-  BallRoller roller(plane_normal, radius_m);
-  for (const Outline& outline : found) roller.add(outline);
-  return roller.outlines();
+  // What a large ball can touch of some outlines is what it can touch of what a smaller one can:
+  // balls that double in size find it, so that each meets few segments at a time.
+  std::vector<Outline> touched = found;
+  const double first_m = spacing_m(found);
+  double r_m = radius_m;
+  while (first_m > 0.0 && r_m > first_m) r_m *= 0.5;
+  for (;; r_m *= 2.0) {
+    BallRoller roller(plane_normal, r_m, r_m == radius_m ? kLegRad : kCoarseLegRad);
+    for (const Outline& outline : touched) roller.add(outline);
+    touched = roller.outlines();
+    if (r_m == radius_m || touched.empty()) return touched;
+  }
 }
 
 }  // namespace palpate

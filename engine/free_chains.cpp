@@ -211,19 +211,32 @@ class ChainFinder {
     return along_x ? up : -up;
   }
 
-  // The winding number of each open curve that a ray meets, and of all closed ones together.
-  using Windings = std::vector<std::pair<std::uint32_t, int>>;
+  // The winding number of all closed curves that a ray meets, and what each open one adds to its.
+  struct Windings {
+    int closed = 0;
+    std::vector<std::pair<std::uint32_t, int>> open;
+
+    void clear() {
+      closed = 0;
+      open.clear();
+    }
+  };
   void add(Windings& windings, std::uint32_t p, int turns) const {
-    windings.emplace_back(is_open(p) ? source(p).curve : kNone, turns);
+    if (is_open(p)) {
+      windings.open.emplace_back(source(p).curve, turns);
+    } else {
+      windings.closed += turns;
+    }
   }
   static bool is_solid(Windings& windings) {
-    std::sort(windings.begin(), windings.end());
-    int sum = 0;
-    for (std::size_t k = 0; k < windings.size();) {
-      const std::uint32_t curve = windings[k].first;
+    auto& open = windings.open;
+    std::sort(open.begin(), open.end());
+    int sum = windings.closed;
+    for (std::size_t k = 0; k < open.size();) {
+      const std::uint32_t curve = open[k].first;
       int winding = 0;
-      for (; k < windings.size() && windings[k].first == curve; ++k) winding += windings[k].second;
-      sum += curve == kNone ? winding : std::max(0, winding);
+      for (; k < open.size() && open[k].first == curve; ++k) winding += open[k].second;
+      sum += std::max(0, winding);
     }
     return sum > 0;
   }
