@@ -164,6 +164,20 @@ class BallRoller {
   std::vector<std::vector<Touch>> touches_;  // by curve and segment
 };
 
+// Where a ball bridges a gap from both sides its arcs may cross: what they go round is theirs, and
+// solid for a larger one, but for what is between the arcs.
+std::vector<Outline> uncrossed(const std::vector<Outline>& touched, const Vec3& plane_normal) {
+  std::vector<Polyline> curves;
+  for (const Outline& outline : touched) curves.push_back(outline.curve);
+  std::vector<Outline> whole;
+  for (const FreeChain& chain : free_chains(curves, plane_normal).chains) {
+    if (!chain.closed || chain.is_sheet) continue;
+    whole.push_back({{{}, true}, false});
+    for (const ChainPoint& p : chain.points) whole.back().curve.points_m.push_back(p.p_m);
+  }
+  return whole;
+}
+
 }  // namespace
 
 std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3& plane_normal,
@@ -179,6 +193,7 @@ std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3
     for (const Outline& outline : touched) roller.add(outline);
     touched = roller.outlines();
     if (r_m == radius_m || touched.empty()) return touched;
+    touched = uncrossed(touched, plane_normal);
   }
 }
 

@@ -331,7 +331,7 @@ class ChainFinder {
   }
 
   FreeChain chain_from(std::uint32_t first, bool closed, std::vector<bool>& is_done) const {
-    FreeChain chain{{}, closed, true};
+    FreeChain chain{{}, closed, true, ways_[first].is_sheet};
     const auto add_point = [&](std::uint32_t vertex, std::uint32_t w) {
       const Source& s = source(ways_[w].piece);
       chain.points.push_back({place(vertex), s.curve, s.segment, edges_at(vertex) > 2});

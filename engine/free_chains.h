@@ -21,6 +21,7 @@ struct FreeChain {
   std::vector<ChainPoint> points;  // open: the last one names the segment that ends there
   bool closed;
   bool has_two_sides;  // of open curves alone
+  bool is_sheet;       // begins with nothing solid behind it
 };
 
 struct FreeChains {
