@@ -123,8 +123,6 @@ class ChainFinder {
 
   // --- solid
 
-  // Along a row of edges that no other meets, all have the same on either side: the longest is
-  // asked.
   void find_solid() {
     std::vector<GridBox> boxes;
     boxes.reserve(arrangement_.pieces.size());
@@ -132,6 +130,67 @@ class ChainFinder {
       boxes.push_back(GridBox{at(p.from), at(p.from)}.united({at(p.to), at(p.to)}));
     }
     const PlanarBoxes tree(std::move(boxes));
+    const bool all_closed = std::all_of(curves_.begin(), curves_.end(),
+                                        [](const Polyline& curve) { return curve.closed; });
+    if (all_closed) {
+      spread_windings(tree);
+    } else {
+      ask_rows(tree);
+    }
+  }
+
+  // Where all curves are closed, one edge is asked of all that are connected: around a vertex, what
+  // is to the left of an edge is to the right of the next.
+  void spread_windings(const PlanarBoxes& tree) {
+    std::vector<int> left(2 * edges_.size(), 0);  // winding number by way
+    std::vector<bool> is_known(edges_.size(), false);
+    std::vector<bool> is_done(arrangement_.vertices.size(), false);
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      if (is_known[e]) continue;
+      is_known[e] = true;
+      const bool is_far_left = ask(e, tree);
+      left[2 * e] = (is_far_left ? far_side_ : near_side_).closed;
+      left[2 * e + 1] = (is_far_left ? near_side_ : far_side_).closed;
+      open.assign({edges_[e].ends[0], edges_[e].ends[1]});
+      while (!open.empty()) {
+        const std::uint32_t v = open.back();
+        open.pop_back();
+        if (is_done[v]) continue;
+        is_done[v] = true;
+        const std::vector<std::uint32_t> around = ways_around(v);
+        const auto first = std::find_if(around.begin(), around.end(),
+                                        [&](std::uint32_t w) { return is_known[w / 2]; });
+        const auto begin = static_cast<std::size_t>(first - around.begin());
+        for (std::size_t n = 1; n < around.size(); ++n) {
+          const std::uint32_t before = around[(begin + n - 1) % around.size()];
+          const std::uint32_t w = around[(begin + n) % around.size()];
+          if (is_known[w / 2]) continue;
+          is_known[w / 2] = true;
+          left[w ^ 1] = left[before];
+          left[w] = left[before] + turns_along(w);
+          open.push_back(to(w));
+        }
+      }
+    }
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      edges_[e].is_solid = {left[2 * e] > 0, left[2 * e + 1] > 0};
+    }
+  }
+
+  // Of the pieces of an edge, how many more go along a way than against it: so much larger is the
+  // winding number on its left.
+  int turns_along(std::uint32_t w) const {
+    int turns = 0;
+    for (std::uint32_t k = edges_[w / 2].begin; k < edges_[w / 2].end; ++k) {
+      turns += piece(pieces_by_edge_[k]).from == from(w) ? 1 : -1;
+    }
+    return turns;
+  }
+
+  // Along a row of edges that no other meets, all have the same on either side: the longest is
+  // asked.
+  void ask_rows(const PlanarBoxes& tree) {
     std::vector<bool> is_done(edges_.size(), false);
     std::vector<std::pair<std::uint32_t, bool>> row;  // and whether along the way of the first
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
@@ -170,6 +229,15 @@ class ChainFinder {
   // Whether there is solid to the left of an edge, and to the right. A ray from its middle, across
   // it rather than along it, meets what goes round either side. Exact.
   std::array<bool, 2> sides_of(std::uint32_t e, const PlanarBoxes& tree) {
+    const bool is_far_left = ask(e, tree);
+    const bool is_far_solid = is_solid(far_side_);
+    const bool is_near_solid = is_solid(near_side_);
+    return is_far_left ? std::array<bool, 2>{is_far_solid, is_near_solid}
+                       : std::array<bool, 2>{is_near_solid, is_far_solid};
+  }
+
+  // Finds what goes round the two sides of an edge; true if the far one is to its left.
+  bool ask(std::uint32_t e, const PlanarBoxes& tree) {
     const GridPoint a = at(edges_[e].ends[0]);
     const GridPoint b = at(edges_[e].ends[1]);
     const bool along_x = std::abs(b.y - a.y) >= std::abs(b.x - a.x);  // the ray
@@ -187,11 +255,7 @@ class ChainFinder {
       add(near_side_, p, turns);
       if (!is_here) add(far_side_, p, turns);
     });
-    const bool is_far_left = along_x ? b.y < a.y : b.x > a.x;
-    const bool is_far_solid = is_solid(far_side_);
-    const bool is_near_solid = is_solid(near_side_);
-    return is_far_left ? std::array<bool, 2>{is_far_solid, is_near_solid}
-                       : std::array<bool, 2>{is_near_solid, is_far_solid};
+    return along_x ? b.y < a.y : b.x > a.x;
   }
 
   // By how much a piece adds to the winding number about a point, given by its double, for a ray
@@ -273,18 +337,23 @@ class ChainFinder {
   }
 
   void link_ways() {
-    std::vector<std::uint32_t> around;  // the ways that begin at a vertex, counter-clockwise
     for (std::uint32_t v = 0; v < arrangement_.vertices.size(); ++v) {
-      around.clear();
-      for (std::uint32_t k = first_at_vertex_[v]; k < first_at_vertex_[v + 1]; ++k) {
-        const std::uint32_t e = edges_at_vertex_[k];
-        around.push_back(2 * e + (edges_[e].ends[0] == v ? 0 : 1));
-      }
-      std::sort(around.begin(), around.end(),
-                [&](std::uint32_t a, std::uint32_t b) { return is_before(a, b); });
+      const std::vector<std::uint32_t> around = ways_around(v);
       link_around(around, false);
       link_around(around, true);
     }
+  }
+
+  // The ways that begin at a vertex, counter-clockwise.
+  std::vector<std::uint32_t> ways_around(std::uint32_t v) const {
+    std::vector<std::uint32_t> around;
+    for (std::uint32_t k = first_at_vertex_[v]; k < first_at_vertex_[v + 1]; ++k) {
+      const std::uint32_t e = edges_at_vertex_[k];
+      around.push_back(2 * e + (edges_[e].ends[0] == v ? 0 : 1));
+    }
+    std::sort(around.begin(), around.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return is_before(a, b); });
+    return around;
   }
 
   // By the angle from the x axis.
