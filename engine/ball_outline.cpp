@@ -55,7 +55,7 @@ class BallRoller {
   void add(const Outline& outline) {
     std::vector<Vec3> points = without_collinear_points(
         outline.curve.points_m, outline.curve.closed, normal_, kLeftOut * radius_m_);
-    if (points.size() < 2) return;
+    if (points.size() < 2 || is_hollow_too_narrow(outline.curve)) return;
     if (!outline.curve.closed) {  // there and back
       for (std::size_t i = points.size() - 1; i-- > 1;) points.push_back(Vec3(points[i]));
     }
@@ -85,6 +85,23 @@ class BallRoller {
   }
 
  private:
+  // Whether the curve goes round a hollow that the ball is too large for: it may as well be filled.
+  bool is_hollow_too_narrow(const Polyline& curve) const {
+    if (!curve.closed) return false;
+    const std::vector<Vec3>& points_m = curve.points_m;
+    const Vec3 u = normal_.unitOrthogonal();
+    const Vec3 v = normal_.cross(u);
+    double twice_area_m2 = 0.0;
+    Eigen::AlignedBox2d box;
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+      const Vec3 a = points_m[i] - points_m[0];
+      const Vec3 b = points_m[(i + 1) % points_m.size()] - points_m[0];
+      twice_area_m2 += a.cross(b).dot(normal_);
+      box.extend(Eigen::Vector2d(a.dot(u), a.dot(v)));
+    }
+    return twice_area_m2 < 0.0 && box.sizes().minCoeff() < 2.0 * radius_m_;
+  }
+
   Vec3 outward(const Vec3& from, const Vec3& to) const {
     return (to - from).cross(normal_).normalized();
   }

@@ -94,6 +94,7 @@ TEST(BallOutlines, OfABallThatDoesNotFitIntoAHollowAreOutsideAlone) {
     const auto large = ball_outlines(box, placed.normal(), 0.6 * placed.size);
     ASSERT_EQ(large.size(), 1u);
     EXPECT_NEAR(length_m(large[0].curve) / placed.size, 8.0, 1e-6);
+    EXPECT_TRUE(ball_outlines({box[1]}, placed.normal(), 1.2 * placed.size).empty());
   }
 }
 
