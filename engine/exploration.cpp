@@ -17,7 +17,7 @@
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
-#include "engine/scene_section.h"
+#include "engine/scene_cut.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_path.h"
 #include "geometry/section.h"
@@ -110,7 +110,7 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   const ScenePose& pose = setup.haptics.initial_pose;
   const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
   const double offset_m = setup.haptics.plane_height_m - pose.translation_m.z();
-  const std::vector<Polyline> section = scene_section(scene, normal, offset_m);
+  const std::vector<Polyline> section = cut_scene(scene, normal, offset_m);
   if (section.empty()) return nothing_at_height(scene, pose);
   const PathPlanSettings plan = plan_settings(settings);
   const double small_m = kSmallForHand * plan.press_depth_m;
@@ -275,7 +275,7 @@ std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
   if (!setup.actuation.is_planar()) return std::nullopt;
   ledger.begin("cutting the scene for its contour", "scene");
-  return ledger.check(scene_section_bytes(scene));
+  return ledger.check(scene_cut_bytes(scene));
 }
 
 // As below, but it may throw where there is no memory.

@@ -1,4 +1,4 @@
-#include "engine/scene_section.h"
+#include "engine/scene_cut.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-std::vector<Polyline> scene_section(const Scene& scene, const Vec3& plane_normal,
-                                    double plane_offset_m) {
+std::vector<Polyline> cut_scene(const Scene& scene, const Vec3& plane_normal,
+                                double plane_offset_m) {
   std::vector<Polyline> curves;
   std::vector<Vec3> positions_m;
   for (std::size_t i = 0; i < scene.objects().size(); ++i) {
@@ -37,7 +37,7 @@ std::vector<Polyline> scene_section(const Scene& scene, const Vec3& plane_normal
   return curves;
 }
 
-std::uint64_t scene_section_bytes(const Scene& scene) {
+std::uint64_t scene_cut_bytes(const Scene& scene) {
   std::uint64_t most = 0;
   for (const SceneObject& object : scene.objects()) {
     const SurfaceMesh& mesh = scene.mesh(object.mesh);
