@@ -3,20 +3,22 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <sstream>
 #include <thread>
 
+#include "engine/ball_outline.h"
 #include "engine/contour_path.h"
 #include "engine/haptic_thread.h"
 #include "engine/memory_budget.h"
 #include "engine/outline.h"
 #include "engine/path_coverage.h"
 #include "engine/path_plan.h"
+#include "engine/placed_bounds.h"
 #include "engine/room_hint.h"
+#include "engine/scene_cut.h"
 #include "engine/simulated_device.h"
 #include "engine/surface_path.h"
 #include "geometry/section.h"
@@ -74,41 +76,55 @@ PathPlanSettings plan_settings(const ExplorationSettings& settings) {
   return plan;
 }
 
+// The contour that a hand follows, all that is in its way, and what the hand has to know of it.
+struct FollowedContour {
+  Outline outline;
+  std::vector<Polyline> obstacles;  // the outline is one of them
+};
+
+// Of a ball what it can touch, not what it would have to be smaller for.
+FollowedContour followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
+                                 double small_m, double proxy_radius_m) {
+  std::vector<Outline> found = outlines(section, normal, small_m);
+  // All may be hidden where solids are inside out.
+  if (found.empty()) found.push_back({section.front(), !section.front().closed});
+  if (proxy_radius_m > 0.0 && found.front().curve.closed) {
+    std::vector<Outline> touched = ball_outlines(found, normal, proxy_radius_m);
+    if (!touched.empty()) found = std::move(touched);
+  }
+  FollowedContour followed{found.front(), {}};
+  for (Outline& outline : found) followed.obstacles.push_back(std::move(outline.curve));
+  return followed;
+}
+
+Error nothing_at_height(const Scene& scene, const ScenePose& pose) {
+  const Box bounds = bounds_in_device(scene, pose);
+  std::ostringstream range;
+  range << "the scene spans " << bounds.low.z() << " to " << bounds.high.z() << " m along A3";
+  return {ErrorCode::kInvalidArgument, "", "--plane-height",
+          "nothing to touch at this height: " + range.str(),
+          "choose a height in between, or use 3 sensors"};
+}
+
 Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings) {
   const ScenePose& pose = setup.haptics.initial_pose;
   const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
-  const double offset = setup.haptics.plane_height_m - pose.translation_m.z();
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-  scene.append_triangles_scene(positions, triangles);
-  const std::vector<Polyline> section = plane_section(positions, triangles, normal, offset);
-  if (section.empty()) {
-    double low = std::numeric_limits<double>::infinity();
-    double high = -low;
-    for (const Vec3& p : positions) {
-      const double height = pose.point(p).z();
-      low = std::min(low, height);
-      high = std::max(high, height);
-    }
-    std::ostringstream range;
-    range << "the scene spans " << low << " to " << high << " m along A3";
-    return Error{ErrorCode::kInvalidArgument, "", "--plane-height",
-                 "nothing to touch at this height: " + range.str(),
-                 "choose a height in between, or use 3 sensors"};
-  }
+  const double offset_m = setup.haptics.plane_height_m - pose.translation_m.z();
+  const std::vector<Polyline> section = cut_scene(scene, normal, offset_m);
+  if (section.empty()) return nothing_at_height(scene, pose);
   const PathPlanSettings plan = plan_settings(settings);
+  const double small_m = kSmallForHand * plan.press_depth_m;
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
-  facts.room_m = kRestsInFront * plan.press_depth_m;
-  const double small_m = kSmallForHand * plan.press_depth_m;
-  const std::vector<Outline> found = outlines(section, normal, small_m);
-  // All may be hidden where solids are inside out.
-  const Outline outline =
-      found.empty() ? Outline{section.front(), !section.front().closed} : found.front();
-  facts.slips_off_at_ends = !outline.curve.closed;
-  facts.sides = outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
-  std::vector<Vec3> contour = open_contour(outline.curve, section, normal, facts.room_m);
+  const FollowedContour followed = followed_contour(section, normal, small_m, facts.proxy_radius_m);
+  facts.slips_off_at_ends = !followed.outline.curve.closed;
+  facts.sides = followed.outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
+  // A sphere needs room for its other half, too.
+  double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
+  std::vector<Vec3> contour =
+      open_contour(followed.outline.curve, followed.obstacles, normal, room_m);
+  facts.room_m = std::max(0.0, room_m - facts.proxy_radius_m);
   PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
   hand.contour_m = std::move(contour);
   return hand;
@@ -261,14 +277,9 @@ std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
   if (!setup.actuation.is_planar()) return std::nullopt;
-  std::uint64_t bytes = 0;
-  for (const SceneObject& object : scene.objects()) {
-    const SurfaceMesh& mesh = scene.mesh(object.mesh);
-    bytes += mesh.welded_positions().size_bytes() + mesh.face_count() * sizeof(Triangle);
-  }
   ledger.advise("load a part of the scene with --node, or use --sensors 3, which needs no contour");
   ledger.begin("cutting the scene for its contour", "scene");
-  return ledger.check(bytes);
+  return ledger.check(scene_cut_bytes(scene));
 }
 
 // As below, but it may throw where there is no memory.

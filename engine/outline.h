@@ -14,14 +14,13 @@ struct Outline {
   bool has_two_sides;  // part of a sheet; what was cut out of a closed curve has a front alone
 };
 
-// What lies inside other solids is no outline: it is left out, and where one curve enters another
-// the outline goes on along that one, as that of their union. Solid is what the curves go round, by
-// their winding number, open ones straight back to where they begin; material is on the left seen
-// from the tip of plane_normal. A curve of which nothing is hidden stays as it is. Ends nearer than
-// small_m are joined, and what is hidden or free for less than that may be overlooked.
+// The outlines of the union of all that the curves go round, as free_chains() defines it: what lies
+// inside other solids is left out, and where one curve enters another the outline goes on along
+// that one. A curve that meets no other stays as it is. Ends that are left open, as where parts do
+// not quite meet, are joined if they are nearer than small_m, the nearest first.
 //
-// Longest first. All curves in one plane. Allocates; O(n) places for n times small_m of length, at
-// most kMostPlaces, each in the segments of the curves around it.
+// Longest first, ties in the order of the curves. All curves in one plane. Allocates; takes what
+// free_chains() takes.
 std::vector<Outline> outlines(const std::vector<Polyline>& curves, const Vec3& plane_normal,
                               double small_m);
 

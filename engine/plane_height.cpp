@@ -9,28 +9,42 @@
 namespace palpate {
 namespace {
 
+// A face lies in a plane across A3 if its heights differ by less than this of the largest extent,
+// some sixteen times what coordinates in single precision are rounded by.
+constexpr double kRoundedPerExtent = 0x1p-20;
+
+// So much of it has to be seen from A3: what is as narrow as it is high may stand.
+constexpr double kLies = 0.5;
+
 // The heights that one triangle, or several that overlap, is cut at: above low_m, up to high_m.
 struct Heights {
   double low_m, high_m;
 };
 
-// Calls visit(heights) for each triangle that is not across A3.
+// Calls visit(heights, lies) for each triangle; whether it lies across A3, within rounded_m.
 template <typename Visit>
-void visit_heights(const Scene& scene, const ScenePose& T_device_scene, const Visit& visit) {
-  std::vector<double> height_of_vertex_m;
+void visit_heights(const Scene& scene, const ScenePose& T_device_scene, double rounded_m,
+                   const Visit& visit) {
+  std::vector<Vec3> positions_m;
   for (std::size_t i = 0; i < scene.objects().size(); ++i) {
     const SceneObject& object = scene.objects()[i];
     const AffineMap deformation = scene.deformation(i);
     const SurfaceMesh& mesh = scene.mesh(object.mesh);
-    height_of_vertex_m.clear();
+    positions_m.clear();
     for (const Vec3& p : mesh.welded_positions()) {
-      const Vec3 p_scene = object.T_scene_body.point(deformation(p));
-      height_of_vertex_m.push_back(T_device_scene.point(p_scene).z());
+      positions_m.push_back(T_device_scene.point(object.T_scene_body.point(deformation(p))));
     }
     for (const Triangle& t : mesh.faces()) {
-      const auto [low_m, high_m] = std::minmax(
-          {height_of_vertex_m[t[0]], height_of_vertex_m[t[1]], height_of_vertex_m[t[2]]});
-      if (low_m < high_m) visit(Heights{low_m, high_m});
+      const Vec3& a = positions_m[t[0]];
+      const Vec3& b = positions_m[t[1]];
+      const Vec3& c = positions_m[t[2]];
+      const auto [low_m, high_m] = std::minmax({a.z(), b.z(), c.z()});
+      bool lies = low_m == high_m;
+      if (!lies && high_m - low_m <= rounded_m) {
+        const Vec3 front = (b - a).cross(c - a);
+        lies = std::abs(front.z()) > kLies * front.norm();
+      }
+      visit(Heights{low_m, high_m}, lies);
     }
   }
 }
@@ -50,6 +64,41 @@ std::vector<Heights> united(std::vector<Heights> heights) {
   return whole;
 }
 
+// What is left of some heights between levels at which faces lie; both united.
+std::vector<Heights> between(const std::vector<Heights>& heights,
+                             const std::vector<Heights>& levels) {
+  std::vector<Heights> rest;
+  auto level = levels.begin();
+  for (Heights h : heights) {
+    while (level != levels.end() && level->high_m < h.low_m) ++level;
+    for (; level != levels.end() && level->low_m < h.high_m; ++level) {
+      rest.push_back({h.low_m, level->low_m});
+      h.low_m = level->high_m;
+      if (level->high_m > h.high_m) break;
+    }
+    rest.push_back(h);
+  }
+  return rest;
+}
+
+// The nearest height to another that is inside of one of these by so much, or in its middle. Only
+// what is wider than least_m counts.
+std::optional<double> nearest_inside(const std::vector<Heights>& all, double height_m,
+                                     double inside_m, double least_m) {
+  std::optional<double> nearest_m;
+  for (const Heights& h : all) {
+    const double width_m = h.high_m - h.low_m;
+    if (width_m <= least_m) continue;
+    const double border_m = std::min(inside_m, 0.5 * width_m);
+    const double here_m =
+        std::clamp(height_m, h.low_m + border_m, std::max(h.low_m + border_m, h.high_m - border_m));
+    if (!nearest_m || std::abs(here_m - height_m) < std::abs(*nearest_m - height_m)) {
+      nearest_m = here_m;
+    }
+  }
+  return nearest_m;
+}
+
 }  // namespace
 
 std::optional<double> height_with_contour_m(const Scene& scene, const ScenePose& T_device_scene) {
@@ -57,23 +106,25 @@ std::optional<double> height_with_contour_m(const Scene& scene, const ScenePose&
   if (scene.objects().empty()) return std::nullopt;
   const Box bounds = bounds_in_device(scene, T_device_scene);
   const double middle_m = 0.5 * bounds.low.z() + 0.5 * bounds.high.z();
+  const double rounded_m = kRoundedPerExtent * (bounds.high - bounds.low).maxCoeff();
   bool is_cut = false;
-  visit_heights(scene, T_device_scene, [&](const Heights& h) {
-    is_cut = is_cut || (h.low_m < middle_m && middle_m <= h.high_m);
+  bool has_face = false;
+  visit_heights(scene, T_device_scene, rounded_m, [&](const Heights& h, bool lies) {
+    is_cut = is_cut || (!lies && h.low_m < middle_m && middle_m <= h.high_m);
+    has_face =
+        has_face || (lies && h.low_m - rounded_m <= middle_m && middle_m <= h.high_m + rounded_m);
   });
-  if (is_cut) return middle_m;
+  if (is_cut && !has_face) return middle_m;
   std::vector<Heights> heights;
-  visit_heights(scene, T_device_scene, [&](const Heights& h) { heights.push_back(h); });
-  const double most_inside_m = kInsidePerExtent * (bounds.high.z() - bounds.low.z());
-  std::optional<double> nearest_m;
-  for (const Heights& h : united(std::move(heights))) {
-    const double inside_m = std::min(most_inside_m, 0.5 * (h.high_m - h.low_m));
-    const double height_m = h.low_m >= middle_m ? h.low_m + inside_m : h.high_m - inside_m;
-    if (!nearest_m || std::abs(height_m - middle_m) < std::abs(*nearest_m - middle_m)) {
-      nearest_m = height_m;
-    }
+  std::vector<Heights> levels;
+  visit_heights(scene, T_device_scene, rounded_m,
+                [&](const Heights& h, bool lies) { (lies ? levels : heights).push_back(h); });
+  const auto cut = between(united(std::move(heights)), united(std::move(levels)));
+  const double inside_m = kInsidePerExtent * (bounds.high.z() - bounds.low.z());
+  if (const auto height_m = nearest_inside(cut, middle_m, inside_m, 2.0 * rounded_m)) {
+    return height_m;
   }
-  return nearest_m;
+  return nearest_inside(cut, middle_m, inside_m, 0.0);  // as thin as its faces are rounded
 }
 
 }  // namespace palpate

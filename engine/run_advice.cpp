@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/command_line.h"
+#include "engine/memory_budget.h"
 #include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/run_judgement.h"
@@ -67,11 +68,26 @@ RunCommand changed(RunCommand command, const Changes& changes) {
   return command;
 }
 
+// Leaves to a trial what the scene and the runs that are there do not take of what the user allows;
+// false if that is all of it.
+bool take_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs,
+                 RunCommand& command) {
+  if (command.scene.max_memory.empty()) return true;  // then it is half of what is free
+  std::uint64_t taken = prepared.scene.statistics().memory.total();
+  for (const ExplorationRun& run : runs) taken += run.record_bytes();
+  const std::uint64_t allowed = *parse_bytes(command.scene.max_memory);  // prepare_run() has, too
+  if (allowed <= taken) return false;
+  command.scene.max_memory = std::to_string(allowed - taken);
+  command.exploration.max_memory_bytes = allowed - taken;
+  return true;
+}
+
 // Both runs, or the one that was asked for, in simulated time.
 std::optional<std::vector<ExplorationRun>> try_run(RunCommand command, const StopFlag* stop) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return std::nullopt;
   command.exploration.virtual_time = true;
+  command.exploration.taken_memory_bytes = prepared->scene.statistics().memory.total();
   std::vector<ExplorationRun> runs;
   for (const bool a4 : {false, true}) {
     if (!command.wants(a4)) continue;
@@ -257,7 +273,9 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
     if (stop && stop->requested()) break;
     progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
     loaded += triangles;
-    const auto tried = try_run(changed(command, candidates[i]), stop);
+    RunCommand candidate = changed(command, candidates[i]);
+    if (!take_memory(prepared, runs, candidate)) break;
+    const auto tried = try_run(std::move(candidate), stop);
     if (!tried) continue;
     const double least = least_way_share(*tried);
     const bool ends_comparable = are_comparable(*tried);

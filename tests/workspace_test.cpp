@@ -129,6 +129,45 @@ TEST(PlaneHeight, IsTheNearestThatHasAContour) {
   EXPECT_TRUE(contours_at(scene, {}, 0.015).empty());
 }
 
+// Boxes that meet in faces at the middle, however they are turned: the nearest height beside them,
+// by the extent alone, and not by anything that lies in the plane.
+TEST(PlaneHeight, IsBesideFacesThatLieInTheMiddle) {
+  test::Random random(8105);
+  for (int i = 0; i < 100; ++i) {
+    const double size = std::pow(10.0, random.uniform(-3.0, 3.0));
+    const double half_m = size * random.uniform(0.5, 1.0);
+    const test::Soup low = test::box_soup(Vec3(0.6 * size, 0.6 * size, 0.5 * half_m));
+    const test::Soup high = test::box_soup(Vec3(size, size, 0.5 * half_m));
+    const ScenePose pose{random.rotation(), size * random.in_box(1.0)};
+    const Mat3 back = pose.rotation.toRotationMatrix().transpose();
+    const Scene scene = scene_of({{low, back, back * Vec3(0, 0, -0.5 * half_m)},
+                                  {high, back, back * Vec3(0, 0, 0.5 * half_m)}});
+    const auto height_m = height_with_contour_m(scene, pose);
+    ASSERT_TRUE(height_m);
+    const double from_middle_m = std::abs(*height_m - pose.translation_m.z());
+    EXPECT_NEAR(from_middle_m, 2.0 * half_m / 64, 1e-6 * size) << i;
+    const auto contours = contours_at(scene, pose, *height_m);
+    ASSERT_EQ(contours.size(), 1u);
+    const double side_m = *height_m > pose.translation_m.z() ? size : 0.6 * size;
+    EXPECT_NEAR(length_m(contours[0]), 8.0 * side_m, 1e-6 * size);
+  }
+}
+
+// A stack of plates without gaps has faces everywhere but inside of the plates.
+TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
+  std::vector<Part> parts;
+  const double thick_m = 1e-4;
+  for (int k = 0; k < 20; ++k) {
+    parts.push_back({test::box_soup(Vec3(0.05, 0.05, 0.5 * thick_m)), Mat3::Identity(),
+                     Vec3(0, 0, (k + 0.5) * thick_m)});
+  }
+  const auto height_m = height_with_contour_m(scene_of(parts), {});
+  ASSERT_TRUE(height_m);
+  const double from_face = std::remainder(*height_m, thick_m) / thick_m;
+  EXPECT_GT(std::abs(from_face), 0.25) << *height_m;
+  EXPECT_LE(std::abs(*height_m - 10 * thick_m), thick_m);
+}
+
 TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
   test::Soup sheet;
   sheet.add_quad({-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0});
