@@ -69,9 +69,10 @@ class BallRoller {
     offset_.push_back(std::move(offset));
   }
 
-  std::vector<Outline> outlines() const {
+  std::optional<std::vector<Outline>> outlines() const {
     std::vector<Outline> found;
     const FreeChains free = free_chains(offset_, normal_);
+    if (free.gave_up) return std::nullopt;
     for (const FreeChain& chain : free.chains) {
       if (!chain.closed) continue;
       Polyline touched{without_collinear_points(touched_on(chain), true, normal_, free.merged_m),
@@ -183,11 +184,14 @@ class BallRoller {
 
 // Where a ball bridges a gap from both sides its arcs may cross: what they go round is theirs, and
 // solid for a larger one, but for what is between the arcs.
-std::vector<Outline> uncrossed(const std::vector<Outline>& touched, const Vec3& plane_normal) {
+std::optional<std::vector<Outline>> uncrossed(const std::vector<Outline>& touched,
+                                              const Vec3& plane_normal) {
   std::vector<Polyline> curves;
   for (const Outline& outline : touched) curves.push_back(outline.curve);
   std::vector<Outline> whole;
-  for (const FreeChain& chain : free_chains(curves, plane_normal).chains) {
+  const FreeChains free = free_chains(curves, plane_normal);
+  if (free.gave_up) return std::nullopt;
+  for (const FreeChain& chain : free.chains) {
     if (!chain.closed || chain.is_sheet) continue;
     whole.push_back({{{}, true}, false});
     for (const ChainPoint& p : chain.points) whole.back().curve.points_m.push_back(p.p_m);
@@ -197,8 +201,8 @@ std::vector<Outline> uncrossed(const std::vector<Outline>& touched, const Vec3& 
 
 }  // namespace
 
-std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3& plane_normal,
-                                   double radius_m) {
+std::optional<std::vector<Outline>> ball_outlines(const std::vector<Outline>& found,
+                                                  const Vec3& plane_normal, double radius_m) {
   // What a large ball can touch of some outlines is what it can touch of what a smaller one can:
   // balls that double in size find it, so that each meets few segments at a time.
   std::vector<Outline> touched = found;
@@ -208,9 +212,11 @@ std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3
   for (;; r_m *= 2.0) {
     BallRoller roller(plane_normal, r_m, r_m == radius_m ? kLegRad : kCoarseLegRad);
     for (const Outline& outline : touched) roller.add(outline);
-    touched = roller.outlines();
-    if (r_m == radius_m || touched.empty()) return touched;
-    touched = uncrossed(touched, plane_normal);
+    std::optional<std::vector<Outline>> reached = roller.outlines();
+    if (!reached || r_m == radius_m || reached->empty()) return reached;
+    auto whole = uncrossed(*reached, plane_normal);
+    if (!whole) return std::nullopt;
+    touched = std::move(*whole);
   }
 }
 

@@ -2,6 +2,7 @@
 
 // Of the outlines of solids, what a ball can touch.
 
+#include <optional>
 #include <vector>
 
 #include "engine/outline.h"
@@ -17,9 +18,9 @@ namespace palpate {
 //
 // Of the ball this takes its circle in the plane: what is above or below the plane does not hold it
 // off. Sheets hold it off from both sides. All are closed, longest first; what is of less than
-// radius_m / 256 is left out. found: of one plane, as of outlines(). Allocates; O(n log n) where no
-// place has many others within twice the radius.
-std::vector<Outline> ball_outlines(const std::vector<Outline>& found, const Vec3& plane_normal,
-                                   double radius_m);
+// radius_m / 256 is left out. found: of one plane, as of outlines(). Nothing where so many places
+// have others within twice the radius that planar_pieces() gives up. Allocates; O(n log n).
+std::optional<std::vector<Outline>> ball_outlines(const std::vector<Outline>& found,
+                                                  const Vec3& plane_normal, double radius_m);
 
 }  // namespace palpate

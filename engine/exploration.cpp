@@ -82,18 +82,27 @@ struct FollowedContour {
   std::vector<Polyline> obstacles;  // the outline is one of them
 };
 
+Error contour_too_crowded(const std::vector<Polyline>& section, const char* how) {
+  return {ErrorCode::kLimitExceeded, "", "scene",
+          "has " + std::to_string(section.size()) + " curves at the plane, so many of which " +
+              how + " that their common contour is not worked out",
+          "load a part of the scene with --node, or use --sensors 3, which needs no contour"};
+}
+
 // Of a ball what it can touch, not what it would have to be smaller for.
-FollowedContour followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
-                                 double small_m, double proxy_radius_m) {
-  std::vector<Outline> found = outlines(section, normal, small_m);
+Result<FollowedContour> followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
+                                         double small_m, double proxy_radius_m) {
+  auto found = outlines(section, normal, small_m);
+  if (!found) return contour_too_crowded(section, "cross each other");
   // All may be hidden where solids are inside out.
-  if (found.empty()) found.push_back({section.front(), !section.front().closed});
-  if (proxy_radius_m > 0.0 && found.front().curve.closed) {
-    std::vector<Outline> touched = ball_outlines(found, normal, proxy_radius_m);
-    if (!touched.empty()) found = std::move(touched);
+  if (found->empty()) found->push_back({section.front(), !section.front().closed});
+  if (proxy_radius_m > 0.0 && found->front().curve.closed) {
+    auto touched = ball_outlines(*found, normal, proxy_radius_m);
+    if (!touched) return contour_too_crowded(section, "are within a sphere of each other");
+    if (!touched->empty()) found = std::move(touched);
   }
-  FollowedContour followed{found.front(), {}};
-  for (Outline& outline : found) followed.obstacles.push_back(std::move(outline.curve));
+  FollowedContour followed{found->front(), {}};
+  for (Outline& outline : *found) followed.obstacles.push_back(std::move(outline.curve));
   return followed;
 }
 
@@ -117,13 +126,14 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   const double small_m = kSmallForHand * plan.press_depth_m;
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
-  const FollowedContour followed = followed_contour(section, normal, small_m, facts.proxy_radius_m);
-  facts.slips_off_at_ends = !followed.outline.curve.closed;
-  facts.sides = followed.outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
+  const auto followed = followed_contour(section, normal, small_m, facts.proxy_radius_m);
+  if (!followed) return followed.error();
+  facts.slips_off_at_ends = !followed->outline.curve.closed;
+  facts.sides = followed->outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
   // A sphere needs room for its other half, too.
   double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
   std::vector<Vec3> contour =
-      open_contour(followed.outline.curve, followed.obstacles, normal, room_m);
+      open_contour(followed->outline.curve, followed->obstacles, normal, room_m);
   facts.room_m = std::max(0.0, room_m - facts.proxy_radius_m);
   PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
   hand.contour_m = std::move(contour);

@@ -58,11 +58,12 @@ class ChainFinder {
   }
 
   FreeChains run() {
+    if (arrangement_.gave_up) return {{}, arrangement_.merged_m, true};
     find_edges();
     find_solid();
     find_ways();
     link_ways();
-    FreeChains found{{}, arrangement_.merged_m};
+    FreeChains found{{}, arrangement_.merged_m, false};
     std::vector<bool> is_done(ways_.size(), false);
     for (const bool closed : {false, true}) {
       for (const std::uint32_t w : ways_in_order_) {

@@ -27,6 +27,7 @@ struct FreeChain {
 struct FreeChains {
   std::vector<FreeChain> chains;
   double merged_m;  // what is nearer than this is one, see planar_pieces()
+  bool gave_up;     // planar_pieces() did; there are no chains then
 };
 
 // Solid is what a closed curve goes round, by the winding numbers of all of them together, and what

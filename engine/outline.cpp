@@ -114,9 +114,10 @@ Outline outline_of(const FreeChain& chain, const Vec3& plane_normal, double merg
 
 }  // namespace
 
-std::vector<Outline> outlines(const std::vector<Polyline>& curves, const Vec3& plane_normal,
-                              double small_m) {
+std::optional<std::vector<Outline>> outlines(const std::vector<Polyline>& curves,
+                                             const Vec3& plane_normal, double small_m) {
   const FreeChains free = free_chains(curves, plane_normal);
+  if (free.gave_up) return std::nullopt;
   std::vector<Outline> found;
   std::vector<Outline> open;
   for (const FreeChain& chain : free.chains) {

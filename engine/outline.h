@@ -2,6 +2,7 @@
 
 // Of the curves in which a plane cuts a scene, what a hand can get at.
 
+#include <optional>
 #include <vector>
 
 #include "geometry/section.h"
@@ -19,9 +20,10 @@ struct Outline {
 // that one. A curve that meets no other stays as it is. Ends that are left open, as where parts do
 // not quite meet, are joined if they are nearer than small_m, the nearest first.
 //
-// Longest first, ties in the order of the curves. All curves in one plane. Allocates; takes what
-// free_chains() takes.
-std::vector<Outline> outlines(const std::vector<Polyline>& curves, const Vec3& plane_normal,
-                              double small_m);
+// Longest first, ties in the order of the curves. Nothing where so many curves cross each other
+// that planar_pieces() gives up. All curves in one plane. Allocates; takes what free_chains()
+// takes.
+std::optional<std::vector<Outline>> outlines(const std::vector<Polyline>& curves,
+                                             const Vec3& plane_normal, double small_m);
 
 }  // namespace palpate

@@ -14,10 +14,22 @@ constexpr double kRoundoff = 64 * 0x1p-53;  // of a few products and sums
 // Of the grid: rounding to it is far below what is merged, and coordinates stay below 2^27.
 constexpr std::int64_t kCellsPerMerged = 64;
 
-// A cut bends a piece by what is merged at most, so that it may meet another vertex: all are looked
-// at again until none does. Two or three rounds are usual; the bound is against a chain of them
-// that has no end.
+// A vertex is on a piece if it is within half of what is merged of it: it is farther than what is
+// merged from the ends, so the angle at which it bends the piece is 120 degrees or more, and both
+// parts are shorter than the whole. Where pieces cross, both are cut whatever the angle. A cut may
+// bend a piece on to another vertex or across another piece: all are looked at again until nothing
+// is to be cut. Two to four rounds are usual; the bound is against a few short pieces about one
+// place that have no end.
 constexpr int kMostRounds = 64;
+constexpr double kOnPiece = 0.5 * static_cast<double>(kCellsPerMerged);
+// The vertex of a crossing is as far from it as what is merged, and the rounding of the crossing.
+constexpr double kCrossed = static_cast<double>(kCellsPerMerged) + 2.0;
+
+// Pairs of pieces that are looked at, at most, and vertices that are made: for the time and for the
+// memory. Usual are fewer than ten a segment.
+constexpr std::uint64_t kMostPairs = 10'000'000;
+constexpr std::uint64_t kMostVertices = 1'000'000;
+constexpr std::uint64_t kMostPerSegment = 32;
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -128,6 +140,8 @@ class PieceCutter {
       for (const std::uint32_t k : near) {
         if (k != i && (k > i || !is_new_[k])) meet(i, k);
       }
+      pairs_ += near.size();
+      if (are_too_many()) return false;
     }
     if (cuts_.empty()) return false;
     std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
@@ -136,6 +150,12 @@ class PieceCutter {
     });
     carry_out_cuts();
     return true;
+  }
+
+  bool are_too_many() {
+    const std::uint64_t more = kMostPerSegment * segments_.size();
+    result_.gave_up = pairs_ > kMostPairs + more || result_.vertices.size() > kMostVertices + more;
+    return result_.gave_up;
   }
 
   // Finds where two pieces have to be cut because of each other.
@@ -160,8 +180,8 @@ class PieceCutter {
     const GridPoint p{at(a.from).x + std::llround(share * static_cast<double>(along_a.x)),
                       at(a.from).y + std::llround(share * static_cast<double>(along_a.y))};
     const std::uint32_t vertex = vertex_at(p, a.segment, share_of(a.segment, p));
-    cut_at(i, vertex);
-    cut_at(k, vertex);
+    cut_at(i, vertex, kCrossed);
+    cut_at(k, vertex, kCrossed);
   }
 
   // How much of the way along a segment a point is.
@@ -173,18 +193,33 @@ class PieceCutter {
     return std::clamp((p_m - s.from).dot(way) / way.squaredNorm(), 0.0, 1.0);
   }
 
-  // If the vertex lies on the piece, within what is merged, and is no end of it.
-  void cut_at(std::uint32_t piece, std::uint32_t vertex) {
+  // If the vertex lies on the piece and is no end of it.
+  void cut_at(std::uint32_t piece, std::uint32_t vertex, double within = kOnPiece) {
     const PlanarPiece& p = result_.pieces[piece];
     if (vertex == p.from || vertex == p.to) return;
     const GridPoint way = at(p.to) - at(p.from);
     const GridPoint offset = at(vertex) - at(p.from);
     const std::int64_t along = dot(way, offset);
     const std::int64_t whole = dot(way, way);
-    if (along <= 0 || along >= whole) return;
+    if (within < kCrossed && (along <= 0 || along >= whole)) return;
     const auto aside = static_cast<double>(cross(way, offset));
-    if (squared(aside) > squared(kCellsPerMerged) * static_cast<double>(whole)) return;
+    if (squared(aside) > squared(within) * static_cast<double>(whole)) return;
     cuts_.push_back({piece, vertex, along});
+  }
+
+  // What goes straight back along the last piece of the same segment goes with it.
+  static void add_piece(const PlanarPiece& piece, bool is_cut, std::vector<PlanarPiece>& pieces,
+                        std::vector<bool>& is_new) {
+    if (piece.from == piece.to) return;
+    const bool goes_back = !pieces.empty() && pieces.back().segment == piece.segment &&
+                           pieces.back().from == piece.to && pieces.back().to == piece.from;
+    if (goes_back) {
+      pieces.pop_back();
+      is_new.pop_back();
+    } else {
+      pieces.push_back(piece);
+      is_new.push_back(is_cut);
+    }
   }
 
   void carry_out_cuts() {
@@ -196,12 +231,10 @@ class PieceCutter {
       const bool is_cut = cut != cuts_.end() && cut->piece == i;
       for (; cut != cuts_.end() && cut->piece == i; ++cut) {
         if (cut->vertex == rest.from) continue;
-        pieces.push_back({rest.from, cut->vertex, rest.segment});
-        is_new.push_back(true);
+        add_piece({rest.from, cut->vertex, rest.segment}, true, pieces, is_new);
         rest.from = cut->vertex;
       }
-      pieces.push_back(rest);
-      is_new.push_back(is_cut);
+      add_piece(rest, is_cut, pieces, is_new);
     }
     result_.pieces = std::move(pieces);
     is_new_ = std::move(is_new);
@@ -213,6 +246,7 @@ class PieceCutter {
   PlanarPieces result_;
   std::vector<bool> is_new_;  // by piece, since the last round
   std::vector<Cut> cuts_;
+  std::uint64_t pairs_ = 0;
   std::unordered_map<std::uint64_t, std::uint32_t> first_in_bucket_;
   std::vector<std::uint32_t> next_in_bucket_;  // by vertex
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,13 @@ namespace {
 using test::Random;
 
 constexpr double kSmall_m = 1e-3;
+
+std::vector<Outline> outlines_of(const std::vector<Polyline>& curves, const Vec3& plane_normal,
+                                 double small_m) {
+  auto found = outlines(curves, plane_normal, small_m);
+  EXPECT_TRUE(found) << "gave up";
+  return found ? std::move(*found) : std::vector<Outline>();
+}
 
 struct Rectangle {
   double x, y, half_x, half_y;
@@ -39,6 +47,34 @@ Polyline curve_of(const Rectangle& r, const Quat& rotation = Quat::Identity()) {
   return curve;
 }
 
+std::vector<Polyline> crossing_bars(Random& random, int count) {
+  std::vector<Polyline> bars;
+  for (int i = 0; i < count; ++i) {
+    const double angle_rad = random.uniform(0.0, std::numbers::pi);
+    const Quat turn(Eigen::AngleAxisd(angle_rad, Vec3::UnitZ()));
+    bars.push_back(curve_of({0, 0, 0.05, 0.0005}, turn));
+    const Vec3 at(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05), 0.0);
+    for (Vec3& p : bars.back().points_m) p += at;
+  }
+  return bars;
+}
+
+// Pieces that are hardly longer than what is merged, and three of which make a triangle, are cut
+// once and no more.
+TEST(Outlines, OfBarsThatCrossHundredsOfOthersAreFound) {
+  Random random(8202);
+  for (const int count : {20, 200, 300}) {
+    const auto found = outlines_of(crossing_bars(random, count), Vec3::UnitZ(), kSmall_m);
+    ASSERT_FALSE(found.empty());
+    for (const Outline& outline : found) EXPECT_TRUE(outline.curve.closed);
+  }
+}
+
+TEST(Outlines, OfCurvesThatCrossTooManyOthersAreNotWorkedOut) {
+  Random random(8203);
+  EXPECT_FALSE(outlines(crossing_bars(random, 2000), Vec3::UnitZ(), kSmall_m));
+}
+
 TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
   Random random(8201);
   for (int i = 0; i < 50; ++i) {
@@ -46,15 +82,15 @@ TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
     const Vec3 normal = rotation * Vec3::UnitZ();
     // A cross, and a bar across the end of another.
     const auto cross =
-        outlines({curve_of({0, 0, 0.1, 0.02}, rotation), curve_of({0, 0, 0.03, 0.08}, rotation)},
-                 normal, kSmall_m);
+        outlines_of({curve_of({0, 0, 0.1, 0.02}, rotation), curve_of({0, 0, 0.03, 0.08}, rotation)},
+                    normal, kSmall_m);
     ASSERT_EQ(cross.size(), 1u);
     EXPECT_TRUE(cross[0].curve.closed);
     EXPECT_FALSE(cross[0].has_two_sides);
     EXPECT_NEAR(length_m(cross[0].curve), 4 * (0.1 + 0.08), 1e-8);
-    const auto tee =
-        outlines({curve_of({0, 0, 0.1, 0.02}, rotation), curve_of({0.1, 0, 0.01, 0.05}, rotation)},
-                 normal, kSmall_m);
+    const auto tee = outlines_of(
+        {curve_of({0, 0, 0.1, 0.02}, rotation), curve_of({0.1, 0, 0.01, 0.05}, rotation)}, normal,
+        kSmall_m);
     ASSERT_EQ(tee.size(), 1u);
     EXPECT_NEAR(length_m(tee[0].curve), 2 * (0.21 + 0.1), 1e-8);
   }
@@ -66,21 +102,21 @@ TEST(Outlines, LeaveOutWhatIsInsideAndKeepTheRestToTheBit) {
   const Polyline apart = curve_of({0.5, 0, 0.05, 0.05});
   Polyline cavity = curve_of({0, 0, 0.08, 0.08});
   std::reverse(cavity.points_m.begin(), cavity.points_m.end());
-  const auto solid = outlines({outer, inner, apart}, Vec3::UnitZ(), kSmall_m);
+  const auto solid = outlines_of({outer, inner, apart}, Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(solid.size(), 2u);
   EXPECT_EQ(solid[0].curve.points_m, outer.points_m);
   EXPECT_EQ(solid[1].curve.points_m, apart.points_m);
   // In a cavity nothing is hidden.
-  EXPECT_EQ(outlines({outer, cavity, inner}, Vec3::UnitZ(), kSmall_m).size(), 3u);
+  EXPECT_EQ(outlines_of({outer, cavity, inner}, Vec3::UnitZ(), kSmall_m).size(), 3u);
 }
 
 TEST(Outlines, OfASheetHaveTwoSidesAndEndWhereItEntersASolid) {
   const Polyline sheet{{Vec3(0, 0, 0), Vec3(0.3, 0, 0)}, false};
-  const auto alone = outlines({sheet}, Vec3::UnitZ(), kSmall_m);
+  const auto alone = outlines_of({sheet}, Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(alone.size(), 1u);
   EXPECT_TRUE(alone[0].has_two_sides);
   EXPECT_EQ(alone[0].curve.points_m, sheet.points_m);
-  const auto stuck = outlines({curve_of({0, 0, 0.1, 0.005}), sheet}, Vec3::UnitZ(), kSmall_m);
+  const auto stuck = outlines_of({curve_of({0, 0, 0.1, 0.005}), sheet}, Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(stuck.size(), 2u);
   const auto out =
       std::find_if(stuck.begin(), stuck.end(), [](const Outline& o) { return o.has_two_sides; });
@@ -93,13 +129,13 @@ TEST(Outlines, OfASheetHaveTwoSidesAndEndWhereItEntersASolid) {
 TEST(Outlines, TakeAShellForWhatItHasBehindIt) {
   const Polyline shell{
       {Vec3(0.05, 0.1, 0), Vec3(0.05, 0.15, 0), Vec3(-0.05, 0.15, 0), Vec3(-0.05, 0.1, 0)}, false};
-  const auto found = outlines({curve_of({0, 0, 0.1, 0.1001}), shell}, Vec3::UnitZ(), kSmall_m);
+  const auto found = outlines_of({curve_of({0, 0, 0.1, 0.1001}), shell}, Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].curve.closed);
   EXPECT_NEAR(length_m(found[0].curve), 0.8 + 2 * 0.05, 1e-3);
   const Polyline bowl{{Vec3(0.1, 0.1, 0), Vec3(0.1, 0, 0), Vec3(-0.1, 0, 0), Vec3(-0.1, 0.1, 0)},
                       false};
-  const auto spoon = outlines({bowl, curve_of({0, 0.05, 0.02, 0.02})}, Vec3::UnitZ(), kSmall_m);
+  const auto spoon = outlines_of({bowl, curve_of({0, 0.05, 0.02, 0.02})}, Vec3::UnitZ(), kSmall_m);
   EXPECT_EQ(spoon.size(), 2u);
 }
 
@@ -130,7 +166,7 @@ TEST(Outlines, HoldWhatIsOutsideOfAllAndNothingElse) {
       }
     }
     double found_m = 0.0;
-    for (const Outline& outline : outlines(curves, Vec3::UnitZ(), kSmall_m)) {
+    for (const Outline& outline : outlines_of(curves, Vec3::UnitZ(), kSmall_m)) {
       found_m += length_m(outline.curve);
       EXPECT_TRUE(outline.curve.closed);
       for (const Vec3& p : outline.curve.points_m) EXPECT_FALSE(is_hidden(p, kSmall_m));
@@ -260,7 +296,7 @@ TEST(Outlines, OfSolidsThatCoincideAndTouchAreTheBordersOfWhatIsFree) {
     const Placed placed = place(random, kCells);
     const Lattice lattice = random_lattice(random, placed);
     const std::vector<double> expected = loops_of(lattice);
-    const auto found = outlines(lattice.curves, placed.normal(), kSmall_m);
+    const auto found = outlines_of(lattice.curves, placed.normal(), kSmall_m);
     ASSERT_EQ(found.size(), expected.size()) << i;
     for (std::size_t k = 0; k < found.size(); ++k) {
       EXPECT_TRUE(found[k].curve.closed) << i;
@@ -351,7 +387,7 @@ TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
                          [&](const Polygon& polygon) { return polygon.holds(p); });
     };
     double found = 0.0;
-    for (const Outline& outline : outlines(curves, placed.normal(), kSmall_m)) {
+    for (const Outline& outline : outlines_of(curves, placed.normal(), kSmall_m)) {
       ASSERT_TRUE(outline.curve.closed) << i;
       found += length_m(outline.curve) / placed.size;
       const auto& points = outline.curve.points_m;
@@ -374,8 +410,9 @@ TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
 // The gap is narrower than what is small for the hand, but what is joined is what meets.
 TEST(Outlines, DoNotTakeANearEndForTheOneTheyEnter) {
   const double thin = 4e-4;
-  const auto found = outlines({curve_of({0, 0, 0.05, 0.05}), curve_of({0.06, 0, 0.04, 0.5 * thin})},
-                              Vec3::UnitZ(), kSmall_m);
+  const auto found =
+      outlines_of({curve_of({0, 0, 0.05, 0.05}), curve_of({0.06, 0, 0.04, 0.5 * thin})},
+                  Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(length_m(found[0].curve), 0.4 + 2 * 0.05, 0x1p-20 * 0.2);
 }
@@ -386,7 +423,7 @@ TEST(Outlines, JoinEndsThatDoNotQuiteMeetTheNearestFirst) {
   const Polyline first{{Vec3(0, 0, 0), Vec3(0.1, 0, 0)}, false};
   const Polyline second{{Vec3(0.1 + gap, 0, 0), Vec3(0.1 + gap, 0.1, 0)}, false};
   const Polyline farther{{Vec3(0.1 + 2 * gap, -gap, 0), Vec3(0.3, 0, 0)}, false};
-  const auto found = outlines({first, farther, second}, Vec3::UnitZ(), kSmall_m);
+  const auto found = outlines_of({first, farther, second}, Vec3::UnitZ(), kSmall_m);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(length_m(found[0].curve), 0.2 + gap, 1e-12);
 }
