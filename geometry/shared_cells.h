@@ -56,8 +56,8 @@ class SharedCells {
     return is_any;
   }
 
-  // Whether no other cell than that of p is within radius_m of it: if p has been added, share_near()
-  // has nothing to mark.
+  // Whether no other cell than that of p is within radius_m of it: if p has been added,
+  // share_near() has nothing to mark.
   bool is_inside_cell(const Vec3& p, double radius_m) const {
     const SpatialCell low = spatial_cell((p.array() - radius_m).matrix(), per_cell_);
     const SpatialCell high = spatial_cell((p.array() + radius_m).matrix(), per_cell_);
