@@ -7,6 +7,7 @@
 
 #include "engine/command_output.h"
 #include "engine/commands.h"
+#include "engine/effects_report.h"
 #include "engine/output_files.h"
 #include "engine/program_signals.h"
 #include "engine/study/build_facts.h"
@@ -312,7 +313,7 @@ int accuracy(const AccuracyCommand& command) {
   std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
             << " and a diagram a knob in " << command.out_dir << "/\n";
   return exit_code_after_signals(
-      finish_output(scene ? what_was_not_understood(*scene) : std::vector<std::string>{}));
+      finish_output(scene ? not_understood_lines(*scene) : std::vector<std::string>{}));
 }
 
 }  // namespace palpate

@@ -51,10 +51,6 @@ int finish_output(const std::vector<std::string>& warnings) {
   return 0;
 }
 
-std::vector<std::string> what_was_not_understood(const Scene& scene) {
-  return not_understood_lines(scene);
-}
-
 std::optional<Error> check_output() {
   // A device that is full, and a descriptor that is none or is for reading, refuse nothing as well.
   if (::write(STDOUT_FILENO, "", 0) < 0) return lost_output();

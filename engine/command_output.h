@@ -25,9 +25,6 @@ void print(const nlohmann::ordered_json& json);
 // refused any more.
 int finish_output(const std::vector<std::string>& warnings = {});
 
-// Nothing that a file or a user meant is lost without a word: a warning each.
-std::vector<std::string> what_was_not_understood(const Scene& scene);
-
 // What keeps stdout from being written to, as far as that shows before: it was closed, is open for
 // reading alone, or is a device that is full. A disk may still become full.
 std::optional<Error> check_output();

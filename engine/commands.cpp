@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/command_output.h"
+#include "engine/effects_report.h"
 #include "engine/memory_budget.h"
 #include "engine/node_tree.h"
 #include "engine/output_files.h"
@@ -238,7 +239,7 @@ int replay(const ReplayCommand& command) {
     std::cout << command.scene.path << ", " << command.trajectory << "\n"
               << summary_text(result->summary, *scene);
   }
-  return exit_code_after_signals(finish_output(what_was_not_understood(*scene)));
+  return exit_code_after_signals(finish_output(not_understood_lines(*scene)));
 }
 
 int run(const RunCommand& command) {
@@ -251,7 +252,7 @@ int run(const RunCommand& command) {
   if (!done) return refuse(done.error());
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return tell_nothing_was_done();
-  std::vector<std::string> warnings = what_was_not_understood(prepared->scene);
+  std::vector<std::string> warnings = not_understood_lines(prepared->scene);
   const Result<bool> has_picture = draw(runs, command.scene.path, *files, warnings);
   if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);

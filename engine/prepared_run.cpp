@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/plane_height.h"
 #include "engine/workspace.h"
@@ -12,8 +11,7 @@ namespace palpate {
 namespace {
 
 Workspace workspace_of(const RunCommand& command, const RunSetup& setup) {
-  const double depth_m = PathPlanSettings{}.press_depth_m;
-  return {setup.actuation.sensors(), command.exploration.workspace_m, 2 * depth_m, depth_m};
+  return hand_workspace(setup.actuation.sensors(), command.exploration.workspace_m);
 }
 
 std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& run) {
@@ -77,7 +75,8 @@ Result<PreparedRun> prepare_run(const RunCommand& command) {
     run = std::move(*fitted);
     misfit = check_fits(command, run);
   }
-  if (misfit) return *misfit;
+  // A place that is too far away is named before what comes of it.
+  if (misfit) return check_setup(run.scene, run.setup).value_or(*misfit);
   if (const auto error = lay_plane(command, run)) return *error;
   return run;
 }

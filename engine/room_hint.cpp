@@ -2,18 +2,12 @@
 
 #include <sstream>
 
-#include "engine/path_plan.h"
 #include "engine/placed_bounds.h"
 #include "engine/plane_height.h"
 #include "engine/workspace.h"
 
 namespace palpate {
 namespace {
-
-Workspace workspace_of(const ExplorationSettings& settings, int sensors) {
-  const double depth_m = PathPlanSettings{}.press_depth_m;
-  return {sensors, settings.workspace_m, 2 * depth_m, depth_m};
-}
 
 // A scene k times as large is to the hand what this one is to a hand that is k times as small.
 bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double factor) {
@@ -28,7 +22,8 @@ bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double f
 bool has_contour(const Scene& scene, const RunSetup& setup, const ExplorationSettings& settings) {
   const ScenePose& pose = setup.haptics.initial_pose;
   const double largest_m = scene.statistics().extent_m.maxCoeff();
-  return !check_fits(workspace_of(settings, 2), bounds_in_device(scene, pose), largest_m) &&
+  return !check_fits(hand_workspace(2, settings.workspace_m), bounds_in_device(scene, pose),
+                     largest_m) &&
          height_with_contour_m(scene, pose).has_value();
 }
 
@@ -41,7 +36,7 @@ std::string two_sensors_text(const ActuationModel& actuation) {
 
 std::string room_hint(const Scene& scene, const RunSetup& setup,
                       const ExplorationSettings& settings, const SurfacePathSettings& wanted) {
-  const Workspace workspace = workspace_of(settings, setup.actuation.sensors());
+  const Workspace workspace = hand_workspace(setup.actuation.sensors(), settings.workspace_m);
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
   const double largest_m = scene.statistics().extent_m.maxCoeff();
   for (const auto& size_m : {fitting_size_m(workspace, bounds, largest_m),

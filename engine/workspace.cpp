@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "haptics/check_settings.h"
+#include "engine/path_plan.h"
 
 namespace palpate {
 namespace {
@@ -64,20 +64,12 @@ Error too_small(const Workspace& workspace) {
           "no --fit makes a scene fit a smaller one"};
 }
 
-// So far away the extents along the axes are made of roundings.
-std::optional<Error> check_distance(const Box& bounds_device, double largest_extent_m) {
-  const double away_m =
-      bounds_device.low.cwiseAbs().cwiseMax(bounds_device.high.cwiseAbs()).maxCoeff();
-  const double most_m = kFarthestSamplePerSize * largest_extent_m;
-  if (away_m <= most_m) return std::nullopt;
-  std::ostringstream problem;
-  problem << "puts the scene " << away_m << " m away from the device's origin, expected at most "
-          << most_m << " m, where positions keep half of their digits for the scene";
-  return Error{ErrorCode::kInvalidArgument, "", "--place", problem.str(),
-               "place the scene nearer to the device's origin"};
-}
-
 }  // namespace
+
+Workspace hand_workspace(int sensors, double extent_m) {
+  const double depth_m = PathPlanSettings{}.press_depth_m;
+  return {sensors, extent_m, 2 * depth_m, depth_m};
+}
 
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m) {
@@ -96,7 +88,6 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
   const double most = most_m(workspace);
   if (widest >= workspace.least_m && widest <= most) return std::nullopt;
   if (workspace.extent_m < least_workspace_m(workspace)) return too_small(workspace);
-  if (auto error = check_distance(bounds_device, largest_extent_m)) return error;
   const Vec3 extent_m = bounds_device.high - bounds_device.low;
   std::ostringstream problem;
   problem << "spans ";

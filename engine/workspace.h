@@ -17,6 +17,9 @@ struct Workspace {
   double least_m = 0.0;   // of what the hand can follow: it presses so deep
 };
 
+// That of a hand that presses as deep as a planned one does.
+Workspace hand_workspace(int sensors, double extent_m);
+
 // An error if the scene is wider than the workspace along a sensed axis, or narrower than the hand
 // presses along all of them; it names the size to fit it to, which works, or says that no size of
 // three digits does and how large the workspace has to be. bounds_device: of the scene as it is

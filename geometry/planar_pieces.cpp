@@ -56,8 +56,9 @@ class PieceCutter {
   PlanarPieces run() {
     if (cell_m_ > 0.0) {
       take_segments();
-      for (int round = 0; round < kMostRounds && cut(); ++round) {
-      }
+      int round = 0;
+      while (round < kMostRounds && cut()) ++round;
+      result_.gave_up = result_.gave_up || round == kMostRounds;
     }
     return std::move(result_);
   }
