@@ -14,8 +14,8 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/registration.h"
-#include "engine/study/knobs.h"
-#include "engine/study/measurement.h"
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/measurement.h"
 
 namespace palpate::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 #include "models/primitives.h"
 
 namespace palpate::bench {

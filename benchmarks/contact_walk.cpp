@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/random.h"
+#include "geometry/base/random.h"
 
 namespace palpate::bench {
 namespace {

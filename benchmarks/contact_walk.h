@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "benchmarks/scanned_body.h"
-#include "engine/study/sphere_paths.h"
+#include "engine/accuracy/sphere_paths.h"
 
 namespace palpate::bench {
 

@@ -14,7 +14,7 @@
 #include "benchmarks/registration.h"
 #include "benchmarks/sphere.h"
 #include "benchmarks/trajectories.h"
-#include "engine/study/effect_cases.h"
+#include "engine/accuracy/effect_cases.h"
 #include "haptics/haptic_loop.h"
 
 namespace palpate::bench {

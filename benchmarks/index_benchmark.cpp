@@ -21,7 +21,7 @@ constexpr double kAcquisitionRadius_m = 0.02;
 // From up to 5 mm above the sphere straight to below it.
 constexpr double kSegmentLength_m = 6e-3;
 
-// What the proxy gathers around itself (haptics/candidate_cache.cpp), in mean pack diagonals.
+// What the proxy gathers around itself (haptics/proxy/candidate_cache.cpp), in mean pack diagonals.
 constexpr double kGatherPerPackDiagonal = 0.6;
 
 // Float answers on coordinates of the sphere's size; a wrong triangle is off by much more.

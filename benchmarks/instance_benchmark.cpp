@@ -20,8 +20,8 @@
 #include "benchmarks/percentiles.h"
 #include "benchmarks/registration.h"
 #include "benchmarks/trajectories.h"
-#include "engine/scene.h"
-#include "haptics/god_object.h"
+#include "engine/scene/scene.h"
+#include "haptics/proxy/god_object.h"
 #include "models/glb_writer.h"
 #include "models/primitives.h"
 

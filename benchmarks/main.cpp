@@ -19,7 +19,7 @@
 
 #include "benchmarks/cgal_surface.h"
 #include "benchmarks/registration.h"
-#include "engine/study/build_facts.h"
+#include "engine/accuracy/build_facts.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/caches.h"
-#include "engine/run_summary.h"
+#include "engine/session/run_summary.h"
 
 namespace palpate::bench {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "geometry/triangle.h"
+#include "geometry/exact/triangle.h"
 
 namespace palpate::bench {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "benchmarks/caches.h"
 #include "benchmarks/sphere.h"
-#include "engine/study/knob.h"
+#include "engine/accuracy/knob.h"
 
 namespace palpate::bench {
 

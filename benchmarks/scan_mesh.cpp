@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/random.h"
+#include "geometry/base/random.h"
 
 namespace palpate::bench {
 namespace {

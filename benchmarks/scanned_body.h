@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 
 namespace palpate::bench {
 

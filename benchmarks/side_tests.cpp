@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "geometry/orientation.h"
+#include "geometry/exact/orientation.h"
 
 namespace palpate::bench {
 namespace {

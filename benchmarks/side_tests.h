@@ -2,14 +2,14 @@
 
 // On which side of a line an edge passes: three ways to be sure of the sign.
 //
-// The question behind "does a segment meet a triangle" (geometry/segment_triangle.h): the sign of
+// The question behind "does a segment meet a triangle" (geometry/exact/segment_triangle.h): the sign of
 // d . ((from - p) x (to - p)), positive if the edge passes the line on its left. Each way starts
 // with a filter in double; they differ in what follows when it cannot tell.
 
 #include <memory>
 #include <span>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 
 namespace palpate::bench {
 
@@ -25,7 +25,7 @@ bool filter_decides(const SideInput& input);
 // 113-bit arithmetic in software. 0 also when that cannot tell.
 int side_float128(const SideInput& input);
 
-// What the engine uses (geometry/orientation.h): pairs of doubles, then expansions. Exact, for
+// What the engine uses (geometry/exact/orientation.h): pairs of doubles, then expansions. Exact, for
 // coordinates whose products neither overflow nor underflow.
 int side_adaptive(const SideInput& input);
 

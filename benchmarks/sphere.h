@@ -6,7 +6,7 @@
 
 #include "benchmarks/cgal_surface.h"
 #include "benchmarks/stock_embree.h"
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 
 namespace palpate::bench {
 

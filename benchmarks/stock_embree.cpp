@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "geometry/embree.h"
+#include "geometry/index/embree.h"
 
 namespace palpate::bench {
 namespace {

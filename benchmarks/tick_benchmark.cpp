@@ -10,7 +10,7 @@
 #include "benchmarks/sphere.h"
 #include "benchmarks/timed_ticks.h"
 #include "benchmarks/trajectories.h"
-#include "geometry/simd.h"
+#include "geometry/index/simd.h"
 
 namespace palpate::bench {
 namespace {

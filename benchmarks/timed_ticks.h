@@ -7,7 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/percentiles.h"
-#include "engine/study/sphere_paths.h"
+#include "engine/accuracy/sphere_paths.h"
 #include "haptics/haptic_loop.h"
 
 namespace palpate::bench {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "geometry/random.h"
+#include "geometry/base/random.h"
 
 namespace palpate::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/study/sphere_paths.h"
-#include "geometry/types.h"
+#include "engine/accuracy/sphere_paths.h"
+#include "geometry/base/types.h"
 
 namespace palpate::bench {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
-#include "geometry/random.h"
-#include "geometry/surface_mesh.h"
+#include "geometry/base/random.h"
+#include "geometry/mesh/surface_mesh.h"
 #include "models/primitives.h"
 
 namespace palpate::bench {

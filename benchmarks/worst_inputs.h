@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/surface_index.h"
-#include "haptics/contact_world.h"
-#include "haptics/god_object.h"
+#include "geometry/index/surface_index.h"
+#include "haptics/proxy/contact_world.h"
+#include "haptics/proxy/god_object.h"
 
 namespace palpate::bench {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "haptics/check_settings.h"
 #include "haptics/haptic_loop_steps.h"
+#include "haptics/proxy/check_settings.h"
 
 namespace palpate {
 namespace {

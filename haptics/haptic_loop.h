@@ -10,14 +10,14 @@
 #include <string_view>
 #include <vector>
 
-#include "haptics/actuation.h"
-#include "haptics/contact_world.h"
+#include "haptics/a4/actuation.h"
+#include "haptics/a4/elementary_rotation.h"
+#include "haptics/a4/scene_pose.h"
+#include "haptics/a4/theoretical_rotation.h"
 #include "haptics/effects/effect_runner.h"
-#include "haptics/elementary_rotation.h"
-#include "haptics/god_object.h"
-#include "haptics/scene_pose.h"
-#include "haptics/theoretical_rotation.h"
-#include "haptics/virtual_coupling.h"
+#include "haptics/effects/virtual_coupling.h"
+#include "haptics/proxy/contact_world.h"
+#include "haptics/proxy/god_object.h"
 
 namespace palpate {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <charconv>
 
-#include "io/gltf_error.h"
+#include "io/gltf/error.h"
 
 namespace palpate {
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 #include "io/material_description.h"
 #include "io/pose_description.h"
 #include "io/transform_product.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "geometry/result.h"
-#include "geometry/types.h"
+#include "geometry/base/result.h"
+#include "geometry/base/types.h"
 
 namespace palpate {
 

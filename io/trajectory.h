@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/result.h"
-#include "geometry/types.h"
+#include "geometry/base/result.h"
+#include "geometry/base/types.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 
 namespace palpate {
 

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "geometry/result.h"
+#include "geometry/base/result.h"
 #include "models/primitives.h"
 
 namespace palpate {

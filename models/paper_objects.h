@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 #include "models/primitives.h"
 
 namespace palpate {

@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "geometry/result.h"
-#include "geometry/types.h"
+#include "geometry/base/result.h"
+#include "geometry/base/types.h"
 
 namespace palpate {
 

@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 #include "models/primitives.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 #include "models/primitives.h"
 
 namespace palpate {

@@ -25,10 +25,10 @@
 #include <span>
 #include <string_view>
 
-#include "geometry/types.h"
+#include "geometry/base/types.h"
 #include "haptics/effects/face_point.h"
-#include "haptics/friction_cone.h"
-#include "haptics/virtual_coupling.h"
+#include "haptics/effects/virtual_coupling.h"
+#include "haptics/proxy/friction_cone.h"
 
 namespace palpate {
 

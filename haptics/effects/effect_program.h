@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/height_map.h"
+#include "geometry/mesh/height_map.h"
 #include "haptics/effects/effect.h"
 #include "haptics/effects/magnet.h"
 #include "haptics/effects/viscosity.h"

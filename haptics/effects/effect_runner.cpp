@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "haptics/plane_projection.h"
+#include "haptics/proxy/plane_projection.h"
 
 namespace palpate {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "geometry/box.h"
+#include "geometry/base/box.h"
 #include "haptics/effects/effect_program.h"
-#include "haptics/god_object.h"
+#include "haptics/proxy/god_object.h"
 
 namespace palpate {
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/crease_normals.h"
-#include "geometry/triangle.h"
-#include "haptics/contact_world.h"
+#include "geometry/exact/triangle.h"
+#include "geometry/index/crease_normals.h"
+#include "haptics/proxy/contact_world.h"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "geometry/height_map.h"
+#include "geometry/mesh/height_map.h"
 #include "haptics/effects/effect.h"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "haptics/effects/effect.h"
-#include "haptics/live_world.h"
+#include "haptics/proxy/live_world.h"
 
 namespace palpate {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/height_map.h"
+#include "geometry/mesh/height_map.h"
 #include "haptics/effects/effect.h"
 
 namespace palpate {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/inside.h"
+#include "geometry/index/inside.h"
 #include "haptics/effects/effect.h"
-#include "haptics/live_world.h"
+#include "haptics/proxy/live_world.h"
 
 namespace palpate {
 

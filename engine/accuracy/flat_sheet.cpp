@@ -1,0 +1,31 @@
+#include "engine/accuracy/flat_sheet.h"
+
+#include <numbers>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+// Off the diagonal, where two triangles would be touched at once.
+constexpr double kOffDiagonal_m = kSheetSize_m / 6.0;
+
+// Facing that way, turned about it and put at random.
+RigidTransform facing(const Vec3& normal, SeededRandom& random) {
+  const double turn_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
+  const Quat turn(Eigen::AngleAxisd(turn_rad, normal));
+  const Quat upright = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
+  return {(turn * upright).normalized(), random.in_box(0.5 * kSheetSize_m)};
+}
+
+}  // namespace
+
+FlatSheet::FlatSheet(const Vec3& normal, SeededRandom& random)
+    : normal_(normal),
+      sheet_(std::move(*sheet_at(facing(normal, random)))) {}  // without friction never refused
+
+Vec3 FlatSheet::below(double depth_m, const Eigen::Vector2d& along_m) const {
+  const Vec3 in_sheet_m(kOffDiagonal_m + along_m.x(), -kOffDiagonal_m + along_m.y(), 0.0);
+  return sheet_.T_scene_sheet.point(in_sheet_m) - depth_m * normal_;
+}
+
+}  // namespace palpate

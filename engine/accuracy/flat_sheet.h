@@ -1,0 +1,29 @@
+#pragma once
+
+// A flat sheet in any pose, for knobs whose truth is that of a plane.
+
+#include "engine/accuracy/posed_sheet.h"
+#include "geometry/base/random.h"
+
+namespace palpate {
+
+// A posed_sheet() whose front faces a given way. Movable; the world it gives lasts as long as it
+// does. Not for the haptic thread.
+class FlatSheet {
+ public:
+  // Its front faces `normal` (unit); turned about it and put at random. Scene frame.
+  FlatSheet(const Vec3& normal, SeededRandom& random);
+
+  const ContactWorld& world() const { return sheet_.scene.world(); }
+  const Vec3& normal() const { return normal_; }
+
+  // A point below the sheet (above it, if depth_m < 0), near the middle of one of its triangles.
+  // along_m: two lengths along the sheet, at most a tenth of its side. Scene frame, metres.
+  Vec3 below(double depth_m, const Eigen::Vector2d& along_m = Eigen::Vector2d::Zero()) const;
+
+ private:
+  Vec3 normal_;
+  PosedSheet sheet_;
+};
+
+}  // namespace palpate

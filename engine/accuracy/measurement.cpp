@@ -1,0 +1,291 @@
+#include "engine/accuracy/measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Core>
+
+namespace palpate {
+namespace {
+
+// The samples of one level, gathered over the repeats.
+class Gathered {
+ public:
+  void add(Sample sample) {
+    ++repeats_;
+    if (!sample.failure.empty()) {
+      if (failures_++ == 0) failure_ = std::move(sample.failure);
+      return;
+    }
+    errors_.push_back(sample.error);
+    times_.push_back(sample.time);
+    iterations_.push_back(sample.iterations);
+    ticks_ += sample.ticks;
+  }
+
+  LevelResult result(double value, const std::string& label, double floor) const {
+    LevelResult r;
+    r.value = value;
+    r.label = label;
+    r.repeats = repeats_;
+    r.failures = failures_;
+    r.failure = failure_;
+    r.ticks = ticks_;
+    if (errors_.empty()) return r;
+    r.error = Spread::of(errors_);
+    r.time = Spread::of(times_);
+    r.iterations = Spread::of(iterations_).median;
+    r.raw_error = r.error.median;
+    r.at_floor = floor > 0.0 && r.raw_error <= floor;
+    for (double* e : {&r.error.low, &r.error.median, &r.error.high}) *e = std::max(*e, floor);
+    return r;
+  }
+
+ private:
+  std::vector<double> errors_, times_, iterations_;
+  std::uint64_t ticks_ = 0;
+  int repeats_ = 0;
+  int failures_ = 0;
+  std::string failure_;
+};
+
+// A run that cannot be repeated at will because it never ends would be a fault of ours; one that
+// gives no number is a failure of the level.
+Sample checked(Sample sample) {
+  if (!sample.failure.empty()) return sample;
+  if (!std::isfinite(sample.error) || !std::isfinite(sample.time)) {
+    sample.failure = "not finite";
+  } else if (sample.ticks == 0) {
+    sample.failure = "no tick in contact";
+  }
+  return sample;
+}
+
+bool is_no_worse(const LevelResult& a, const LevelResult& b) {
+  return a.time.median <= b.time.median && a.error.median <= b.error.median;
+}
+
+bool is_better(const LevelResult& a, const LevelResult& b) {
+  return is_no_worse(a, b) && (a.time.median < b.time.median || a.error.median < b.error.median);
+}
+
+// The levels that one at `place` competes with, itself among them.
+template <typename Visit>
+void for_each_rival(const KnobResult& result, const LevelPlace& place, Visit visit) {
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    if (result.knob.methods_are_given && m != place.method) continue;
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      if (result.knob.levels_are_given && l != place.level) continue;
+      const LevelResult& rival = result.methods[m].levels[l];
+      if (rival.counts()) visit(LevelPlace{m, l}, rival);
+    }
+  }
+}
+
+void mark_front(KnobResult& result) {
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      LevelResult& candidate = result.methods[m].levels[l];
+      candidate.on_front = candidate.counts();
+      for_each_rival(result, {m, l}, [&](const LevelPlace&, const LevelResult& rival) {
+        if (is_better(rival, candidate)) candidate.on_front = false;
+      });
+    }
+  }
+}
+
+// How many times better; of an error that vanishes altogether, without bound.
+double times_better(double better, double worse) {
+  if (worse <= better) return 1.0;
+  return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
+}
+
+LevelPlace default_place(const KnobResult& result) {
+  return {result.knob.default_method, result.knob.default_level};
+}
+
+const LevelResult& at(const KnobResult& result, const LevelPlace& place) {
+  return result.methods[place.method].levels[place.level];
+}
+
+void judge_default(KnobResult& result) {
+  const LevelResult& mine = at(result, default_place(result));
+  if (!mine.counts()) {
+    result.default_behind = std::numeric_limits<double>::infinity();
+    result.better_than_default = "any: the default fails, " + mine.failure;
+    return;
+  }
+  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
+    if (!is_better(rival, mine)) return;
+    const double behind = std::max(times_better(rival.time.median, mine.time.median),
+                                   times_better(rival.error.median, mine.error.median));
+    if (behind <= result.default_behind) return;
+    result.default_behind = behind;
+    result.better_than_default = result.methods[p.method].name + ", " + rival.label;
+  });
+}
+
+// The quickest level whose error is small enough; of those that are about as quick, the default, or
+// the one with the smallest error. If none is small enough, the one with the smallest error.
+std::optional<LevelPlace> recommend(const KnobResult& result) {
+  const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
+  double least_time = std::numeric_limits<double>::infinity();
+  for_each_rival(result, default_place(result), [&](const LevelPlace&, const LevelResult& rival) {
+    if (will_do(rival)) least_time = std::min(least_time, rival.time.median);
+  });
+  // With none that will do, all are.
+  const auto is_candidate = [&](const LevelResult& a) {
+    return !std::isfinite(least_time) ||
+           (will_do(a) && a.time.median <= KnobResult::kNearFront * least_time);
+  };
+  const LevelResult& usual = at(result, default_place(result));
+  if (usual.counts() && std::isfinite(least_time) && is_candidate(usual)) {
+    return default_place(result);
+  }
+  std::optional<LevelPlace> best;
+  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
+    if (!is_candidate(rival)) return;
+    if (!best || rival.error.median < at(result, *best).error.median) best = p;
+  });
+  return best;
+}
+
+constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
+
+// How far on the next level is in the order of a repeat: by another number each, so that none
+// always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
+// that each level has its turn.
+std::size_t stride_of(std::size_t repeat, std::size_t size) {
+  std::size_t stride = 1 + repeat % size;
+  while (std::gcd(stride, size) != 1) ++stride;
+  return stride;
+}
+
+// Every level and every preset once.
+class Round {
+ public:
+  explicit Round(const Knob& knob) : knob_(knob) {
+    for (std::size_t m = 0; m < knob.methods.size(); ++m) {
+      for (std::size_t l = 0; l < knob.methods[m].levels.size(); ++l) places_.push_back({m, l});
+    }
+    gathered_.resize(places_.size() + kPresets.size());
+  }
+
+  std::size_t size() const { return gathered_.size(); }
+
+  void run(std::size_t i, std::uint64_t seed) {
+    if (i < places_.size()) {
+      const LevelPlace& p = places_[i];
+      gathered_[i].add(checked(knob_.methods[p.method].levels[p.level].run(seed)));
+    } else {
+      gathered_[i].add(checked(knob_.run_preset(seed, kPresets[i - places_.size()])));
+    }
+  }
+
+  KnobResult result() const {
+    KnobResult result{knob_, {}, {}, {}, 1.0, ""};
+    std::size_t i = 0;
+    for (const Method& method : knob_.methods) {
+      MethodResult m{method.name, {}, method.expected_order, {}, method.floor};
+      for (const Level& level : method.levels) {
+        m.levels.push_back(gathered_[i++].result(level.value, level.label, method.floor));
+      }
+      m.order = fitted_order(m.levels);
+      // A curve that is flat does not go by the level: noise is no order.
+      constexpr double kFlat = 0.1;
+      if (!m.expected_order && m.order && std::abs(*m.order) < kFlat) m.order.reset();
+      result.methods.push_back(std::move(m));
+    }
+    const double floor = knob_.methods[knob_.default_method].floor;
+    for (std::size_t p = 0; p < kPresets.size(); ++p) {
+      result.presets[p] = gathered_[i++].result(static_cast<double>(p), kPresetNames[p], floor);
+    }
+    return result;
+  }
+
+ private:
+  const Knob& knob_;
+  std::vector<LevelPlace> places_;
+  std::vector<Gathered> gathered_;
+};
+
+}  // namespace
+
+Spread Spread::of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(place);
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  };
+  return {at(0.25), at(0.5), at(0.75)};
+}
+
+std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
+  return effort.seed + static_cast<std::uint64_t>(repeat);
+}
+
+std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
+  constexpr std::size_t kLeastLevels = 4;
+  // A median that is farther from the line by this factor is of no power law: noise is a few per
+  // cent, and the curvature of an asymptotic law at its coarsest level some tens.
+  constexpr double kMostOffLine = 1.5;
+  std::vector<Eigen::Vector2d> points;  // log(value), log(error)
+  for (const LevelResult& level : levels) {
+    if (!level.counts() || level.at_floor || !(level.error.median > 0.0)) continue;
+    points.emplace_back(std::log(level.value), std::log(level.error.median));
+  }
+  if (points.size() < kLeastLevels) return std::nullopt;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : points) mean += p / static_cast<double>(points.size());
+  double xx = 0.0;
+  double xy = 0.0;
+  for (const Eigen::Vector2d& p : points) {
+    xx += (p - mean).x() * (p - mean).x();
+    xy += (p - mean).x() * (p - mean).y();
+  }
+  if (!(xx > 0.0)) return std::nullopt;
+  const double order = xy / xx;
+  for (const Eigen::Vector2d& p : points) {
+    const double off = (p - mean).y() - order * (p - mean).x();
+    if (std::abs(off) > std::log(kMostOffLine)) return std::nullopt;
+  }
+  return order;
+}
+
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress) {
+  Round round(knob);
+  // Once for nothing: scenes are built, caches and clocks warm up.
+  for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
+  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+    const auto turn = static_cast<std::size_t>(repeat);
+    const std::size_t stride = stride_of(turn, round.size());
+    for (std::size_t i = 0; i < round.size(); ++i) {
+      round.run((i * stride + 7 * turn) % round.size(), repeat_seed(effort, repeat));
+    }
+    if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
+  }
+  KnobResult result = round.result();
+  mark_front(result);
+  judge_default(result);
+  result.recommended = recommend(result);
+  return result;
+}
+
+LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort) {
+  const Method& method = knob.methods[place.method];
+  const Level& level = method.levels[place.level];
+  Gathered gathered;
+  level.run(repeat_seed(effort, 0));  // as in measure()
+  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+    gathered.add(checked(level.run(repeat_seed(effort, repeat))));
+  }
+  return gathered.result(level.value, level.label, method.floor);
+}
+
+}  // namespace palpate

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/accuracy/error_measures.h"
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/pressed_path.h"
+#include "engine/accuracy/session_pass.h"
+#include "engine/accuracy/study_scene.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kRadius_m = 0.1;
+constexpr double kTube_m = 0.04;
+constexpr CouplingSettings kCoupling{1000.0, 2.0};
+constexpr double kPeriod_s = 1e-3;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// A smooth surface and one of its meshes.
+struct Meshed {
+  SmoothSurface smooth;
+  double extent_m;
+  double edge_m;
+  std::size_t triangles;
+  LazyScene scene;  // for proxies up to most_radius_m
+};
+
+Meshed meshed_sphere(int subdivisions, double most_radius_m = 0.0) {
+  // The edges of a sphere are halved by each subdivision, to a part in a thousand from here on.
+  const TriangleMesh coarse = icosphere(std::min(subdivisions, 6), kRadius_m);
+  return {smooth_sphere(kRadius_m), 2.0 * kRadius_m,
+          mean_edge_m(coarse) / std::exp2(std::max(0, subdivisions - 6)),
+          std::size_t{20} << (2 * subdivisions),
+          LazyScene([=] { return mesh_scene(icosphere(subdivisions, kRadius_m), most_radius_m); })};
+}
+
+Meshed meshed_torus(int subdivisions) {
+  const TriangleMesh coarse = torus(kRadius_m, kTube_m, std::min(subdivisions, 5));
+  return {smooth_torus(kRadius_m, kTube_m), 2.0 * (kRadius_m + kTube_m),
+          mean_edge_m(coarse) / std::exp2(std::max(0, subdivisions - 5)),
+          std::size_t{64} << (2 * subdivisions),
+          LazyScene([=] { return mesh_scene(torus(kRadius_m, kTube_m, subdivisions)); })};
+}
+
+// What the faceted surface feels like beside the smooth one.
+struct Felt {
+  RootMeanSquare depth_m;
+  RootMeanSquare angle_deg;
+  PassCost cost;
+};
+
+Felt feel(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
+          const GodObjectSettings& god_object) {
+  SeededRandom random(seed);
+  PressSettings press;
+  press.proxy_radius_m = god_object.radius_m;
+  press.ticks = ticks;
+  const PressedPath path = pressed_path(meshed.smooth, meshed.extent_m, press, random);
+  Felt felt;
+  const auto visit = [&](const TickRecord& record) {
+    const SmoothPoint smooth = meshed.smooth(record.goal_m);
+    const double depth_m = smooth.normal.dot(smooth.point_m - record.goal_m) + god_object.radius_m;
+    felt.depth_m.add((record.proxy_m - record.goal_m).norm() - depth_m);
+    const Vec3& n = record.normal_scene;
+    felt.angle_deg.add(kDegrees * std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
+  };
+  felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kCoupling, god_object),
+                       path.device_m, kPeriod_s, path.lead_in, visit);
+  return felt;
+}
+
+enum class Measure { kDepth, kAngle };
+
+Sample sample_of(const Felt& felt, Measure measure) {
+  return {measure == Measure::kDepth ? felt.depth_m.value() : felt.angle_deg.value(),
+          felt.cost.tick_ns, felt.cost.iterations, felt.cost.ticks, failure_of(felt.cost.faults)};
+}
+
+constexpr const char* kHand =
+    "A hand at 0.1 m/s, pressed 1 to 3 mm into the mesh; K = 1000 N/m, B = 2 N s/m, 1 kHz.";
+constexpr const char* kFloat = "the rounding of a file's coordinates to single precision";
+
+// A method a surface, a level a mesh of it.
+Knob resolution_knob(const StudyEffort& effort, Measure measure) {
+  const bool is_depth = measure == Measure::kDepth;
+  Knob knob;
+  knob.name = is_depth ? "mesh_depth" : "mesh_angle";
+  knob.title = is_depth ? "Mesh resolution: depth" : "Mesh resolution: direction of the force";
+  knob.level = {"mean edge", "m"};
+  knob.error = is_depth ? Quantity{"error of the depth (rms)", "m"}
+                        : Quantity{"error of the contact normal (rms)", "deg"};
+  knob.time = {"time of a tick", "ns"};
+  knob.methods_are_given = true;
+  knob.workload = kHand;
+  knob.reference = "The smooth surface, in closed form: a sphere of 0.2 m, a torus of 0.28 m.";
+  knob.floor_is = kFloat;
+  knob.enough = is_depth ? 1e-5 : 3.0;
+  knob.enough_because = is_depth ? "10 µm is 10 mN at 1000 N/m, about what a hand can tell"
+                                 : "a tenth of the 30 degrees at which a hand tells directions";
+  knob.default_because = "the mesh is the user's; there is no default but what a file has";
+  const std::size_t ticks = effort.quick ? 1000 : 2000;
+  constexpr int kUsual = 5;            // 20 thousand triangles
+  std::optional<Meshed> default_mesh;  // presets run on the same one: a copy has caches of its own
+  const auto add = [&](const char* name, Meshed (*make)(int), int first, int last) {
+    Method method{name, {}, is_depth ? 2.0 : 1.0, is_depth ? float_floor_m(kRadius_m) : 0.0};
+    for (int s = first; s <= last; ++s) {
+      const Meshed meshed = make(s);
+      if (knob.methods.empty() && s == kUsual) {
+        default_mesh = meshed;
+        knob.default_level = method.levels.size();
+      }
+      method.levels.push_back(
+          {meshed.edge_m, triangles_label(meshed.triangles),
+           [=](std::uint64_t seed) { return sample_of(feel(meshed, seed, ticks, {}), measure); }});
+    }
+    knob.methods.push_back(std::move(method));
+  };
+  const int coarser = effort.quick ? 1 : 0;
+  const auto sphere = [](int s) { return meshed_sphere(s); };
+  add("sphere", sphere, 3, 8 - coarser);
+  add("torus", meshed_torus, 2, 7 - coarser);
+  knob.default_method = 0;
+  knob.run_preset = [=, usual = *default_mesh](std::uint64_t seed, const Accuracy& preset) {
+    return sample_of(feel(usual, seed, ticks, {0.0, preset}), measure);
+  };
+  return knob;
+}
+
+Knob radius_knob(const StudyEffort& effort) {
+  Knob knob;
+  knob.name = "proxy_radius";
+  knob.title = "Sphere against point proxy";
+  knob.level = {"mean edge", "m"};
+  knob.error = {"error of the contact normal (rms)", "deg"};
+  knob.time = {"time of a tick", "ns"};
+  knob.workload = kHand;
+  knob.reference = "The smooth sphere of 0.2 m, in closed form.";
+  knob.levels_are_given = true;
+  knob.enough = 3.0;
+  knob.enough_because = "a tenth of the 30 degrees at which a hand tells directions";
+  knob.default_because = "a point feels every crack and edge as it is; a sphere is for tools";
+  const std::size_t ticks = effort.quick ? 500 : 1000;
+  struct Proxy {
+    const char* name;
+    double radius_m;
+  };
+  constexpr double kMostRadius_m = 5e-3;
+  std::vector<Meshed> meshes;
+  for (int s = 3; s <= (effort.quick ? 6 : 7); ++s) {
+    meshes.push_back(meshed_sphere(s, kMostRadius_m));
+  }
+  for (const Proxy& proxy : {Proxy{"point", 0.0}, Proxy{"sphere, 0.5 mm", 5e-4},
+                             Proxy{"sphere, 2 mm", 2e-3}, Proxy{"sphere, 5 mm", kMostRadius_m}}) {
+    Method method{proxy.name, {}, {}, 0.0};
+    for (const Meshed& meshed : meshes) {
+      method.levels.push_back(
+          {meshed.edge_m, triangles_label(meshed.triangles),
+           [=, radius_m = proxy.radius_m](std::uint64_t seed) {
+             return sample_of(feel(meshed, seed, ticks, {radius_m, {}}), Measure::kAngle);
+           }});
+    }
+    knob.methods.push_back(std::move(method));
+  }
+  knob.default_level = 2;
+  knob.run_preset = [=, usual = meshes[2]](std::uint64_t seed, const Accuracy& preset) {
+    return sample_of(feel(usual, seed, ticks, {0.0, preset}), Measure::kAngle);
+  };
+  return knob;
+}
+
+}  // namespace
+
+std::vector<Knob> mesh_knobs(const StudyEffort& effort) {
+  return {resolution_knob(effort, Measure::kDepth), resolution_knob(effort, Measure::kAngle),
+          radius_knob(effort)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,133 @@
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/accuracy/error_measures.h"
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/pressed_path.h"
+#include "engine/accuracy/session_pass.h"
+#include "engine/accuracy/study_scene.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kRadius_m = 0.1;
+constexpr int kSubdivisions = 5;
+constexpr CouplingSettings kCoupling{1000.0, 2.0};
+constexpr double kPeriod_s = 1e-3;
+
+// How a file puts a mesh somewhere.
+enum class PlacedBy { kNode, kVertices };
+
+// The sphere in a distance along all three axes, as a file in single precision has it.
+std::shared_ptr<const Scene> sphere_at(const Vec3& place_m, PlacedBy placed_by) {
+  TriangleMesh mesh = icosphere(kSubdivisions, kRadius_m);
+  if (placed_by == PlacedBy::kNode) return mesh_scene(std::move(mesh), 0.0, place_m);
+  for (Vec3& p : mesh.positions_m) p = (p + place_m).cast<float>().cast<double>();
+  return mesh_scene(std::move(mesh));
+}
+
+std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m,
+                             const Vec3& place_m, std::size_t lead_in, const Accuracy& accuracy,
+                             PassCost& cost) {
+  for (Vec3& p : path_m) p += place_m;
+  std::vector<Vec3> proxies_m;
+  cost = run_path(
+      world, PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m, kPeriod_s, lead_in,
+      [&](const TickRecord& record) { proxies_m.emplace_back(record.proxy_m - place_m); });
+  return proxies_m;
+}
+
+// The same hand on the same sphere, there and at the origin.
+class Displaced {
+ public:
+  Displaced(const StudyEffort& effort, double distance_m, PlacedBy placed_by)
+      : ticks_(effort.quick ? 500 : 2000),
+        place_m_(Vec3::Constant(distance_m)),
+        there_([place_m = place_m_, placed_by] { return sphere_at(place_m, placed_by); }) {}
+
+  Sample run(std::uint64_t seed, const Accuracy& accuracy) const {
+    static const LazyScene here([] { return sphere_at(Vec3::Zero(), PlacedBy::kNode); });
+    SeededRandom random(seed);
+    PressSettings press;
+    press.ticks = ticks_;
+    const PressedPath path = pressed_path(smooth_sphere(kRadius_m), 2.0 * kRadius_m, press, random);
+    PassCost cost;
+    const std::vector<Vec3> expected = proxies_of(here.world(), path.device_m, Vec3::Zero(),
+                                                  path.lead_in, Accuracy::exact(), cost);
+    const std::vector<Vec3> found =
+        proxies_of(there_.world(), path.device_m, place_m_, path.lead_in, accuracy, cost);
+    RootMeanSquare off_m;
+    for (std::size_t n = 0; n < found.size() && n < expected.size(); ++n) {
+      off_m.add((found[n] - expected[n]).norm());
+    }
+    Sample sample{off_m.value(), cost.tick_ns, cost.iterations, cost.ticks,
+                  failure_of(cost.faults)};
+    if (found.size() != expected.size()) sample.failure = "lost contact";
+    return sample;
+  }
+
+ private:
+  std::size_t ticks_;
+  Vec3 place_m_;
+  LazyScene there_;
+};
+
+}  // namespace
+
+Knob narrow_phase_knob(const StudyEffort& effort) {
+  Knob knob;
+  knob.name = "narrow_phase";
+  knob.title = "Arithmetic of the narrow phase, near the origin and far away";
+  knob.level = {"distance from the origin along each axis", "m"};
+  knob.error = {"distance to the proxy at the origin (rms)", "m"};
+  knob.time = {"time of a tick", "ns"};
+  knob.workload =
+      "A hand at 0.1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m and 20 thousand triangles that "
+      "a file puts somewhere by its node, or by its vertices. The narrow phase, which moves the "
+      "proxy "
+      "among the triangles near it, computes in float or double. K = 1000 N/m, B = 2 N s/m, 1 kHz.";
+  knob.reference = "The same hand on the same sphere at the origin, preset exact.";
+  knob.floor_is = "the rounding of a file's coordinates to single precision, at the origin";
+  knob.levels_are_given = true;
+  knob.enough = 1e-6;
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  struct Way {
+    const char* name;
+    NarrowPhase arithmetic;
+    PlacedBy placed_by;
+  };
+  struct Rung {
+    double distance_m;
+    const char* label;
+  };
+  std::optional<Displaced> near;  // that of the default: a copy has caches of its own
+  for (const Way& way : {Way{"double, by the node", NarrowPhase::kDouble, PlacedBy::kNode},
+                         Way{"float, by the node", NarrowPhase::kFloat, PlacedBy::kNode},
+                         Way{"double, by the vertices", NarrowPhase::kDouble, PlacedBy::kVertices},
+                         Way{"float, by the vertices", NarrowPhase::kFloat, PlacedBy::kVertices}}) {
+    Method method{way.name, {}, {}, float_floor_m(kRadius_m)};
+    // What single precision rounds vertices to grows with their coordinates; beside that the
+    // stand-off of the float arithmetic is a constant.
+    const bool is_rounding_alone =
+        way.placed_by == PlacedBy::kVertices && way.arithmetic == NarrowPhase::kDouble;
+    if (is_rounding_alone) method.expected_order = 1.0;
+    Accuracy accuracy = Accuracy::balanced();
+    accuracy.narrow_phase = way.arithmetic;
+    for (const Rung& rung : {Rung{1.0, "1 m"}, Rung{10.0, "10 m"}, Rung{100.0, "100 m"},
+                             Rung{1000.0, "1 km"}, Rung{4000.0, "4 km"}}) {
+      const Displaced displaced(effort, rung.distance_m, way.placed_by);
+      if (!near) near = displaced;
+      method.levels.push_back(
+          {rung.distance_m, rung.label,
+           [displaced, accuracy](std::uint64_t seed) { return displaced.run(seed, accuracy); }});
+    }
+    knob.methods.push_back(std::move(method));
+  }
+  knob.run_preset = [near = *near](std::uint64_t seed, const Accuracy& preset) {
+    return near.run(seed, preset);
+  };
+  return knob;
+}
+
+}  // namespace palpate

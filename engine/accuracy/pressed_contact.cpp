@@ -1,0 +1,136 @@
+#include "engine/accuracy/pressed_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string>
+#include <unsupported/Eigen/MatrixFunctions>
+#include <vector>
+
+#include "engine/accuracy/posed_sheet.h"
+#include "engine/accuracy/session_pass.h"
+#include "engine/devices/stability_limits.h"
+#include "engine/simulation/mass_damper.h"
+
+namespace palpate {
+namespace {
+
+// Above the wall; at rest in it; and once more, so that the damper has no speed to take for one.
+// The hand then holds it no longer.
+constexpr std::size_t kLeadIn = 3;
+constexpr double kAbove_m = 0.01;
+
+class PressedDevice final : public Device {
+ public:
+  PressedDevice(const PressedContact& contact, const PosedSheet& sheet, double push_after_s)
+      : contact_(contact),
+        sheet_(sheet),
+        plant_(contact.mass_kg, contact.damping_Ns_per_m),
+        before_push_s_(push_after_s) {
+    plant_.put(sheet.T_scene_sheet.point({0.0, 0.0, -contact.start_depth_m()}), Vec3::Zero());
+  }
+
+  Vec3 read_position_m(double dt_s) noexcept override {
+    ++readings_;
+    if (readings_ == 1) return sheet_.T_scene_sheet.point({0.0, 0.0, kAbove_m});
+    if (readings_ > kLeadIn) advance(dt_s);
+    return plant_.position_m();
+  }
+  void command_force_N(const Vec3& force_device) noexcept override { force_N_ = force_device; }
+
+  double depth_m() const { return -sheet_.T_scene_sheet.inverse_point(plant_.position_m()).z(); }
+  double pushed_for_s() const { return pushed_for_s_; }
+
+ private:
+  void advance(double dt_s) {
+    const Vec3 push_N = -contact_.push_N * sheet_.normal();
+    const double before_s = std::min(before_push_s_, dt_s);
+    plant_.advance(force_N_ + 0.5 * push_N, before_s);
+    plant_.advance(force_N_ + push_N, dt_s - before_s);
+    before_push_s_ -= before_s;
+    pushed_for_s_ += dt_s - before_s;
+  }
+
+  const PressedContact& contact_;
+  const PosedSheet& sheet_;
+  MassDamper plant_;
+  double before_push_s_;
+  double pushed_for_s_ = 0.0;
+  std::size_t readings_ = 0;
+  Vec3 force_N_ = Vec3::Zero();
+};
+
+// Follows the depth: how far it is from where it should be, and whether it swings ever wider about
+// the static depth.
+class Swing {
+ public:
+  explicit Swing(const PressedContact& contact)
+      : contact_(contact),
+        period_s_(2.0 * std::numbers::pi *
+                  std::sqrt(contact.mass_kg / contact.coupling.stiffness_N_per_m)) {}
+
+  void add(double depth_m, double time_s) {
+    const double off_m = std::abs(depth_m - contact_.static_depth_m());
+    if (time_s < period_s_) first_m_ = std::max(first_m_, off_m);
+    if (time_s > contact_.duration_s - period_s_) last_m_ = std::max(last_m_, off_m);
+    worst_m_ = std::max(worst_m_, std::abs(depth_m - contact_.depth_m(time_s)));
+  }
+  double worst_m() const { return worst_m_; }
+  bool grows() const { return last_m_ > first_m_; }
+
+ private:
+  const PressedContact& contact_;
+  double period_s_;
+  double first_m_ = 0.0;
+  double last_m_ = 0.0;
+  double worst_m_ = 0.0;
+};
+
+std::string unstable_text(const PressedContact& contact, double period_s) {
+  const Result<StabilityLimits> limits = stability_limits(
+      {contact.mass_kg, contact.damping_Ns_per_m}, contact.coupling.damping_Ns_per_m, {period_s});
+  char text[96];
+  std::snprintf(text, sizeof text, "unstable: %.0f N/m, where %.0f N/m is the most at this rate",
+                contact.coupling.stiffness_N_per_m, limits ? limits->stable_N_per_m : 0.0);
+  return text;
+}
+
+}  // namespace
+
+double PressedContact::depth_m(double time_s) const {
+  // Of (x - static depth, v / w): entries alike in size.
+  const double w = std::sqrt(coupling.stiffness_N_per_m / mass_kg);
+  Eigen::Matrix2d rate;
+  rate << 0.0, w, -w, -(damping_Ns_per_m + coupling.damping_Ns_per_m) / mass_kg;
+  const Eigen::Matrix2d over_time = (time_s * rate).exp();
+  return static_depth_m() + over_time(0, 0) * (start_depth_m() - static_depth_m());
+}
+
+Sample press(const PressedContact& contact, double period_s, const Accuracy& accuracy,
+             std::uint64_t seed) {
+  SeededRandom random(seed);
+  const Result<PosedSheet> sheet = posed_sheet(random);
+  if (!sheet) return {.failure = sheet.error().to_string()};
+  PressedDevice device(contact, *sheet, random.uniform(0.0, period_s));
+  const auto ticks = static_cast<std::size_t>(std::ceil(contact.duration_s / period_s));
+  const std::vector<double> dt_s(kLeadIn + ticks, period_s);
+  Swing swing(contact);
+  // Told before the device moves on.
+  const OnContact follow = [&](const TickRecord&) {
+    swing.add(device.depth_m(), device.pushed_for_s());
+  };
+  const PassCost cost =
+      run_pass(sheet->scene.world(), PassSetup::fully_actuated(contact.coupling, {0.0, accuracy}),
+               device, dt_s, kLeadIn, follow);
+  Sample sample{swing.worst_m() / contact.static_depth_m(), cost.us_per_s(period_s),
+                cost.iterations, cost.ticks, failure_of(cost.faults)};
+  if (swing.grows()) {
+    sample.failure = unstable_text(contact, period_s);
+  } else if (sample.failure.empty() && cost.ticks < ticks) {
+    sample.failure = "lost contact";
+  }
+  return sample;
+}
+
+}  // namespace palpate

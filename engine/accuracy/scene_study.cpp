@@ -1,0 +1,304 @@
+#include "engine/accuracy/scene_study.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "engine/accuracy/error_measures.h"
+#include "engine/accuracy/session_pass.h"
+#include "engine/accuracy/study_scene.h"
+#include "engine/session/haptic_thread.h"
+#include "engine/session/replay.h"
+#include "engine/simulation/exploration.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kHands = 3;
+constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
+constexpr std::array kRates_Hz = {1000.0, 2000.0, 4000.0, 8000.0, 16000.0, 32000.0};
+constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // where even the first is not kept
+constexpr int kTrials = 3;                            // of a rate; most of them must keep it
+
+// Of the loop that is studied. Every tick of every hand is kept in memory.
+constexpr double kSlowest_Hz = 20.0;
+constexpr double kFastest_Hz = 20000.0;
+
+std::optional<Error> check_rate(const RunSetup& setup) {
+  const double rate_Hz = 1.0 / setup.dt_s;
+  if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return std::nullopt;
+  return Error{ErrorCode::kInvalidArgument, "", "--rate",
+               std::to_string(rate_Hz) + " Hz given, expected 20 to 20000 Hz",
+               "1000 Hz is usual; how fast this machine is, the report says by itself"};
+}
+
+RunSetup with(RunSetup setup, const Accuracy& accuracy) {
+  setup.haptics.god_object.accuracy = accuracy;
+  return setup;
+}
+
+// Where a hand went, and the proxies of the preset exact.
+struct Hand {
+  std::vector<Vec3> path_m;
+  std::vector<TickRecord> exact;
+};
+
+Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double seconds,
+                         std::uint64_t seed) {
+  ExplorationSettings exploration;
+  exploration.seconds = seconds;
+  exploration.virtual_time = true;
+  exploration.seed = seed;
+  const RunSetup exact = with(setup, Accuracy::exact());
+  Result<ExplorationRun> run = explore(scene, exact, exploration, [](double) {});
+  if (!run) return run.error();
+  Hand hand;
+  for (const TickRecord& record : run->records) hand.path_m.push_back(record.device_m);
+  // Once more as a replay, which is what the presets do: then only they differ.
+  Result<ReplayResult> again = replay(scene, exact, hand.path_m, 1);
+  if (!again) return again.error();
+  hand.exact = std::move(again->records);
+  return hand;
+}
+
+// What a preset does on one hand, added up.
+class PresetTally {
+ public:
+  void add(const ReplayResult& run, const Hand& hand) {
+    std::vector<std::int64_t> contact_ns;
+    for (std::size_t n = 0; n < run.records.size(); ++n) {
+      const TickRecord& record = run.records[n];
+      const std::int64_t step_ns = std::max<std::int64_t>(0, run.steps_ns[n] - clock_ns_);
+      all_ns_.push_back(step_ns);
+      add_errors(record, hand.exact[n]);
+      if (!record.contact) continue;
+      contact_ns.push_back(step_ns);
+      contact_ns_.push_back(step_ns);
+      iterations_ += record.solver_iterations;
+      capped_ += (record.faults & kFaultSolverCapped) != 0;
+      ++ticks_;
+    }
+    if (contact_ns.empty()) return;
+    const StepTimes times = StepTimes::of(std::move(contact_ns));
+    p50_ns_.push_back(static_cast<double>(times.p50_ns));
+    p99_ns_.push_back(static_cast<double>(times.p99_ns));
+    worst_ns_.push_back(static_cast<double>(times.max_ns));
+  }
+
+  PresetOnScene finish(const char* name) {
+    PresetOnScene preset;
+    preset.name = name;
+    preset.p50_ns = Spread::of(p50_ns_);
+    preset.p99_ns = Spread::of(p99_ns_);
+    preset.worst_ns = Spread::of(worst_ns_);
+    preset.ticks = ticks_;
+    preset.capped_ticks = capped_;
+    preset.worst_force_error_N = worst_force_N_;
+    if (ticks_ > 0) preset.iterations = iterations_ / static_cast<double>(ticks_);
+    if (errors_m_.empty()) return preset;
+    RootMeanSquare rms_m;
+    for (const double error_m : errors_m_) rms_m.add(error_m);
+    preset.rms_error_m = rms_m.value();
+    std::sort(errors_m_.begin(), errors_m_.end());
+    preset.p99_error_m = errors_m_[(errors_m_.size() - 1) * 99 / 100];
+    preset.worst_error_m = errors_m_.back();
+    return preset;
+  }
+  // That one tick in a thousand takes longer than, of all or of those in contact: the longer one.
+  double p999_ns() const {
+    return static_cast<double>(
+        std::max(StepTimes::of(all_ns_).p999_ns, StepTimes::of(contact_ns_).p999_ns));
+  }
+
+ private:
+  // Wherever one of the two is in contact: a preset that has lost what exact still touches is off
+  // by that much.
+  void add_errors(const TickRecord& record, const TickRecord& exact) {
+    if (!record.contact && !exact.contact) return;
+    errors_m_.push_back((record.proxy_m - exact.proxy_m).norm());
+    const Vec3 off_N = record.full_force_device_N - exact.full_force_device_N;
+    worst_force_N_ = std::max(worst_force_N_, off_N.norm());
+  }
+
+  std::vector<double> p50_ns_, p99_ns_, worst_ns_, errors_m_;
+  std::vector<std::int64_t> all_ns_, contact_ns_;
+  std::int64_t clock_ns_ = std::llround(clock_overhead_ns());
+  double iterations_ = 0.0;
+  double worst_force_N_ = 0.0;
+  std::uint64_t ticks_ = 0;
+  std::uint64_t capped_ = 0;
+};
+
+// Goes along a recorded path in the same time at any rate.
+class ResampledPath final : public Device {
+ public:
+  ResampledPath(const std::vector<Vec3>& path_m, double period_s)
+      : path_m_(path_m), period_s_(period_s) {}
+  Vec3 read_position_m(double dt_s) noexcept override {
+    const double place = std::min(time_s_ / period_s_, static_cast<double>(path_m_.size() - 1));
+    const auto n = std::min(static_cast<std::size_t>(place), path_m_.size() - 2);
+    time_s_ += dt_s;
+    return path_m_[n] + (place - static_cast<double>(n)) * (path_m_[n + 1] - path_m_[n]);
+  }
+  void command_force_N(const Vec3&) noexcept override {}
+
+ private:
+  const std::vector<Vec3>& path_m_;
+  double period_s_;
+  double time_s_ = 0.0;
+};
+
+class WorstStep final : public TickObserver {
+ public:
+  void on_tick(const TickRecord&, const ScenePose&, std::int64_t step_ns) noexcept override {
+    worst_ns = std::max(worst_ns, step_ns);
+  }
+  std::int64_t worst_ns = 0;
+};
+
+// Where a hand first touches, so that the trials are about contact.
+std::size_t first_contact(const Hand& hand) {
+  const auto touches = std::find_if(hand.exact.begin(), hand.exact.end(),
+                                    [](const TickRecord& r) { return r.contact; });
+  return static_cast<std::size_t>(touches - hand.exact.begin());
+}
+
+Result<RateTrial> try_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
+                           double rate_Hz, double seconds, std::string& realtime_note) {
+  const std::size_t begin = first_contact(hand) > 50 ? first_contact(hand) - 50 : 0;
+  const std::vector<Vec3> path_m(hand.path_m.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 hand.path_m.end());
+  ResampledPath device(path_m, setup.dt_s);
+  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+  auto mover = SteadyMotions::create(scene, setup.moves);
+  if (!mover) return mover.error();
+  WorstStep worst;
+  HapticSession session(loop, device, &worst, &*mover);
+  RateTrial trial;
+  trial.rate_Hz = rate_Hz;
+  HapticThread thread(session, device,
+                      {rate_Hz, static_cast<std::uint64_t>(std::ceil(seconds * rate_Hz))});
+  realtime_note = thread.start().explanation;
+  thread.join();
+  trial.ticks = thread.ticks();
+  trial.missed = thread.missed_deadlines();
+  trial.worst_ns = worst.worst_ns;
+  return trial;
+}
+
+// Most of the trials decide: a machine that does something else for a moment, or that does not for
+// once, is no reason.
+Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
+                             double rate_Hz, double seconds, std::string& realtime_note) {
+  RateTrial all;
+  all.rate_Hz = rate_Hz;
+  const auto is_decided = [&] {
+    return 2 * all.kept > kTrials || 2 * (all.trials - all.kept) > kTrials;
+  };
+  while (!is_decided()) {
+    const auto trial = try_rate(scene, setup, hand, rate_Hz, seconds, realtime_note);
+    if (!trial) return trial.error();
+    ++all.trials;
+    all.kept += static_cast<double>(trial->missed) <=
+                RateTrial::kMostMissed * static_cast<double>(trial->ticks);
+    all.ticks += trial->ticks;
+    all.missed += trial->missed;
+    all.worst_ns = std::max(all.worst_ns, trial->worst_ns);
+  }
+  return all;
+}
+
+// Upwards to the first rate that is not kept; if that is the slowest, downwards to one that is.
+std::optional<Error> find_safe_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
+                                    const StudyEffort& effort, SafeRate& safe) {
+  const auto seconds = [&](double rate_Hz) {
+    constexpr double kLeastTicks = 1000.0;  // so that one late tick is not too many
+    return std::max(effort.quick ? 0.5 : 2.0, kLeastTicks / rate_Hz);
+  };
+  const auto keeps = [&](double rate_Hz) -> Result<bool> {
+    const auto trial =
+        judge_rate(scene, setup, hand, rate_Hz, seconds(rate_Hz), safe.realtime_note);
+    if (!trial) return trial.error();
+    safe.trials.push_back(*trial);
+    if (trial->passed()) safe.by_trial_Hz = rate_Hz;
+    return trial->passed();
+  };
+  for (const double rate_Hz : kRates_Hz) {
+    const auto is_kept = keeps(rate_Hz);
+    if (!is_kept) return is_kept.error();
+    if (!*is_kept) break;
+  }
+  for (const double rate_Hz : kSlowRates_Hz) {
+    if (safe.by_trial_Hz > 0.0) break;
+    const auto is_kept = keeps(rate_Hz);
+    if (!is_kept) return is_kept.error();
+  }
+  std::sort(safe.trials.begin(), safe.trials.end(),
+            [](const RateTrial& a, const RateTrial& b) { return a.rate_Hz < b.rate_Hz; });
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const StudyEffort& effort,
+                               const StudyProgress& progress) {
+  SceneStudy study;
+  study.hands = kHands;
+  if (auto error = check_rate(setup)) return *error;
+  study.floor_m = file_floor_m(scene);
+  study.seconds = effort.quick ? 3.0 : 12.0;
+  std::vector<Hand> hands;
+  std::uint64_t ticks = 0;
+  std::uint64_t contact_ticks = 0;
+  std::vector<double> depths_m;
+  for (int h = 0; h < kHands; ++h) {
+    Result<Hand> hand =
+        record_hand(scene, setup, study.seconds, effort.seed + static_cast<std::uint64_t>(h));
+    if (!hand) return hand.error();
+    for (const TickRecord& r : hand->exact) {
+      contact_ticks += r.contact;
+      if (r.contact) depths_m.push_back((r.proxy_m - r.goal_m).norm());
+    }
+    ticks += hand->exact.size();
+    hands.push_back(std::move(*hand));
+  }
+  if (contact_ticks == 0) {
+    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched anything",
+                 "try another --seed, or --fit to bring the scene to the size of a hand's reach"};
+  }
+  std::sort(depths_m.begin(), depths_m.end());
+  study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
+  study.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
+
+  std::array<PresetTally, kPresets.size()> tallies;
+  study.repeats = StudyEffort::kRepeats;
+  for (int repeat = 0; repeat < study.repeats; ++repeat) {
+    const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
+    for (std::size_t p = 0; p < kPresets.size(); ++p) {
+      // Another preset begins each time, and not always the same one on the same hand.
+      const auto r = static_cast<std::size_t>(repeat);
+      const std::size_t turn = (p + r + r / hands.size()) % kPresets.size();
+      const auto run = replay(scene, with(setup, kPresets[turn]), hand.path_m, 1);
+      if (!run) return run.error();
+      tallies[turn].add(*run, hand);
+    }
+    if (progress) progress(0.8 * static_cast<double>(repeat + 1) / study.repeats);
+  }
+  for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    study.presets[p] = tallies[p].finish(kPresetNames[p]);
+  }
+  study.safe_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
+  const auto touching =
+      std::max_element(hands.begin(), hands.end(), [](const auto& a, const auto& b) {
+        const auto touches = [](const TickRecord& r) { return r.contact; };
+        return std::count_if(a.exact.begin(), a.exact.end(), touches) <
+               std::count_if(b.exact.begin(), b.exact.end(), touches);
+      });
+  if (auto error = find_safe_rate(scene, setup, *touching, effort, study.safe_rate)) return *error;
+  if (progress) progress(1.0);
+  return study;
+}
+
+}  // namespace palpate

@@ -1,0 +1,633 @@
+#include "engine/accuracy/study_plots.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "engine/report/gnuplot.h"
+#include "engine/report/label_places.h"
+#include "engine/report/plot_axis.h"
+
+namespace palpate {
+namespace {
+
+// Pixels. A panel, and within it the area of data; what is below is for ticks, label and legend.
+constexpr double kPanelWidth = 516.0;
+constexpr PixelBox kArea = {98.0, 34.0, 494.0, 364.0};
+constexpr double kLegendTop = kArea.bottom + 64.0;
+constexpr double kLegendRow = 23.0;
+constexpr double kBottomMargin = 8.0;
+constexpr double kTitleHeight = 30.0;  // of the document with both panels
+constexpr int kFontPx = 14;
+constexpr int kSmallFontPx = 12;
+constexpr double kPointRadius = 6.0;
+constexpr double kRingRadius = 9.0;
+constexpr double kPresetRadius = 12.0;
+constexpr double kRecommendedRadius = 13.0;
+constexpr double kLabelGap = 3.0;
+constexpr double kSlopeBelow = 0.06;  // of the axis
+
+// Longer ones are cut; the report has them in full.
+constexpr std::size_t kLongestLegend = 56;
+constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
+constexpr std::size_t kLongestLabel = 24;
+constexpr std::size_t kLongestAxisLine = 42;
+constexpr std::size_t kMostNamedLevels = 3;
+
+// Okabe and Ito's colours, which the colour-blind tell apart, and gnuplot's filled points; the open
+// ones come one before.
+constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+constexpr std::array kFilledPoints = {7, 5, 9, 11, 13, 15};
+
+// Black, open and larger than points: triangle down, square, diamond.
+constexpr std::array kPresetPoints = {10, 4, 12};
+
+const char* colour_of(std::size_t method) {
+  return kColours[method % kColours.size()];
+}
+int point_of(std::size_t method) {
+  return kFilledPoints[(method + method / kColours.size()) % kFilledPoints.size()];
+}
+
+enum class Against { kTime, kLevel };
+
+std::string shortened(const std::string& text, std::size_t longest) {
+  std::size_t characters = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool begins = (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80;
+    if (begins && ++characters > longest) return text.substr(0, i) + "…";
+  }
+  return text;
+}
+
+std::string failures_text(const MethodResult& method) {
+  const auto failed = std::count_if(method.levels.begin(), method.levels.end(),
+                                    [](const LevelResult& l) { return !l.counts(); });
+  if (failed == 0) return "";
+  return " (" + std::to_string(failed) + " failed)";
+}
+
+std::string order_text(const MethodResult& method) {
+  if (!method.order && !method.expected_order) return "";
+  std::string text = method.order ? ": order " + order_number(*method.order) : ": no order fitted";
+  if (method.expected_order) text += " (theory " + short_number(*method.expected_order) + ")";
+  return text;
+}
+
+// A line of the legend and what it draws there.
+struct LegendEntry {
+  std::string title;
+  std::string style;
+};
+
+std::string curve_style(std::size_t method) {
+  std::ostringstream out;
+  out << "linespoints lw 2 pt " << point_of(method) << " ps 0.9 lc rgb '" << colour_of(method)
+      << "'";
+  return out.str();
+}
+
+constexpr const char* kFrontLine = "lw 6 lc rgb '#D0D0D0'";
+constexpr const char* kFrontRing = "pt 6 ps 1.5 lc rgb '#707070'";
+constexpr const char* kRecommendedRing = "pt 6 ps 2.2 lc rgb '#000000'";
+constexpr const char* kExpectedSlope = "lines dt (6,4) lw 1.5 lc rgb '#404040'";
+
+std::string preset_style(std::size_t preset) {
+  return "points pt " + std::to_string(kPresetPoints[preset]) + " ps 1.7 lc rgb '#000000'";
+}
+
+std::vector<LegendEntry> legend_of(const KnobResult& result, Against against) {
+  std::vector<LegendEntry> entries;
+  bool has_expected = false;
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    const MethodResult& method = result.methods[m];
+    const std::string suffix =
+        against == Against::kTime ? failures_text(method) : order_text(method);
+    entries.push_back(
+        {shortened(method.name, kLongestLegend - std::min(suffix.size(), kLongestLegend / 2)) +
+             suffix,
+         curve_style(m)});
+    has_expected = has_expected || method.expected_order.has_value();
+  }
+  if (against == Against::kLevel) {
+    if (has_expected) entries.push_back({"slope of the order in theory", kExpectedSlope});
+    return entries;
+  }
+  const bool given = result.knob.levels_are_given;
+  if (!given && !result.knob.methods_are_given)
+    entries.push_back({"Pareto front", std::string("lines ") + kFrontLine});
+  entries.push_back(
+      {given ? "best at its level" : "on the front", std::string("points ") + kFrontRing});
+  if (result.recommended)
+    entries.push_back({"recommended", std::string("points ") + kRecommendedRing});
+  for (std::size_t p = 0; p < result.presets.size(); ++p) {
+    if (!result.presets[p].counts()) continue;
+    entries.push_back({std::string("preset ") + kPresetNames[p], preset_style(p)});
+  }
+  return entries;
+}
+
+int legend_rows(const std::vector<LegendEntry>& entries) {
+  const bool narrow = std::all_of(entries.begin(), entries.end(), [](const LegendEntry& e) {
+    return text_width_px(e.title, 1.0) <= text_width_px(std::string(kLongestLegendOfTwo, 'x'), 1.0);
+  });
+  const int count = static_cast<int>(entries.size());
+  return narrow ? (count + 1) / 2 : count;
+}
+
+// A level in a diagram. Positions on the axes.
+struct Dot {
+  double x, x_low, x_high;
+  double y, y_low, y_high;
+  bool is_open;
+};
+
+// What both panels are drawn from.
+class Diagram {
+ public:
+  explicit Diagram(const KnobResult& result) : result_(result) {
+    settle_axes();
+    rows_ = std::max(legend_rows(legend_of(result, Against::kTime)),
+                     legend_rows(legend_of(result, Against::kLevel)));
+  }
+
+  const KnobResult& result() const { return result_; }
+  const PlotAxis& x(Against against) const { return against == Against::kTime ? time_ : level_; }
+  const PlotAxis& y(Against against) const { return shows_time(against) ? time_ : error_; }
+  // Errors that are all at the floor tell levels no more apart than a line does: then the second
+  // panel has their times.
+  bool shows_time(Against against) const { return against == Against::kLevel && !has_errors_; }
+  double height() const { return kLegendTop + rows_ * kLegendRow + kBottomMargin; }
+
+  Dot dot(const LevelResult& level, Against against) const {
+    const Spread at_level{level.value, level.value, level.value};
+    const Spread& across = against == Against::kTime ? level.time : at_level;
+    const Spread& up = shows_time(against) ? level.time : level.error;
+    const PlotAxis& x_axis = x(against);
+    const PlotAxis& y_axis = y(against);
+    return {x_axis.at(across.median),
+            x_axis.at(across.low),
+            x_axis.at(across.high),
+            y_axis.at(up.median),
+            y_axis.at(up.low),
+            y_axis.at(up.high),
+            level.at_floor};
+  }
+
+  template <typename Visit>
+  void for_each_level(Visit visit) const {
+    for (std::size_t m = 0; m < result_.methods.size(); ++m) {
+      for (std::size_t l = 0; l < result_.methods[m].levels.size(); ++l) {
+        const LevelResult& level = result_.methods[m].levels[l];
+        if (level.counts()) visit(LevelPlace{m, l}, level);
+      }
+    }
+  }
+
+ private:
+  void settle_axes() {
+    const auto see = [this](const LevelResult& level) {
+      error_.see(level.error.median);
+      time_.see(level.time.median);
+    };
+    const auto see_whiskers = [this](const LevelResult& level) {
+      error_.see_whisker(level.error.low, level.error.high);
+      time_.see_whisker(level.time.low, level.time.high);
+    };
+    for_each_level([&](const LevelPlace&, const LevelResult& level) {
+      see(level);
+      level_.see(level.value);
+      has_errors_ = has_errors_ || (!level.at_floor && level.error.median > 0.0);
+    });
+    for (const LevelResult& preset : result_.presets) {
+      if (preset.counts()) see(preset);
+    }
+    for_each_level([&](const LevelPlace&, const LevelResult& level) { see_whiskers(level); });
+    error_.settle(result_.knob.error.unit);
+    time_.settle(result_.knob.time.unit);
+    level_.settle(result_.knob.level.unit);
+    name_levels();
+  }
+
+  // Two or three levels are rather kinds than numbers.
+  void name_levels() {
+    std::vector<PlotAxis::Tick> ticks;
+    for_each_level([&](const LevelPlace&, const LevelResult& level) {
+      ticks.push_back({level_.at(level.value), level.label});
+    });
+    const auto before = [](const auto& a, const auto& b) { return a.position < b.position; };
+    const auto same = [](const auto& a, const auto& b) { return a.position == b.position; };
+    std::stable_sort(ticks.begin(), ticks.end(), before);
+    ticks.erase(std::unique(ticks.begin(), ticks.end(), same), ticks.end());
+    if (ticks.size() > kMostNamedLevels) return;
+    level_.widen();
+    const double px = (kArea.right - kArea.left) / (level_.end() - level_.begin());
+    const auto half_width = [](const PlotAxis::Tick& tick) {
+      constexpr double kGap = 6.0;
+      return 0.5 * (text_width_px(tick.label, kFontPx) + kGap);
+    };
+    for (std::size_t i = 1; i < ticks.size(); ++i) {
+      const double room = px * (ticks[i].position - ticks[i - 1].position);
+      if (room < half_width(ticks[i]) + half_width(ticks[i - 1])) return;
+    }
+    level_.use_names(std::move(ticks));
+  }
+
+  const KnobResult& result_;
+  PlotAxis time_, error_, level_;
+  bool has_errors_ = false;  // above the floor
+  int rows_ = 0;
+};
+
+// Where a panel is on its canvas, pixels.
+struct Placing {
+  double left = 0.0, top = 0.0;
+  double width = 0.0, height = 0.0;  // of the canvas
+
+  // gnuplot's `screen` coordinates of a point of the panel.
+  std::string screen(double x, double y) const {
+    std::ostringstream out;
+    out << "screen " << (left + x) / width << ", screen " << 1.0 - (top + y) / height;
+    return out.str();
+  }
+};
+
+// The script of one panel, part by part.
+class Panel {
+ public:
+  Panel(const Diagram& diagram, Against against, const Placing& placing)
+      : diagram_(diagram), against_(against), placing_(placing), places_(kArea) {
+    out_.precision(9);
+    plots_.precision(9);
+  }
+
+  std::string script() {
+    begin();
+    put_axes();
+    put_zero_bands();
+    block_data();
+    put_floors();
+    if (against_ == Against::kTime) {
+      put_level_labels();
+      put_front();
+    }
+    for (std::size_t m = 0; m < result().methods.size(); ++m) put_curve(m);
+    put_rings();
+    if (against_ == Against::kTime) {
+      put_presets();
+    } else {
+      put_expected_slopes();
+    }
+    put_legend();
+    out_ << "plot NaN notitle" << plots_.str() << "\nunset label\nunset arrow\nunset object\n";
+    return out_.str();
+  }
+
+ private:
+  const KnobResult& result() const { return diagram_.result(); }
+  const Knob& knob() const { return result().knob; }
+  const PlotAxis& x() const { return diagram_.x(against_); }
+  const PlotAxis& y() const { return diagram_.y(against_); }
+
+  double x_px(double position) const {
+    return kArea.left +
+           (kArea.right - kArea.left) * (position - x().begin()) / (x().end() - x().begin());
+  }
+  double y_px(double position) const {
+    return kArea.bottom -
+           (kArea.bottom - kArea.top) * (position - y().begin()) / (y().end() - y().begin());
+  }
+
+  void begin() {
+    const auto across = [&](double px) { return (placing_.left + px) / placing_.width; };
+    const auto up = [&](double px) { return 1.0 - (placing_.top + px) / placing_.height; };
+    out_ << "set lmargin at screen " << across(kArea.left) << "\nset rmargin at screen "
+         << across(kArea.right) << "\nset tmargin at screen " << up(kArea.top)
+         << "\nset bmargin at screen " << up(kArea.bottom) << "\n"
+         << "set grid lc rgb '#E4E4E4' lw 1\nset border lc rgb '#404040'\nset clip two\n"
+         << "set tics scale 0.7,0.35\nset xtics nomirror\nset ytics nomirror\n";
+  }
+
+  void put_ticks(const char* axis, const PlotAxis& of) {
+    out_ << "set " << axis << " (";
+    const char* separator = "";
+    for (const PlotAxis::Tick& tick : of.ticks()) {
+      out_ << separator << gnuplot_tick(tick.label) << " " << tick.position
+           << (tick.label.empty() ? " 1" : "");
+      separator = ", ";
+    }
+    out_ << ")\n";
+  }
+
+  // gnuplot would put it where the widest tick leaves room, which can be outside of the panel.
+  void put_upright_label() {
+    const Quantity& up = diagram_.shows_time(against_) ? knob().time : knob().error;
+    const std::string text = with_unit(up.name, y().unit());
+    constexpr double kLinePx = 17.0, kRightPx = 34.0;
+    std::vector<std::string> lines = {text};
+    const std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
+    if (text.size() > kLongestAxisLine && middle != std::string::npos) {
+      lines = {text.substr(0, middle), text.substr(middle + 1)};
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const double px = kRightPx - kLinePx * static_cast<double>(lines.size() - 1 - i);
+      out_ << "set label " << gnuplot_quoted(shortened(lines[i], kLongestAxisLine)) << " at "
+           << placing_.screen(px, 0.5 * (kArea.top + kArea.bottom)) << " center rotate\n";
+    }
+  }
+
+  void put_axes() {
+    const Quantity& across = against_ == Against::kTime ? knob().time : knob().level;
+    out_ << "set xrange [" << x().begin() << ":" << x().end() << "]\nset yrange [" << y().begin()
+         << ":" << y().end() << "]\n";
+    put_ticks("xtics", x());
+    put_ticks("ytics", y());
+    out_ << "set xlabel "
+         << gnuplot_quoted(with_unit(shortened(across.name, kLongestAxisLine), x().unit()))
+         << " offset 0,0.4\nset title '"
+         << (against_ == Against::kTime      ? "error against time"
+             : diagram_.shows_time(against_) ? "time against level"
+                                             : "error against level")
+         << "' offset 0,-0.4\n";
+    put_upright_label();
+  }
+
+  void put_zero_bands() {
+    const auto band = [&](const std::string& from, const std::string& to) {
+      out_ << "set object rectangle from " << from << " to " << to
+           << " fc rgb '#F0F0F0' fs noborder behind\n";
+    };
+    const auto text = [](double number) {
+      std::ostringstream out;
+      out.precision(9);
+      out << number;
+      return out.str();
+    };
+    if (y().zero_band()) {
+      band("graph 0, graph 0", "graph 1, first " + text(*y().zero_band()));
+    }
+    if (x().zero_band()) {
+      band("graph 0, graph 0", "first " + text(*x().zero_band()) + ", graph 1");
+    }
+  }
+
+  // Points, whiskers and curves are not to be written over.
+  void block_data() {
+    const auto block = [&](const Dot& d, double radius) {
+      const double px = x_px(d.x), py = y_px(d.y);
+      places_.block(PixelBox::about(px, py, radius, radius));
+      places_.block_line(x_px(d.x_low), py, x_px(d.x_high), py);
+      places_.block_line(px, y_px(d.y_low), px, y_px(d.y_high));
+    };
+    diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
+      block(diagram_.dot(level, against_), level.on_front ? kRingRadius : kPointRadius);
+    });
+    for (const MethodResult& method : result().methods) {
+      for (std::size_t l = 1; l < method.levels.size(); ++l) {
+        if (!method.levels[l - 1].counts() || !method.levels[l].counts()) continue;
+        const Dot a = diagram_.dot(method.levels[l - 1], against_);
+        const Dot b = diagram_.dot(method.levels[l], against_);
+        places_.block_line(x_px(a.x), y_px(a.y), x_px(b.x), y_px(b.y));
+      }
+    }
+    if (against_ != Against::kTime) return;
+    const std::vector<Dot> front = front_line();
+    for (std::size_t i = 1; i < front.size(); ++i) {
+      const double before_px = y_px(front[i - 1].y), corner_px = x_px(front[i].x);
+      places_.block_line(x_px(front[i - 1].x), before_px, corner_px, before_px);
+      places_.block_line(corner_px, before_px, corner_px, y_px(front[i].y));
+    }
+    for (const LevelResult& preset : result().presets) {
+      if (preset.counts()) block(diagram_.dot(preset, against_), kPresetRadius);
+    }
+  }
+
+  void put_label(const std::string& text, const PixelBox& box, const char* colour) {
+    out_ << "set label " << gnuplot_quoted(text) << " at "
+         << placing_.screen(0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom))
+         << " center font ',12' textcolor rgb '" << colour << "' front\n";
+  }
+
+  void put_floors() {
+    if (diagram_.shows_time(against_)) return;
+    std::vector<double> floors;
+    for (const MethodResult& method : result().methods) {
+      if (method.floor > 0.0) floors.push_back(method.floor);
+    }
+    std::sort(floors.begin(), floors.end());
+    floors.erase(std::unique(floors.begin(), floors.end()), floors.end());
+    for (const double floor : floors) {
+      const double position = std::log10(floor);
+      if (position < y().begin() || position > y().end()) continue;
+      out_ << "set arrow from graph 0, first " << position << " to graph 1, first " << position
+           << " nohead dt (8,5) lw 1.5 lc rgb '#707070'\n";
+      put_floor_label(y_px(position));
+    }
+  }
+
+  void put_floor_label(double line_px) {
+    constexpr double kHalfWidth = 17.0, kHalfHeight = 7.0, kGap = 3.0;
+    for (const double above : {-1.0, 1.0}) {
+      for (double px = kArea.right - kHalfWidth - kGap; px > kArea.left + kHalfWidth; px -= 12.0) {
+        const PixelBox box =
+            PixelBox::about(px, line_px + above * (kHalfHeight + kGap), kHalfWidth, kHalfHeight);
+        if (!places_.take(box)) continue;
+        put_label("floor", box, "#505050");
+        places_.block_line(kArea.left, line_px, kArea.right, line_px);
+        return;
+      }
+    }
+  }
+
+  // Those first that are talked about.
+  int urgency(const LevelPlace& place, const LevelResult& level) const {
+    const auto& best = result().recommended;
+    if (best && best->method == place.method && best->level == place.level) return 0;
+    if (is_default(place)) return 1;
+    return level.on_front ? 2 : 3;
+  }
+  bool is_default(const LevelPlace& place) const {
+    return place.method == knob().default_method && place.level == knob().default_level;
+  }
+
+  void put_level_labels() {
+    struct Wish {
+      int urgency;
+      Dot dot;
+      std::string text;
+      bool is_on_front;
+    };
+    std::vector<Wish> wishes;
+    diagram_.for_each_level([&](const LevelPlace& place, const LevelResult& level) {
+      const std::string text =
+          shortened(level.label, kLongestLabel) + (is_default(place) ? " (default)" : "");
+      wishes.push_back(
+          {urgency(place, level), diagram_.dot(level, against_), text, level.on_front});
+    });
+    std::stable_sort(wishes.begin(), wishes.end(),
+                     [](const Wish& a, const Wish& b) { return a.urgency < b.urgency; });
+    // Where levels are given, points crowd: a label that is not near says nothing.
+    const int farthest = knob().levels_are_given ? 1 : 2;
+    for (const Wish& wish : wishes) {
+      const double radius = wish.urgency == 0  ? kRecommendedRadius
+                            : wish.is_on_front ? kRingRadius
+                                               : kPointRadius;
+      const auto box = places_.take_beside(
+          x_px(wish.dot.x), y_px(wish.dot.y), text_width_px(wish.text, kSmallFontPx),
+          kSmallFontPx + 2.0, radius + kLabelGap, wish.urgency <= farthest);
+      if (box) put_label(wish.text, *box, "#303030");
+    }
+  }
+
+  // A block of data; `plot` goes into the plot command as "$block PLOT" unless the block is empty.
+  void put_block(const std::string& rows, const std::string& plot) {
+    if (rows.empty()) return;
+    const std::string name =
+        (against_ == Against::kTime ? "$t" : "$l") + std::to_string(++block_count_);
+    out_ << name << " << EOD\n" << rows << "EOD\n";
+    plots_ << ", \\\n  " << name << " " << plot << " notitle";
+  }
+
+  static std::string row(std::initializer_list<double> numbers) {
+    std::ostringstream out;
+    out.precision(9);
+    for (const double number : numbers) out << number << " ";
+    out << "\n";
+    return out.str();
+  }
+
+  void put_curve(std::size_t m) {
+    std::string line, whiskers, filled, open;
+    for (const LevelResult& level : result().methods[m].levels) {
+      if (!level.counts()) {
+        line += "\n";  // interrupts it
+        continue;
+      }
+      const Dot d = diagram_.dot(level, against_);
+      line += row({d.x, d.y});
+      whiskers += row({d.x, d.y, d.x_low, d.x_high, d.y_low, d.y_high});
+      (d.is_open ? open : filled) += row({d.x, d.y});
+    }
+    const std::string colour = std::string(" lc rgb '") + colour_of(m) + "'";
+    const std::string width = knob().levels_are_given ? " lw 1" : " lw 2";
+    if (filled.empty() && open.empty()) return;
+    put_block(line, "with lines" + width + colour);
+    put_block(whiskers, "with xyerrorbars pt 0 ps 0 lw 1" + colour);
+    put_block(filled, "with points ps 0.9 pt " + std::to_string(point_of(m)) + colour);
+    // White beneath, so that the line does not show through.
+    put_block(open, "with points ps 0.9 pt " + std::to_string(point_of(m)) + " lc rgb '#FFFFFF'");
+    put_block(open, "with points ps 0.9 pt " + std::to_string(point_of(m) - 1) + colour);
+  }
+
+  // The corners of the Pareto front, from the quickest to the most accurate; none where each level
+  // or each curve has a front of its own.
+  std::vector<Dot> front_line() const {
+    std::vector<Dot> front;
+    if (knob().levels_are_given || knob().methods_are_given) return front;
+    diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
+      if (level.on_front) front.push_back(diagram_.dot(level, against_));
+    });
+    std::sort(front.begin(), front.end(),
+              [](const Dot& a, const Dot& b) { return a.x != b.x ? a.x < b.x : a.y > b.y; });
+    return front;
+  }
+
+  void put_front() {
+    std::string steps, rings;
+    for (const Dot& d : front_line()) steps += row({d.x, d.y});
+    diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
+      const Dot d = diagram_.dot(level, against_);
+      if (level.on_front) rings += row({d.x, d.y});
+    });
+    put_block(steps, std::string("with steps ") + kFrontLine);
+    put_block(rings, std::string("with points ") + kFrontRing);
+  }
+
+  void put_rings() {
+    if (!result().recommended) return;
+    const LevelPlace& place = *result().recommended;
+    const Dot d = diagram_.dot(result().methods[place.method].levels[place.level], against_);
+    put_block(row({d.x, d.y}), std::string("with points ") + kRecommendedRing);
+  }
+
+  void put_presets() {
+    for (std::size_t p = 0; p < result().presets.size(); ++p) {
+      if (!result().presets[p].counts()) continue;
+      const Dot d = diagram_.dot(result().presets[p], against_);
+      put_block(row({d.x, d.y}), "with " + preset_style(p));
+    }
+  }
+
+  // Along the levels that a method's order would be fitted to, a little below them: a slope has no
+  // place of its own.
+  void put_expected_slopes() {
+    for (const MethodResult& method : result().methods) {
+      if (!method.expected_order) continue;
+      std::vector<Dot> dots;
+      for (const LevelResult& level : method.levels) {
+        const bool is_fitted = level.counts() && !level.at_floor && level.error.median > 0.0;
+        if (is_fitted && level.value > 0.0) dots.push_back(diagram_.dot(level, against_));
+      }
+      if (dots.size() < 2) continue;
+      double x_mean = 0.0, y_mean = -kSlopeBelow * (y().end() - y().begin());
+      for (const Dot& d : dots) {
+        x_mean += d.x / static_cast<double>(dots.size());
+        y_mean += d.y / static_cast<double>(dots.size());
+      }
+      std::string rows;
+      for (const double end : {dots.front().x, dots.back().x}) {
+        rows += row({end, y_mean + *method.expected_order * (end - x_mean)});
+      }
+      put_block(rows, std::string("with ") + kExpectedSlope);
+    }
+  }
+
+  void put_legend() {
+    const std::vector<LegendEntry> entries = legend_of(result(), against_);
+    const int rows = legend_rows(entries);
+    out_ << "set key at " << placing_.screen(kArea.left - 78.0, kLegendTop)
+         << " left top Left reverse vertical maxrows " << rows << " samplen 2.2 spacing 1.1\n";
+    for (const LegendEntry& entry : entries) {
+      plots_ << ", \\\n  keyentry with " << entry.style << " title " << gnuplot_quoted(entry.title);
+    }
+  }
+
+  const Diagram& diagram_;
+  Against against_;
+  Placing placing_;
+  LabelPlaces places_;
+  std::ostringstream out_;    // all before the plot command
+  std::ostringstream plots_;  // what that draws
+  int block_count_ = 0;
+};
+
+Result<std::string> drawn(const std::string& script, double width, double height) {
+  return gnuplot_svg(script, static_cast<int>(width), static_cast<int>(height), kFontPx);
+}
+
+}  // namespace
+
+Result<WorkPrecisionPanels> work_precision_panels(const KnobResult& result) {
+  const Diagram diagram(result);
+  const Placing alone{0.0, 0.0, kPanelWidth, diagram.height()};
+  auto left = drawn(Panel(diagram, Against::kTime, alone).script(), alone.width, alone.height);
+  if (!left) return left.error();
+  auto right = drawn(Panel(diagram, Against::kLevel, alone).script(), alone.width, alone.height);
+  if (!right) return right.error();
+  return WorkPrecisionPanels{std::move(*left), std::move(*right)};
+}
+
+Result<std::string> work_precision_svg(const KnobResult& result) {
+  const Diagram diagram(result);
+  Placing place{0.0, kTitleHeight, 2.0 * kPanelWidth, kTitleHeight + diagram.height()};
+  std::string script = "set multiplot title " + gnuplot_quoted(result.knob.title) +
+                       " font ',17'\n" + Panel(diagram, Against::kTime, place).script();
+  place.left = kPanelWidth;
+  script += Panel(diagram, Against::kLevel, place).script() + "unset multiplot\n";
+  return drawn(script, place.width, place.height);
+}
+
+}  // namespace palpate

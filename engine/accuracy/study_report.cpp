@@ -1,0 +1,474 @@
+#include "engine/accuracy/study_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "engine/report/html.h"
+#include "engine/report/human_units.h"
+#include "engine/report/report_style.h"
+
+namespace palpate {
+namespace {
+
+// Elements
+
+std::string element(const std::string& tag, const std::string& content) {
+  return "<" + tag + ">" + content + "</" + tag.substr(0, tag.find(' ')) + ">";
+}
+
+std::string cell(const std::string& content) {
+  return element("td", content);
+}
+std::string number_cell(const std::string& content) {
+  return element("td class=\"number\"", content);
+}
+
+// A text of the caller's as the end of a sentence.
+std::string sentence(const std::string& text) {
+  const bool ends =
+      !text.empty() && std::string_view(".!?").find(text.back()) != std::string_view::npos;
+  return html_escaped(text) + (ends ? "" : ".");
+}
+
+// A text of the caller's as a sentence of its own.
+std::string whole_sentence(std::string text) {
+  if (text.empty()) return "";
+  if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return sentence(text);
+}
+
+std::string paragraph(const std::string& label, const std::string& text) {
+  if (text.empty()) return "";
+  return element("p", element("strong", label + ":") + " " + text) + "\n";
+}
+
+// Of a heading that others link to.
+std::string anchor_of(std::size_t chapter) {
+  return "knob-" + std::to_string(chapter + 1);
+}
+
+// Numbers
+
+bool was_measured(const LevelResult& level) {
+  return level.repeats > level.failures;
+}
+
+std::string error_text(const Knob& knob, double error) {
+  return html_escaped(human(error, knob.error.unit));
+}
+// One at the floor is no more than that.
+std::string error_text(const Knob& knob, const LevelResult& level) {
+  return (level.at_floor ? "\u2264 " : "") + error_text(knob, level.error.median);
+}
+std::string time_text(const Knob& knob, double time) {
+  return html_escaped(human(time, knob.time.unit));
+}
+
+// Median and quartiles, all in the unit of the median.
+std::string spread_text(const Spread& spread, const std::string& unit) {
+  const DisplayUnit shown = display_unit(spread.median, unit);
+  const auto number = [&](double value) { return short_number(value * shown.factor); };
+  std::string text = html_escaped(human(spread.median, unit));
+  if (spread.low == spread.high) return text;
+  return text + " <span class=\"spread\">[" + number(spread.low) + ", " + number(spread.high) +
+         "]</span>";
+}
+
+// How much worse, of which nobody needs more than two digits.
+std::string factor_text(double factor) {
+  if (!std::isfinite(factor)) return "without bound";
+  const double percent = std::round(100.0 * (factor - 1.0));
+  if (percent < 1.0) return "less than 1 %";
+  if (percent < 100.0) return short_number(percent) + " %";
+  const double digit = std::pow(10.0, std::floor(std::log10(factor)) - 1.0);
+  return short_number(std::round(factor / digit) * digit) + " times";
+}
+
+const LevelResult& level_at(const KnobResult& result, const LevelPlace& place) {
+  return result.methods[place.method].levels[place.level];
+}
+
+// A level, with its method where there are others.
+std::string place_name(const KnobResult& result, const LevelPlace& place) {
+  const std::string& level = level_at(result, place).label;
+  if (result.methods.size() == 1) return html_escaped(level);
+  return html_escaped(result.methods[place.method].name + ", " + level);
+}
+
+LevelPlace default_place(const KnobResult& result) {
+  return {result.knob.default_method, result.knob.default_level};
+}
+
+// Summary
+
+std::string order_summary(const KnobResult& result) {
+  std::string text;
+  for (const MethodResult& method : result.methods) {
+    if (!method.order && !method.expected_order) continue;
+    if (!text.empty()) text += "<br>";
+    if (result.methods.size() > 1) text += html_escaped(method.name) + ": ";
+    text += method.order ? order_number(*method.order) : "not fitted";
+    if (method.expected_order) text += "&nbsp;/&nbsp;" + short_number(*method.expected_order);
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::string verdict_summary(const KnobResult& result) {
+  if (result.default_behind <= 1.0) return element("span class=\"good\"", "on the front");
+  const std::string behind =
+      factor_text(result.default_behind) + " behind " + html_escaped(result.better_than_default);
+  if (result.default_is_near_front()) {
+    return element("span class=\"good\"", "near it, " + behind);
+  }
+  return element("span class=\"bad\"", behind) + "<br>" + html_escaped(result.knob.default_because);
+}
+
+std::string preset_summary(const KnobResult& result, const LevelResult& preset) {
+  if (!preset.counts()) return element("span class=\"bad\"", "failed");
+  return error_text(result.knob, preset) + "<br>" + time_text(result.knob, preset.time.median);
+}
+
+std::string summary_row(const KnobResult& result, std::size_t chapter) {
+  std::string row = "<tr>" + cell("<a href=\"#" + anchor_of(chapter) + "\">" +
+                                  html_escaped(result.knob.title) + "</a>");
+  row += element("td class=\"order\"", order_summary(result));
+  row += cell(result.recommended ? place_name(result, *result.recommended) : "none");
+  for (const LevelResult& preset : result.presets) {
+    row += number_cell(preset_summary(result, preset));
+  }
+  return row + cell(place_name(result, default_place(result))) + cell(verdict_summary(result)) +
+         "</tr>\n";
+}
+
+std::string summary(const StudyReport& report) {
+  if (report.chapters.empty()) return "";
+  std::string out =
+      "<h2 id=\"summary\">Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>"
+      "<th>knob</th><th>order<br>fitted / theory</th><th>recommended</th>";
+  for (const char* name : kPresetNames) {
+    out += std::string("<th class=\"number\">") + name + "<br>error<br>time</th>";
+  }
+  out += "<th>default</th><th>against the Pareto front</th></tr></thead>\n<tbody>\n";
+  for (std::size_t i = 0; i < report.chapters.size(); ++i) {
+    out += summary_row(report.chapters[i].result, i);
+  }
+  return out + "</tbody></table></div>\n";
+}
+
+// A knob
+
+std::string figure_title(const KnobResult& result, const std::string& against) {
+  return result.knob.title + ": " + result.knob.error.name + " against " + against + ", " +
+         std::to_string(result.methods.size()) +
+         (result.methods.size() == 1 ? " curve" : " curves");
+}
+
+bool any_level(const KnobResult& result, bool (*is)(const LevelResult&)) {
+  for (const MethodResult& method : result.methods) {
+    if (std::any_of(method.levels.begin(), method.levels.end(), is)) return true;
+  }
+  return false;
+}
+
+// Something that is in a grey band of its diagrams.
+bool has_zero(const LevelResult& level) {
+  return level.counts() && (!(level.error.median > 0.0) || !(level.time.median > 0.0));
+}
+bool is_at_zero(const LevelResult& level) {
+  return level.counts() && !(level.value > 0.0);
+}
+
+std::string caption(const KnobResult& result) {
+  std::string text = "Points are medians, whiskers quartiles. ";
+  if (result.knob.levels_are_given) {
+    text += "Levels are given, not chosen: grey rings mark what is best at its own level. ";
+  } else if (result.knob.methods_are_given) {
+    text += "Curves are given, not chosen: grey rings mark the Pareto front of each. ";
+  } else {
+    text += "Grey: the Pareto front, and what is on it. ";
+  }
+  if (any_level(result, [](const LevelResult& l) { return l.at_floor; })) {
+    text += "Open points are at the floor. ";
+    if (!any_level(result, [](const LevelResult& l) { return l.counts() && !l.at_floor; })) {
+      text += "All levels are: they differ in time alone. ";
+    }
+  }
+  if (!any_level(result, [](const LevelResult& l) { return l.counts() && l.error.median > 0.0; })) {
+    text += "No level has any error. ";
+  } else if (any_level(result, has_zero) || any_level(result, is_at_zero) ||
+             std::any_of(result.presets.begin(), result.presets.end(), has_zero)) {
+    text += "A grey band holds what is exactly 0, which a logarithmic axis has no place for. ";
+  }
+  if (any_level(result, [](const LevelResult& l) { return !l.counts(); })) {
+    text += "Levels that failed are not drawn; they are listed below. ";
+  }
+  return text;
+}
+
+std::string figure(const KnobChapter& chapter, std::size_t index) {
+  if (!chapter.panels) {
+    return element("p class=\"bad\"",
+                   "No diagram: " + html_escaped(chapter.panels.error().to_string())) +
+           "\n";
+  }
+  const std::string prefix = anchor_of(index);
+  const KnobResult& result = chapter.result;
+  return "<figure class=\"work-precision\">\n<div class=\"panels\">\n" +
+         inline_svg(chapter.panels->error_against_time, prefix + "-t-",
+                    figure_title(result, result.knob.time.name)) +
+         inline_svg(chapter.panels->error_against_level, prefix + "-l-",
+                    figure_title(result, result.knob.level.name)) +
+         "</div>\n" + element("figcaption", caption(result)) + "\n</figure>\n";
+}
+
+std::string mark(const char* kind, const char* text) {
+  return std::string("<span class=\"mark ") + kind + "\">" + text + "</span>";
+}
+
+std::string marks(const KnobResult& result, const LevelPlace& place) {
+  const LevelResult& level = level_at(result, place);
+  const auto is = [&](const LevelPlace& other) {
+    return other.method == place.method && other.level == place.level;
+  };
+  std::string text;
+  if (result.recommended && is(*result.recommended)) text += mark("best", "recommended");
+  if (is(default_place(result))) text += mark("default", "default");
+  if (level.on_front) text += mark("front", "front");
+  if (level.at_floor) text += mark("floor", "floor");
+  if (!level.counts()) {
+    text += element("span class=\"mark bad\"", std::to_string(level.failures) + " of " +
+                                                   std::to_string(level.repeats) + " failed");
+  }
+  return text;
+}
+
+std::string measured_cells(const Knob& knob, const LevelResult& level) {
+  if (!was_measured(level)) return number_cell("-") + number_cell("-") + number_cell("-");
+  return number_cell((level.at_floor ? "\u2264 " : "") +
+                     spread_text(level.error, knob.error.unit)) +
+         number_cell(spread_text(level.time, knob.time.unit)) +
+         number_cell(short_number(level.iterations));
+}
+
+std::string level_row(const KnobResult& result, const LevelPlace& place) {
+  const LevelResult& level = level_at(result, place);
+  const bool chosen = result.recommended && result.recommended->method == place.method &&
+                      result.recommended->level == place.level;
+  return (chosen ? "<tr class=\"chosen\">" : "<tr>") +
+         element("td class=\"first\"", html_escaped(level.label)) +
+         number_cell(html_escaped(human(level.value, result.knob.level.unit))) +
+         measured_cells(result.knob, level) + cell(marks(result, place)) + "</tr>\n";
+}
+
+constexpr const char* kLevelColumns = "6";
+
+std::string method_rows(const KnobResult& result, std::size_t m) {
+  const MethodResult& method = result.methods[m];
+  std::string title = html_escaped(method.name);
+  if (method.order) title += ", order " + order_number(*method.order);
+  if (method.expected_order) {
+    title += std::string(method.order ? " (theory " : ", order not fitted (theory ") +
+             short_number(*method.expected_order) + ")";
+  }
+  if (method.floor > 0.0) title += ", floor " + error_text(result.knob, method.floor);
+  std::string rows = std::string("<tr class=\"method\"><th colspan=\"") + kLevelColumns + "\">" +
+                     title + "</th></tr>\n";
+  for (std::size_t l = 0; l < method.levels.size(); ++l) rows += level_row(result, {m, l});
+  return rows;
+}
+
+std::string preset_rows(const KnobResult& result) {
+  std::string rows = std::string("<tr class=\"method\"><th colspan=\"") + kLevelColumns +
+                     "\">presets, at the default</th></tr>\n";
+  for (const LevelResult& preset : result.presets) {
+    rows += "<tr>" + element("td class=\"first\"", html_escaped(preset.label)) + number_cell("") +
+            measured_cells(result.knob, preset) +
+            cell(preset.counts() ? "" : mark("bad", "failed")) + "</tr>\n";
+  }
+  return rows;
+}
+
+std::string column(const std::string& name, const char* below) {
+  return element("th class=\"number\"", element("span", html_escaped(name)) + below);
+}
+
+std::string level_table(const KnobResult& result) {
+  const Knob& knob = result.knob;
+  constexpr const char* kStatistics = "<br>median [quartiles]";
+  std::string out = "<h3>Levels</h3>\n<div class=\"wide\"><table>\n<thead><tr><th>level</th>" +
+                    column(knob.level.name, "") + column(knob.error.name, kStatistics) +
+                    column(knob.time.name, kStatistics) + column("iterations", "<br>a tick") +
+                    "<th>marks</th></tr></thead>\n<tbody>\n";
+  for (std::size_t m = 0; m < result.methods.size(); ++m) out += method_rows(result, m);
+  return out + preset_rows(result) + "</tbody></table></div>\n";
+}
+
+std::string failure_item(const std::string& name, const LevelResult& level) {
+  return element("li", html_escaped(name) + ": " + std::to_string(level.failures) + " of " +
+                           std::to_string(level.repeats) + " repeats, " +
+                           html_escaped(level.failure)) +
+         "\n";
+}
+
+std::string failures(const KnobResult& result) {
+  std::string items;
+  for (const MethodResult& method : result.methods) {
+    for (const LevelResult& level : method.levels) {
+      if (!level.counts()) items += failure_item(method.name + ", " + level.label, level);
+    }
+  }
+  for (const LevelResult& preset : result.presets) {
+    if (!preset.counts()) items += failure_item("preset " + preset.label, preset);
+  }
+  if (items.empty()) return "";
+  return "<h3>What failed</h3>\n<ul class=\"failures\">\n" + items + "</ul>\n";
+}
+
+// Whether another level that may be chosen instead is small enough, too, and quicker.
+bool is_beaten_in_time(const KnobResult& result, const LevelPlace& place) {
+  const Knob& knob = result.knob;
+  const LevelResult& mine = level_at(result, place);
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    if (knob.methods_are_given && m != place.method) continue;
+    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
+      if (knob.levels_are_given && l != place.level) continue;
+      const LevelResult& other = result.methods[m].levels[l];
+      if (other.counts() && other.error.median <= knob.enough &&
+          other.time.median < mine.time.median) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::string recommendation(const KnobResult& result) {
+  const Knob& knob = result.knob;
+  if (!result.recommended) return paragraph("Recommended", "none: every level failed");
+  const LevelResult& level = level_at(result, *result.recommended);
+  std::string text = place_name(result, *result.recommended) + " (" + error_text(knob, level) +
+                     ", " + time_text(knob, level.time.median) + "). ";
+  text += knob.levels_are_given ? "Of the methods at this level it" : "It";
+  if (level.error.median > knob.enough) {
+    text += " has the smallest error; none is down to ";
+  } else if (is_beaten_in_time(result, *result.recommended)) {
+    text += " is as quick, to within 10 %, as any with an error of no more than ";
+  } else {
+    text += " is the quickest with an error of no more than ";
+  }
+  text += error_text(knob, knob.enough);
+  if (!knob.enough_because.empty()) {
+    text += ": " + sentence(knob.enough_because);
+  } else {
+    text += ".";
+  }
+  return paragraph("Recommended", text);
+}
+
+std::string default_verdict(const KnobResult& result) {
+  std::string text = place_name(result, default_place(result)) + ", ";
+  if (result.default_behind <= 1.0) return paragraph("Default", text + "on the front.");
+  text +=
+      (result.default_is_near_front() ? "near the front: " : "not on the front: ") +
+      html_escaped(result.better_than_default) + " is better in time or error, by " +
+      (std::isfinite(result.default_behind) ? factor_text(result.default_behind) : "any factor") +
+      ", and worse in neither.";
+  if (!result.default_is_near_front() && !result.knob.default_because.empty()) {
+    text += " Why it is the default: " + sentence(result.knob.default_because);
+  }
+  return paragraph("Default", text);
+}
+
+std::string chapter_html(const KnobChapter& chapter, std::size_t index) {
+  const KnobResult& result = chapter.result;
+  const Knob& knob = result.knob;
+  return "<section id=\"" + anchor_of(index) + "\">\n" + element("h2", html_escaped(knob.title)) +
+         "\n" + paragraph("Workload", whole_sentence(knob.workload)) +
+         paragraph("Errors are against", whole_sentence(knob.reference)) +
+         paragraph("Floor", whole_sentence(knob.floor_is)) + figure(chapter, index) +
+         recommendation(result) + default_verdict(result) + failures(result) + level_table(result) +
+         "</section>\n";
+}
+
+std::string facts(const StudyReport& report) {
+  if (report.facts.empty()) return "";
+  std::string out = "<dl class=\"facts\">\n";
+  for (const auto& [name, value] : report.facts) {
+    out += element("dt", html_escaped(name)) + element("dd", html_escaped(value)) + "\n";
+  }
+  return out + "</dl>\n";
+}
+
+// The words that a reader of one diagram needs.
+std::string words() {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"tick", "One turn of the haptic thread, a thousandth of a second unless told otherwise."},
+      {"proxy",
+       "What stays on the surface while the device is inside it. The force pulls the "
+       "device to it by a spring K and a damper B."},
+      {"knob, level", "What is turned, and how far. Lines connect the levels of one method."},
+      {"order",
+       "How fast the error falls with the level: of order 2, half the level leaves a "
+       "quarter of the error. Fitted to the points, beside that of theory."},
+      {"floor",
+       "The error that the number format has anyway; \u2264 says that an error is no "
+       "more than that."},
+      {"Pareto front",
+       "The levels that no other beats in error or time without being worse in "
+       "the other. Whoever chooses one off it gives something away."},
+      {"recommended",
+       "The quickest level whose error is small enough for a hand; each knob says "
+       "how small that is, and why."},
+      {"default", "What programs get that say nothing."},
+      {"presets",
+       "<code>--accuracy fast</code>, <code>balanced</code> and <code>exact</code>, at "
+       "the default level. They set how far the proxy is iterated and whether its path "
+       "is certified; where neither matters they differ by the noise of the clock."},
+      {"rms", "Root mean square."}};
+  std::string out = "<h2 id=\"words\">How to read it</h2>\n<dl class=\"facts\">\n";
+  for (const auto& [name, meaning] : kWords) {
+    out += element("dt", name) + element("dd", meaning) + "\n";
+  }
+  return out + "</dl>\n";
+}
+
+std::string head(const StudyReport& report) {
+  // An icon of its own: browsers ask for one otherwise.
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<link rel=\"icon\" href=\"data:,\">\n" +
+         element("title", html_escaped(report.title)) + "\n<style>" + std::string(kReportStyle) +
+         "</style>\n</head>\n";
+}
+
+}  // namespace
+
+std::string report_html(const StudyReport& report) {
+  std::string out =
+      head(report) + "<body>\n<header>\n" + element("h1", html_escaped(report.title)) + "\n";
+  if (!report.introduction.empty()) out += element("p", html_escaped(report.introduction)) + "\n";
+  out += facts(report) + "</header>\n<main>\n";
+  // The reader's own scene comes first.
+  for (const ReportSection& section : report.sections) {
+    out += "<section>\n" + element("h2", html_escaped(section.title)) + "\n" + section.html +
+           "\n</section>\n";
+  }
+  out += summary(report);
+  if (!report.chapters.empty()) out += words();
+  for (std::size_t i = 0; i < report.chapters.size(); ++i) {
+    out += chapter_html(report.chapters[i], i);
+  }
+  return out + "</main>\n</body>\n</html>\n";
+}
+
+std::vector<KnobChapter> chapters_of(std::span<const KnobResult> results) {
+  std::vector<KnobChapter> chapters;
+  for (const KnobResult& result : results) {
+    chapters.push_back({result, work_precision_panels(result)});
+  }
+  return chapters;
+}
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+#pragma once
+
+// Scenes that a study makes for itself.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "engine/scene/scene.h"
+#include "geometry/base/result.h"
+#include "models/primitives.h"
+
+namespace palpate {
+
+// One node with this mesh at that place, without effects; compiled as a file's scene is.
+// place_m: translation of the node.
+Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m = 0.0,
+                                                  const Vec3& place_m = Vec3::Zero());
+
+// The same of a mesh that is the study's own: ends the program if it does not compile.
+std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
+                                        const Vec3& place_m = Vec3::Zero());
+
+// A scene that is compiled when it is first asked for, and then kept. Copies share it.
+class LazyScene {
+ public:
+  explicit LazyScene(std::function<std::shared_ptr<const Scene>()> make)
+      : held_(std::make_shared<Held>(Held{std::move(make), nullptr})) {}
+
+  const Scene& get() const {
+    if (!held_->scene) held_->scene = held_->make();
+    return *held_->scene;
+  }
+  const ContactWorld& world() const { return get().world(); }
+
+ private:
+  struct Held {
+    std::function<std::shared_ptr<const Scene>()> make;
+    std::shared_ptr<const Scene> scene;
+  };
+  std::shared_ptr<Held> held_;
+};
+
+// What the scene's file rounds positions on its surfaces to: float_floor_m() of the farthest
+// coordinate of a mesh in its own frame, at the size that its node gives it. Where nodes are costs
+// no digits. Scene frame.
+double file_floor_m(const Scene& scene);
+
+// "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".
+std::string triangles_label(std::size_t triangles);
+
+// Mean length of the edges of the triangles.
+double mean_edge_m(const TriangleMesh& mesh);
+
+}  // namespace palpate

@@ -1,0 +1,141 @@
+#include "engine/accuracy/surface_couplings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "engine/scene/material_effects.h"
+#include "haptics/effects/damping.h"
+#include "haptics/effects/effect_program.h"
+#include "haptics/effects/stiffness.h"
+#include "haptics/effects/texture.h"
+
+namespace palpate {
+namespace {
+
+// The parameters of an effect among the calls of a material; nothing if it is not called for.
+template <typename Effect>
+std::optional<typename Effect::Parameters> parameters_of(const EffectProgram& program,
+                                                         const MaterialCalls& material) {
+  const std::optional<std::uint16_t> number = effect_number(Effect::kName);
+  for (const std::uint32_t call : material.calls) {
+    if (!number || program.calls[call].effect != *number) continue;
+    typename Effect::Parameters parameters;
+    std::memcpy(&parameters, program.parameters.data() + program.calls[call].parameters,
+                sizeof parameters);
+    return parameters;
+  }
+  return std::nullopt;
+}
+
+// Of the texture coordinates of all triangles that call for it.
+struct UvGradients {
+  double u_per_m = 0.0;
+  double v_per_m = 0.0;
+};
+
+UvGradients largest_gradients(const ContactWorld& world, std::uint32_t texture_call) {
+  const EffectProgram& program = *world.effects;
+  UvGradients largest;
+  for (std::size_t b = 0; b < program.bodies.size(); ++b) {
+    const double units_per_metre = std::abs(world.bodies[b].units_per_metre);
+    const SurfaceAttributes* attributes = program.bodies[b].attributes;
+    if (!attributes) continue;
+    for (std::size_t slot = 0; slot < attributes->texture_uv.size(); ++slot) {
+      const std::uint32_t material =
+          program.material(static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(slot));
+      const EffectTable& table =
+          program.materials[material].tables[static_cast<std::size_t>(EffectStage::kSurface)];
+      if (texture_call < table.first || texture_call >= table.first + table.count) continue;
+      const auto& [grad_u, grad_v] = attributes->texture_uv[slot].gradient;
+      largest.u_per_m = std::max(largest.u_per_m, units_per_metre * grad_u.norm());
+      largest.v_per_m = std::max(largest.v_per_m, units_per_metre * grad_v.norm());
+    }
+  }
+  return largest;
+}
+
+// Largest second derivative of the Catmull-Rom spline through four values in a row, between the two
+// in the middle, where it is linear: it is at one of them.
+double spline_curvature(const std::array<double, 4>& v) {
+  return std::max(std::abs(2.0 * v[0] - 5.0 * v[1] + 4.0 * v[2] - v[3]),
+                  std::abs(-v[0] + 4.0 * v[1] - 5.0 * v[2] + 2.0 * v[3]));
+}
+
+// Of the map along its rows or its columns, per texel squared.
+double map_curvature(const HeightMap& map, bool is_along_u) {
+  const double du = is_along_u ? 1.0 / map.width() : 0.0;
+  const double dv = is_along_u ? 0.0 : 1.0 / map.height();
+  double most = 0.0;
+  for (std::uint32_t row = 0; row < map.height(); ++row) {
+    for (std::uint32_t column = 0; column < map.width(); ++column) {
+      const double u = (column + 0.5) / map.width();
+      const double v = (row + 0.5) / map.height();
+      std::array<double, 4> values{};
+      for (int i = 0; i < 4; ++i) {
+        values[static_cast<std::size_t>(i)] = map.value(u + (i - 1) * du, v + (i - 1) * dv, 0.0);
+      }
+      most = std::max(most, spline_curvature(values));
+    }
+  }
+  return most;
+}
+
+double relief_per_m(const ContactWorld& world, std::uint32_t texture_call,
+                    const TextureEffect::Parameters& texture) {
+  const UvGradients gradients = largest_gradients(world, texture_call);
+  const double columns_per_m = gradients.u_per_m * texture.map->width();
+  const double rows_per_m = gradients.v_per_m * texture.map->height();
+  return texture.height_m *
+         std::max(map_curvature(*texture.map, true) * columns_per_m * columns_per_m,
+                  map_curvature(*texture.map, false) * rows_per_m * rows_per_m);
+}
+
+// 0 if the material calls for no texture.
+double relief_of(const ContactWorld& world, const MaterialCalls& material) {
+  const EffectProgram& program = *world.effects;
+  const std::optional<std::uint16_t> number = effect_number(TextureEffect::kName);
+  for (const std::uint32_t call : material.calls) {
+    if (!number || program.calls[call].effect != *number) continue;
+    const auto texture = parameters_of<TextureEffect>(program, material);
+    if (texture && texture->map) return relief_per_m(world, call, *texture);
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop) {
+  std::vector<SurfaceCoupling> couplings{{"surfaces without their own", loop}};
+  const auto& program = scene.world().effects;
+  if (!program) return couplings;
+  for (const MaterialCalls& material : scene.material_calls()) {
+    const auto stiffness = parameters_of<StiffnessEffect>(*program, material);
+    const auto damping = parameters_of<DampingEffect>(*program, material);
+    const double relief = relief_of(scene.world(), material);
+    if (!stiffness && !damping && relief == 0.0) continue;
+    SurfaceCoupling own{material.material, loop, relief};
+    if (stiffness) own.coupling.stiffness_N_per_m = stiffness->stiffness_N_per_m;
+    if (damping) own.coupling.damping_Ns_per_m = damping->damping_Ns_per_m;
+    couplings.push_back(std::move(own));
+  }
+  return couplings;
+}
+
+Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCoupling>& couplings,
+                                                     const DeviceMechanics& device,
+                                                     const ServoTiming& timing, double depth_m) {
+  std::vector<CouplingVerdict> verdicts;
+  for (const SurfaceCoupling& surface : couplings) {
+    const auto limits = stability_limits(device, surface.coupling.damping_Ns_per_m, timing);
+    if (!limits) return limits.error();
+    const double stiffness = surface.felt_stiffness_N_per_m(depth_m);
+    verdicts.push_back(
+        {surface, stiffness, *limits, limits->is_passive(stiffness), limits->is_stable(stiffness)});
+  }
+  return verdicts;
+}
+
+}  // namespace palpate

@@ -1,0 +1,319 @@
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/accuracy/build_facts.h"
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/measurement.h"
+#include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/study_csv.h"
+#include "engine/accuracy/study_plots.h"
+#include "engine/accuracy/study_report.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/commands.h"
+#include "engine/cli/effects_report.h"
+#include "engine/cli/program_signals.h"
+#include "engine/report/human_units.h"
+#include "engine/report/output_files.h"
+#include "engine/report/text_file.h"
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string option, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
+}
+
+// The knob of a scene's own mesh.
+constexpr const char* kSceneKnob = "scene_resolution";
+
+bool is_chosen(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// The knobs that were asked for, in the order of the report, without that of a scene.
+Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
+                                       const std::vector<std::string>& names, bool has_scene) {
+  std::vector<Knob> all = all_knobs(effort);
+  if (names.empty()) return all;
+  std::string known;
+  for (const Knob& knob : all) known += (known.empty() ? "" : ", ") + knob.name;
+  known += std::string(", and with a SCENE ") + kSceneKnob;
+  std::vector<Knob> chosen;
+  for (const std::string& name : names) {
+    const bool is_known =
+        (has_scene && name == kSceneKnob) ||
+        std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
+    if (!is_known) return invalid("--knob", "\"" + name + "\" is none of " + known);
+  }
+  for (Knob& knob : all) {
+    if (is_chosen(names, knob.name)) chosen.push_back(std::move(knob));
+  }
+  return chosen;
+}
+
+// Of numbers that no device has, the error names the option.
+std::optional<Error> check_device(const AccuracyCommand& command, const RunSetup& setup) {
+  const auto limits =
+      stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
+  if (limits) return std::nullopt;
+  Error error = limits.error();
+  constexpr std::pair<const char*, const char*> kOptions[] = {
+      {"mass", "--device-mass"},
+      {"damping", "--device-damping"},
+      {"Coulomb friction", "--device-friction"},
+      {"encoder quantum", "--encoder-quantum"}};
+  for (const auto& [name, option] : kOptions) {
+    if (error.element == name) error.element = option;
+  }
+  return error;
+}
+
+std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyEffort& effort) {
+  ProgressBar bar("accuracy");
+  std::vector<KnobResult> results;
+  for (std::size_t i = 0; i < knobs.size(); ++i) {
+    const auto of_all = [&](double share) {
+      return (static_cast<double>(i) + share) / static_cast<double>(knobs.size());
+    };
+    bar.show(knobs[i].name, of_all(0.0));
+    results.push_back(
+        measure(knobs[i], effort, [&](double share) { bar.show(knobs[i].name, of_all(share)); }));
+  }
+  return results;
+}
+
+// The rates that the machine keeps, or that of the loop if it keeps none.
+std::vector<double> rates_kept_Hz(const SafeRate& safe, double rate_Hz) {
+  std::vector<double> rates;
+  for (const RateTrial& trial : safe.trials) {
+    if (trial.passed()) rates.push_back(trial.rate_Hz);
+  }
+  if (rates.empty()) rates.push_back(rate_Hz);
+  return rates;
+}
+
+Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& command,
+                               const RunSetup& setup, const StudyEffort& effort) {
+  SceneFindings findings;
+  findings.path = command.scene.path;
+  findings.device = command.device;
+  findings.rate_Hz = command.options.rate_Hz;
+  ProgressBar bar("scene");
+  Result<SceneStudy> study =
+      study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
+  if (!study) return study.error();
+  findings.study = std::move(*study);
+  const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), command.device,
+                                        {setup.dt_s, 0}, findings.study.deepest_m);
+  if (!verdicts) return verdicts.error();
+  findings.verdicts = *verdicts;
+  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.options.rate_Hz)) {
+    const auto limits = stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m,
+                                         {1.0 / rate_Hz, 0});
+    if (!limits) return limits.error();
+    findings.by_rate.push_back({rate_Hz, *limits});
+  }
+  return findings;
+}
+
+StudyReport report_of(const std::vector<KnobResult>& results, const StudyEffort& effort) {
+  StudyReport report;
+  report.title = "What accuracy costs in time";
+  report.introduction =
+      "Each knob of the engine is turned from coarse to fine while a simulated hand or device does "
+      "the same. Errors are measured against a closed form where there is one, times on the path "
+      "that programs run. Points are medians of " +
+      std::to_string(StudyEffort::kRepeats) +
+      " repeats over ticks in contact, whiskers their quartiles; down and to the left is better.";
+  report.facts = build_facts();
+  report.facts.emplace_back("Seed", std::to_string(effort.seed));
+  report.facts.emplace_back("Repeats", std::to_string(StudyEffort::kRepeats));
+  report.facts.emplace_back("Effort", effort.quick ? "quick" : "full");
+  report.chapters = chapters_of(results);
+  return report;
+}
+
+constexpr const char* kTable = "raw.csv";
+constexpr const char* kSceneTable = "scene.csv";
+constexpr const char* kPage = "report.html";
+
+// Every file that `accuracy` writes, whatever it is asked for.
+std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
+  std::vector<std::string> names{kTable, kSceneTable, kPage, std::string(kSceneKnob) + ".svg"};
+  for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
+  return names;
+}
+
+// CSV, a diagram for each knob, and the page. A signal leaves it unfinished.
+std::optional<Error> write_results(const std::vector<KnobResult>& results,
+                                   const std::optional<SceneFindings>& findings,
+                                   const StudyEffort& effort, const OutputFiles& files) {
+  const auto csv = write_study_csv(results, files.path(kTable));
+  if (!csv) return csv.error();
+  std::optional<Error> no_picture;
+  for (const KnobResult& result : results) {
+    if (signal_flag().requested()) return std::nullopt;
+    const auto svg = work_precision_svg(result);
+    if (!svg) {
+      no_picture = svg.error();
+      continue;
+    }
+    const auto written = write_text_file(files.path(result.knob.name + ".svg"), *svg);
+    if (!written) return written.error();
+  }
+  if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
+  StudyReport report = report_of(results, effort);
+  if (findings) {
+    report.sections.push_back(scene_section(*findings));
+    const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));
+    if (!written) return written.error();
+  }
+  const auto written = write_text_file(files.path(kPage), report_html(report));
+  return written ? std::nullopt : std::optional<Error>(written.error());
+}
+
+// Whether results can be written; leaves nothing there.
+std::optional<Error> check_out_folder(const std::string& folder, const StudyEffort& effort) {
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  const auto files = OutputFiles::create(folder, accuracy_file_names(effort));
+  return files ? std::nullopt : std::optional<Error>(files.error());
+}
+
+// Whether it did: a signal leaves what was there.
+Result<bool> write_in_place(const std::vector<KnobResult>& results,
+                            const std::optional<SceneFindings>& findings, const StudyEffort& effort,
+                            const std::string& folder) {
+  Result<OutputFiles> files = OutputFiles::create(folder, accuracy_file_names(effort));
+  if (!files) return files.error();
+  if (auto error = write_results(results, findings, effort, *files)) {
+    return files->in_place(*error);
+  }
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  if (signal_flag().requested()) return false;
+  if (auto error = files->move_into_place()) return *error;
+  return true;
+}
+
+int tell_nothing_is_written() {
+  std::cerr << "palpate: interrupted; nothing is written\n";
+  return exit_code_after_signals(0);
+}
+
+// Orders that theory has, "fitted (theory)".
+std::string order_text(const KnobResult& result) {
+  std::string text;
+  for (const MethodResult& method : result.methods) {
+    if (!method.expected_order || !method.order) continue;
+    text += (text.empty() ? "" : ", ") + short_number(*method.order) + " (" +
+            short_number(*method.expected_order) + ")";
+  }
+  return text;
+}
+
+std::string place_text(const KnobResult& result, const LevelPlace& place) {
+  const MethodResult& method = result.methods[place.method];
+  const std::string& label = method.levels[place.level].label;
+  return result.methods.size() == 1 ? label : label + ", " + method.name;
+}
+
+using Row = std::vector<std::string>;
+
+Row row_of(const KnobResult& result) {
+  const LevelPlace usual{result.knob.default_method, result.knob.default_level};
+  const LevelResult& level = result.methods[usual.method].levels[usual.level];
+  // Of no repeat that counts there are no figures.
+  const bool was_measured = level.repeats > level.failures;
+  return {result.knob.name,
+          place_text(result, usual),
+          was_measured ? (level.at_floor ? "\u2264 " : "") +
+                             human(level.error.median, result.knob.error.unit)
+                       : "failed",
+          was_measured ? human(level.time.median, result.knob.time.unit) : "-",
+          result.default_is_near_front() ? "yes" : "no, see report",
+          result.recommended ? place_text(result, *result.recommended) : "none",
+          order_text(result)};
+}
+
+// What a terminal shows of it: bytes that go on with a character take no room.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+}
+
+std::string table_text(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(row[i]));
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i] + std::string(widths[i] - width_of(row[i]) + 2, ' ');
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+std::string knobs_text(const std::vector<KnobResult>& results) {
+  std::vector<Row> rows{
+      {"knob", "default", "error", "time", "on the front", "recommended", "order (theory)"}};
+  for (const KnobResult& result : results) rows.push_back(row_of(result));
+  return table_text(rows);
+}
+
+}  // namespace
+
+int accuracy(const AccuracyCommand& command) {
+  const Result<RunSetup> setup = make_setup(command.options);
+  if (!setup) return refuse(setup.error());
+  if (const auto error = check_device(command, *setup)) return refuse(*error);
+  const StudyEffort effort{command.quick, command.seed};
+  Result<std::vector<Knob>> knobs =
+      chosen_knobs(effort, command.knobs, !command.scene.path.empty());
+  if (!knobs) return refuse(knobs.error());
+  // Before the minutes that measuring takes.
+  if (const auto error = check_out_folder(command.out_dir, effort)) return refuse(*error);
+  if (signal_flag().requested()) return tell_nothing_is_written();
+
+  std::optional<Scene> scene;
+  std::optional<SceneFindings> findings;
+  if (!command.scene.path.empty()) {
+    Result<Scene> loaded = load_scene(command.scene, command.options);
+    if (!loaded) return refuse(loaded.error());
+    scene.emplace(std::move(*loaded));
+    Result<SceneFindings> found = find_out(*scene, command, *setup, effort);
+    if (!found) {
+      Error error = found.error();
+      if (error.path.empty()) error.path = command.scene.path;
+      return refuse(error);
+    }
+    findings = std::move(*found);
+    if (is_chosen(command.knobs, kSceneKnob)) {
+      auto resolution = simplification_knob(*scene, *setup, effort, findings->no_simplification);
+      if (resolution) knobs->push_back(std::move(*resolution));
+    }
+  }
+
+  const std::vector<KnobResult> results = measure_all(*knobs, effort);
+  // Now there is something to put in order: the files come whole.
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  if (const auto error = check_output()) return refuse(*error);
+  const auto written = write_in_place(results, findings, effort, command.out_dir);
+  if (!written) return refuse(written.error());
+  if (!*written) return tell_nothing_is_written();
+  if (!results.empty()) std::cout << knobs_text(results);
+  if (findings) std::cout << scene_text(*findings);
+  std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
+            << " and a diagram a knob in " << command.out_dir << "/\n";
+  return exit_code_after_signals(
+      finish_output(scene ? not_understood_lines(*scene) : std::vector<std::string>{}));
+}
+
+}  // namespace palpate

@@ -1,0 +1,274 @@
+#include "engine/cli/commands.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <locale>
+#include <numbers>
+#include <optional>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/cli/command_output.h"
+#include "engine/cli/effects_report.h"
+#include "engine/cli/path_picture.h"
+#include "engine/cli/prepared_run.h"
+#include "engine/cli/program_signals.h"
+#include "engine/cli/report.h"
+#include "engine/cli/run_advice.h"
+#include "engine/report/output_files.h"
+#include "engine/report/text_file.h"
+#include "engine/scene/memory_budget.h"
+#include "engine/scene/node_tree.h"
+#include "engine/scene/scene.h"
+#include "engine/session/replay.h"
+#include "engine/session/run_summary.h"
+#include "engine/simulation/run_judgement.h"
+#include "io/trace_csv.h"
+#include "io/trajectory.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kNotComparable = 3;
+
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
+                                 const std::vector<std::int64_t>& steps_ns) {
+  Result<TraceWriter> writer = TraceWriter::create(path);
+  if (!writer) return writer.error();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const TickRecord& r = records[i];
+    writer->add({r.tick, r.time_s, r.device_m, r.goal_m, r.proxy_m, r.normal_scene,
+                 r.force_device_N, r.contact, r.alpha_rad * 180.0 / std::numbers::pi,
+                 r.T_device_scene, friction_name(r.friction), fault_names(r.faults), steps_ns[i]});
+  }
+  const Result<std::size_t> written = writer->finish();
+  if (!written) return written.error();
+  return std::nullopt;
+}
+
+constexpr const char* kPicture = "paths.svg";
+
+// Every file that `run` writes, in one of its forms.
+std::vector<std::string> run_file_names() {
+  std::vector<std::string> names{kPicture};
+  for (const char* a4 : {"on", "off"}) {
+    for (const char* what : {"trace-", "contour-", "places-"}) {
+      names.push_back(std::string(what) + a4 + ".csv");
+    }
+  }
+  return names;
+}
+
+// What the hand followed: a place a line, scene frame.
+std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& files) {
+  const bool is_walk = run.contour_scene_m.empty();
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(17) << "x,y,z\n";
+  for (const Vec3& p : is_walk ? run.places_scene_m : run.contour_scene_m) {
+    text << p.x() << "," << p.y() << "," << p.z() << "\n";
+  }
+  const std::string name =
+      std::string(is_walk ? "places-" : "contour-") + (run.a4 ? "on" : "off") + ".csv";
+  const auto written = write_text_file(files.path(name), text.str());
+  if (!written) return written.error();
+  return std::nullopt;
+}
+
+std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& files) {
+  const std::string trace = files.path(run.a4 ? "trace-on.csv" : "trace-off.csv");
+  if (auto error = write_trace(trace, run.records, run.steps_ns)) return files.in_place(*error);
+  if (auto error = write_way(run, files)) return files.in_place(*error);
+  return std::nullopt;
+}
+
+// An error if there is no room for the picture. Without gnuplot there is none, which is a warning,
+// and the traces are as good.
+Result<bool> draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
+                  const OutputFiles& files, std::vector<std::string>& warnings) {
+  const std::string name = std::filesystem::path(scene_path).filename().string();
+  const auto picture = write_path_picture(runs, name, files.path(kPicture));
+  if (picture) return true;
+  if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
+  warnings.push_back(files.in_place(picture.error()).to_string());
+  return false;
+}
+
+int tell_nothing_was_done() {
+  std::cerr << "palpate: interrupted before the first tick; nothing is written\n";
+  return exit_code_after_signals(0);
+}
+
+// A line that says what the results are, nothing if no signal has come.
+std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_comparison) {
+  if (!signal_flag().requested()) return {};
+  const bool was_cut = std::any_of(runs.begin(), runs.end(),
+                                   [](const ExplorationRun& run) { return run.interrupted; });
+  if (was_cut) return "interrupted; the results are of what was done until then\n";
+  if (is_comparison && runs.size() < 2) return "interrupted before the run with A4 began\n";
+  return "interrupted when the runs were done; the results are whole\n";
+}
+
+// Not if nobody can be told of it; but whoever has closed a terminal finds the results.
+std::optional<Error> move_into_place(OutputFiles& files) {
+  if (!signal_flag().requested()) {
+    if (auto error = check_output()) return error;
+  }
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  return files.move_into_place();
+}
+
+Error with_path(Error error, const std::string& path) {
+  if (error.path.empty()) error.path = path;
+  return error;
+}
+
+// What runs the same for every run of a command.
+std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
+  const ActuationModel& actuation = prepared.setup.actuation;
+  std::ostringstream text;
+  text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
+       << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
+       << " actuators, workspace " << command.exploration.workspace_m
+       << " m along each sensed axis";
+  if (actuation.is_planar()) {
+    text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
+  }
+  if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
+    text << ", scale " << scale;
+  }
+  return text.str() + "\n";
+}
+
+nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
+                                 const std::vector<ExplorationRun>& runs,
+                                 const std::optional<Advice>& advice) {
+  nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
+                              {"comparable", are_comparable(runs)}};
+  json["reasons"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) {
+    for (const std::string& reason : reasons(r)) {
+      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
+    }
+  }
+  json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
+  json["workspace_m"] = command.exploration.workspace_m;
+  if (prepared.setup.actuation.is_planar()) {
+    json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+  }
+  json["scale"] = prepared.scene.statistics().scale;
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
+  return json;
+}
+
+// Without A4 and with it, as asked for, until a signal comes.
+Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
+                                                      const PreparedRun& prepared,
+                                                      const OutputFiles& files) {
+  const StopFlag& stop = signal_flag();
+  ExplorationSettings exploration = command.exploration;
+  if (!command.scene.max_memory.empty()) {  // prepare_run() has parsed it
+    exploration.max_memory_bytes = *parse_bytes(command.scene.max_memory);
+    exploration.taken_memory_bytes = prepared.scene.statistics().memory.total();
+  }
+  std::vector<ExplorationRun> runs;
+  for (const bool a4 : {false, true}) {
+    if (!command.wants(a4)) continue;
+    if (stop.requested()) break;
+    RunSetup setup = prepared.setup;
+    setup.haptics.a4.enabled = a4;
+    ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
+    Result<ExplorationRun> run = explore(
+        prepared.scene, setup, exploration, [&](double share) { bar.show(share); }, &stop);
+    if (!run) return with_path(run.error(), command.scene.path);
+    if (run->records.empty()) break;
+    if (const auto error = write_run(*run, files)) return *error;
+    if (exploration.max_memory_bytes > 0) exploration.taken_memory_bytes += run->record_bytes();
+    runs.push_back(std::move(*run));
+  }
+  return runs;
+}
+
+// Of runs that ended by themselves and are not comparable.
+std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
+                                  const std::vector<ExplorationRun>& runs) {
+  if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
+  ProgressBar bar("what to try");
+  return advise(
+      command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
+}
+
+}  // namespace
+
+int info(const InfoCommand& command) {
+  const Result<Scene> scene = load_scene(command.scene, 0.0);
+  if (!scene) return refuse(scene.error());
+  if (command.json) {
+    print(command.list ? tree_json(*scene) : scene_json(*scene));
+  } else {
+    std::cout << (command.list ? command.scene.path + "\n" + tree_text(scene->tree())
+                               : scene_text(command.scene.path, *scene));
+  }
+  return finish_output();
+}
+
+int replay(const ReplayCommand& command) {
+  const Result<RunSetup> setup = make_setup(command.options);
+  if (!setup) return refuse(setup.error());
+  const Result<std::vector<Vec3>> path = read_trajectory(command.trajectory);
+  if (!path) return refuse(path.error());
+  const Result<Scene> scene = load_scene(command.scene, command.options);
+  if (!scene) return refuse(scene.error());
+  const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
+  if (!result) return refuse(result.error());
+  // Now there is something to put in order: the file comes whole.
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  if (!command.trace.empty()) {
+    if (const auto error = check_output()) return refuse(*error);
+    if (const auto error = write_trace(command.trace, result->records, result->steps_ns)) {
+      return refuse(*error);
+    }
+  }
+  if (command.json) {
+    print(summary_json(result->summary, *scene));
+  } else {
+    std::cout << command.scene.path << ", " << command.trajectory << "\n"
+              << summary_text(result->summary, *scene);
+  }
+  return exit_code_after_signals(finish_output(not_understood_lines(*scene)));
+}
+
+int run(const RunCommand& command) {
+  const Result<PreparedRun> prepared = prepare_run(command);
+  if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<OutputFiles> files = OutputFiles::create(command.out_dir, run_file_names());
+  if (!files) return refuse(files.error());
+  const auto done = explore_and_write(command, *prepared, *files);
+  if (!done) return refuse(done.error());
+  const std::vector<ExplorationRun>& runs = *done;
+  if (runs.empty()) return tell_nothing_was_done();
+  std::vector<std::string> warnings = not_understood_lines(prepared->scene);
+  const Result<bool> has_picture = draw(runs, command.scene.path, *files, warnings);
+  if (!has_picture) return refuse(has_picture.error());
+  if (const auto error = move_into_place(*files)) return refuse(*error);
+  if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
+  const std::optional<Advice> advice = find_advice(command, *prepared, runs);
+  const std::string interruption = interruption_line(runs, command.options.a4 == "compare");
+  if (!interruption.empty()) std::cerr << "palpate: " << interruption;
+  if (command.json) {
+    print(runs_json(command, *prepared, runs, advice));
+  } else {
+    std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
+              << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
+              << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
+  }
+  const int code = finish_output(warnings);
+  return exit_code_after_signals(code == 0 && !are_comparable(runs) ? kNotComparable : code);
+}
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+#pragma once
+
+// Numbers of the command line, read as what they are. CLI11's own conversion takes octal and
+// hexadecimal integers, a largest one in place of what is larger, "nan" and, in newer versions,
+// separators of digits; so no option with a number uses it.
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <CLI/CLI.hpp>
+
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+struct IntegerRange {
+  std::uint64_t least = 0;
+  std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+};
+
+// All finite numbers, without more.
+struct RealRange {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool is_least_out = false;  // itself out of the range
+};
+inline constexpr RealRange kAboveZero{0.0, std::numeric_limits<double>::infinity(), true};
+inline constexpr RealRange kZeroOrMore{0.0};
+
+// Decimal digits and nothing else. The error says what was expected; its element is the option.
+Result<std::uint64_t> parse_integer(const std::string& option, std::string_view text,
+                                    const IntegerRange& range);
+
+// A finite decimal number, with a point and an exponent if need be, in every locale.
+Result<double> parse_real(const std::string& option, std::string_view text, const RealRange& range);
+
+template <typename T>
+struct OptionValue {
+  using Type = T;
+};
+template <typename T>
+struct OptionValue<std::optional<T>> {
+  using Type = T;
+};
+
+// Adds an option that `parse` reads into `value`, which a std::optional leaves without a default.
+template <typename T, typename Range, typename Parsed>
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, T& value, const Range& range,
+                        Result<Parsed> (*parse)(const std::string&, std::string_view, const Range&),
+                        const char* type_name, const std::string& help) {
+  const auto read = [&value, range, name, parse](const std::string& text) {
+    const Result<Parsed> parsed = parse(name, text, range);
+    if (!parsed) throw CLI::ValidationError(name, parsed.error().problem);
+    value = static_cast<typename OptionValue<T>::Type>(*parsed);
+  };
+  CLI::Option* const option =
+      app.add_option_function<std::string>(name, read, help)->type_name(type_name);
+  if constexpr (std::is_same_v<T, typename OptionValue<T>::Type>) {
+    std::ostringstream text;
+    text << value;
+    option->default_str(text.str());
+  }
+  return option;
+}
+
+// range: within that of T.
+template <typename T>
+CLI::Option* add_integer(CLI::App& app, const std::string& name, T& value,
+                         const IntegerRange& range, const std::string& help) {
+  return add_parsed(app, name, value, range, &parse_integer, "INTEGER", help);
+}
+
+template <typename T>
+CLI::Option* add_real(CLI::App& app, const std::string& name, T& value, const RealRange& range,
+                      const std::string& help) {
+  return add_parsed(app, name, value, range, &parse_real, "NUMBER", help);
+}
+
+}  // namespace palpate

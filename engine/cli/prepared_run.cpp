@@ -1,0 +1,84 @@
+#include "engine/cli/prepared_run.h"
+
+#include <optional>
+#include <utility>
+
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/plane_height.h"
+#include "engine/simulation/workspace.h"
+
+namespace palpate {
+namespace {
+
+Workspace workspace_of(const RunCommand& command, const RunSetup& setup) {
+  return hand_workspace(setup.actuation.sensors(), command.exploration.workspace_m);
+}
+
+std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& run) {
+  if (run.scene.objects().empty()) return std::nullopt;  // explore() says what it lacks
+  return check_fits(workspace_of(command, run.setup),
+                    bounds_in_device(run.scene, run.setup.haptics.initial_pose),
+                    run.scene.statistics().extent_m.maxCoeff());
+}
+
+// The same scene at the size that fits. The one that does not goes first: both together would take
+// twice what the user allows.
+Result<PreparedRun> load_fitted(const RunCommand& command, PreparedRun run) {
+  const auto size_m = fitting_size_m(workspace_of(command, run.setup),
+                                     bounds_in_device(run.scene, run.setup.haptics.initial_pose),
+                                     run.scene.statistics().extent_m.maxCoeff());
+  RunSetup setup = std::move(run.setup);
+  { const Scene not_fitting = std::move(run.scene); }
+  SceneOptions scene = command.scene;
+  scene.fits_workspace = false;
+  scene.fit_size_m = size_m;
+  auto fitted = load_scene(scene, command.options);
+  if (!fitted) return fitted.error();
+  return PreparedRun{std::move(*fitted), std::move(setup)};
+}
+
+std::optional<Error> lay_plane(const RunCommand& command, PreparedRun& run) {
+  if (!run.setup.actuation.is_planar() || command.options.plane_height_m ||
+      run.scene.objects().empty()) {
+    return std::nullopt;
+  }
+  const auto height_m = height_with_contour_m(run.scene, run.setup.haptics.initial_pose);
+  if (!height_m) {
+    return Error{ErrorCode::kInvalidArgument, "", "--plane-height",
+                 "every face lies across A3, so no height has a contour",
+                 "turn the scene with --place \"0 0 0 0.7071068 0.7071068 0 0\", or use "
+                 "--sensors 3"};
+  }
+  run.setup.haptics.plane_height_m = *height_m;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<PreparedRun> prepare_run(const RunCommand& command) {
+  auto setup = make_setup(command.options);
+  if (!setup) return setup.error();
+  if (command.scene.fits_workspace && command.scene.scale) {
+    return Error{ErrorCode::kInvalidArgument, "", "--fit",
+                 "given together with --scale; expected one of them", ""};
+  }
+  if (const auto error = check_exploration(command.exploration, setup->dt_s)) return *error;
+  SceneOptions as_it_is = command.scene;
+  as_it_is.fits_workspace = false;
+  auto scene = load_scene(as_it_is, command.options);
+  if (!scene) return scene.error();
+  PreparedRun run{std::move(*scene), std::move(*setup)};
+  auto misfit = check_fits(command, run);
+  if (misfit && command.scene.fits_workspace) {
+    auto fitted = load_fitted(command, std::move(run));
+    if (!fitted) return fitted.error();
+    run = std::move(*fitted);
+    misfit = check_fits(command, run);
+  }
+  // A place that is too far away is named before what comes of it.
+  if (misfit) return check_setup(run.scene, run.setup).value_or(*misfit);
+  if (const auto error = lay_plane(command, run)) return *error;
+  return run;
+}
+
+}  // namespace palpate

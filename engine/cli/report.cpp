@@ -1,0 +1,401 @@
+#include "engine/cli/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/cli/effects_report.h"
+#include "engine/scene/scene_contours.h"
+#include "engine/simulation/run_judgement.h"
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+using nlohmann::ordered_json;
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  char text[160];
+  std::snprintf(text, sizeof text, pattern, args...);
+  return text;
+}
+
+double load_ms(const SceneStatistics& s) {
+  return s.parse_ms + s.mesh_ms + s.index_ms;
+}
+
+// Of the whole and of its parts, and what surfaces make for each triangle that is kept.
+std::string memory_text(const SceneStatistics& s) {
+  const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
+  const MemoryBreakdown& m = s.memory;
+  return format(
+             "  memory %.1f MB, %.0f bytes a triangle: adjacency %.1f, positions %.1f, maps %.1f, ",
+             megabytes(m.total()),
+             static_cast<double>(m.total() - m.places) / static_cast<double>(s.cleaning.triangles),
+             megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
+         format("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f, effects %.1f\n",
+                megabytes(m.index_triangles), megabytes(m.index_packs), megabytes(m.index_boxes),
+                megabytes(m.places), megabytes(m.effects));
+}
+
+std::string faults_text(const RunSummary& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.faults.size(); ++i) {
+    if (s.faults[i] == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += std::to_string(s.faults[i]) + " " + std::string(kFaultNames[i]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+// A line of a table: what it is called, and how a run's value is written.
+struct Line {
+  std::string name;
+  std::function<std::string(const ExplorationRun&)> value;
+};
+
+std::string interruption_text(const ExplorationRun& run) {
+  if (!run.interrupted) return "no";
+  return format("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
+}
+
+std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
+  using Run = ExplorationRun;
+  const auto mean = [](const char* pattern, double RunSummary::*value, double factor) {
+    return [=](const Run& r) {
+      return has_means(r.summary) ? format(pattern, factor * r.summary.*value) : std::string("-");
+    };
+  };
+  std::vector<Line> lines = {
+      {"in contact",
+       [](const Run& r) { return format("%.1f %%", 100 * r.summary.contact_share()); }},
+      {is_walk ? "places reached" : "contour completed",
+       [](const Run& r) { return format("%.1f %%", 100 * r.way_share); }},
+      {"mean contact angle", mean("%.1f deg", &RunSummary::mean_contact_angle_deg, 1.0)},
+      {"contact within 30 deg", mean("%.1f %%", &RunSummary::share_within_30deg, 100.0)},
+      {"mean penetration", mean("%.2f mm", &RunSummary::mean_penetration_m, 1e3)},
+      {"largest penetration",
+       [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
+      {"losses of contact",
+       [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
+      {"work lost, missing motors (1)",
+       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
+      {"work given by the device (2)",
+       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.port_work_J); }},
+      {"device travel A1 x A2 x A3",
+       [](const Run& r) {
+         const Vec3& e = r.summary.device_extent_m;
+         return format("%.2f x %.2f x %.2f m%s", e.x(), e.y(), e.z(),
+                       r.exceeds_workspace ? " !" : "");
+       }},
+      {"missed deadlines",
+       [](const Run& r) {
+         return format("%llu of %llu", static_cast<unsigned long long>(r.missed_deadlines),
+                       static_cast<unsigned long long>(r.summary.ticks));
+       }},
+      {"tick p50 / p99 / max",
+       [](const Run& r) {
+         const StepTimes& s = r.summary.step_ns;
+         return format("%.2f / %.2f / %.2f us", 1e-3 * static_cast<double>(s.p50_ns),
+                       1e-3 * static_cast<double>(s.p99_ns), 1e-3 * static_cast<double>(s.max_ns));
+       }},
+      {"faults", [](const Run& r) { return faults_text(r.summary); }},
+      {"A4 turned the scene in",
+       [](const Run& r) {
+         return format("%llu ticks", static_cast<unsigned long long>(r.summary.a4_ticks));
+       }},
+  };
+  for (const std::string& effect : scene.effects().effects) {
+    lines.push_back({effect + " felt in",
+                     [effect](const Run& r) { return effect_use_text(r.summary, effect); }});
+  }
+  return lines;
+}
+
+ordered_json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Vec3 centre_of(const Box& box) {
+  return 0.5 * box.low + 0.5 * box.high;
+}
+
+ordered_json box_json(const Box& box) {
+  return {{"min_m", vector_json(box.low)},
+          {"max_m", vector_json(box.high)},
+          {"centre_m", vector_json(centre_of(box))}};
+}
+
+// null where there are too many to tell.
+ordered_json contours_json(const Scene& scene) {
+  const auto contours = scene_contours(scene);
+  if (!contours) return nullptr;
+  ordered_json list = ordered_json::array();
+  for (std::size_t axis = 0; axis < contours->size(); ++axis) {
+    const SceneContour& c = (*contours)[axis];
+    list.push_back({{"normal", kContourNormals[axis]},
+                    {"offset_m", c.offset_m},
+                    {"curves", c.curves},
+                    {"longest_m", c.longest_m},
+                    {"closed", c.is_closed}});
+  }
+  return list;
+}
+
+ordered_json animations_json(const SceneStatistics& s) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < s.animations.size(); ++i) {
+    const AnimationDescription& animation = s.animations[i];
+    ordered_json json = {{"number", i}, {"name", animation.name}};
+    json["length_s"] = animation.length_s ? ordered_json(*animation.length_s) : ordered_json();
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+// null at rest.
+ordered_json pose_json(const SceneStatistics& s) {
+  if (!s.pose) return nullptr;
+  return {{"number", s.pose->animation},
+          {"name", s.animations[s.pose->animation].name},
+          {"time_s", s.pose->time_s}};
+}
+
+std::string vector_text(const Vec3& v) {
+  return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
+}
+
+std::string contours_text(const Scene& scene) {
+  const auto contours = scene_contours(scene);
+  if (!contours) {
+    return "  contours through the centre: not looked for, the scene has too many triangles "
+           "there\n";
+  }
+  std::string text;
+  for (std::size_t axis = 0; axis < contours->size(); ++axis) {
+    const SceneContour& c = (*contours)[axis];
+    text += "  contour across " + std::string(kContourNormals[axis]) + " through the centre";
+    if (c.curves == 0) {
+      text += ": none\n";
+    } else if (c.curves == 1) {
+      text += format(": %.6g m, %s\n", c.longest_m, c.is_closed ? "closed" : "open");
+    } else {
+      text += format(": %zu curves, the longest %.6g m, %s\n", c.curves, c.longest_m,
+                     c.is_closed ? "closed" : "open");
+    }
+  }
+  return text;
+}
+
+// A line, or nothing for the rest pose.
+std::string chosen_pose_text(const Scene& scene, const char* indent) {
+  const SceneStatistics& s = scene.statistics();
+  return s.pose ? indent + ("pose: " + printable(pose_text(s.animations, s.pose))) + "\n" : "";
+}
+
+std::string animations_text(const SceneStatistics& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.animations.size(); ++i) {
+    const AnimationDescription& animation = s.animations[i];
+    text += "  animation #" + std::to_string(i) + " \"" + printable(animation.name) + "\", " +
+            (animation.length_s ? seconds_text(*animation.length_s) : "of unknown length") + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+ordered_json scene_json(const Scene& scene) {
+  const SceneStatistics& s = scene.statistics();
+  return {{"nodes", s.nodes},
+          {"meshes", s.meshes},
+          {"instances", s.instances},
+          {"indices", s.indices},
+          {"scale", s.scale},
+          {"triangles_in", s.cleaning.triangles_in},
+          {"triangles", s.cleaning.triangles},
+          {"instanced_triangles", s.instanced_triangles},
+          {"vertices", s.cleaning.welded_vertices},
+          {"dropped",
+           {{"degenerate", s.cleaning.dropped_degenerate},
+            {"duplicate", s.cleaning.dropped_duplicate}}},
+          {"split_vertices", s.cleaning.split_vertices},
+          {"boundary_edges", s.cleaning.boundary_edges},
+          {"non_manifold_edges", s.cleaning.non_manifold_edges},
+          {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
+          {"bounding_box", box_json(s.bounds_scene)},
+          {"contours", contours_json(scene)},
+          {"animations", animations_json(s)},
+          {"pose", pose_json(s)},
+          {"materials", materials_json(scene)},
+          {"scene_parameters", declaration_json(scene.effects().scene)},
+          {"regions", regions_json(scene)},
+          {"effects", scene.effects().effects},
+          {"load_ms", {{"parse", s.parse_ms}, {"mesh", s.mesh_ms}, {"index", s.index_ms}}},
+          {"memory_bytes", s.memory.total()},
+          {"memory",
+           {{"adjacency", s.memory.adjacency},
+            {"positions", s.memory.positions},
+            {"maps", s.memory.maps},
+            {"index_triangles", s.memory.index_triangles},
+            {"index_packs", s.memory.index_packs},
+            {"index_boxes", s.memory.index_boxes},
+            {"places", s.memory.places},
+            {"effects", s.memory.effects}}},
+          {"notes", s.notes},
+          {"warnings", s.warnings}};
+}
+
+ordered_json tree_json(const Scene& scene) {
+  ordered_json nodes = ordered_json::array();
+  for (const TreeNode& node : scene.tree()) {
+    ordered_json json = {{"name", node.name}, {"number", node.file_index}};
+    json["parent"] = node.parent ? ordered_json(*node.parent) : ordered_json();
+    json["mesh"] = node.has_mesh;
+    nodes.push_back(std::move(json));
+  }
+  return nodes;
+}
+
+ordered_json summary_json(const RunSummary& s, const Scene& scene) {
+  ordered_json faults = ordered_json::object();
+  for (std::size_t i = 0; i < s.faults.size(); ++i) {
+    faults[std::string(kFaultNames[i])] = s.faults[i];
+  }
+  return {{"ticks", s.ticks},
+          {"contact_ticks", s.contact_ticks},
+          {"mean_penetration_m", s.mean_penetration_m},
+          {"max_penetration_m", s.max_penetration_m},
+          {"mean_contact_angle_deg", s.mean_contact_angle_deg},
+          {"share_within_30deg", s.share_within_30deg},
+          {"losses_of_contact", s.losses_of_contact},
+          {"work_lost_J", s.work_lost_J},
+          {"port_work_J", s.port_work_J},
+          {"faults", faults},
+          {"effects", effects_use_json(s, scene)},
+          {"not_understood", not_understood_lines(scene)},
+          {"step_ns",
+           {{"p50", s.step_ns.p50_ns},
+            {"p99", s.step_ns.p99_ns},
+            {"p999", s.step_ns.p999_ns},
+            {"max", s.step_ns.max_ns}}},
+          {"load_ms", load_ms(scene.statistics())},
+          {"triangles", scene.statistics().cleaning.triangles}};
+}
+
+ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
+  ordered_json json = {{"a4", run.a4}};
+  json.update(summary_json(run.summary, scene));
+  const Vec3& extent = run.summary.device_extent_m;
+  json["device_extent_m"] = {extent.x(), extent.y(), extent.z()};
+  json["exceeds_workspace"] = run.exceeds_workspace;
+  json["way_share"] = run.way_share;
+  json["near_m"] = run.near_m;
+  json["longest_gap_ticks"] = run.summary.longest_gap_ticks;
+  json["contact_share"] = run.summary.contact_share();
+  if (!has_means(run.summary)) {
+    for (const char* mean :
+         {"mean_penetration_m", "mean_contact_angle_deg", "share_within_30deg"}) {
+      json[mean] = nullptr;
+    }
+  }
+  json["comparable"] = is_comparable(run);
+  json["reasons"] = reasons(run);
+  json["interrupted"] = run.interrupted;
+  json["missed_deadlines"] = run.missed_deadlines;
+  return json;
+}
+
+std::string scene_text(const std::string& path, const Scene& scene) {
+  const SceneStatistics& s = scene.statistics();
+  const CleaningReport& c = s.cleaning;
+  std::string text = printable(path) + "\n";
+  text += format("  nodes %zu, meshes %zu, instances %zu, indices %zu\n", s.nodes, s.meshes,
+                 s.instances, s.indices);
+  text +=
+      format("  triangles %zu of %zu (%zu without area and %zu duplicates dropped), %zu placed\n",
+             c.triangles, c.triangles_in, c.dropped_degenerate, c.dropped_duplicate,
+             s.instanced_triangles);
+  text += format("  vertices %zu, split for OpenMesh %zu\n", c.welded_vertices, c.split_vertices);
+  text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
+                 c.non_manifold_edges);
+  text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
+  text += "  bounding box " + vector_text(s.bounds_scene.low) + " to " +
+          vector_text(s.bounds_scene.high) + " m, centre " +
+          vector_text(centre_of(s.bounds_scene)) + " m\n";
+  text += contours_text(scene);
+  text += animations_text(s);
+  text += declarations_text(scene);
+  text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s), s.parse_ms,
+                 s.mesh_ms, s.index_ms);
+  text += memory_text(s);
+  if (s.scale != 1.0) text += format("  scale %.6g\n", s.scale);
+  for (const std::string& note : s.notes) text += "  " + printable(note) + "\n";
+  for (const std::string& warning : s.warnings) {
+    text += "  warning: " + printable(warning) + "\n";
+  }
+  return text;
+}
+
+std::string summary_text(const RunSummary& s, const Scene& scene) {
+  std::string text = chosen_pose_text(scene, "  ");
+  text += format("  ticks %llu, in contact %llu, losses of contact %llu\n",
+                 static_cast<unsigned long long>(s.ticks),
+                 static_cast<unsigned long long>(s.contact_ticks),
+                 static_cast<unsigned long long>(s.losses_of_contact));
+  text += format("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
+                 1e3 * s.max_penetration_m);
+  text += format("  contact angle mean %.2f deg, within 30 deg %.1f %%\n", s.mean_contact_angle_deg,
+                 100 * s.share_within_30deg);
+  text += format("  work lost %.4g mJ, work given by the device %.4g mJ\n", 1e3 * s.work_lost_J,
+                 1e3 * s.port_work_J);
+  text += format("  tick p50 %lld ns, p99 %lld ns, max %lld ns\n",
+                 static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
+                 static_cast<long long>(s.step_ns.max_ns));
+  text += "  faults: " + faults_text(s) + "\n";
+  for (const std::string& effect : scene.effects().effects) {
+    text += "  " + effect + " felt in " + effect_use_text(s, effect) + "\n";
+  }
+  text +=
+      format("  A4 turned the scene in %llu ticks\n", static_cast<unsigned long long>(s.a4_ticks));
+  return text;
+}
+
+std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene) {
+  constexpr int kNameWidth = 29;
+  constexpr int kValueWidth = 24;
+  std::string text = format("%-*s", kNameWidth, "");
+  for (const ExplorationRun& run : runs) {
+    text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
+  }
+  text += "\n";
+  std::vector<Line> lines = run_lines(scene, runs.front().contour_scene_m.empty());
+  if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return run.interrupted; })) {
+    lines.insert(lines.begin(), {"interrupted", interruption_text});
+  }
+  for (const Line& line : lines) {
+    text += format("%-*s", kNameWidth, line.name.c_str());
+    for (const ExplorationRun& run : runs) {
+      text += format("  %*s", kValueWidth, line.value(run).c_str());
+    }
+    text += "\n";
+  }
+  text +=
+      "(1) what all motors would have given the hand, less what these gave; below 0: they would\n"
+      "    have taken more from it\n"
+      "(2) above 0 the device gave energy to the hand, below 0 it took energy from it\n";
+  text += chosen_pose_text(scene, "");
+  bool exceeds = false;
+  for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
+  if (exceeds) {
+    text += "! more than the device's workspace: A4 unrolls a contour into one long stroke\n";
+  }
+  return text;
+}
+
+}  // namespace palpate

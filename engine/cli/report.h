@@ -1,0 +1,26 @@
+#pragma once
+
+// How results are told: as JSON for programs, as a table for people.
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "engine/scene/scene.h"
+#include "engine/session/replay.h"
+#include "engine/simulation/exploration.h"
+
+namespace palpate {
+
+nlohmann::ordered_json scene_json(const Scene& scene);
+nlohmann::ordered_json tree_json(const Scene& scene);  // an array of nodes, depth first
+nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
+nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
+
+std::string scene_text(const std::string& path, const Scene& scene);
+std::string summary_text(const RunSummary& summary, const Scene& scene);
+// The runs side by side.
+std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene);
+
+}  // namespace palpate

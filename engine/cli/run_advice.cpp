@@ -1,0 +1,312 @@
+#include "engine/cli/run_advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "engine/cli/command_line.h"
+#include "engine/scene/memory_budget.h"
+#include "engine/simulation/path_plan.h"
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/run_judgement.h"
+
+namespace palpate {
+namespace {
+
+using Changes = std::vector<OptionSetting>;
+
+// Trials end when so many triangles have been loaded: some seconds of work.
+constexpr std::size_t kMostTriangles = 20'000'000;
+constexpr std::size_t kMostNodes = 3;
+
+// Three digits are wrong by half of the last one at most, of one number and of the other.
+constexpr double kMoreThanRounded = 1.02;
+
+// Of --place: the scene turned so that A3 is along its y axis, or its x axis.
+constexpr const char* kOtherPlanes[] = {"0 0 0 0.7071068 0.7071068 0 0",
+                                        "0 0 0 0.7071068 0 0.7071068 0"};
+
+std::string text_of(double x, int digits = 3) {
+  std::ostringstream text;
+  text.precision(digits);
+  text << x;
+  return text.str();
+}
+
+// With so many digits that the last one is less than a hundredth of the step.
+std::string text_in_steps(double x, double step) {
+  const double digits = 3 + std::ceil(std::log10(std::abs(x) / step));
+  return text_of(x, static_cast<int>(std::clamp(digits, 3.0, 17.0)));
+}
+
+RunCommand changed(RunCommand command, const Changes& changes) {
+  RunOptions& options = command.options;
+  for (const auto& [option, value] : changes) {
+    const std::string text = value.value_or("");
+    const double number = std::strtod(text.c_str(), nullptr);
+    if (option == "--workspace") command.exploration.workspace_m = number;
+    if (option == "--seconds") command.exploration.seconds = number;
+    if (option == "--plane-height") {
+      options.plane_height_m = value ? std::optional(number) : std::nullopt;
+    }
+    if (option == "--place") options.place = text;
+    if (option == "--radius") options.radius_m = number;
+    if (option == "--actuated-axes") options.actuated_axes = text;
+    if (option == "--actuators") options.actuators = std::nullopt;  // only ever left out
+    if (option == "--sensors") options.sensors = static_cast<int>(number);
+    if (option == "--node") command.scene.node = text;
+    if (option == "--fit") {
+      command.scene.fit_size_m = number;
+      command.scene.scale.reset();
+      command.scene.fits_workspace = false;
+    }
+  }
+  return command;
+}
+
+// Leaves to a trial what the scene and the runs that are there do not take of what the user allows;
+// false if that is all of it.
+bool take_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs,
+                 RunCommand& command) {
+  if (command.scene.max_memory.empty()) return true;  // then it is half of what is free
+  std::uint64_t taken = prepared.scene.statistics().memory.total();
+  for (const ExplorationRun& run : runs) taken += run.record_bytes();
+  const std::uint64_t allowed = *parse_bytes(command.scene.max_memory);  // prepare_run() has, too
+  if (allowed <= taken) return false;
+  command.scene.max_memory = std::to_string(allowed - taken);
+  command.exploration.max_memory_bytes = allowed - taken;
+  return true;
+}
+
+// Both runs, or the one that was asked for, in simulated time.
+std::optional<std::vector<ExplorationRun>> try_run(RunCommand command, const StopFlag* stop) {
+  const Result<PreparedRun> prepared = prepare_run(command);
+  if (!prepared) return std::nullopt;
+  command.exploration.virtual_time = true;
+  command.exploration.taken_memory_bytes = prepared->scene.statistics().memory.total();
+  std::vector<ExplorationRun> runs;
+  for (const bool a4 : {false, true}) {
+    if (!command.wants(a4)) continue;
+    RunSetup setup = prepared->setup;
+    setup.haptics.a4.enabled = a4;
+    auto run = explore(
+        prepared->scene, setup, command.exploration, [](double) {}, stop);
+    if (!run || run->interrupted) return std::nullopt;
+    runs.push_back(std::move(*run));
+  }
+  return runs;
+}
+
+double least_way_share(const std::vector<ExplorationRun>& runs) {
+  double least = 1.0;
+  for (const ExplorationRun& run : runs) {
+    least = std::min(least, run.summary.contact_ticks > 0 ? run.way_share : 0.0);
+  }
+  return least;
+}
+
+class Candidates {
+ public:
+  Candidates(const RunCommand& command, const PreparedRun& prepared,
+             const std::vector<ExplorationRun>& runs)
+      : command_(command),
+        prepared_(prepared),
+        runs_(runs),
+        bounds_(bounds_in_device(prepared.scene, prepared.setup.haptics.initial_pose)) {}
+
+  std::vector<Changes> list() {
+    add_time();
+    add_size();
+    add_radii();
+    if (prepared_.setup.actuation.is_planar()) {
+      add_planes();
+      add_heights();
+    }
+    add_nodes();
+    add_sensors();
+    add_workspaces();
+    add_unpinned();
+    return std::move(changes_);
+  }
+
+ private:
+  void add_time() {
+    const double seconds = command_.exploration.seconds;
+    if (std::none_of(runs_.begin(), runs_.end(), was_still_getting_on)) return;
+    for (const double times : {2.0, 4.0}) {
+      changes_.push_back({{"--seconds", text_of(times * seconds)}});
+    }
+  }
+
+  // As large as the workspace allows.
+  void add_size() {
+    constexpr double kWorthIt = 1.3;
+    constexpr double kPartToFill = 0.95;
+    const Vec3 extent_m = bounds_.high - bounds_.low;
+    const double widest_m = extent_m.head(command_.options.sensors).maxCoeff();
+    const double room_m = 4 * PathPlanSettings{}.press_depth_m;
+    const double factor = kPartToFill * (command_.exploration.workspace_m - room_m) / widest_m;
+    const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
+    if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;
+    changes_.push_back({{"--fit", text_of(factor * largest_m)}});
+  }
+
+  // A smaller sphere gets to more, and a point to most.
+  void add_radii() {
+    const double radius_m = command_.options.radius_m;
+    if (!(radius_m > 0.0)) return;
+    for (const double part : {0.5, 0.1}) {
+      changes_.push_back({{"--radius", text_of(part * radius_m)}});
+    }
+    changes_.push_back({{"--radius", std::nullopt}});
+  }
+
+  void add_planes() {
+    if (is_place_pinned()) return;
+    for (const char* pose : kOtherPlanes) changes_.push_back({{"--place", pose}});
+  }
+
+  void add_sensors() {
+    if (command_.options.actuated_axes.empty()) changes_.push_back(other_sensors());
+  }
+
+  // Parts that are small beside the hand at every size that fits: as wide as it presses deep four
+  // times, or sixteen.
+  void add_workspaces() {
+    const double depth_m = PathPlanSettings{}.press_depth_m;
+    const double widest_m = (bounds_.high - bounds_.low).head(command_.options.sensors).maxCoeff();
+    double way_m = std::numeric_limits<double>::infinity();
+    for (const ExplorationRun& run : runs_) {
+      if (slips_off(run)) way_m = std::min(way_m, way_extent_m(run));
+    }
+    if (!(way_m > 0.0) || !std::isfinite(way_m)) return;
+    for (const double depths : {4.0, 16.0}) {
+      const double factor = depths * depth_m / way_m;
+      const double size_m = factor * prepared_.scene.statistics().extent_m.maxCoeff();
+      const double workspace_m = kMoreThanRounded * (factor * widest_m + 4 * depth_m);
+      changes_.push_back({{"--workspace", text_of(workspace_m)}, {"--fit", text_of(size_m)}});
+    }
+  }
+
+  // A plane device has no third motor.
+  Changes other_sensors() const {
+    if (command_.options.sensors == 2) return {{"--sensors", "3"}};
+    if (command_.options.actuators.value_or(0) <= 2) return {{"--sensors", "2"}};
+    return {{"--sensors", "2"}, {"--actuators", std::nullopt}};
+  }
+
+  bool is_place_pinned() const {
+    return !command_.options.place.empty() || command_.options.plane_height_m;
+  }
+
+  // Without what the user has chosen, one option after the other and then all; and what was left
+  // out above for its sake.
+  void add_unpinned() {
+    const RunOptions& options = command_.options;
+    Changes all;
+    if (!options.place.empty()) all.push_back({"--place", std::nullopt});
+    if (options.plane_height_m) all.push_back({"--plane-height", std::nullopt});
+    if (!options.actuated_axes.empty()) all.push_back({"--actuated-axes", std::nullopt});
+    for (const OptionSetting& pin : all) changes_.push_back({pin});
+    if (all.size() > 1) changes_.push_back(all);
+    if (prepared_.setup.actuation.is_planar() && is_place_pinned()) {
+      for (const char* pose : kOtherPlanes) {
+        changes_.push_back({{"--place", pose}, {"--plane-height", std::nullopt}});
+      }
+    }
+    if (options.actuated_axes.empty()) return;
+    Changes sensors = other_sensors();
+    sensors.push_back({"--actuated-axes", std::nullopt});
+    changes_.push_back(std::move(sensors));
+  }
+
+  void add_heights() {
+    for (const double part : {0.35, 0.65, 0.2, 0.8}) {
+      const double height_m = bounds_.low.z() + part * (bounds_.high.z() - bounds_.low.z());
+      changes_.push_back(
+          {{"--plane-height", text_in_steps(height_m, bounds_.high.z() - bounds_.low.z())}});
+    }
+  }
+
+  // The largest on their own, each fitted to half of the workspace.
+  void add_nodes() {
+    const auto& objects = prepared_.scene.objects();
+    std::vector<std::pair<double, std::uint32_t>> by_extent;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const Box box = prepared_.scene.world().bodies[i].box_solver();
+      by_extent.push_back({-(box.high - box.low).norm(), objects[i].tree_node});
+    }
+    std::sort(by_extent.begin(), by_extent.end());
+    std::set<std::uint32_t> taken;
+    for (const auto& [unused, node] : by_extent) {
+      if (taken.size() == kMostNodes) return;
+      if (!taken.insert(node).second) continue;
+      if (by_extent.size() == 1) return;
+      const std::uint32_t number = prepared_.scene.tree()[node].file_index;
+      changes_.push_back({{"--node", "#" + std::to_string(number)},
+                          {"--fit", text_of(0.5 * command_.exploration.workspace_m)}});
+    }
+  }
+
+  const RunCommand& command_;
+  const PreparedRun& prepared_;
+  const std::vector<ExplorationRun>& runs_;
+  Box bounds_;
+  std::vector<Changes> changes_;
+};
+
+}  // namespace
+
+std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
+                             const std::vector<ExplorationRun>& runs, const Progress& progress,
+                             const StopFlag* stop) {
+  constexpr double kFarther = 0.05;
+  const std::vector<Changes> candidates = Candidates(command, prepared, runs).list();
+  const std::size_t triangles = prepared.scene.statistics().instanced_triangles;
+  std::optional<Advice> best;
+  std::size_t loaded = 0;
+  for (std::size_t i = 0; i < candidates.size() && loaded <= kMostTriangles; ++i) {
+    if (stop && stop->requested()) break;
+    progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
+    loaded += triangles;
+    RunCommand candidate = changed(command, candidates[i]);
+    if (!take_memory(prepared, runs, candidate)) break;
+    const auto tried = try_run(std::move(candidate), stop);
+    if (!tried) continue;
+    const double least = least_way_share(*tried);
+    const bool ends_comparable = are_comparable(*tried);
+    const double to_beat = best ? best->least_way_share : least_way_share(runs) + kFarther;
+    if (!ends_comparable && least <= to_beat) continue;
+    best =
+        Advice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable, least};
+    if (ends_comparable) break;
+  }
+  return best;
+}
+
+std::string judgement_text(const std::vector<ExplorationRun>& runs,
+                           const std::optional<Advice>& advice, bool is_search_cut) {
+  std::string found;
+  for (const ExplorationRun& run : runs) {
+    if (run.interrupted) continue;
+    for (const std::string& reason : reasons(run)) {
+      found += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
+    }
+  }
+  if (found.empty()) return {};
+  std::string text = "not comparable\n" + found;
+  if (!advice) {
+    return text + (is_search_cut ? "  the search for what to try was interrupted\n"
+                                 : "  nothing that was tried in simulated time does better\n");
+  }
+  text += "  try: " + advice->command_line + "\n";
+  const auto percent = std::lround(100 * advice->least_way_share);
+  return text + "  (in simulated time the proxy then came near to " + std::to_string(percent) +
+         (advice->ends_comparable ? " % of the way)\n" : " %, which is farther, but not enough)\n");
+}
+
+}  // namespace palpate

@@ -1,0 +1,102 @@
+#include "engine/report/html.h"
+
+#include <array>
+#include <cctype>
+
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+// Without all elements of this name. They do not nest in what gnuplot writes.
+std::string without_elements(std::string_view svg, const std::string& name) {
+  std::string out;
+  const std::string open = "<" + name + ">", close = "</" + name + ">";
+  for (;;) {
+    const std::size_t begin = svg.find(open);
+    const std::size_t end = begin == std::string_view::npos ? begin : svg.find(close, begin);
+    if (end == std::string_view::npos) return out += svg;
+    out += svg.substr(0, begin);
+    svg.remove_prefix(end + close.size());
+  }
+}
+
+// Within tags only: what is text there may look like an id.
+std::string with_prefixed_ids(std::string_view svg, std::string_view prefix) {
+  constexpr std::array<std::string_view, 5> kBeforeId = {" id=\"", " id='", "href=\"#", "href='#",
+                                                         "url(#"};
+  std::string out;
+  bool in_tag = false;
+  for (std::size_t i = 0; i < svg.size();) {
+    if (svg[i] == '<') in_tag = true;
+    if (svg[i] == '>') in_tag = false;
+    std::string_view matched;
+    for (const std::string_view before : kBeforeId) {
+      if (in_tag && svg.substr(i).starts_with(before)) matched = before;
+    }
+    if (matched.empty()) {
+      out += svg[i++];
+      continue;
+    }
+    out += matched;
+    out += prefix;
+    i += matched.size();
+  }
+  return out;
+}
+
+// The value of an attribute of the first tag.
+std::string_view attribute(std::string_view svg, const std::string& name) {
+  const std::string before = " " + name + "=\"";
+  const std::size_t begin = svg.find(before);
+  if (begin == std::string_view::npos) return "";
+  const std::size_t end = svg.find('"', begin + before.size());
+  return svg.substr(begin + before.size(), end - begin - before.size());
+}
+
+}  // namespace
+
+std::string html_escaped(std::string_view text) {
+  std::string out;
+  for (const char c : printable(text)) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string inline_svg(std::string_view svg, std::string_view id_prefix, std::string_view title) {
+  const std::size_t root = svg.find("<svg");
+  if (root == std::string_view::npos) return "";
+  svg.remove_prefix(root);
+  const std::size_t content = svg.find('>') + 1;
+  const std::string name = html_escaped(title);
+  std::string out =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "xmlns:xlink=\"http://www.w3.org/1999/xlink\" viewBox=\"";
+  out += attribute(svg.substr(0, content), "viewBox");
+  out += "\" role=\"img\" aria-label=\"" + name + "\">\n<title>" + name + "</title>\n";
+  const std::string bare = without_elements(without_elements(svg.substr(content), "title"), "desc");
+  out += with_prefixed_ids(bare, id_prefix);
+  while (std::isspace(static_cast<unsigned char>(out.back()))) out.pop_back();
+  return out + "\n";
+}
+
+}  // namespace palpate

@@ -1,0 +1,240 @@
+#include "engine/report/output_files.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <string_view>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kHiddenPrefix = ".palpate-unfinished-";
+constexpr std::string_view kHiddenRandom = "XXXXXX";  // as mkdtemp() asks for it
+constexpr const char* kOld = "old";                   // in it: what was in place before
+constexpr int kMaxAttempts = 100;
+
+Error folder_error(const std::string& folder, const std::string& problem) {
+  return {ErrorCode::kFileUnwritable, folder, "--out", problem,
+          "name a folder that can be written to"};
+}
+
+std::string text_of(int reason) {
+  return std::error_code(reason, std::generic_category()).message();
+}
+
+// An open folder. A lock on it says that whoever made the folder is alive; it ends with the
+// process.
+class FolderLock {
+ public:
+  enum class Outcome { kLocked, kHeldByAnother, kNotSupported };
+
+  explicit FolderLock(const fs::path& folder)
+      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)) {}
+  ~FolderLock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  FolderLock(FolderLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  FolderLock& operator=(FolderLock&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+
+  bool is_open() const { return descriptor_ >= 0; }
+
+  Outcome lock() const {
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return Outcome::kLocked;
+    return errno == EWOULDBLOCK ? Outcome::kHeldByAnother : Outcome::kNotSupported;
+  }
+
+  // Whether it still has its name: another command may have removed it before it was locked.
+  bool is_at(const fs::path& folder) const {
+    struct stat here = {};
+    struct stat there = {};
+    return ::fstat(descriptor_, &here) == 0 && ::lstat(folder.c_str(), &there) == 0 &&
+           here.st_dev == there.st_dev && here.st_ino == there.st_ino;
+  }
+
+ private:
+  int descriptor_;
+};
+
+bool is_hidden_name(std::string_view name) {
+  if (!name.starts_with(kHiddenPrefix)) return false;
+  name.remove_prefix(kHiddenPrefix.size());
+  return name.size() == kHiddenRandom.size() && std::all_of(name.begin(), name.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+         });
+}
+
+// Hidden folders whose command is no longer alive.
+void remove_leftovers(const fs::path& folder) {
+  std::error_code failed;
+  std::vector<fs::path> leftovers;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (is_hidden_name(entry->path().filename().string())) leftovers.push_back(entry->path());
+  }
+  for (const fs::path& leftover : leftovers) {
+    const FolderLock lock(leftover);
+    if (!lock.is_open() || lock.lock() != FolderLock::Outcome::kLocked) continue;
+    std::error_code ignored;
+    fs::remove_all(leftover, ignored);
+  }
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code failed;
+  return fs::exists(fs::symlink_status(path, failed));
+}
+
+}  // namespace
+
+struct OutputFiles::State {
+  std::string folder;  // as the caller named it
+  std::vector<std::string> names;
+  std::vector<fs::path> made_folders;  // the outermost first
+  fs::path hidden;                     // empty: not yet, or no longer
+  std::optional<FolderLock> lock;
+
+  State(std::string folder_given, std::vector<std::string> names_given)
+      : folder(std::move(folder_given)), names(std::move(names_given)) {}
+  ~State() {
+    std::error_code ignored;
+    if (!hidden.empty()) fs::remove_all(hidden, ignored);
+    // Whatever somebody else has put there meanwhile keeps the folder.
+    for (auto made = made_folders.rbegin(); made != made_folders.rend(); ++made) {
+      fs::remove(*made, ignored);
+    }
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  fs::path place_of(const std::string& name) const { return fs::path(folder) / name; }
+  std::optional<Error> make_folder();
+  std::optional<Error> check_names() const;
+  std::optional<Error> make_hidden_folder();
+  // Renames what is there under the names from one folder to the other. Returns errno of the first
+  // that cannot be, or 0; `moved` has the names of those that were.
+  int move_all(const fs::path& from, const fs::path& to, std::vector<std::string>& moved) const;
+};
+
+std::optional<Error> OutputFiles::State::make_folder() {
+  fs::path path;
+  for (const fs::path& part : fs::path(folder)) {
+    if (part.empty()) continue;  // after a slash that ends it
+    path /= part;
+    if (::mkdir(path.c_str(), 0777) == 0) {
+      made_folders.push_back(path);
+      continue;
+    }
+    const int reason = errno;
+    std::error_code failed;
+    if (fs::is_directory(path, failed)) continue;
+    const bool is_other = reason == EEXIST || reason == ENOTDIR;
+    return folder_error(
+        folder, path.string() + " cannot be made: " +
+                    (is_other ? "something that is no folder is in its place" : text_of(reason)));
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> OutputFiles::State::check_names() const {
+  for (const std::string& name : names) {
+    std::error_code failed;
+    const fs::file_status status = fs::symlink_status(place_of(name), failed);
+    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_symlink(status)) continue;
+    return Error{ErrorCode::kFileUnwritable, place_of(name).string(), "",
+                 "is no file, and a result has this name",
+                 "move it elsewhere, or name another folder"};
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> OutputFiles::State::make_hidden_folder() {
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    std::string pattern =
+        place_of(std::string(kHiddenPrefix) + std::string(kHiddenRandom)).string();
+    if (!::mkdtemp(pattern.data())) {
+      return folder_error(folder, "cannot be written to: " + text_of(errno));
+    }
+    FolderLock fresh(pattern);
+    const bool is_taken = fresh.is_open() && fresh.lock() == FolderLock::Outcome::kHeldByAnother;
+    if (is_taken || !fresh.is_open() || !fresh.is_at(pattern)) continue;
+    hidden = pattern;
+    lock.emplace(std::move(fresh));
+    std::error_code failed;
+    if (fs::create_directory(hidden / kOld, failed)) return std::nullopt;
+    return folder_error(folder, "cannot be written to: " + failed.message());
+  }
+  return folder_error(folder, "other commands are writing there");
+}
+
+int OutputFiles::State::move_all(const fs::path& from, const fs::path& to,
+                                 std::vector<std::string>& moved) const {
+  for (const std::string& name : names) {
+    if (!is_there(from / name)) continue;
+    if (::rename((from / name).c_str(), (to / name).c_str()) != 0) return errno;
+    moved.push_back(name);
+  }
+  return 0;
+}
+
+OutputFiles::OutputFiles(std::unique_ptr<State> state) : state_(std::move(state)) {}
+OutputFiles::OutputFiles(OutputFiles&&) noexcept = default;
+OutputFiles& OutputFiles::operator=(OutputFiles&&) noexcept = default;
+OutputFiles::~OutputFiles() = default;
+
+Result<OutputFiles> OutputFiles::create(const std::string& folder, std::vector<std::string> names) {
+  auto state = std::make_unique<State>(folder, std::move(names));
+  if (auto error = state->make_folder()) return *error;
+  if (auto error = state->check_names()) return *error;
+  remove_leftovers(folder);
+  if (auto error = state->make_hidden_folder()) return *error;
+  return OutputFiles(std::move(state));
+}
+
+std::string OutputFiles::path(const std::string& name) const {
+  assert(std::find(state_->names.begin(), state_->names.end(), name) != state_->names.end());
+  return (state_->hidden / name).string();
+}
+
+Error OutputFiles::in_place(Error error) const {
+  const std::string hidden = (state_->hidden / "").string();
+  if (error.path.starts_with(hidden)) {
+    error.path = state_->place_of(error.path.substr(hidden.size())).string();
+  }
+  return error;
+}
+
+std::optional<Error> OutputFiles::move_into_place() {
+  State& s = *state_;
+  const fs::path old = s.hidden / kOld;
+  std::vector<std::string> aside;
+  std::vector<std::string> placed;
+  int reason = s.move_all(s.folder, old, aside);
+  if (reason == 0) reason = s.move_all(s.hidden, s.folder, placed);
+  if (reason != 0) {
+    for (const std::string& name : placed) ::unlink(s.place_of(name).c_str());
+    for (const std::string& name : aside) {
+      ::rename((old / name).c_str(), s.place_of(name).c_str());
+    }
+    return folder_error(s.folder, "results cannot be moved there: " + text_of(reason));
+  }
+  s.made_folders.clear();
+  std::error_code ignored;
+  fs::remove_all(s.hidden, ignored);
+  s.hidden.clear();
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+#include "engine/report/text_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+namespace palpate {
+namespace {
+
+Error write_error(const std::string& path, int reason) {
+  return {ErrorCode::kFileUnwritable, path, "",
+          "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
+          "check the folder, its permissions and the space left"};
+}
+
+}  // namespace
+
+Result<std::string> write_text_file(const std::string& path, std::string_view text) {
+  errno = 0;
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  if (!file) return write_error(path, errno);
+  int failure = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
+  // What was buffered goes out here: a full disk may show only now.
+  if (std::fclose(file) != 0 && failure == 0) failure = errno;
+  if (failure == 0) return path;
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+  return write_error(path, failure);
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "engine/scene/node_placement.h"
+
+#include <limits>
+
+#include <Eigen/SVD>
+
+namespace palpate {
+namespace {
+
+// Half a turn about an axis changes no bit but signs.
+NodePlacement split_diagonal(const Vec3& diagonal) {
+  const bool is_mirrored = (diagonal.array() < 0.0).count() % 2 != 0;
+  const double sign = is_mirrored ? -1.0 : 1.0;
+  Quat rotation = Quat::Identity();
+  const Vec3 turned = sign * diagonal.cwiseSign();
+  for (int k = 0; k < 3; ++k) {
+    const bool is_axis = turned[k] > 0.0 && turned[(k + 1) % 3] < 0.0;
+    if (is_axis) rotation.coeffs() = Eigen::Vector4d::Unit(k);
+  }
+  return {Mat3((sign * diagonal.cwiseAbs()).asDiagonal()), rotation};
+}
+
+}  // namespace
+
+std::optional<NodePlacement> split_linear(const Mat3& linear) {
+  if (!linear.allFinite()) return std::nullopt;
+  const Eigen::JacobiSVD<Mat3> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vec3 scales = svd.singularValues();
+  if (scales[2] <= 16 * std::numeric_limits<double>::epsilon() * scales[0]) return std::nullopt;
+  const bool is_diagonal = Mat3(linear.diagonal().asDiagonal()) == linear;
+  if (is_diagonal) return split_diagonal(linear.diagonal());
+  // R must be proper: a mirror stays in S, which is then minus a stretch, the one such factor there
+  // is, so that instances of one mirrored scale are found to be alike.
+  const Mat3 orthogonal = svd.matrixU() * svd.matrixV().transpose();
+  const Mat3 rotation = orthogonal.determinant() < 0.0 ? Mat3(-orthogonal) : orthogonal;
+  const Quat q(Quat(rotation).normalized());
+  const Mat3 deformation = q.conjugate().toRotationMatrix() * linear;
+  // A node that is only turned deforms nothing: it can share an index with one that is not turned.
+  constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  if ((deformation - Mat3::Identity()).norm() <= kRounding) {
+    return NodePlacement{Mat3::Identity(), q};
+  }
+  return NodePlacement{deformation, q};
+}
+
+}  // namespace palpate

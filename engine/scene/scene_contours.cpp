@@ -1,0 +1,189 @@
+#include "engine/scene/scene_contours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "geometry/mesh/section.h"
+
+namespace palpate {
+namespace {
+
+// The faces of one node that a plane cuts, with the vertices that they have.
+struct CutFaces {
+  std::vector<Vec3> positions_scene_m;
+  std::vector<Triangle> triangles;
+};
+
+// How a node shows a mesh: p_scene = linear * p_mesh + translation_m, within roundoff_m for all
+// points of the mesh.
+struct PlacedMesh {
+  const SceneObject& object;
+  AffineMap deformation;
+  Mat3 linear;
+  Vec3 translation_m;
+  double roundoff_m;
+
+  Vec3 scene_point(const Vec3& p_mesh) const {
+    return object.T_scene_body.point(deformation(p_mesh));
+  }
+};
+
+// A mesh while the nodes that show it are cut.
+class CutMesh {
+ public:
+  CutMesh(const SurfaceMesh& surface, const Vec3& centre_scene_m)
+      : surface_(surface),
+        positions_(surface.welded_positions()),
+        centre_scene_m_(centre_scene_m),
+        box_{Vec3::Constant(std::numeric_limits<double>::infinity()),
+             Vec3::Constant(-std::numeric_limits<double>::infinity())} {
+    for (const Vec3& p : positions_) box_ = box_.united({p, p});
+  }
+
+  // Adds the curves of an object to those there are. Takes from faces_left; false if it has too
+  // few.
+  bool cut(const SceneObject& object, const AffineMap& deformation, std::size_t& faces_left,
+           std::array<SceneContour, 3>& contours) {
+    const PlacedMesh placed = place(object, deformation);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!may_cut(placed, axis)) continue;
+      if (surface_.face_count() > faces_left) return false;
+      faces_left -= surface_.face_count();
+      if (faces_.empty()) faces_ = surface_.faces();
+      find_sides(placed, axis);
+      find_cut_faces();
+      if (!cut_faces_.empty()) add_curves(placed, axis, contours[axis]);
+    }
+    return true;
+  }
+
+ private:
+  PlacedMesh place(const SceneObject& object, const AffineMap& deformation) const {
+    const Mat3 rotation = object.T_scene_body.rotation.toRotationMatrix();
+    // Of a dozen products and sums, each rounded to the size of what goes into them.
+    constexpr double kRoundoff = 32 * std::numeric_limits<double>::epsilon();
+    const Vec3 farthest = box_.low.cwiseAbs().cwiseMax(box_.high.cwiseAbs());
+    const double size_m = deformation.linear.norm() * farthest.norm() +
+                          deformation.translation_m.norm() +
+                          object.T_scene_body.translation_m.norm() + centre_scene_m_.norm();
+    return {object, deformation, rotation * deformation.linear,
+            rotation * deformation.translation_m + object.T_scene_body.translation_m,
+            kRoundoff * size_m};
+  }
+
+  bool may_cut(const PlacedMesh& placed, int axis) const {
+    const auto row = placed.linear.row(axis);
+    const double centre = row.dot(0.5 * box_.low + 0.5 * box_.high) + placed.translation_m[axis];
+    const double reach = row.cwiseAbs().dot(0.5 * box_.high - 0.5 * box_.low);
+    return !(std::abs(centre - centre_scene_m_[axis]) > reach + placed.roundoff_m);
+  }
+
+  // By the numbers of plane_section(), which takes zero as above; where rounding cannot change the
+  // answer, by fewer.
+  void find_sides(const PlacedMesh& placed, int axis) {
+    const Vec3 row = placed.linear.row(axis);
+    const double offset_m = placed.translation_m[axis] - centre_scene_m_[axis];
+    is_above_.resize(positions_.size());
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      double height_m = row.dot(positions_[i]) + offset_m;
+      if (!(std::abs(height_m) > placed.roundoff_m)) {
+        height_m = placed.scene_point(positions_[i])[axis] - centre_scene_m_[axis];
+      }
+      is_above_[i] = height_m >= 0.0 ? 1 : 0;
+    }
+  }
+
+  void find_cut_faces() {
+    cut_faces_.clear();
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const auto [a, b, c] = faces_[f];
+      const int above = is_above_[a] + is_above_[b] + is_above_[c];
+      if (above == 1 || above == 2) cut_faces_.push_back(static_cast<std::uint32_t>(f));
+    }
+  }
+
+  CutFaces collect(const PlacedMesh& placed) const {
+    std::vector<std::uint32_t> used;
+    used.reserve(3 * cut_faces_.size());
+    for (const std::uint32_t f : cut_faces_) {
+      used.insert(used.end(), faces_[f].begin(), faces_[f].end());
+    }
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    CutFaces cut;
+    cut.positions_scene_m.reserve(used.size());
+    for (const std::uint32_t v : used) {
+      cut.positions_scene_m.push_back(placed.scene_point(positions_[v]));
+    }
+    const auto new_index = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
+                                        used.begin());
+    };
+    const bool is_mirrored = placed.deformation.linear.determinant() < 0.0;
+    cut.triangles.reserve(cut_faces_.size());
+    for (const std::uint32_t f : cut_faces_) {
+      Triangle t = faces_[f];
+      if (is_mirrored) std::swap(t[1], t[2]);
+      cut.triangles.push_back({new_index(t[0]), new_index(t[1]), new_index(t[2])});
+    }
+    return cut;
+  }
+
+  void add_curves(const PlacedMesh& placed, int axis, SceneContour& contour) const {
+    const CutFaces cut = collect(placed);
+    const auto curves = plane_section(cut.positions_scene_m, cut.triangles, Vec3::Unit(axis),
+                                      centre_scene_m_[axis]);
+    contour.curves += curves.size();
+    if (curves.empty()) return;
+    const double longest_m = length_m(curves.front());
+    if (longest_m <= contour.longest_m) return;
+    contour.longest_m = longest_m;
+    contour.is_closed = curves.front().closed;
+  }
+
+  const SurfaceMesh& surface_;
+  std::span<const Vec3> positions_;
+  Vec3 centre_scene_m_;
+  Box box_;
+  std::vector<Triangle> faces_;         // when they are first needed
+  std::vector<std::uint8_t> is_above_;  // by vertex, 0 or 1
+  std::vector<std::uint32_t> cut_faces_;
+};
+
+// The objects, those of one mesh together.
+std::vector<std::size_t> objects_by_mesh(const Scene& scene) {
+  std::vector<std::size_t> order(scene.objects().size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return scene.objects()[a].mesh < scene.objects()[b].mesh;
+  });
+  return order;
+}
+
+}  // namespace
+
+std::optional<std::array<SceneContour, 3>> scene_contours(const Scene& scene,
+                                                          std::size_t most_faces) {
+  const Box& bounds = scene.statistics().bounds_scene;
+  const Vec3 centre_scene_m = 0.5 * bounds.low + 0.5 * bounds.high;
+  std::array<SceneContour, 3> contours;
+  for (int axis = 0; axis < 3; ++axis) contours[axis].offset_m = centre_scene_m[axis];
+  std::size_t faces_left = most_faces;
+  std::optional<CutMesh> mesh;
+  std::optional<std::size_t> mesh_id;
+  for (const std::size_t i : objects_by_mesh(scene)) {
+    const SceneObject& object = scene.objects()[i];
+    if (mesh_id != object.mesh) mesh.emplace(scene.mesh(object.mesh), centre_scene_m);
+    mesh_id = object.mesh;
+    if (!mesh->cut(object, scene.deformation(i), faces_left, contours)) return std::nullopt;
+  }
+  return contours;
+}
+
+}  // namespace palpate

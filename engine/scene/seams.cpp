@@ -1,0 +1,448 @@
+#include "engine/scene/seams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "geometry/exact/orientation.h"
+#include "geometry/index/touching_boxes.h"
+#include "geometry/mesh/boundary_vertices.h"
+#include "geometry/mesh/point_grid.h"
+#include "geometry/mesh/shared_cells.h"
+#include "haptics/proxy/contact_world.h"
+
+namespace palpate {
+namespace {
+
+// How far a vertex in the solver frame is from where the file means it to be, at most. With u the
+// unit roundoff, v the vertex in the mesh frame, and L and t the linear part and translation of
+// each transform on the way, in units of u times |L..| |v| + sum |L..| |t| (TransformProduct),
+// where |L| |v| is the sum of |L's columns| |v's components|:
+//
+// each transform: 2 for its numbers, rounded to double; 18 for the matrix of a quaternion (sums of
+// four products, then divided by the square of its length); 2 for the scale; 9 for the product with
+// the one above it: 3 an entry, in which the magnitudes of two rotations can be 5/3 as long as the
+// rotations.
+constexpr double kRoundoffPerTransform = 32 * kUnitRoundoff;
+// each vertex: 5 for three products and their sums, as above, 1 for the translation from the
+// anchor, 1 for adding it.
+constexpr double kRoundoffPerVertex = 8 * kUnitRoundoff;
+// whoever wrote the file: a quaternion or a matrix that was itself a product of two, and an offset
+// turned by it, in double.
+constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
+
+// How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
+// deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
+// index, 4 for the unit of the body, that is for its inverse and a product each way, 24 for a point
+// turned by a quaternion both ways, 16 for the product that the difference is told by. And a point
+// on its way to the index, 24 of its distance from the body: where a step can meet something that
+// is less than three sizes of the scene.
+constexpr double kFrameRoundoff = 72 * kUnitRoundoff;
+
+// What the two may be, in stand-offs, so that a vertex that has been joined is within
+// kMostApartPerStandOff of what the index has: one may move by the rounding of two.
+constexpr double kMostJoinPerStandOff = 0.1;
+constexpr double kMostFramePerStandOff = 0.1;
+static_assert(kMostJoinPerStandOff + kMostFramePerStandOff <= kMostApartPerStandOff);
+
+// Cells of this many times the largest distance to be joined: nearly all queries look at one.
+constexpr double kCellPerJoin = 64.0;
+
+// Places that one vertex may meet, at most. Where the rounding is small beside the mesh it meets
+// one, or two halfway between two; where it meets many, its mesh is smaller than the rounding and
+// nothing tells its vertices from each other.
+constexpr std::size_t kMostMet = 16;
+
+// What is known of a mesh, once for all its surfaces.
+struct MeshOutline {
+  Box box;
+  Vec3 reach_m;                         // of its vertices from the mesh's origin, by axis
+  std::vector<std::uint32_t> boundary;  // rising; of open meshes, once they are asked for
+};
+
+MeshOutline outline_of(const WeldedSurface& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  MeshOutline outline{{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)}, {}, {}};
+  for (const Vec3& p : mesh.positions()) outline.box = outline.box.united({p, p});
+  outline.reach_m = outline.box.low.cwiseAbs().cwiseMax(outline.box.high.cwiseAbs());
+  return outline;
+}
+
+// A surface with what its place makes of it.
+struct Placed {
+  const SeamSurface* surface;
+  Vec3 translation_solver_m;
+  double rounding_m = 0.0;  // of its vertices, as above
+  double apart_m = 0.0;     // of its index, as above
+
+  Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
+      : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {}
+
+  // reach_m: of the mesh, by axis. size_m: of the scene.
+  void bound(const Vec3& reach_m, double size_m) {
+    const NodeDescription& node = *surface->node;
+    const Vec3 columns = node.linear_scene_mesh.colwise().norm();
+    const double length_m = columns.dot(reach_m);
+    const double terms_m = columns.cwiseMax(node.product.columns).dot(reach_m) +
+                           std::max(node.product.translation_m, node.translation_m.norm());
+    const double factors = std::max<std::uint32_t>(node.product.factors, 1);
+    const double from_anchor_m = translation_solver_m.norm();
+    rounding_m =
+        (kRoundoffPerTransform * factors + kRoundoffPerVertex + kRoundoffOfWriter) * terms_m +
+        kRoundoffPerVertex * from_anchor_m;
+    const Mat3 moved = surface->rotation.toRotationMatrix() * surface->deformation;
+    apart_m = ((moved - node.linear_scene_mesh).cwiseAbs() * reach_m).norm() +
+              kFrameRoundoff * (length_m + node.translation_m.norm() + from_anchor_m + 2 * size_m);
+  }
+
+  Vec3 vertex(const Vec3& v_mesh) const {
+    return solver_vertex(surface->node->linear_scene_mesh, translation_solver_m, v_mesh);
+  }
+  // Around the surface, with a margin for surfaces so far from the origin that their place is not
+  // certain.
+  Box box_solver(const Box& box_mesh) const {
+    const NodeDescription& node = *surface->node;
+    const Vec3 centre = vertex(0.5 * (box_mesh.low + box_mesh.high));
+    const Vec3 half = node.linear_scene_mesh.cwiseAbs() * (0.5 * (box_mesh.high - box_mesh.low));
+    const double far_m = node.translation_m.lpNorm<1>() + node.product.translation_m;
+    return Box{centre - half, centre + half}.grown(kRoundoffPerTransform * far_m);
+  }
+};
+
+// A vertex that may meet others, or a place where some do.
+struct Candidate {
+  std::uint32_t vertex;
+  bool is_on_boundary;
+  Vec3 position_m;
+};
+struct Place {
+  Vec3 position_m;     // of the first vertex
+  double rounding_m;   // likewise
+  bool has_boundary;   // a vertex on a boundary is here
+  std::uint32_t last;  // surface; they come in rising order, so none comes twice if not at once
+  std::uint32_t vertices = 1;
+};
+struct Membership {
+  std::uint32_t surface;
+  std::uint32_t vertex;
+  std::uint32_t place;
+  bool is_moved;
+};
+
+bool is_within(const Vec3& p, const Vec3& q, double distance_m) {
+  return (p - q).squaredNorm() <= distance_m * distance_m;
+}
+
+struct BoundaryPoint {
+  std::uint32_t surface;
+  Vec3 position_m;
+};
+
+// All points on boundaries, by where they are.
+class BoundaryGrid {
+ public:
+  BoundaryGrid(const std::vector<BoundaryPoint>& points, double distance_m)
+      : points_(points),
+        distance_m_(distance_m),
+        grid_(kCellPerJoin * distance_m, points.size()),
+        cells_(box_around(points).grown(distance_m), distance_m) {
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      grid_.insert(points[i].position_m, i);
+      cells_.mark(points[i].position_m);
+    }
+  }
+
+  // Whether p is within the distance of the boundary of another surface; nothing where too many
+  // points crowd about it to tell.
+  std::optional<bool> is_near_another(const Vec3& p, std::uint32_t surface) const {
+    if (!cells_.may_hold(p)) return false;
+    bool is_near = false;
+    const bool is_certain = grid_.visit_near(p, distance_m_, [&](std::uint32_t i) {
+      const BoundaryPoint& point = points_[i];
+      is_near = point.surface != surface && is_within(p, point.position_m, distance_m_);
+      return !is_near;
+    });
+    return is_certain ? std::optional(is_near) : std::nullopt;
+  }
+
+ private:
+  static Box box_around(const std::vector<BoundaryPoint>& points) {
+    Box box{Vec3::Zero(), Vec3::Zero()};
+    if (!points.empty()) box = {points[0].position_m, points[0].position_m};
+    for (const BoundaryPoint& p : points) box = box.united({p.position_m, p.position_m});
+    return box;
+  }
+
+  const std::vector<BoundaryPoint>& points_;
+  double distance_m_;
+  PointGrid grid_;
+  OccupiedCells cells_;
+};
+
+class SeamSearch {
+ public:
+  SeamSearch(const std::vector<WeldedSurface>& meshes, std::span<const SeamSurface> surfaces,
+             const Vec3& anchor_scene_m, double size_m, MemoryLedger& ledger)
+      : meshes_(meshes),
+        ledger_(ledger),
+        size_m_(size_m),
+        most_m_(kMostJoinPerStandOff * SolverScale::of(size_m, 0.0).stand_off_m),
+        most_apart_m_(kMostFramePerStandOff * SolverScale::of(size_m, 0.0).stand_off_m) {
+    outlines_.reserve(meshes.size());
+    for (const WeldedSurface& mesh : meshes) outlines_.push_back(outline_of(mesh));
+    placed_.reserve(surfaces.size());
+    for (const SeamSurface& s : surfaces) placed_.emplace_back(s, anchor_scene_m);
+  }
+
+  Result<Seams> find() {
+    find_near();
+    if (near_.empty()) return std::move(seams_);
+    if (auto error = find_shared_boundary_points()) return *error;
+    if (points_.empty()) return std::move(seams_);
+    const BoundaryGrid boundary(points_, most_m_);
+    PointGrid places(kCellPerJoin * most_m_, most_candidates_);
+    for (const std::uint32_t s : near_) {
+      const auto vertices = candidates(s, boundary);
+      if (!vertices || !join(s, *vertices, places)) seams_.crowded.push_back(s);
+    }
+    collect();
+    return std::move(seams_);
+  }
+
+ private:
+  using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // squared, candidate, place
+
+  const WeldedSurface& mesh(std::uint32_t s) const {
+    return meshes_[placed_[s].surface->node->mesh];
+  }
+  MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
+  bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
+
+  // Surfaces that may meet another one, of which one is open, and of which one can tell.
+  void find_near() {
+    std::vector<Box> boxes;
+    std::vector<bool> open;
+    boxes.reserve(placed_.size());
+    for (std::uint32_t s = 0; s < placed_.size(); ++s) {
+      boxes.push_back(placed_[s].box_solver(outline(s).box).grown(most_m_ + most_apart_m_));
+      open.push_back(is_open(s));
+    }
+    const std::vector<bool> touches = may_touch_marked(boxes, open);
+    for (std::uint32_t s = 0; s < placed_.size(); ++s) {
+      if (!touches[s]) continue;
+      placed_[s].bound(outline(s).reach_m, size_m_);
+      // Two may add up to what is allowed. Not so if it is no number, either.
+      const bool is_certain =
+          2 * placed_[s].rounding_m <= most_m_ && placed_[s].apart_m <= most_apart_m_;
+      (is_certain ? near_ : seams_.too_far).push_back(s);
+    }
+  }
+
+  // Of the open surfaces that may meet others; finds their boundaries.
+  std::size_t count_boundary_points() {
+    std::size_t count = 0;
+    for (const std::uint32_t s : near_) {
+      std::vector<std::uint32_t>& boundary = outline(s).boundary;
+      if (is_open(s) && boundary.empty()) boundary = boundary_vertices(mesh(s));
+      count += boundary.size();
+    }
+    return count;
+  }
+
+  Vec3 vertex(std::uint32_t s, std::uint32_t v) const {
+    return placed_[s].vertex(mesh(s).positions()[v]);
+  }
+
+  // Those that others come near to, as far as small cells tell. All others meet nothing.
+  std::optional<Error> find_shared_boundary_points() {
+    const std::size_t most = count_boundary_points();
+    if (auto error = ledger_.check(SharedCells::bytes(most))) return error;
+    SharedCells cells(kCellPerJoin * most_m_, most);
+    std::erase_if(near_, [&](std::uint32_t s) {
+      const std::vector<std::uint32_t>& own = outline(s).boundary;
+      const bool is_told = std::all_of(own.begin(), own.end(),
+                                       [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
+      if (!is_told) seams_.crowded.push_back(s);
+      return !is_told;
+    });
+    std::size_t inner = 0;
+    for (const std::uint32_t s : near_) inner += share_cells(s, cells);
+    std::size_t shared = 0;
+    visit_shared(cells, [&](std::uint32_t, const Vec3&) { ++shared; });
+    if (shared == 0) return std::nullopt;
+    most_candidates_ = shared + inner;
+    if (auto error = ledger_.check(SharedCells::bytes(most) + bytes_of_search(shared))) {
+      return error;
+    }
+    points_.reserve(shared);
+    places_.reserve(most_candidates_);
+    memberships_.reserve(most_candidates_);
+    visit_shared(cells, [&](std::uint32_t s, const Vec3& p) { points_.push_back({s, p}); });
+    shared_cells_.emplace(std::move(cells));
+    return std::nullopt;
+  }
+
+  // Marks the cells that the vertices of a surface come near to; how many of those that are not on
+  // its boundary do.
+  std::size_t share_cells(std::uint32_t s, SharedCells& cells) {
+    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
+    std::size_t inner = 0;
+    std::size_t next = 0;
+    for (std::uint32_t v = 0; v < count; ++v) {
+      const bool is_on_boundary = next < own.size() && own[next] == v;
+      if (is_on_boundary) ++next;
+      const Vec3 p = vertex(s, v);
+      if (is_on_boundary && cells.is_inside_cell(p, most_m_)) continue;
+      if (cells.share_near(p, most_m_, s) && !is_on_boundary) ++inner;
+    }
+    return inner;
+  }
+
+  // Calls visit(surface, position) for the boundary points in shared cells.
+  template <typename Visit>
+  void visit_shared(const SharedCells& cells, Visit visit) {
+    for (const std::uint32_t s : near_) {
+      for (const std::uint32_t v : outline(s).boundary) {
+        const Vec3 p = vertex(s, v);
+        if (cells.is_shared(p)) visit(s, p);
+      }
+    }
+  }
+
+  // What all that follows takes at a time. A candidate rarely makes more than one pair.
+  std::uint64_t bytes_of_search(std::size_t shared) const {
+    constexpr std::uint64_t kPerCandidate =
+        sizeof(Place) + sizeof(Membership) + sizeof(JoinedVertex);
+    std::size_t most_vertices = 0;  // of one surface
+    for (const std::uint32_t s : near_) {
+      most_vertices = std::max(most_vertices, mesh(s).positions().size());
+    }
+    return shared * sizeof(BoundaryPoint) + PointGrid::bytes(shared) +
+           PointGrid::bytes(most_candidates_) + most_candidates_ * kPerCandidate +
+           std::min(most_vertices, most_candidates_) * (sizeof(Candidate) + sizeof(Pair));
+  }
+
+  // Vertices of a surface that are on a shared part of its boundary or near to the boundary of
+  // another; nothing where too many points crowd about one to tell.
+  std::optional<std::vector<Candidate>> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
+    std::vector<Candidate> found;
+    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
+    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    std::size_t next = 0;
+    for (std::uint32_t v = 0; v < count; ++v) {
+      const Vec3 p = vertex(s, v);
+      const bool is_on_boundary = next < own.size() && own[next] == v;
+      if (is_on_boundary) {
+        ++next;
+        if (shared_cells_->is_shared(p)) found.push_back({v, true, p});
+        continue;
+      }
+      const std::optional<bool> is_near = boundary.is_near_another(p, s);
+      if (!is_near) return std::nullopt;
+      if (*is_near) found.push_back({v, false, p});
+    }
+    return found;
+  }
+
+  // Each vertex with the places that it may be at; nothing where too many crowd about one.
+  std::optional<std::vector<Pair>> pairs_of(std::uint32_t s, const std::vector<Candidate>& vertices,
+                                            const PointGrid& grid) const {
+    std::vector<Pair> pairs;
+    for (std::uint32_t c = 0; c < vertices.size(); ++c) {
+      const Vec3& p = vertices[c].position_m;
+      std::size_t met = 0;
+      const bool is_certain = grid.visit_near(p, most_m_, [&](std::uint32_t place) {
+        const double bound_m = placed_[s].rounding_m + places_[place].rounding_m;
+        if (!is_within(p, places_[place].position_m, bound_m)) return true;
+        pairs.emplace_back((p - places_[place].position_m).squaredNorm(), c, place);
+        return ++met <= kMostMet;
+      });
+      if (!is_certain || met > kMostMet) return std::nullopt;
+    }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
+  // False, and nothing is joined, where too many places crowd about a vertex.
+  bool join(std::uint32_t s, const std::vector<Candidate>& vertices, PointGrid& grid) {
+    const auto pairs = pairs_of(s, vertices, grid);
+    if (!pairs) return false;
+    std::vector<bool> is_joined(vertices.size(), false);
+    for (const auto& [squared, c, n] : *pairs) {
+      Place& place = places_[n];
+      if (is_joined[c] || place.last == s) continue;
+      is_joined[c] = true;
+      place.last = s;
+      place.has_boundary = place.has_boundary || vertices[c].is_on_boundary;
+      ++place.vertices;
+      memberships_.push_back(
+          {s, vertices[c].vertex, n, vertices[c].position_m != place.position_m});
+    }
+    for (std::size_t c = 0; c < vertices.size(); ++c) {
+      if (is_joined[c]) continue;
+      const auto n = static_cast<std::uint32_t>(places_.size());
+      memberships_.push_back({s, vertices[c].vertex, n, false});
+      places_.push_back(
+          {vertices[c].position_m, placed_[s].rounding_m, vertices[c].is_on_boundary, s});
+      grid.insert(vertices[c].position_m, n);
+    }
+    return true;
+  }
+
+  bool counts(const Place& place) const { return place.vertices > 1 && place.has_boundary; }
+
+  void collect() {
+    std::sort(memberships_.begin(), memberships_.end(),
+              [](const Membership& a, const Membership& b) {
+                return std::pair(a.surface, a.vertex) < std::pair(b.surface, b.vertex);
+              });
+    for (const Membership& m : memberships_) {
+      if (!counts(places_[m.place])) continue;
+      ++seams_.vertices;
+      if (seams_.bodies.empty() || seams_.bodies.back().surface != m.surface) {
+        seams_.bodies.push_back({m.surface, {}});
+      }
+      if (!m.is_moved) continue;
+      seams_.bodies.back().joined.push_back({m.vertex, places_[m.place].position_m});
+    }
+    for (const Place& place : places_) seams_.places += counts(place) ? 1 : 0;
+  }
+
+  const std::vector<WeldedSurface>& meshes_;
+  MemoryLedger& ledger_;
+  double size_m_;        // of the scene
+  double most_m_;        // that two vertices may be apart and be joined
+  double most_apart_m_;  // that an index may be apart
+  std::vector<MeshOutline> outlines_;
+  std::vector<Placed> placed_;
+  std::vector<std::uint32_t> near_;
+  std::optional<SharedCells> shared_cells_;
+  std::size_t most_candidates_ = 0;    // of all surfaces together
+  std::vector<BoundaryPoint> points_;  // in shared cells
+  std::vector<Place> places_;
+  std::vector<Membership> memberships_;
+  Seams seams_;
+};
+
+}  // namespace
+
+Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
+                         std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
+                         double size_m, MemoryLedger& ledger) {
+  // The surface, its box with two numbers in the search for boxes that touch, and what is left.
+  constexpr std::uint64_t kPerSurface = sizeof(Placed) + sizeof(Box) + 3 * sizeof(std::uint32_t);
+  const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const WeldedSurface& mesh) {
+    return mesh.report().boundary_edges > 0;
+  });
+  if (surfaces.size() < 2 || !has_open) return Seams{};
+  if (auto error = ledger.check(surfaces.size() * kPerSurface)) return *error;
+  return SeamSearch(meshes, surfaces, anchor_scene_m, size_m, ledger).find();
+}
+
+}  // namespace palpate

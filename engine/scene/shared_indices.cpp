@@ -1,0 +1,210 @@
+#include "engine/scene/shared_indices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/SVD>
+
+namespace palpate {
+namespace {
+
+// Deformations that differ by no more are one: a node that is turned has its own from a
+// decomposition. Of their norm.
+constexpr double kSameDeformation = 64 * std::numeric_limits<double>::epsilon();
+
+// A hostile file can have any number of deformations that look alike. To share is to save memory,
+// no more.
+constexpr std::size_t kMostCompared = 256;
+
+// The unit of a body is at least 2^-40 of the scene, or the body is one of those whose unit is so
+// many steps longer, of 2^40 each. A tenth of a stand-off is as much of the scene; and a radius of
+// 2^40 has a square that is far from overflow in single precision, where the boxes that are not
+// there would count.
+constexpr int kUnitStep = 40;
+
+// A sphere may be larger than a body. Up to so much, the unit of the index is the size of the body.
+constexpr int kMostSweepExponent = 40;
+
+// The number of a deformation that is none.
+constexpr std::uint32_t kUniform = ~std::uint32_t{0};
+
+// Sweeps are rounded up.
+constexpr double kSlack = 1 + 0x1p-40;
+
+// What uniform scales are, but for their size.
+Mat3 uniform() {
+  return Mat3::Identity() / std::sqrt(3.0);
+}
+
+bool is_same(const Mat3& unit, const Mat3& other) {
+  return (unit - other).norm() <= kSameDeformation;
+}
+
+double sign_of(const Mat3& deformation) {
+  return std::copysign(1.0, deformation.trace());
+}
+
+// As a vector's: Eigen 3.4 asserts in stableNorm() of a matrix of fixed size.
+double stable_norm(const Mat3& m) {
+  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(m.data()).stableNorm();
+}
+
+// Of size 1, and positive definite.
+Mat3 unit_of(const Mat3& deformation) {
+  return deformation / (sign_of(deformation) * stable_norm(deformation));
+}
+
+double uniform_scale(const Mat3& deformation) {
+  const Vec3 diagonal = deformation.diagonal();
+  if (diagonal[0] == diagonal[1] && diagonal[1] == diagonal[2]) return diagonal[0];
+  return diagonal.mean();
+}
+
+bool is_within_ratio(const Mat3& unit) {
+  const Vec3 stretches = Eigen::JacobiSVD<Mat3>(unit).singularValues();
+  return stretches[0] <= Stretch::kMostRatio * kSlack * stretches[2];
+}
+
+// Different for different matrices, as a rule.
+double key_of(const Mat3& m) {
+  Mat3 weights;
+  weights << 1.0, 0.7548, 0.5698, 0.4301, 0.8191, 0.6710, 0.5497, 0.4503, 0.3689;
+  return m.cwiseProduct(weights).sum();
+}
+
+}  // namespace
+
+template <typename Stored>
+std::optional<std::uint32_t> IndexSharing::MatrixFinder::find(const Mat3& m,
+                                                              const Stored& stored) const {
+  const double tolerance = kSameDeformation * stable_norm(m);
+  const double key = key_of(m);
+  std::size_t left = kMostCompared;
+  // The weights' norm is less than 2.
+  for (auto it = by_key_.lower_bound(key - 2 * tolerance);
+       it != by_key_.end() && it->first <= key + 2 * tolerance && left > 0; ++it, --left) {
+    if (stable_norm(stored(it->second) - m) <= tolerance) return it->second;
+  }
+  return std::nullopt;
+}
+
+void IndexSharing::MatrixFinder::add(const Mat3& m, std::uint32_t id) {
+  by_key_.emplace(key_of(m), id);
+}
+
+IndexSharing::IndexSharing(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
+                           double sweep_radius_m, double size_m)
+    : meshes_(meshes),
+      boxes_(boxes),
+      sweep_radius_m_(sweep_radius_m),
+      size_m_(size_m),
+      of_mesh_(meshes.size()) {}
+
+void IndexSharing::look_at(std::uint32_t mesh, const NodePlacement& placement) {
+  OfMesh& of_mesh = of_mesh_[mesh];
+  const Mat3 unit = unit_of(placement.deformation);
+  if (!of_mesh.unit) of_mesh.unit = unit;
+  of_mesh.is_alike = of_mesh.is_alike && is_same(unit, *of_mesh.unit);
+}
+
+IndexUse IndexSharing::use(std::uint32_t mesh, const NodePlacement& placement) {
+  const Mat3& deformation = placement.deformation;
+  const double sign = sign_of(deformation);
+  const Mat3 unit = unit_of(deformation);
+  if (is_same(unit, uniform())) {
+    const double scale = uniform_scale(deformation);
+    return similar(mesh, kUniform, Mat3::Identity(), scale, scale);
+  }
+  const bool is_point = sweep_radius_m_ == 0.0;
+  if (is_point && !of_mesh_[mesh].is_alike && is_within_ratio(unit)) {
+    return stretched(mesh, deformation);
+  }
+  const std::uint32_t number = deformation_of(mesh, unit, sign * deformation);
+  const Mat3& base = deformations_[number].base;
+  const double scale = sign * (stable_norm(deformation) / stable_norm(base));
+  return similar(mesh, number, base, scale, scale);
+}
+
+// That of an earlier node, or a new one.
+std::uint32_t IndexSharing::deformation_of(std::uint32_t mesh, const Mat3& unit, const Mat3& base) {
+  MatrixFinder& known = of_mesh_[mesh].deformations;
+  const auto found =
+      known.find(unit, [&](std::uint32_t id) -> const Mat3& { return deformations_[id].unit; });
+  if (found) return *found;
+  const auto number = static_cast<std::uint32_t>(deformations_.size());
+  deformations_.push_back({unit, base, box_of(mesh, base)});
+  known.add(unit, number);
+  return number;
+}
+
+// scale: of the base, negative for a mirror. least_scale: by which the body shortens a length of
+// the base.
+IndexUse IndexSharing::similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base,
+                               double scale, double least_scale) {
+  const bool is_point = sweep_radius_m_ == 0.0;
+  const int exponent = is_point ? 0 : std::ilogb(scale);
+  const Box& box = deformation == kUniform ? boxes_[mesh] : deformations_[deformation].box;
+  int unit = unit_exponent(box, exponent);
+  const int steps = steps_longer(std::ilogb(least_scale) + unit);
+  unit += kUnitStep * steps;
+  const auto [known, is_new] = shape_of_.try_emplace({mesh, deformation, exponent, steps}, 0);
+  if (is_new) {
+    known->second = static_cast<std::uint32_t>(shapes_.size());
+    const double units_per_metre = std::ldexp(1.0, -unit);
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    shapes_.push_back({mesh, {units_per_metre * base, -units_per_metre * middle}, 0.0});
+  }
+  const double metres_per_unit = std::ldexp(scale, unit);
+  double& sweep_radius = shapes_[known->second].sweep_radius;
+  sweep_radius = std::max(sweep_radius, kSlack * sweep_radius_m_ / std::abs(metres_per_unit));
+  return {known->second, IndexUse::kNoStretch, metres_per_unit};
+}
+
+// Of the unit that makes a box, scaled by 2^exponent, of size 1; or, beside a sphere that is far
+// larger, not too small for that.
+int IndexSharing::unit_exponent(const Box& box, int exponent) const {
+  const double sweep = std::ldexp(sweep_radius_m_, -exponent - kMostSweepExponent);
+  int unit = 0;
+  std::frexp(std::max((box.high - box.low).maxCoeff(), sweep), &unit);
+  return unit;
+}
+
+// Than a unit of about 2^exponent_m.
+int IndexSharing::steps_longer(int exponent_m) const {
+  const int missing = std::ilogb(size_m_) - kUnitStep - exponent_m;
+  return missing > 0 ? (missing + kUnitStep - 1) / kUnitStep : 0;
+}
+
+IndexUse IndexSharing::stretched(std::uint32_t mesh, const Mat3& deformation) {
+  // The least singular value is at least so much of the norm: see kMostRatio.
+  const double least_scale = 0.5 / Stretch::kMostRatio * stable_norm(deformation);
+  IndexUse use = similar(mesh, kUniform, Mat3::Identity(), 1.0, least_scale);
+  const AffineMap& map = shapes_[use.shape].map_index_mesh;
+  const Mat3 linear = use.metres_per_unit * deformation;
+  use.metres_per_unit = 1.0;
+  MatrixFinder& known = stretches_of_shape_[use.shape];
+  const auto found = known.find(
+      linear, [&](std::uint32_t id) -> const Mat3& { return stretches_[id].linear_body_index(); });
+  if (found) {
+    use.stretch = *found;
+    return use;
+  }
+  use.stretch = static_cast<std::uint32_t>(stretches_.size());
+  stretches_.emplace_back(linear, Box{map(boxes_[mesh].low), map(boxes_[mesh].high)});
+  known.add(linear, use.stretch);
+  return use;
+}
+
+Box IndexSharing::box_of(std::uint32_t mesh, const Mat3& base) const {
+  if (base == Mat3::Identity()) return boxes_[mesh];
+  Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),
+          Vec3::Constant(-std::numeric_limits<double>::infinity())};
+  for (const Vec3& p : meshes_[mesh].positions()) {
+    const Vec3 q = base * p;
+    box = box.united({q, q});
+  }
+  return box;
+}
+
+}  // namespace palpate

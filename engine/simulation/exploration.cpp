@@ -1,0 +1,350 @@
+#include "engine/simulation/exploration.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "engine/scene/memory_budget.h"
+#include "engine/session/haptic_thread.h"
+#include "engine/simulation/ball_outline.h"
+#include "engine/simulation/contour_path.h"
+#include "engine/simulation/outline.h"
+#include "engine/simulation/path_coverage.h"
+#include "engine/simulation/path_plan.h"
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/room_hint.h"
+#include "engine/simulation/scene_cut.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/surface_path.h"
+#include "geometry/mesh/section.h"
+
+namespace palpate {
+namespace {
+
+// Keeps every tick in memory that was set aside before the start, and passes it on to the hand.
+class Recorder final : public TickObserver {
+ public:
+  Recorder(ExplorationRun& run, std::size_t ticks, TickObserver& next) : run_(run), next_(next) {
+    run_.records.resize(ticks);
+    run_.steps_ns.resize(ticks);
+  }
+  void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
+               std::int64_t step_ns) noexcept override {
+    if (count_ < run_.records.size()) {
+      run_.records[count_] = record;
+      run_.steps_ns[count_] = step_ns;
+      ++count_;
+    }
+    summary_.add(record);
+    next_.on_tick(record, T_device_scene, step_ns);
+  }
+  // Of a run that was interrupted the records end where it did.
+  RunSummary finish() {
+    run_.records.resize(count_);
+    run_.steps_ns.resize(count_);
+    return summary_.finish(run_.steps_ns);
+  }
+
+ private:
+  ExplorationRun& run_;
+  TickObserver& next_;
+  std::size_t count_ = 0;
+  SummaryAccumulator summary_;
+};
+
+struct PlannedHand {
+  std::unique_ptr<HandPlan> plan;
+  Vec3 start_scene_m;
+  std::vector<Vec3> contour_m;  // what it follows, one of these
+  std::vector<Vec3> places_m;
+};
+
+PlannedHand hand_on(HandPath path, const PathFacts& facts, const PathPlanSettings& settings) {
+  auto plan = std::make_unique<PathPlan>(std::move(path), facts, settings);
+  const Vec3 start = plan->start_scene_m();
+  return {std::move(plan), start, {}, {}};
+}
+
+PathPlanSettings plan_settings(const ExplorationSettings& settings) {
+  PathPlanSettings plan;
+  plan.follow_s = settings.seconds - plan.approach_s;
+  return plan;
+}
+
+// The contour that a hand follows, all that is in its way, and what the hand has to know of it.
+struct FollowedContour {
+  Outline outline;
+  std::vector<Polyline> obstacles;  // the outline is one of them
+};
+
+Error contour_too_crowded(const std::vector<Polyline>& section, const char* how) {
+  return {ErrorCode::kLimitExceeded, "", "scene",
+          "has " + std::to_string(section.size()) + " curves at the plane, so many of which " +
+              how + " that their common contour is not worked out",
+          "load a part of the scene with --node, or use --sensors 3, which needs no contour"};
+}
+
+// Of a ball what it can touch, not what it would have to be smaller for.
+Result<FollowedContour> followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
+                                         double small_m, double proxy_radius_m) {
+  auto found = outlines(section, normal, small_m);
+  if (!found) return contour_too_crowded(section, "cross each other");
+  // All may be hidden where solids are inside out.
+  if (found->empty()) found->push_back({section.front(), !section.front().closed});
+  if (proxy_radius_m > 0.0 && found->front().curve.closed) {
+    auto touched = ball_outlines(*found, normal, proxy_radius_m);
+    if (!touched) return contour_too_crowded(section, "are within a sphere of each other");
+    if (!touched->empty()) found = std::move(touched);
+  }
+  FollowedContour followed{found->front(), {}};
+  for (Outline& outline : *found) followed.obstacles.push_back(std::move(outline.curve));
+  return followed;
+}
+
+Error nothing_at_height(const Scene& scene, const ScenePose& pose) {
+  const Box bounds = bounds_in_device(scene, pose);
+  std::ostringstream range;
+  range << "the scene spans " << bounds.low.z() << " to " << bounds.high.z() << " m along A3";
+  return {ErrorCode::kInvalidArgument, "", "--plane-height",
+          "nothing to touch at this height: " + range.str(),
+          "choose a height in between, or use 3 sensors"};
+}
+
+Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
+                                 const ExplorationSettings& settings) {
+  const ScenePose& pose = setup.haptics.initial_pose;
+  const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
+  const double offset_m = setup.haptics.plane_height_m - pose.translation_m.z();
+  const std::vector<Polyline> section = cut_scene(scene, normal, offset_m);
+  if (section.empty()) return nothing_at_height(scene, pose);
+  const PathPlanSettings plan = plan_settings(settings);
+  const double small_m = kSmallForHand * plan.press_depth_m;
+  PathFacts facts;
+  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
+  const auto followed = followed_contour(section, normal, small_m, facts.proxy_radius_m);
+  if (!followed) return followed.error();
+  facts.slips_off_at_ends = !followed->outline.curve.closed;
+  facts.sides = followed->outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
+  // A sphere needs room for its other half, too.
+  double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
+  std::vector<Vec3> contour =
+      open_contour(followed->outline.curve, followed->obstacles, normal, room_m);
+  facts.room_m = std::max(0.0, room_m - facts.proxy_radius_m);
+  PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
+  hand.contour_m = std::move(contour);
+  return hand;
+}
+
+// A hand that feels its way over a surface; on a small object it goes no farther than so many times
+// its extent.
+constexpr double kWalkSpeed_m_per_s = 0.04;
+constexpr double kMostExtents = 5.0;
+constexpr double kSecondsPerHeading = 3.0;
+constexpr double kSecondsPerPlace = 0.5;
+
+// No wall holds it where no motor is, so that it would press as deep as it aims; and what pushes it
+// aside there grows with the depth.
+constexpr double kLightTouch = 0.6;
+
+Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
+                              const ExplorationSettings& settings) {
+  PathPlanSettings plan = plan_settings(settings);
+  plan.least_ease = kLightTouch;
+  SurfacePathSettings wanted;
+  wanted.length_m = std::min(kWalkSpeed_m_per_s * plan.follow_s,
+                             kMostExtents * scene.statistics().extent_m.maxCoeff());
+  const double speed_m_per_s = wanted.length_m / plan.follow_s;
+  wanted.leg_m = kSecondsPerHeading * speed_m_per_s;
+  wanted.room_m = plan.press_depth_m;
+  wanted.seed = settings.seed;
+  const std::optional<SurfacePath> found = plan_surface_path(scene, wanted);
+  if (!found) {
+    return Error{ErrorCode::kInvalidArgument, "", "scene",
+                 "has no surface with room for a hand in front of it",
+                 room_hint(scene, setup, settings, wanted)};
+  }
+  PathFacts facts;
+  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
+  facts.room_m = std::min(kRestsInFront * plan.press_depth_m, 0.5 * found->free_m);
+  facts.sides = found->is_open ? PathSides::kWhereFree : PathSides::kFront;
+  facts.may_cross_itself = true;
+  PlannedHand hand =
+      hand_on(simplified(found->path, kSmallForHand * plan.press_depth_m), facts, plan);
+  hand.places_m = places_along(found->path, kSecondsPerPlace * speed_m_per_s);
+  return hand;
+}
+
+// The first tick of the last fifth of a run.
+std::size_t late_tick(const ExplorationRun& run) {
+  return run.records.size() - run.records.size() / 5;
+}
+
+// What the hand followed, and how much of it the proxy came near to.
+void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
+                 ExplorationRun& run) {
+  run.proxy_radius_m = proxy_radius_m;
+  run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
+  if (!hand.contour_m.empty()) {
+    run.contour_scene_m = std::move(hand.contour_m);
+    CurveCoverage coverage(run.contour_scene_m, run.near_m);
+    const std::size_t late = late_tick(run);
+    for (std::size_t n = 0; n < late; ++n) coverage.add(run.records[n].proxy_m);
+    const double early_share = coverage.share();
+    for (std::size_t n = late; n < run.records.size(); ++n) coverage.add(run.records[n].proxy_m);
+    run.way_share = coverage.share();
+    run.late_way_share = run.way_share - early_share;
+    return;
+  }
+  run.places_scene_m = std::move(hand.places_m);
+  const std::vector<Vec3>& places = run.places_scene_m;
+  if (places.empty()) return;
+  std::size_t reached = 0;
+  std::size_t reached_late = 0;
+  for (const Vec3& place : places) {
+    const auto at = std::find_if(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
+      return (r.proxy_m - place).squaredNorm() <= run.near_m * run.near_m;
+    });
+    if (at == run.records.end()) continue;
+    ++reached;
+    if (static_cast<std::size_t>(at - run.records.begin()) >= late_tick(run)) ++reached_late;
+  }
+  const auto count = static_cast<double>(places.size());
+  run.way_share = static_cast<double>(reached) / count;
+  run.late_way_share = static_cast<double>(reached_late) / count;
+}
+
+bool is_stopped(const StopFlag* stop) {
+  return stop && stop->requested();
+}
+
+void run_virtual(HapticSession& session, Device& device, double dt_s, std::size_t ticks,
+                 const Progress& progress, const StopFlag* stop) {
+  constexpr std::size_t kReportEvery = 1000;
+  for (std::size_t n = 0; n < ticks && !is_stopped(stop); ++n) {
+    session.tick(dt_s);
+    if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
+  }
+  device.command_force_N(Vec3::Zero());
+}
+
+void run_realtime(HapticSession& session, Device& device, const RunSetup& setup, std::size_t ticks,
+                  const Progress& progress, const StopFlag* stop, ExplorationRun& run) {
+  if (is_stopped(stop)) return;
+  HapticThread thread(session, device, {1.0 / setup.dt_s, ticks});
+  run.realtime_note = thread.start().explanation;
+  while (thread.running() && !is_stopped(stop)) {
+    progress(static_cast<double>(thread.ticks()) / static_cast<double>(ticks));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  if (is_stopped(stop)) thread.stop();
+  thread.join();
+  run.missed_deadlines = thread.missed_deadlines();
+}
+
+// Every tick is kept in memory, 240 bytes of it: an hour at 1 kHz is below this limit.
+constexpr double kMostTicks = 4e6;
+
+}  // namespace
+
+// Comparisons are false for NaN.
+std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s) {
+  const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
+    return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
+  };
+  if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
+    return invalid("--seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
+                   "25 to 30 s are usual");
+  }
+  const double ticks = settings.seconds / dt_s;
+  if (!(ticks >= 1.0 && ticks <= kMostTicks)) {
+    std::ostringstream text;
+    text << "times --rate that makes " << ticks << " ticks, expected 1 to " << kMostTicks;
+    return invalid("--seconds", text.str(), "choose a shorter run or another rate");
+  }
+  if (!(settings.workspace_m > 0.0)) {
+    return invalid("--workspace", std::to_string(settings.workspace_m) + " m given, expected > 0",
+                   "");
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+// What takes memory by numbers: the surfaces that a contour is cut from, and a record of each tick.
+std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
+                                 const ExplorationSettings& settings, MemoryLedger& ledger) {
+  ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
+  ledger.advise("load a part of the scene with --node");
+  ledger.begin("what comes before the run");
+  if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
+  ledger.advise("choose a shorter run");
+  ledger.begin("recording the ticks", "--seconds");
+  const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
+  if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
+  if (!setup.actuation.is_planar()) return std::nullopt;
+  ledger.advise("load a part of the scene with --node, or use --sensors 3, which needs no contour");
+  ledger.begin("cutting the scene for its contour", "scene");
+  return ledger.check(scene_cut_bytes(scene));
+}
+
+// As below, but it may throw where there is no memory.
+Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
+                               const ExplorationSettings& settings, const Progress& progress,
+                               const StopFlag* stop, MemoryLedger& ledger) {
+  if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
+  if (const auto error = check_setup(scene, setup)) return *error;
+  if (scene.objects().empty()) {
+    return Error{ErrorCode::kEmptyScene, "", "scene",
+                 "has media and no surface that a hand could follow", "replay a path through it"};
+  }
+  if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
+  Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
+                                                         : plan_walk(scene, setup, settings);
+  if (!hand) return hand.error();
+  const ScenePose& pose = setup.haptics.initial_pose;
+  PlantSettings plant;
+  plant.seed = settings.seed;
+  SimulatedDevice device(plant, *hand->plan, pose.point(hand->start_scene_m), pose,
+                         setup.actuation.is_planar());
+  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+
+  auto mover = SteadyMotions::create(scene, setup.moves);
+  if (!mover) return mover.error();
+
+  ExplorationRun run;
+  run.a4 = setup.haptics.a4.enabled;
+  const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
+  Recorder recorder(run, ticks, device);
+  HapticSession session(loop, device, &recorder, &*mover);
+  if (settings.virtual_time) {
+    run_virtual(session, device, setup.dt_s, ticks, progress, stop);
+  } else {
+    run_realtime(session, device, setup, ticks, progress, stop, run);
+  }
+  run.summary = recorder.finish();
+  run.interrupted = run.records.size() < ticks;
+  if (!run.interrupted) progress(1.0);
+  const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
+  take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
+  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
+              setup.haptics.god_object.radius_m, run);
+  run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
+  return run;
+}
+
+}  // namespace
+
+Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
+                               const ExplorationSettings& settings, const Progress& progress,
+                               const StopFlag* stop) {
+  MemoryLedger ledger;
+  return or_out_of_memory(ledger,
+                          [&] { return explore(scene, setup, settings, progress, stop, ledger); });
+}
+
+}  // namespace palpate

@@ -1,0 +1,145 @@
+#include "engine/simulation/hand_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+// Points nearer to the one before than this part of the tolerance are not looked at on their own:
+// the finest mesh costs no more than others.
+constexpr double kFinest = 1.0 / 16;
+
+// Walls turned by more face against each other: whether over an edge or in a slit, the two
+// directions alone do not tell.
+constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
+
+double distance_to_segment_m(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double part = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - part * along).norm();
+}
+
+class Simplifier {
+ public:
+  Simplifier(const HandPath& path, double tolerance_m) : path_(path), tolerance_m_(tolerance_m) {}
+
+  HandPath run() {
+    HandPath simple;
+    std::vector<std::size_t> kept{0};
+    const std::size_t last = path_.points.size() - 1;
+    while (kept.back() < last) kept.push_back(end_of_leg(kept.back()));
+    for (std::size_t k = 0; k + 1 < kept.size(); ++k) {
+      HandPath::Point point = path_.points[kept[k]];
+      point.inward = mean_inward(kept[k], kept[k + 1]);
+      simple.points.push_back(point);
+    }
+    simple.points.push_back(path_.points[last]);
+    simple.points.back().inward = simple.points[simple.points.size() - 2].inward;
+    for (std::size_t k = 1; k + 1 < kept.size(); ++k) {
+      simple.points[k].fold_rad = fold_rad(simple, k, kept[k]);
+    }
+    return simple;
+  }
+
+ private:
+  // The farthest point up to which one leg will do.
+  std::size_t end_of_leg(std::size_t from) const {
+    const auto& points = path_.points;
+    const Vec3& start = points[from].p_m;
+    std::size_t end = from + 1;
+    std::vector<std::size_t> between;
+    Vec3 looked_at = start;
+    while (end + 1 < points.size() && !points[end].is_turn) {
+      if ((points[end].p_m - looked_at).norm() > kFinest * tolerance_m_) {
+        between.push_back(end);
+        looked_at = points[end].p_m;
+      }
+      const Vec3& next = points[end + 1].p_m;
+      const bool turns_back = (next - points[end].p_m).dot(points[end].p_m - start) < 0.0;
+      const bool is_near = std::all_of(between.begin(), between.end(), [&](std::size_t i) {
+        return distance_to_segment_m(points[i].p_m, start, next) <= (1.0 - kFinest) * tolerance_m_;
+      });
+      if (!is_near || (turns_back && (points[end].p_m - start).norm() > tolerance_m_)) break;
+      ++end;
+    }
+    return end;
+  }
+
+  Vec3 mean_inward(std::size_t from, std::size_t to) const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = from; i < to; ++i) {
+      sum += (path_.points[i + 1].p_m - path_.points[i].p_m).norm() * path_.points[i].inward;
+    }
+    return sum.isZero(0.0) ? path_.points[from].inward : Vec3(sum.normalized());
+  }
+
+  double fold_rad(const HandPath& simple, std::size_t k, std::size_t in_path) const {
+    const Vec3& before = simple.points[k - 1].inward;
+    const Vec3& after = simple.points[k].inward;
+    const double angle_rad = std::atan2(before.cross(after).norm(), before.dot(after));
+    const Vec3 in = (simple.points[k].p_m - simple.points[k - 1].p_m).normalized();
+    const Vec3 out = (simple.points[k + 1].p_m - simple.points[k].p_m).normalized();
+    double sign = before.dot(out) - after.dot(in);
+    if (angle_rad > kTurnsBackRad) sign = fold_near_rad(in_path);
+    return std::copysign(angle_rad, sign);
+  }
+
+  // Of all edges that are passed where the legs meet.
+  double fold_near_rad(std::size_t i) const {
+    const auto& points = path_.points;
+    const auto is_near = [&](std::size_t k) {
+      return (points[k].p_m - points[i].p_m).norm() <= 2.0 * tolerance_m_;
+    };
+    double sum_rad = points[i].fold_rad;
+    for (std::size_t k = i; k-- > 0 && is_near(k);) sum_rad += points[k].fold_rad;
+    for (std::size_t k = i + 1; k < points.size() && is_near(k); ++k) sum_rad += points[k].fold_rad;
+    return sum_rad;
+  }
+
+  const HandPath& path_;
+  double tolerance_m_;
+};
+
+}  // namespace
+
+std::vector<double> HandPath::lengths_m() const {
+  std::vector<double> lengths_m{0.0};
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    lengths_m.push_back(lengths_m.back() + (points[i + 1].p_m - points[i].p_m).norm());
+  }
+  return lengths_m;
+}
+
+HandPath other_side(HandPath path) {
+  for (HandPath::Point& point : path.points) {
+    point.inward = -point.inward;
+    point.fold_rad = -point.fold_rad;
+  }
+  return path;
+}
+
+HandPath simplified(const HandPath& path, double tolerance_m) {
+  return path.points.size() < 3 ? path : Simplifier(path, tolerance_m).run();
+}
+
+std::vector<Vec3> places_along(const HandPath& path, double spacing_m) {
+  const std::vector<double> lengths_m = path.lengths_m();
+  const double whole_m = lengths_m.back();
+  const double count = std::max(1.0, std::ceil(whole_m / spacing_m));
+  std::vector<Vec3> places;
+  std::size_t leg = 0;
+  for (double n = 0.0; n <= count; ++n) {
+    const double at_m = n / count * whole_m;
+    while (leg + 2 < lengths_m.size() && lengths_m[leg + 1] < at_m) ++leg;
+    const double leg_m = lengths_m[leg + 1] - lengths_m[leg];
+    const double part = leg_m > 0.0 ? std::min(1.0, (at_m - lengths_m[leg]) / leg_m) : 0.0;
+    const Vec3& from = path.points[leg].p_m;
+    places.push_back(from + part * (path.points[leg + 1].p_m - from));
+  }
+  return places;
+}
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+#include "engine/simulation/hand_way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr double kSharpCornerRad = std::numbers::pi / 4;
+
+// Walls turned by more face against each other.
+constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
+
+// How far beyond an edge the hand is on the new wall, in press depths, and by how much farther at
+// most it goes along a path that crosses the edge aslant.
+constexpr double kBeyondEdge = 2.0;
+constexpr double kMostAslant = 2.0;
+
+// Of a path that goes straight over an edge the cosine with the way across.
+constexpr double kStraightOver = 0.999;
+
+// The part of v at right angles to a unit vector, as a unit vector; `otherwise` if v is parallel.
+Vec3 unit_across(const Vec3& v, const Vec3& unit, const Vec3& otherwise) {
+  const Vec3 across = v - v.dot(unit) * unit;
+  return across.isZero(0.0) ? otherwise : Vec3(across.normalized());
+}
+
+}  // namespace
+
+struct HandWay::Corner {
+  Vec3 p_m;
+  Vec3 tangent_in, tangent_out;
+  Vec3 inward_in, inward_out;
+  double fold_rad;
+  bool is_turn;
+  double along_m;
+  double length_out_m;  // of the leg from here
+};
+
+HandWay::HandWay(const HandPath& path, double press_depth_m) : depth_m_(press_depth_m) {
+  const auto& points = path.points;
+  const auto tangent = [&](std::size_t i) {
+    return Vec3((points[i + 1].p_m - points[i].p_m).normalized());
+  };
+  const std::vector<double> lengths_m = path.lengths_m();
+  add(points.front().p_m + depth_m_ * points.front().inward, points.front().inward, 0.0);
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    add_corner({points[i].p_m, tangent(i - 1), tangent(i), points[i - 1].inward, points[i].inward,
+                points[i].fold_rad, points[i].is_turn, lengths_m[i],
+                lengths_m[i + 1] - lengths_m[i]});
+  }
+  const std::size_t last = points.size() - 1;
+  add(points[last].p_m + depth_m_ * points[last].inward, points[last].inward, lengths_m[last]);
+}
+
+void HandWay::add(const Vec3& p_m, const Vec3& inward, double along_m, bool is_turn) {
+  const double way_m =
+      waypoints_.empty() ? 0.0 : waypoints_.back().way_m + (p_m - waypoints_.back().p_m).norm();
+  waypoints_.push_back({p_m, inward, along_m, way_m, is_turn});
+}
+
+void HandWay::add_corner(const Corner& c) {
+  if (c.fold_rad >= kSharpCornerRad) {
+    add_edge(c);
+    return;
+  }
+  // The two planes at press depth meet on the bisector. At a spike they meet far away; a concave
+  // corner needs no more than twice the depth to press both walls, and the end of a slit is in the
+  // way of who goes on.
+  const Vec3 middle = c.inward_in + c.inward_out;
+  const bool is_slit = c.fold_rad < -kTurnsBackRad;
+  const Vec3 bisector = is_slit ? c.tangent_in : Vec3(middle.normalized());
+  const double reach = is_slit ? depth_m_ : depth_m_ / std::max(0.5, bisector.dot(c.inward_in));
+  add(c.p_m + reach * bisector, c.inward_out, c.along_m, c.is_turn);
+}
+
+void HandWay::add_edge(const Corner& c) {
+  const bool turns_back = c.fold_rad > kTurnsBackRad;
+  const Vec3 over =
+      turns_back ? c.tangent_in : unit_across(-c.inward_out, c.inward_in, c.tangent_in);
+  const Vec3 down =
+      turns_back ? c.tangent_out : unit_across(c.inward_in, c.inward_out, c.tangent_out);
+  const double slowness = 1.0 / std::max(1.0 / kMostAslant, c.tangent_out.dot(down));
+  const double beyond_m =
+      std::clamp(0.5 * c.length_out_m, depth_m_ * slowness, kBeyondEdge * depth_m_ * slowness);
+  const Vec3 beyond = beyond_m * c.tangent_out;
+  const Vec3 between = c.inward_in + c.inward_out;
+  // Across the edge, not along a path that meets it aslant: it would be passed before the path is.
+  if (over.dot(c.tangent_in) < kStraightOver) {
+    add(c.p_m + depth_m_ * c.inward_in, between, c.along_m);
+  }
+  add(c.p_m + depth_m_ * (c.inward_in + over), between, c.along_m, true);
+  // Of what is thinner than the depth it goes on along the front: inside is the other side.
+  if (turns_back) add(c.p_m + beyond - depth_m_ * c.inward_out, c.inward_out, c.along_m);
+  add(c.p_m + beyond + depth_m_ * c.inward_out, c.inward_out, c.along_m);
+}
+
+std::size_t HandWay::leg_at(double along_m) const {
+  const auto after = std::upper_bound(
+      waypoints_.begin() + 1, waypoints_.end() - 1, along_m,
+      [](double along, const Waypoint& waypoint) { return along < waypoint.along_m; });
+  return static_cast<std::size_t>(after - waypoints_.begin()) - 1;
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#include "engine/simulation/room_hint.h"
+
+#include <sstream>
+
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/plane_height.h"
+#include "engine/simulation/workspace.h"
+
+namespace palpate {
+namespace {
+
+// A scene k times as large is to the hand what this one is to a hand that is k times as small.
+bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double factor) {
+  SurfacePathSettings smaller = wanted;
+  smaller.length_m /= factor;
+  smaller.leg_m /= factor;
+  smaller.room_m /= factor;
+  return plan_surface_path(scene, smaller).has_value();
+}
+
+// The device that senses A1 and A2 finds a contour that it reaches.
+bool has_contour(const Scene& scene, const RunSetup& setup, const ExplorationSettings& settings) {
+  const ScenePose& pose = setup.haptics.initial_pose;
+  const double largest_m = scene.statistics().extent_m.maxCoeff();
+  return !check_fits(hand_workspace(2, settings.workspace_m), bounds_in_device(scene, pose),
+                     largest_m) &&
+         height_with_contour_m(scene, pose).has_value();
+}
+
+std::string two_sensors_text(const ActuationModel& actuation) {
+  return actuation.actuators() > 2 ? "use --sensors 2 with two --actuators at most"
+                                   : "use --sensors 2";
+}
+
+}  // namespace
+
+std::string room_hint(const Scene& scene, const RunSetup& setup,
+                      const ExplorationSettings& settings, const SurfacePathSettings& wanted) {
+  const Workspace workspace = hand_workspace(setup.actuation.sensors(), settings.workspace_m);
+  const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
+  const double largest_m = scene.statistics().extent_m.maxCoeff();
+  for (const auto& size_m : {fitting_size_m(workspace, bounds, largest_m),
+                             largest_size_m(workspace, bounds, largest_m)}) {
+    if (!size_m || *size_m <= largest_m) continue;
+    if (!has_path_at(scene, wanted, *size_m / largest_m)) continue;
+    std::ostringstream hint;
+    hint << "scale it up with --fit " << *size_m;
+    return hint.str();
+  }
+  if (has_contour(scene, setup, settings)) return two_sensors_text(setup.actuation);
+  return scene.objects().size() > 1
+             ? "no size within --workspace has any: choose a part of it with --node"
+             : "no size within --workspace has any: choose a scene with larger faces";
+}
+
+}  // namespace palpate

@@ -1,0 +1,76 @@
+#pragma once
+
+// A device and the hand that holds it, simulated: what `palpate run` explores a scene with.
+
+#include <cstdint>
+#include <limits>
+#include <random>
+
+#include "engine/session/haptic_session.h"
+#include "geometry/base/types.h"
+
+namespace palpate {
+
+// Where a hand wants to be, device frame.
+struct HandTarget {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+};
+
+// Decides where the hand goes. Runs on the haptic thread, under its rules.
+class HandPlan {
+ public:
+  virtual ~HandPlan() = default;
+  // time_s: since the start. T_device_scene: the scene as displayed now. last: the last tick.
+  virtual HandTarget target(double time_s, const ScenePose& T_device_scene,
+                            const TickRecord& last) noexcept = 0;
+};
+
+// A point mass with friction, read by encoders and held by a hand that is a spring and a damper
+// towards its target. The figures are those of a light desktop device and of one fitted trial of a
+// human hand (0.55 kg, 6.45 N s/m, 135 N/m; Scientific Reports 8, 18004).
+struct PlantSettings {
+  double device_mass_kg = 0.1;
+  double viscous_friction_Ns_per_m = 0.5;
+  double coulomb_friction_N = 0.02;
+  double encoder_quantum_m = 20e-6;
+  double hand_mass_kg = 0.55;
+  double hand_stiffness_N_per_m = 135.0;
+  double hand_damping_Ns_per_m = 6.45;
+  double intention_noise_m = 0.3e-3;  // standard deviation per axis, 3 Hz low-pass
+  double intention_noise_Hz = 3.0;
+  int substeps = 10;  // semi-implicit Euler steps a tick
+  std::uint64_t seed = 1;
+};
+
+// Deterministic: one seed and one plan give one motion.
+class SimulatedDevice final : public Device, public TickObserver {
+ public:
+  // start_device_m: where device and hand rest at time 0. planar: only A1 and A2 move.
+  SimulatedDevice(const PlantSettings& settings, HandPlan& plan, const Vec3& start_device_m,
+                  const ScenePose& T_device_scene, bool planar);
+
+  Vec3 read_position_m(double dt_s) noexcept override;
+  void command_force_N(const Vec3& force_device) noexcept override { force_N_ = force_device; }
+  void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
+               std::int64_t step_ns) noexcept override;
+
+ private:
+  Vec3 intention_noise(double dt_s);
+  void substep(const HandTarget& target, double dt_s);
+
+  PlantSettings settings_;
+  HandPlan& plan_;
+  bool planar_;
+  std::mt19937_64 random_;
+  double time_s_ = 0.0;
+  bool started_ = false;
+  Vec3 position_m_;
+  Vec3 velocity_m_per_s_ = Vec3::Zero();
+  Vec3 noise_m_ = Vec3::Zero();
+  Vec3 force_N_ = Vec3::Zero();
+  ScenePose T_device_scene_;
+  TickRecord last_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,552 @@
+#include "engine/simulation/surface_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+// Of so many faces at most the areas are added up: of every n-th where there are more.
+constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
+
+// Places looked at for a start, and of these how many are tried; headings tried at a turn.
+constexpr int kMostPlaces = 64;
+constexpr std::size_t kMostStarts = 8;
+constexpr int kMostHeadings = 22;
+constexpr int kEdgeHeadings = 6;  // of these
+
+// In rooms: how far above the surface a probe looks for what is in the way; how far apart two looks
+// are, at most and at least, and two looks aside; from how near the surface it looks up; how much
+// surface there is to be on both sides, and how far from edges a turn is; what a leg has at least.
+constexpr double kProbeHeight = 0.25;
+constexpr double kLookEvery = 0.25;
+constexpr double kLookAgain = 0.125;
+constexpr double kWidthEvery = 0.5;
+constexpr double kLookFrom = 1e-3;
+constexpr double kKeepOff = 1.0;
+constexpr double kLeastLeg = 2.0;
+
+// Of the whole path, what leads nowhere: a path that goes there and back takes no more legs.
+constexpr double kLeastStart = 1e-3;
+
+// A heading is good enough if it leads on for this part of a leg.
+constexpr double kGoodLeg = 0.75;
+
+// So many times its length less a leg is worth where it is narrow.
+constexpr double kNarrowCosts = 2.0;
+
+// An edge sharper than that is not crossed at a smaller sine than this.
+constexpr double kSharpEdgeRad = std::numbers::pi / 4;
+constexpr double kGrazing = 0.5;
+
+// Around one that is sharper than that the probe goes, through others it looks straight.
+constexpr double kSeenEdgeRad = std::numbers::pi / 12;
+
+// A path keeps off vertices by this part of an edge, so that each edge has two sides.
+constexpr double kOffVertex = 1e-6;
+
+// To go over a sharp edge takes as long as so many rooms of the way; and a leg is worth so much
+// less for each right angle by which it bends, all at once or little by little.
+constexpr double kEdgeCosts = 6.0;
+constexpr double kRightAngle = std::numbers::pi / 2;
+
+// Faces that a leg crosses at most, and after how many the path ends: what is finer than any hand
+// feels costs no more memory than that.
+constexpr std::size_t kMostFaces = 20000;
+constexpr std::size_t kMostPieces = 200000;
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : random_(seed) {}
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+// A face of a node, scene frame.
+struct Face {
+  std::uint32_t object = 0;
+  std::uint32_t face = 0;
+  std::array<OpenMesh::HalfedgeHandle, 3> edges;  // edge k from corner k to corner k + 1
+  std::array<Vec3, 3> corners_m;
+  Vec3 winding;  // unit, by which the corners run counter-clockwise; zero if there is no area
+  Vec3 normal;   // outward: the same, or its opposite in a node that is mirrored
+};
+
+class FaceReader {
+ public:
+  explicit FaceReader(const Scene& scene) : scene_(scene) {}
+
+  Face read(std::uint32_t object, std::uint32_t face) const {
+    const SceneObject& o = scene_.objects()[object];
+    const OpenMeshSurface& surface = scene_.mesh(o.mesh).surface();
+    const AffineMap deformation = scene_.deformation(object);
+    Face read;
+    read.object = object;
+    read.face = face;
+    auto h = surface.halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
+    for (std::size_t k = 0; k < 3; ++k) {
+      read.edges[k] = h;
+      read.corners_m[k] =
+          o.T_scene_body.point(deformation(surface.point(surface.from_vertex_handle(h))));
+      h = surface.next_halfedge_handle(h);
+    }
+    const Vec3 cross =
+        (read.corners_m[1] - read.corners_m[0]).cross(read.corners_m[2] - read.corners_m[0]);
+    read.winding = cross.stableNormalized();
+    if (!read.winding.allFinite()) read.winding = Vec3::Zero();
+    const bool is_mirrored = deformation.linear.determinant() < 0.0;
+    read.normal = is_mirrored ? Vec3(-read.winding) : read.winding;
+    return read;
+  }
+
+  // Across edge k; nothing at a boundary of the surface.
+  std::optional<Face> across(const Face& face, std::size_t k) const {
+    const OpenMeshSurface& surface = scene_.mesh(scene_.objects()[face.object].mesh).surface();
+    const auto next = surface.opposite_face_handle(face.edges[k]);
+    if (!next.is_valid()) return std::nullopt;
+    const Face found = read(face.object, static_cast<std::uint32_t>(next.idx()));
+    if (found.winding.isZero(0.0)) return std::nullopt;
+    return found;
+  }
+
+ private:
+  const Scene& scene_;
+};
+
+// Random faces, uniform by area.
+class FaceSampler {
+ public:
+  FaceSampler(const Scene& scene, Random& random) : scene_(scene), faces_(scene), random_(random) {
+    std::size_t count = 0;
+    for (const SceneObject& object : scene.objects()) {
+      first_of_object_.push_back(count);
+      count += scene.mesh(object.mesh).face_count();
+    }
+    step_ = count / kMostWeighed + 1;
+    double area = 0.0;
+    std::uint32_t object = 0;
+    for (std::size_t n = static_cast<std::size_t>(random.uniform() * static_cast<double>(step_));
+         n < count; n += step_) {
+      while (object + 1 < first_of_object_.size() && first_of_object_[object + 1] <= n) ++object;
+      const Face face =
+          faces_.read(object, static_cast<std::uint32_t>(n - first_of_object_[object]));
+      const auto& c = face.corners_m;
+      area += (c[1] - c[0]).cross(c[2] - c[0]).norm();
+      if (area_up_to_.empty()) first_ = n;
+      area_up_to_.push_back(area);
+    }
+  }
+
+  bool is_empty() const { return area_up_to_.empty(); }
+
+  // Of a scene that is not empty.
+  Face draw() {
+    const double at = random_.uniform() * area_up_to_.back();
+    const auto found = std::upper_bound(area_up_to_.begin(), area_up_to_.end(), at);
+    const auto i = std::min<std::size_t>(static_cast<std::size_t>(found - area_up_to_.begin()),
+                                         area_up_to_.size() - 1);
+    const std::size_t n = first_ + i * step_;
+    const auto after = std::upper_bound(first_of_object_.begin(), first_of_object_.end(), n);
+    const auto object = static_cast<std::uint32_t>(after - first_of_object_.begin() - 1);
+    return faces_.read(object, static_cast<std::uint32_t>(n - first_of_object_[object]));
+  }
+
+ private:
+  const Scene& scene_;
+  FaceReader faces_;
+  Random& random_;
+  std::vector<std::size_t> first_of_object_;
+  std::vector<double> area_up_to_;
+  std::size_t step_ = 1;
+  std::size_t first_ = 0;
+};
+
+// Looks along segments for any surface of the scene.
+class Looker {
+ public:
+  explicit Looker(const ContactWorld& world) : world_(world) {}
+
+  // The part of the segment up to the first surface; infinity if there is none.
+  double first_hit(const Vec3& from_scene, const Vec3& to_scene) const {
+    Look look{&world_, world_.to_solver(from_scene), world_.to_solver(to_scene),
+              std::numeric_limits<double>::infinity()};
+    const auto visit = [](void* state, std::uint32_t body) {
+      static_cast<Look*>(state)->at(body);
+      return true;
+    };
+    if (world_.tree) {
+      world_.tree->visit_along(look.from, look.to - look.from, 0.0, 0, visit, &look);
+    } else {
+      for (std::uint32_t b = 0; b < world_.bodies.size(); ++b) look.at(b);
+    }
+    return look.fraction;
+  }
+
+ private:
+  struct Look {
+    const ContactWorld* world;
+    Vec3 from, to;
+    double fraction;
+
+    void at(std::uint32_t b) {
+      const ContactBody& body = world->bodies[b];
+      const Vec3 from_body = body.to_body(from);
+      const auto hit = body.index->first_hit(from_body, body.to_body(to) - from_body);
+      if (hit) fraction = std::min(fraction, hit->fraction);
+    }
+  };
+  const ContactWorld& world_;
+};
+
+// A straight part of the path, in one face.
+struct Piece {
+  Face face;
+  Vec3 from_m, to_m;
+  Vec3 heading;     // unit, in the face
+  double fold_rad;  // of the edge that it begins at; > 0 if it sticks out
+  bool is_turn;
+
+  double length_m() const { return (to_m - from_m).norm(); }
+};
+
+struct Leg {
+  // What there is on both sides of a place.
+  struct Spot {
+    double along_m;
+    bool is_wide;  // surface, or a wall
+  };
+  std::vector<Piece> pieces;
+  std::vector<Spot> spots;
+  std::vector<double> edges_m;  // along it, where it goes over a sharp edge or into a corner
+  double length_m = 0.0;
+  double worth_m = 0.0;  // its length, less where it is narrow or bends
+};
+
+// Where a line in a face leaves it.
+struct Exit {
+  std::size_t edge;
+  Vec3 p_m;
+  Vec3 along_edge;  // unit
+};
+
+std::optional<Exit> exit_of(const Face& face, const Vec3& from_m, const Vec3& heading) {
+  std::optional<Exit> found;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& a = face.corners_m[k];
+    const Vec3 edge = face.corners_m[(k + 1) % 3] - a;
+    const double edge_m = edge.norm();
+    if (edge_m == 0.0) continue;
+    const Vec3 outward = (edge / edge_m).cross(face.winding);
+    const double speed = heading.dot(outward);
+    if (!(speed > 0.0)) continue;
+    const double way_m = std::max(0.0, (a - from_m).dot(outward) / speed);
+    if (way_m >= nearest_m) continue;
+    nearest_m = way_m;
+    const double part = (from_m + way_m * heading - a).dot(edge) / (edge_m * edge_m);
+    found = {k, a + std::clamp(part, kOffVertex, 1.0 - kOffVertex) * edge, edge / edge_m};
+  }
+  return found;
+}
+
+class PathFinder {
+ public:
+  PathFinder(const Scene& scene, const SurfacePathSettings& settings)
+      : scene_(scene),
+        settings_(settings),
+        faces_(scene),
+        looker_(scene.world()),
+        random_(settings.seed),
+        sampler_(scene, random_),
+        far_m_(2.0 * scene.statistics().extent_m.norm()) {}
+
+  std::optional<SurfacePath> find() {
+    if (sampler_.is_empty()) return std::nullopt;
+    std::vector<Start> starts;
+    for (int i = 0; i < kMostPlaces; ++i) {
+      if (auto start = draw_start()) starts.push_back(*start);
+    }
+    std::stable_sort(starts.begin(), starts.end(),
+                     [](const Start& a, const Start& b) { return a.rank() > b.rank(); });
+    if (starts.size() > kMostStarts) starts.resize(kMostStarts);
+    const Start* best = nullptr;
+    Leg first;
+    for (const Start& start : starts) {
+      if (best && start.rank() < best->rank() && first.length_m > least_leg_m()) break;
+      Leg leg = best_leg(start.face, start.p_m);
+      if (leg.length_m < kLeastStart * settings_.length_m) continue;
+      if (best && leg.worth_m <= first.worth_m) continue;
+      best = &start;
+      first = std::move(leg);
+      if (first.length_m >= kGoodLeg * settings_.leg_m) break;
+    }
+    if (!best) return std::nullopt;
+    take(first);
+    while (done_m_ + least_leg_m() < settings_.length_m && pieces_.size() < kMostPieces) {
+      take(next_leg());
+    }
+    const SceneObject& object = scene_.objects()[best->face.object];
+    return SurfacePath{as_path(), best->free_m,
+                       scene_.mesh(object.mesh).report().boundary_edges > 0};
+  }
+
+ private:
+  struct Start {
+    Face face;
+    Vec3 p_m;
+    double free_m;
+    bool is_wide;
+
+    // Free ones first, and of these those with surface all around.
+    std::pair<bool, bool> rank() const { return {std::isinf(free_m), is_wide}; }
+  };
+
+  std::optional<Start> draw_start() {
+    const Face face = sampler_.draw();
+    const double root = std::sqrt(random_.uniform());
+    const double v = random_.uniform();
+    const auto& c = face.corners_m;
+    const Vec3 p_m = (1 - root) * c[0] + root * (1 - v) * c[1] + root * v * c[2];
+    if (face.winding.isZero(0.0)) return std::nullopt;
+    const double free_m =
+        far_m_ * looker_.first_hit(p_m + above(kLookFrom, face.normal), p_m + far_m_ * face.normal);
+    if (free_m < 2.0 * settings_.room_m) return std::nullopt;
+    const Vec3 u = face.winding.unitOrthogonal();
+    return Start{face, p_m, free_m,
+                 is_wide(face, p_m, u) && is_wide(face, p_m, face.winding.cross(u))};
+  }
+
+  Vec3 above(double rooms, const Vec3& normal) const { return rooms * settings_.room_m * normal; }
+
+  double least_leg_m() const {
+    return std::min(kLeastLeg * settings_.room_m, 0.5 * settings_.leg_m);
+  }
+
+  Leg next_leg() {
+    const Piece& last = pieces_.back();
+    Leg leg = best_leg(last.face, last.to_m);
+    if (leg.length_m >= least_leg_m()) return leg;
+    Leg back = way_back();
+    return back.length_m > leg.length_m ? back : leg;
+  }
+
+  // The best of some headings, or the first that is good.
+  Leg best_leg(const Face& face, const Vec3& from_m) {
+    const double wanted_m = std::min(settings_.leg_m, settings_.length_m - done_m_);
+    Leg best;
+    for (int i = 0; i < kMostHeadings && best.worth_m < kGoodLeg * wanted_m; ++i) {
+      Leg leg = go_straight(face, from_m, heading(face, i), wanted_m + kKeepOff * settings_.room_m);
+      settle(leg, wanted_m);
+      if (best.pieces.empty() || leg.worth_m > best.worth_m) best = std::move(leg);
+    }
+    return best;
+  }
+
+  // Random ones, and along each edge of the face: what is thin leads on along them.
+  Vec3 heading(const Face& face, int i) {
+    const int edge = i - (kMostHeadings - kEdgeHeadings);
+    if (edge >= 0) {
+      const Vec3& from = face.corners_m[static_cast<std::size_t>(edge % 3)];
+      const Vec3 along = face.corners_m[static_cast<std::size_t>((edge + 1) % 3)] - from;
+      if (along.norm() > 0.0) return (edge < 3 ? 1.0 : -1.0) * along.normalized();
+    }
+    const double angle_rad = 2.0 * std::numbers::pi * random_.uniform();
+    const Vec3 u = face.winding.unitOrthogonal();
+    return std::cos(angle_rad) * u + std::sin(angle_rad) * face.winding.cross(u);
+  }
+
+  // Ends a leg where there is surface all around, not just beyond an edge or before one.
+  void settle(Leg& leg, double wanted_m) const {
+    const double keep_off_m = kKeepOff * settings_.room_m;
+    double end_m = std::min(wanted_m, std::max(0.5 * leg.length_m, leg.length_m - keep_off_m));
+    const auto is_good = [&](const Leg::Spot& spot) {
+      return spot.is_wide && spot.along_m <= end_m &&
+             std::none_of(leg.edges_m.begin(), leg.edges_m.end(), [&](double edge_m) {
+               return std::abs(edge_m - spot.along_m) < keep_off_m;
+             });
+    };
+    const auto good = std::find_if(leg.spots.rbegin(), leg.spots.rend(), is_good);
+    if (good != leg.spots.rend() && good->along_m >= least_leg_m()) end_m = good->along_m;
+    shorten(leg, end_m);
+    double last_m = 0.0;
+    leg.worth_m = leg.length_m;
+    for (const Piece& piece : leg.pieces) {
+      leg.worth_m -= std::max(0.0, piece.fold_rad) / kRightAngle * kEdgeCosts * settings_.room_m;
+    }
+    for (const Leg::Spot& spot : leg.spots) {
+      if (spot.along_m > end_m) break;
+      if (!spot.is_wide) leg.worth_m -= kNarrowCosts * (spot.along_m - last_m);
+      last_m = spot.along_m;
+    }
+  }
+
+  Leg go_straight(Face face, Vec3 from_m, Vec3 heading, double wanted_m) const {
+    Leg leg;
+    double fold_rad = 0.0;
+    std::optional<Vec3> probe_m;
+    if (!look(face, from_m, probe_m)) return leg;
+    for (std::size_t n = 0; n < kMostFaces && leg.length_m < wanted_m; ++n) {
+      const auto exit = exit_of(face, from_m, heading);
+      if (!exit) break;
+      Piece piece{face, from_m, exit->p_m, heading, fold_rad, leg.pieces.empty()};
+      const bool is_free = go_along(piece, wanted_m, leg, probe_m);
+      leg.pieces.push_back(piece);
+      leg.length_m += piece.length_m();
+      if (!is_free) break;
+      const auto next = faces_.across(face, exit->edge);
+      if (!next || !cross(face, *next, *exit, heading, fold_rad, probe_m)) break;
+      if (std::abs(fold_rad) > kSharpEdgeRad) leg.edges_m.push_back(leg.length_m);
+      face = *next;
+      from_m = exit->p_m;
+    }
+    return leg;
+  }
+
+  // Looks along a piece, and shortens it where there is something in the way of the probe, which
+  // was at probe_m last, if anywhere. Whether it is free to its end.
+  bool go_along(Piece& piece, double most_m, Leg& leg, std::optional<Vec3>& probe_m) const {
+    const double whole_m = piece.length_m();
+    const double end_m = std::min(whole_m, most_m - leg.length_m);
+    const double step_m = kLookEvery * settings_.room_m;
+    double free_m = 0.0;
+    while (free_m < end_m) {
+      // Not at the very edge: what stands on it is in nobody's way.
+      const double next_m = std::min(free_m + step_m, end_m);
+      const double look_m = next_m < end_m ? next_m : 0.5 * (free_m + end_m);
+      const Vec3 p_m = piece.from_m + look_m * piece.heading;
+      if (!look(piece.face, p_m, probe_m)) break;
+      const double along_m = leg.length_m + look_m;
+      if (leg.spots.empty() ||
+          along_m >= leg.spots.back().along_m + kWidthEvery * settings_.room_m) {
+        leg.spots.push_back({along_m, is_wide(piece.face, p_m, piece.heading)});
+      }
+      free_m = next_m;
+    }
+    if (free_m < whole_m) piece.to_m = piece.from_m + free_m * piece.heading;
+    return free_m >= whole_m;
+  }
+
+  // Whether there is surface on both sides of the way, or a wall that stands on it.
+  bool is_wide(const Face& face, const Vec3& p_m, const Vec3& heading) const {
+    const double aside_m = kKeepOff * settings_.room_m;
+    const Vec3 above_m = p_m + above(kProbeHeight, face.normal);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 beside_m = above_m + side * aside_m * face.normal.cross(heading);
+      if (std::isfinite(looker_.first_hit(above_m, beside_m))) continue;
+      const Vec3 below_m = beside_m - above(kProbeHeight + kKeepOff, face.normal);
+      if (std::isinf(looker_.first_hit(beside_m, below_m))) return false;
+    }
+    return true;
+  }
+
+  // Whether there is room above a point of a face, and nothing on the way there.
+  bool look(const Face& face, const Vec3& p_m, std::optional<Vec3>& probe_m) const {
+    const Vec3 here_m = p_m + above(kProbeHeight, face.normal);
+    if (probe_m && (here_m - *probe_m).norm() < kLookAgain * settings_.room_m) return true;
+    if (probe_m && std::isfinite(looker_.first_hit(*probe_m, here_m))) return false;
+    probe_m = here_m;
+    return std::isinf(
+        looker_.first_hit(p_m + above(kLookFrom, face.normal), p_m + above(1.0, face.normal)));
+  }
+
+  // Turns the heading over an edge. False where a hand does not go.
+  bool cross(const Face& face, const Face& next, const Exit& exit, Vec3& heading, double& fold_rad,
+             std::optional<Vec3>& probe_m) const {
+    const Vec3 outward = exit.along_edge.cross(face.winding);
+    const Vec3 onward = exit.along_edge.cross(next.winding);
+    const double along = heading.dot(exit.along_edge);
+    const double across = heading.dot(outward);
+    fold_rad = std::copysign(
+        std::atan2(face.normal.cross(next.normal).norm(), face.normal.dot(next.normal)),
+        next.normal.dot(outward));
+    if (fold_rad > kSharpEdgeRad && across < kGrazing) return false;
+    heading = (along * exit.along_edge + across * onward).normalized();
+    if (fold_rad < kSeenEdgeRad || !probe_m) return true;
+    // Around an edge that sticks out, not through it.
+    for (const Vec3& normal : {face.normal, next.normal}) {
+      const Vec3 here_m = exit.p_m + above(kProbeHeight, normal);
+      if (std::isfinite(looker_.first_hit(*probe_m, here_m))) return false;
+      probe_m = here_m;
+    }
+    return true;
+  }
+
+  static void shorten(Leg& leg, double length_m) {
+    while (!leg.pieces.empty() && leg.length_m > length_m) {
+      Piece& last = leg.pieces.back();
+      const double last_m = last.length_m();
+      if (leg.length_m - last_m >= length_m) {
+        leg.length_m -= last_m;
+        leg.pieces.pop_back();
+      } else {
+        last.to_m = last.from_m + (length_m - (leg.length_m - last_m)) * last.heading;
+        leg.length_m = length_m;
+      }
+    }
+  }
+
+  // The pieces that led here, from the last one back.
+  Leg way_back() const {
+    Leg leg;
+    double fold_rad = 0.0;
+    for (std::size_t i = pieces_.size(); i-- > 0 && leg.length_m < settings_.leg_m;) {
+      const Piece& p = pieces_[i];
+      leg.pieces.push_back(
+          {p.face, p.to_m, p.from_m, -p.heading, fold_rad, leg.pieces.empty() || turned_after(i)});
+      leg.length_m += p.length_m();
+      fold_rad = p.fold_rad;
+    }
+    return leg;
+  }
+  bool turned_after(std::size_t i) const {
+    return i + 1 < pieces_.size() && pieces_[i + 1].is_turn;
+  }
+
+  static std::ptrdiff_t sharp_edges(const Leg& leg) {
+    return std::count_if(leg.pieces.begin(), leg.pieces.end(),
+                         [](const Piece& p) { return p.fold_rad > kSharpEdgeRad; });
+  }
+
+  void take(const Leg& leg) {
+    pieces_.insert(pieces_.end(), leg.pieces.begin(), leg.pieces.end());
+    done_m_ += leg.length_m + static_cast<double>(sharp_edges(leg)) * kEdgeCosts * settings_.room_m;
+  }
+
+  HandPath as_path() const {
+    HandPath path;
+    for (const Piece& piece : pieces_) {
+      if (piece.from_m == piece.to_m && !piece.is_turn) continue;
+      path.points.push_back({piece.from_m, -piece.face.normal, piece.fold_rad, piece.is_turn});
+    }
+    path.points.front().is_turn = false;
+    path.points.push_back({pieces_.back().to_m, path.points.back().inward});
+    return path;
+  }
+
+  const Scene& scene_;
+  SurfacePathSettings settings_;
+  FaceReader faces_;
+  Looker looker_;
+  Random random_;
+  FaceSampler sampler_;
+  double far_m_;
+  std::vector<Piece> pieces_;
+  double done_m_ = 0.0;  // of the length of the path
+};
+
+}  // namespace
+
+std::optional<SurfacePath> plan_surface_path(const Scene& scene,
+                                             const SurfacePathSettings& settings) {
+  return PathFinder(scene, settings).find();
+}
+
+}  // namespace palpate

@@ -1,0 +1,113 @@
+#include "engine/simulation/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "engine/simulation/path_plan.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kPartToFill = 0.5;
+
+double widest_m(const Workspace& workspace, const Box& bounds_device) {
+  return (bounds_device.high - bounds_device.low).head(workspace.sensors).maxCoeff();
+}
+
+double unit_of(double x) {
+  constexpr int kDigits = 3;
+  return std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
+}
+
+// As it is typed: 0.0666 and not 0.066666667.
+double rounded_down(double x) {
+  const double unit = unit_of(x);
+  const double rounded = std::floor(x / unit) * unit;
+  return std::isfinite(rounded) && rounded > 0.0 ? rounded : x;
+}
+
+// What is left of a number of three digits or more when those behind the third are cut off: they
+// are less than one in a hundred.
+constexpr double kLeftOfRounded = 0.99;
+
+double most_m(const Workspace& workspace) {
+  return workspace.extent_m - 2 * workspace.room_m;
+}
+
+// Of the widest extent: as much below what the workspace holds as digits are cut off, so that the
+// scaled scene is not beyond it by a rounding.
+double wanted_m(const Workspace& workspace) {
+  return std::min(kPartToFill * workspace.extent_m, kLeftOfRounded * most_m(workspace));
+}
+
+// The value of --fit with which what is so wide along the sensed axes becomes so wide.
+std::optional<double> size_for(double wanted_m, double widest_m, double largest_extent_m) {
+  const double size_m = wanted_m * (largest_extent_m / widest_m);
+  if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
+  return rounded_down(size_m);
+}
+
+// The smallest workspace that holds a size of three digits whatever is scaled to it.
+double least_workspace_m(const Workspace& workspace) {
+  const double least_m =
+      2 * workspace.room_m + workspace.least_m / (kLeftOfRounded * kLeftOfRounded);
+  const double unit = unit_of(least_m);
+  return std::ceil(least_m / unit) * unit;
+}
+
+Error too_small(const Workspace& workspace) {
+  std::ostringstream problem;
+  problem << workspace.extent_m << " m given, expected " << least_workspace_m(workspace)
+          << " m at least: room for the hand on each side of what it presses on";
+  return {ErrorCode::kInvalidArgument, "", "--workspace", problem.str(),
+          "no --fit makes a scene fit a smaller one"};
+}
+
+}  // namespace
+
+Workspace hand_workspace(int sensors, double extent_m) {
+  const double depth_m = PathPlanSettings{}.press_depth_m;
+  return {sensors, extent_m, 2 * depth_m, depth_m};
+}
+
+std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
+                                     double largest_extent_m) {
+  return size_for(wanted_m(workspace), widest_m(workspace, bounds_device), largest_extent_m);
+}
+
+std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
+                                     double largest_extent_m) {
+  return size_for(kLeftOfRounded * most_m(workspace), widest_m(workspace, bounds_device),
+                  largest_extent_m);
+}
+
+std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,
+                                double largest_extent_m) {
+  const double widest = widest_m(workspace, bounds_device);
+  const double most = most_m(workspace);
+  if (widest >= workspace.least_m && widest <= most) return std::nullopt;
+  if (workspace.extent_m < least_workspace_m(workspace)) return too_small(workspace);
+  const Vec3 extent_m = bounds_device.high - bounds_device.low;
+  std::ostringstream problem;
+  problem << "spans ";
+  for (int axis = 0; axis < workspace.sensors; ++axis) {
+    problem << (axis > 0 ? " x " : "") << extent_m[axis];
+  }
+  problem << " m along the sensed axes, expected ";
+  if (widest > most) {
+    problem << most << " m at most: the workspace of " << workspace.extent_m << " m less "
+            << workspace.room_m << " m on each side for the hand";
+  } else {
+    problem << workspace.least_m << " m at least: the hand presses so deep";
+  }
+  std::ostringstream hint;
+  if (const auto size_m = fitting_size_m(workspace, bounds_device, largest_extent_m)) {
+    hint << "scale it with --fit " << *size_m << ", which --fit auto does";
+  } else {
+    hint << "turn it with --place so that it has an extent along the sensed axes";
+  }
+  return Error{ErrorCode::kInvalidArgument, "", "scene", problem.str(), hint.str()};
+}
+
+}  // namespace palpate

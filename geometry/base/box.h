@@ -1,0 +1,26 @@
+#pragma once
+
+#include "geometry/base/types.h"
+
+namespace palpate {
+
+// An axis-aligned box, metres, in a frame that its owner names.
+struct Box {
+  Vec3 low, high;
+  double squared_distance(const Vec3& p) const {
+    return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
+  }
+  bool contains(const Vec3& p) const {
+    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+  }
+  Box grown(double margin) const {
+    return {(low.array() - margin).matrix(), (high.array() + margin).matrix()};
+  }
+  Box united(const Box& other) const {
+    return {low.cwiseMin(other.low), high.cwiseMax(other.high)};
+  }
+  // Narrows [enter, leave] to the part of p + [enter, leave] d inside; false if there is none.
+  bool clip(const Vec3& p, const Vec3& d, double& enter, double& leave) const;
+};
+
+}  // namespace palpate

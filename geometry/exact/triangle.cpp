@@ -1,0 +1,104 @@
+#include "geometry/exact/triangle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/exact/orientation.h"
+
+namespace palpate {
+namespace {
+
+// A unit normal is good to 4 roundings, so is a difference of two points turned into a direction.
+constexpr double kDirectionRoundoff = 4 * kUnitRoundoff;
+
+// What rounding makes of a place relative to an edge, of its distance from the nearer end of that
+// edge: 3 for the projection, 1 for the product, 1 for the difference.
+constexpr double kEdgeRoundoff = 8 * kUnitRoundoff;
+
+// One edge as seen from the query point.
+struct Edge {
+  Vec3 along;        // to - from
+  Vec3 p_from;       // p - from
+  Vec3 p_to;         // p - to
+  double past_from;  // of the projection of p, in edge lengths squared: > 0 inside or beyond `to`
+  double past_to;    // < 0 inside or before `from`
+  double side;       // of p, times the edge's length: < 0 beyond the edge, outside the triangle
+
+  // Everything is measured from the nearer end, so that rounding stays small next to it.
+  Edge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
+      : along(to - from),
+        p_from(p - from),
+        p_to(p - to),
+        past_from(p_from.dot(along)),
+        past_to(p_to.dot(along)),
+        side(triple_product(t.normal, along, is_nearer_from() ? p_from : p_to)) {}
+
+  bool is_nearer_from() const { return past_from < -past_to; }
+  bool is_outside() const { return side < 0.0; }
+  bool is_beside() const { return past_from > 0.0 && past_to < 0.0; }
+  double roundoff_m() const { return kEdgeRoundoff * norm1(is_nearer_from() ? p_from : p_to); }
+};
+
+TrianglePoint at(const Vec3& apart, const Vec3& p, double error_m, TriangleFeature feature,
+                 const Vec3& normal) {
+  const double distance = apart.norm();
+  if (distance == 0.0) return {p, 0.0, normal, 0.0, feature};
+  return {p - apart, distance, apart / distance, kDirectionRoundoff + error_m / distance, feature};
+}
+
+TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
+  const bool near_from = e.is_nearer_from();
+  const double t = (near_from ? e.past_from : e.past_to) / e.along.squaredNorm();
+  return at((near_from ? e.p_from : e.p_to) - t * e.along, p, e.roundoff_m(),
+            TriangleFeature::kEdge, normal);
+}
+
+// Over the face the direction is the normal's, unless p is so close to being beyond an edge that
+// rounding cannot tell.
+TrianglePoint on_face(const TriangleGeometry& t, const Edge (&edges)[3], const Vec3& p) {
+  const double height = t.normal.dot(edges[0].p_from);
+  double error_m = 0.0;
+  for (const Edge& e : edges) {
+    if (e.side <= e.roundoff_m() * norm1(e.along)) error_m = std::max(error_m, e.roundoff_m());
+  }
+  const double distance = std::abs(height);
+  return {p - height * t.normal, distance, height < 0.0 ? Vec3(-t.normal) : t.normal,
+          kDirectionRoundoff + (distance > 0.0 ? error_m / distance : 0.0), TriangleFeature::kFace};
+}
+
+TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& normal) {
+  return at(from_vertex, p, 0.0, TriangleFeature::kVertex, normal);
+}
+
+}  // namespace
+
+TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept {
+  const Edge edges[3] = {{t, t.a, t.b, p}, {t, t.b, t.c, p}, {t, t.c, t.a, p}};
+  if (!edges[0].is_outside() && !edges[1].is_outside() && !edges[2].is_outside()) {
+    return on_face(t, edges, p);
+  }
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  TrianglePoint nearest{p, kNone, t.normal, 0.0};
+  const auto consider = [&](const TrianglePoint& candidate) {
+    if (candidate.distance < nearest.distance) nearest = candidate;
+  };
+  // Which feature is nearest is decided by the regions that p can lie in, not by comparing
+  // distances: those of a vertex and of the edge beside it agree to the last bit where their
+  // directions are still far apart.
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Edge& in = edges[(i + 2) % 3];
+    const Edge& out = edges[i];
+    if (out.is_outside() && out.is_beside()) consider(on_edge(out, p, t.normal));
+    if (in.past_to >= 0.0 && out.past_from <= 0.0) consider(on_vertex(out.p_from, p, t.normal));
+  }
+  if (nearest.distance < kNone) return nearest;
+  // Rounding has put p between all regions.
+  for (const Edge& edge : edges) {
+    if (edge.is_beside()) consider(on_edge(edge, p, t.normal));
+    consider(on_vertex(edge.p_from, p, t.normal));
+  }
+  return nearest;
+}
+
+}  // namespace palpate

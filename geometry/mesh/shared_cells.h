@@ -1,0 +1,104 @@
+#pragma once
+
+// Which small parts of space hold points of more than one owner.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/base/types.h"
+#include "geometry/mesh/spatial_hash.h"
+
+namespace palpate {
+
+// Cubic cells without end, of which those that hold points take 8 bytes each, however many points
+// they hold: many times less than a PointGrid of the same points, so that it can sort out points
+// that are alone before one is made. Names all cells that are shared, and rarely one that is not.
+// Any frame, metres. Coordinates below 2^62 cells. Owners below 2^31. Deterministic. Not for the
+// haptic thread.
+class SharedCells {
+ public:
+  // capacity: points that will be added, at most.
+  SharedCells(double cell_m, std::size_t capacity)
+      : per_cell_(1.0 / cell_m), slots_(slot_count(capacity), 0) {}
+
+  static std::uint64_t bytes(std::size_t capacity) {
+    return slot_count(capacity) * sizeof(std::uint64_t);
+  }
+
+  // So many points of one owner in one cell are a crowd.
+  static constexpr std::uint64_t kCrowd = 64;
+
+  // A point of an owner, in its own cell; those of one owner come one after the other. False where
+  // the cell holds a crowd of that owner's.
+  bool add(const Vec3& p, std::uint32_t owner) {
+    const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
+    std::uint64_t& slot = slots_[find(key)];
+    const bool is_by_another = slot != 0 && owner_of(slot) != owner;
+    const std::uint64_t count = slot == 0 || is_by_another ? 1 : count_of(slot) + 1;
+    const std::uint64_t shared = is_by_another ? kIsShared : slot & kIsShared;
+    slot = tag_of(key) | std::min(count, kCrowd) << kCountBegin | shared |
+           std::uint64_t{owner} << 1 | kIsThere;
+    return count < kCrowd;
+  }
+
+  // Marks as shared the cells within radius_m of p that hold points of others; whether there are
+  // any. radius_m: less than half a cell.
+  bool share_near(const Vec3& p, double radius_m, std::uint32_t owner) {
+    bool is_any = false;
+    visit_cells_near(p, radius_m, per_cell_, [&](std::uint64_t key) {
+      std::uint64_t& slot = slots_[find(key)];
+      if (slot == 0 || (owner_of(slot) == owner && (slot & kIsShared) == 0)) return;
+      slot |= kIsShared;
+      is_any = true;
+    });
+    return is_any;
+  }
+
+  // Whether no other cell than that of p is within radius_m of it: if p has been added,
+  // share_near() has nothing to mark.
+  bool is_inside_cell(const Vec3& p, double radius_m) const {
+    const SpatialCell low = spatial_cell((p.array() - radius_m).matrix(), per_cell_);
+    const SpatialCell high = spatial_cell((p.array() + radius_m).matrix(), per_cell_);
+    return low.x == high.x && low.y == high.y && low.z == high.z;
+  }
+
+  // Whether the cell of a point that was added is shared.
+  bool is_shared(const Vec3& p) const {
+    return (slots_[find(spatial_key(spatial_cell(p, per_cell_)))] & kIsShared) != 0;
+  }
+
+ private:
+  // A slot: 24 bits of the key, how many points the last owner has there, whether others have, the
+  // last owner, and a one. 0: empty.
+  static constexpr std::uint64_t kIsThere = 1;
+  static constexpr std::uint64_t kIsShared = std::uint64_t{1} << 32;
+  static constexpr int kCountBegin = 33;
+  static constexpr std::uint64_t kTag = ~std::uint64_t{0} << 40;
+  static std::uint64_t count_of(std::uint64_t slot) { return (slot & ~kTag) >> kCountBegin; }
+  static std::uint64_t tag_of(std::uint64_t key) { return key & kTag; }
+  static std::uint32_t owner_of(std::uint64_t slot) {
+    return static_cast<std::uint32_t>(slot) >> 1;
+  }
+
+  // At most two in three are taken, so that runs are short.
+  static std::size_t slot_count(std::size_t capacity) {
+    std::size_t count = 16;
+    while (2 * count < 3 * capacity) count *= 2;
+    return count;
+  }
+
+  // The slot of a cell, or the empty one where it would be. Two cells in one run whose tags are
+  // alike are as if they were one.
+  std::size_t find(std::uint64_t key) const {
+    std::size_t i = key & (slots_.size() - 1);
+    while (slots_[i] != 0 && (slots_[i] & kTag) != tag_of(key)) i = (i + 1) & (slots_.size() - 1);
+    return i;
+  }
+
+  double per_cell_;
+  std::vector<std::uint64_t> slots_;  // their number is a power of two
+};
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#pragma once
+
+// Cubic cells without end, by a key of 64 bits each.
+
+#include <cmath>
+#include <cstdint>
+
+#include "geometry/base/types.h"
+
+namespace palpate {
+
+struct SpatialCell {
+  std::int64_t x, y, z;
+};
+
+// Coordinates below 2^62 cells.
+inline SpatialCell spatial_cell(const Vec3& p, double cells_per_m) {
+  const auto floor_of = [&](double x) {
+    return static_cast<std::int64_t>(std::floor(x * cells_per_m));
+  };
+  return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
+}
+
+// SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with one key are as
+// if they were one.
+inline std::uint64_t spatial_key(const SpatialCell& cell) {
+  std::uint64_t key = 0;
+  for (const std::int64_t c : {cell.x, cell.y, cell.z}) {
+    key = (key ^ static_cast<std::uint64_t>(c)) + 0x9e3779b97f4a7c15u;
+    key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+    key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+    key ^= key >> 31;
+  }
+  return key;
+}
+
+// Calls visit(key) for the cells that come within radius_m of p: at most eight for a radius of less
+// than half a cell.
+template <typename Visit>
+void visit_cells_near(const Vec3& p, double radius_m, double cells_per_m, Visit visit) {
+  const SpatialCell low = spatial_cell((p.array() - radius_m).matrix(), cells_per_m);
+  const SpatialCell high = spatial_cell((p.array() + radius_m).matrix(), cells_per_m);
+  for (std::int64_t x = low.x; x <= high.x; ++x) {
+    for (std::int64_t y = low.y; y <= high.y; ++y) {
+      for (std::int64_t z = low.z; z <= high.z; ++z) visit(spatial_key({x, y, z}));
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+#include "haptics/a4/actuation.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <sstream>
+
+namespace palpate {
+namespace {
+
+// A direction whose part outside a span is smaller than this lies in the span: its own rounding and
+// that of two Gram-Schmidt passes.
+constexpr double kSpanRoundoff = 64 * std::numeric_limits<double>::epsilon();
+
+Error invalid(std::string element, std::string problem, std::string hint) {
+  return {ErrorCode::kInvalidArgument, "", std::move(element), std::move(problem), std::move(hint)};
+}
+
+std::string describe(std::size_t i, const Vec3& axis) {
+  std::ostringstream text;
+  text << "actuated axis " << i + 1 << " (" << axis.x() << " " << axis.y() << " " << axis.z()
+       << ")";
+  return text.str();
+}
+
+std::optional<Error> check_sensors(int sensors) {
+  if (sensors == 2 || sensors == 3) return std::nullopt;
+  if (sensors == 1) {
+    return invalid("sensors", "1 sensed axis leaves no axis to rotate about",
+                   "Table 1 begins with 2 sensors; use 2 or 3");
+  }
+  return invalid("sensors", std::to_string(sensors) + " sensors, expected 2 or 3",
+                 "count position axes only: a 6-DOF device senses a point with 3");
+}
+
+}  // namespace
+
+Result<ActuationModel> ActuationModel::from_counts(int sensors, int actuators) {
+  if (const auto error = check_sensors(sensors)) return *error;
+  if (actuators < 0) {
+    return invalid("actuators", std::to_string(actuators) + " actuators, expected 0 or more", "");
+  }
+  if (actuators > sensors) {
+    return invalid(
+        "actuators",
+        std::to_string(actuators) + " actuators but only " + std::to_string(sensors) + " sensors",
+        "an actuated axis must be sensed, so use at most as many actuators as sensors");
+  }
+  return ActuationModel(sensors, actuators, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()});
+}
+
+Result<ActuationModel> ActuationModel::from_axes(int sensors,
+                                                 const std::vector<Vec3>& axes_device) {
+  if (const auto error = check_sensors(sensors)) return *error;
+  std::array<Vec3, 3> basis{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  for (std::size_t i = 0; i < axes_device.size(); ++i) {
+    const Vec3& axis = axes_device[i];
+    const double largest = axis.cwiseAbs().maxCoeff();
+    if (!axis.allFinite() || largest == 0.0) {
+      return invalid(describe(i, axis), "expected a finite direction of non-zero length", "");
+    }
+    Vec3 direction = (axis / largest).normalized();  // scaled first: no overflow
+    if (sensors == 2 && std::abs(direction.z()) > kSpanRoundoff) {
+      return invalid(describe(i, axis), "leaves the sensed plane A1 A2 of a 2-sensor device",
+                     "set its third component to 0, or use 3 sensors");
+    }
+    if (i >= static_cast<std::size_t>(sensors)) {
+      return invalid(describe(i, axis), "more actuated axes than sensors", "give fewer axes");
+    }
+    for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding of the first
+      for (std::size_t j = 0; j < i; ++j) direction -= direction.dot(basis[j]) * basis[j];
+    }
+    if (direction.norm() <= kSpanRoundoff) {
+      return invalid(describe(i, axis), "depends linearly on the axes before it",
+                     "leave it out: it adds nothing that can be pushed");
+    }
+    basis[i] = direction.normalized();
+  }
+  return ActuationModel(sensors, static_cast<int>(axes_device.size()), basis);
+}
+
+ActuationCase ActuationModel::table1_case() const {
+  if (actuators_ == 0) return ActuationCase::kNoActuator;
+  if (actuators_ == sensors_) return ActuationCase::kFullyActuated;
+  if (sensors_ == 2) return ActuationCase::kCase1;
+  return actuators_ == 1 ? ActuationCase::kCase2 : ActuationCase::kCase3;
+}
+
+Vec3 ActuationModel::actuated_part(const Vec3& v_device) const {
+  if (actuators_ == 3) return v_device;
+  Vec3 part = Vec3::Zero();
+  for (int i = 0; i < actuators_; ++i) part += v_device.dot(actuated_axis(i)) * actuated_axis(i);
+  return part;
+}
+
+double ActuationModel::angle_to_actuated_rad(const Vec3& unit_device) const {
+  if (actuators_ == 3) return 0.0;
+  if (actuators_ == 0) return std::numbers::pi / 2;
+  const Vec3 part = actuated_part(unit_device);
+  return std::atan2((unit_device - part).norm(), part.norm());
+}
+
+}  // namespace palpate

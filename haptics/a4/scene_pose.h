@@ -1,0 +1,41 @@
+#pragma once
+
+// The pose of the scene in the device frame, and how A4 turns it.
+
+#include "geometry/base/types.h"
+#include "haptics/a4/theoretical_rotation.h"
+
+namespace palpate {
+
+// T_device_scene: p_device = R(q) p_scene + o.
+using ScenePose = RigidTransform;
+
+// Turns the scene about a point that stays where it is in both frames, to 2 ulp: the new origin is
+// solved from c = R(q') pivot + o' with c the pivot in the device frame, which keeps the pivot in
+// place whatever q' was rounded to. The quaternion is renormalised, so its length stays within 4
+// ulp of 1 however many ticks it turns.
+inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
+                              const AxisAngle& turn) noexcept {
+  const Quat step(Eigen::AngleAxisd(turn.angle_rad, turn.axis_device));
+  const Vec3 pivot_device = T_device_scene.point(pivot_scene_m);
+  ScenePose turned;
+  turned.rotation = (step * T_device_scene.rotation).normalized();
+  turned.translation_m = pivot_device - turned.rotation * pivot_scene_m;
+  return turned;
+}
+
+// How the display follows: in the classical mode it shows the device frame and the proxy moves; in
+// the camera metaphor (action 2 of A4) the proxy stays at the display's centre and the scene moves,
+// To = 0, Ts = -Tu. Display only: haptics are the same to the bit.
+enum class DisplayMode : std::uint8_t { kClassical, kCamera };
+
+inline RigidTransform display_transform(DisplayMode mode, const ScenePose& T_device_scene,
+                                        const Vec3& proxy_scene_m) noexcept {
+  RigidTransform T_display_scene = T_device_scene;
+  if (mode == DisplayMode::kCamera) {
+    T_display_scene.translation_m = -(T_device_scene.rotation * proxy_scene_m);
+  }
+  return T_display_scene;
+}
+
+}  // namespace palpate

@@ -1,0 +1,150 @@
+#include "haptics/proxy/body_push.h"
+
+#include <algorithm>
+#include <array>
+
+#include "haptics/proxy/plane_projection.h"
+
+namespace palpate {
+namespace {
+
+// A push that is stopped is shortened at most so often; then the proxy keeps its very place on the
+// body.
+constexpr int kMaxShortenings = 8;
+
+// The push may be so many times as long as the way of the body where it meets the proxy: planes
+// that close at less than a degree, about, hold the proxy.
+constexpr double kFarthestPerMotion = 64.0;
+
+// One body that moves, and what the proxy has met of it and of others.
+class PushedProxy {
+ public:
+  PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed,
+              const Vec3& start_body, const Vec3& proxy,
+              const std::optional<Vec3>& motion_plane_normal)
+      : tracer_(tracer),
+        body_(body),
+        placed_(placed),
+        start_body_(start_body),
+        proxy_(proxy),
+        motion_plane_normal_(motion_plane_normal) {}
+
+  // The nearest place from which neither the body nor any other keeps the proxy.
+  std::optional<Vec3> to_nearest_place() {
+    Vec3 target = proxy_;
+    for (int met = 0; met <= kMaxContactPlanes; ++met) {
+      const auto hit = first_obstacle(target);
+      if (tracer_.is_cut_short()) return std::nullopt;
+      if (!hit) return target;
+      if (met == kMaxContactPlanes || !add_plane(*hit)) return std::nullopt;
+      const auto planes = std::span(planes_).first(static_cast<std::size_t>(plane_count_));
+      const PlaneProjection least =
+          project_onto_planes(planes, Vec3::Zero(), Feasibility::kMustMove);
+      if (!least.solved) return std::nullopt;
+      target = proxy_ + least.displacement_m;
+      if (motion_plane_normal_) {
+        target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
+      }
+      if (is_far(target)) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  // The place that the proxy had on the body, if it is free.
+  std::optional<Vec3> kept_place() {
+    Vec3 target = placed_.to_solver(start_body_);
+    if (motion_plane_normal_) {
+      target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
+      if (tracer_.trace_in_body(body_, start_body_, placed_.to_body(target))) return std::nullopt;
+    }
+    if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
+    return target;
+  }
+
+  // Where the proxy gets when it sticks to the body from where it is met.
+  std::optional<Vec3> carried() {
+    Vec3 along_body = placed_.to_body(proxy_) - start_body_;
+    double fraction = 1.0;
+    for (int shortened = 0; shortened <= kMaxShortenings + 1; ++shortened) {
+      const Vec3 target = placed_.to_solver(start_body_ + fraction * along_body);
+      const auto hit = tracer_.trace_in_body(body_, start_body_, placed_.to_body(target));
+      if (!hit) {
+        if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
+        return target;
+      }
+      fraction *= shortened < kMaxShortenings ? hit->fraction.value() : 0.0;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // As a plane for displacements from where the proxy is.
+  std::optional<ContactPlane> first_obstacle(const Vec3& target) {
+    const double stop_m = tracer_.scale().stop_m;
+    const Vec3 target_body = placed_.to_body(target);
+    if (const auto hit = tracer_.trace_in_body(body_, start_body_, target_body)) {
+      const Vec3 stop =
+          placed_.to_solver(start_body_ + hit->fraction.value() * (target_body - start_body_));
+      const Vec3& normal = hit->contact.normal;
+      return ContactPlane{normal, normal.dot(stop - proxy_) + stop_m - hit->contact.clearance_m};
+    }
+    if (target == proxy_) return std::nullopt;
+    if (const auto hit = tracer_.trace_others(body_, proxy_, target)) {
+      const Vec3& normal = hit->contact.normal;
+      const Vec3 stop_from_proxy = hit->fraction.value() * (target - proxy_);
+      const double room = hit->contact.clearance_m - stop_m - normal.dot(stop_from_proxy);
+      return ContactPlane{normal, std::min(0.0, -room)};
+    }
+    return std::nullopt;
+  }
+
+  // Two planes that close on the proxy at a narrow angle drive it out like a cherry stone, without
+  // bounds as the angle goes to zero. That is no push any more: there is no room.
+  bool is_far(const Vec3& target) const {
+    const Vec3 stuck = placed_.to_solver(start_body_);
+    const double moved_m = (stuck - proxy_).norm() + 4 * tracer_.scale().stand_off_m;
+    const double farthest_m = kFarthestPerMotion * moved_m;
+    return (target - proxy_).squaredNorm() > farthest_m * farthest_m;
+  }
+
+  // False if the plane cannot push the proxy within its plane.
+  bool add_plane(const ContactPlane& plane) {
+    std::optional<ContactPlane> felt = plane;
+    if (motion_plane_normal_) felt = within_plane(plane, *motion_plane_normal_);
+    if (felt) planes_[static_cast<std::size_t>(plane_count_++)] = *felt;
+    return felt.has_value();
+  }
+
+  SegmentTracer& tracer_;
+  std::uint32_t body_;
+  const ContactBody& placed_;  // where it is to be
+  Vec3 start_body_;            // the proxy, in the frame of the body before it moved
+  Vec3 proxy_;                 // solver frame
+  std::optional<Vec3> motion_plane_normal_;
+  std::array<ContactPlane, kMaxContactPlanes> planes_{};
+  int plane_count_ = 0;
+};
+
+}  // namespace
+
+bool push_proxy(LiveWorld& world, SegmentTracer& tracer, const Push& push, Vec3& proxy) noexcept {
+  const RigidTransform before = world.body(push.body).T_solver_body;
+  const Vec3 start_body = world.body(push.body).to_body(proxy);
+  const bool was_moving = world.is_moving(push.body);
+  if (!world.place(push.body, push.T_solver_body)) return false;
+  if (!was_moving) tracer.forget_candidates();
+  PushedProxy pushed(tracer, push.body, world.body(push.body), start_body, proxy,
+                     push.motion_plane_normal);
+  std::optional<Vec3> target;
+  if (push.carries) target = pushed.kept_place();
+  if (!target) target = pushed.to_nearest_place();
+  if (!target && !push.motion_plane_normal) target = pushed.carried();
+  if (!target) {
+    world.place(push.body, before);
+    return false;
+  }
+  proxy = *target;
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,598 @@
+#include "haptics/proxy/god_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "haptics/proxy/body_push.h"
+#include "haptics/proxy/check_settings.h"
+#include "haptics/proxy/god_object_ways.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// A step that is stopped is shortened at most so often, then by half, and then the proxy stays
+// where it is. Each time is a triangle within a stand-off of the last stop: faces of one vertex, as
+// a rule.
+constexpr int kMaxShortenings = 8;
+
+// The cosine of the angle between two slides that lead on in one direction.
+constexpr double kSameWay = 0.9;
+
+// By how much farther a proxy that goes on as its slides say goes than the last time, at most: a
+// surface that curves otherwise farther on is found out in small steps.
+constexpr double kMostGrowth = 16.0;
+
+// A step goes into the world's bounds and then straight on or round a feature; an iteration takes
+// one, and one more if it is a way out.
+constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
+
+// How often bodies that are held back try again in one tick: a chain of so many, each in the way of
+// the next, moves as one.
+constexpr int kMostPushPasses = 4;
+
+bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
+}
+
+// The height of a point over a plane through another, of the distance between the two: 1 rounding
+// for their difference, 3 for the product and 4 for the length of the normal.
+constexpr double kInPlaneRoundoff = 4 * kEpsilon;
+
+// Normals of two contacts with one face count as the same plane where a cosine cannot tell them
+// apart; those of two faces where they differ by rounding.
+constexpr double kSameNormal = 0x1p-25;
+constexpr double kSameNormalOfOther = 16 * kEpsilon;
+
+}  // namespace
+
+GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
+    : has_bad_settings_(check_settings(world, settings).has_value()),
+      settings_(has_bad_settings_ ? GodObjectSettings{} : settings),
+      world_(std::make_unique<LiveWorld>(world)),
+      tracer_(*world_, settings_.radius_m, settings_.accuracy),
+      around_(std::make_unique<Surroundings>()) {
+  step_tolerance_m_ = settings_.accuracy.tolerance * scale().stand_off_m;
+  take_bounds();
+  path_.reserve(1 +
+                kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
+}
+
+GodObject::GodObject(GodObject&&) noexcept = default;
+GodObject& GodObject::operator=(GodObject&&) noexcept = default;
+GodObject::~GodObject() = default;
+
+bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
+  return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&
+         std::isfinite(T_solver_body.translation_m.squaredNorm());
+}
+
+ProxyState GodObject::refused() const {
+  ProxyState state;
+  state.proxy = proxy_;
+  state.is_refused = true;
+  return state;
+}
+
+// One size of margin: what lies outside cannot touch anything, and what lies inside has coordinates
+// of the order of the scene, as the stand-off assumes.
+void GodObject::take_bounds() {
+  bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
+}
+
+bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
+  if (!is_motion(body, T_solver_body)) return false;
+  if (!world_->place(body, unit_pose(T_solver_body))) return false;
+  world_->take_bounds(body);
+  tracer_.forget_candidates();
+  around_->of.reset();
+  take_bounds();
+  return true;
+}
+
+std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
+                                   const std::optional<Vec3>& motion_plane_normal) noexcept {
+  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
+  tracer_.begin_tick();
+  bodies_have_moved_ = true;
+  if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
+  tracer_.begin_errand(SegmentTracer::Errand::kPush);
+  const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
+  const bool are_done = has_turn && push_all(motions, motion_plane_normal);
+  take_bounds();
+  if (are_done) first_motion_ = 0;
+  return count_not_there(motions);
+}
+
+// False if there is no work left for all of them: then the next one that is to move is the first in
+// the next tick.
+bool GodObject::push_all(std::span<const BodyMotion> motions,
+                         const std::optional<Vec3>& motion_plane_normal) noexcept {
+  std::size_t held = motions.size();
+  // One that another was in the way of may get on once that one has moved.
+  for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
+    const std::size_t held_before = std::exchange(held, std::size_t{0});
+    const std::size_t first = first_motion_;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const BodyMotion& motion = motions[(first + i) % motions.size()];
+      if (2 * tracer_.work().used() > tracer_.work().budget()) return false;
+      tracer_.begin_step();
+      held += move_body(motion, motion_plane_normal) ? 0 : 1;
+      first_motion_ = (first + i + 1) % motions.size();
+      if (!tracer_.is_cut_short()) continue;
+      last_push_ = motion;
+      return false;
+    }
+    if (held == held_before) break;
+  }
+  return true;
+}
+
+// Goes on with the push that the last tick was cut short in: to where the body was to be then. True
+// if it has done anything.
+bool GodObject::finishes_push(std::span<const BodyMotion> motions,
+                              const std::optional<Vec3>& motion_plane_normal) noexcept {
+  const BodyMotion push = *last_push_;
+  last_push_.reset();
+  const bool still_moves = std::any_of(motions.begin(), motions.end(),
+                                       [&](const BodyMotion& m) { return m.body == push.body; });
+  if (!still_moves) return false;
+  tracer_.repeat_step();
+  move_body(push, motion_plane_normal);
+  if (tracer_.is_cut_short()) last_push_ = push;
+  return true;
+}
+
+// How many bodies are not where they are to be.
+std::size_t GodObject::count_not_there(std::span<const BodyMotion> motions) const {
+  const auto is_there = [&](const BodyMotion& motion) {
+    return is_motion(motion.body, motion.T_solver_body) &&
+           is_same_pose(world_->body(motion.body).T_solver_body, unit_pose(motion.T_solver_body));
+  };
+  const auto there = std::count_if(motions.begin(), motions.end(), is_there);
+  return motions.size() - static_cast<std::size_t>(there);
+}
+
+bool GodObject::move_body(const BodyMotion& motion,
+                          const std::optional<Vec3>& motion_plane_normal) noexcept {
+  if (!is_motion(motion.body, motion.T_solver_body)) return false;
+  const RigidTransform before = world_->body(motion.body).T_solver_body;
+  const RigidTransform after = unit_pose(motion.T_solver_body);
+  if (is_same_pose(before, after)) return true;
+  const Vec3 proxy_before = proxy_;
+  const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
+  if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
+  world_->take_bounds(motion.body);
+  tracer_.forget_moving();
+  around_->of.reset();
+  if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;
+  for (int i = 0; i < last_count_; ++i) {
+    FaceContact& contact = last_contacts_[i];
+    if (contact.face.body != motion.body) continue;
+    settled_ = confirmed_ = repeats_step_ = false;
+    contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
+  }
+  return true;
+}
+
+// A face that holds the proxy sideways takes it along, also one that it slides on: seen from the
+// face, the hand moves, and what friction leaves of that is for the next step.
+bool GodObject::is_carried_by(std::uint32_t body) const {
+  for (std::size_t i = 0; i < contacts().size(); ++i) {
+    if (last_holds_[i] && contacts()[i].face.body == body) return true;
+  }
+  return false;
+}
+
+bool GodObject::place(const Vec3& p) noexcept {
+  if (has_bad_settings_ || !std::isfinite(p.squaredNorm())) return false;
+  tracer_.begin_tick();
+  proxy_ = p;
+  settled_ = false;
+  confirmed_ = false;
+  slides_ = false;
+  goes_on_ = false;
+  repeats_step_ = false;
+  last_push_.reset();
+  tracer_.forget_steps();
+  path_.clear();
+  last_active_count_ = last_count_ = 0;
+  std::array<FaceContact, kMaxContactPlanes> contacts;
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  const std::size_t count = tracer_.contacts_in_front(p, 2 * scale().stand_off_m, contacts);
+  for (std::size_t i = 0; i < count; ++i) {
+    planes[i] = {contacts[i].normal, scale().stop_m - contacts[i].clearance_m};
+  }
+  const PlaneProjection lift =
+      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
+  if (lift.solved) proxy_ += lift.displacement_m;
+  return true;
+}
+
+ProxyState GodObject::move_to(const Vec3& goal,
+                              const std::optional<Vec3>& motion_plane_normal) noexcept {
+  if (!is_goal(goal, motion_plane_normal)) return refused();
+  slides_ = false;
+  last_holds_ = {};
+  NoFriction none;
+  return move(goal, motion_plane_normal, none);
+}
+
+// Notes for what the step that has been cut short was begun.
+[[gnu::cold]] void GodObject::keep_step_for_next_tick() {
+  // A search among bodies that move is of no use any more once they have.
+  const bool had_little = 2 * work_of_bodies_ > tracer_.work().budget();
+  move_has_turn_ = had_little || tracer_.is_unfinished_among_moving();
+  const TraceKey* unfinished = tracer_.unfinished();
+  if (unfinished && unfinished->p == proxy_ && unfinished->q == step_target_) return;
+  step_goal_ = goal_;
+  if (unfinished) step_target_ = unfinished->q;
+}
+
+// There is nothing to touch on the way.
+ProxyState GodObject::move_freely() {
+  const Vec3 step = goal_ - proxy_;
+  commit(goal_);
+  plane_count_ = 0;
+  projection_ = {};
+  goes_on_ = false;
+  repeats_step_ = false;
+  tracer_.look_ahead(proxy_, step, true);
+  ProxyState state;
+  state.proxy = proxy_;
+  state.iterations = 1;
+  state.work = tracer_.work().used();
+  return state;
+}
+
+void GodObject::seed_from_last_tick() {
+  plane_count_ = 0;
+  projection_ = {};
+  planes_are_current_ = is_over_next_ = false;
+  for (int i = 0; i < last_count_; ++i) {
+    const FaceContact& last = last_contacts_[i];
+    // A point that ended the last tick at its minimum is over its face: nothing has moved since.
+    if (settled_ && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
+      add_plane(tracer_.contact_over(last.face, proxy_, last.normal));
+    } else {
+      add_if_touched(last);
+    }
+  }
+  planes_are_current_ = true;
+}
+
+// Takes up what the proxy touches of a face that it has met. A point is held by the edge of a face
+// only where it has just been stopped there: see leaves_edges().
+void GodObject::add_if_touched(const FaceContact& met) {
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  const bool is_point = tracer_.radius_m() == 0.0;
+  if (is_point && tracer_.is_far_beside_face(met.face, proxy_, near_m)) return;
+  const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
+  if (now.clearance_m > near_m) return;
+  // The plane of the face, though the proxy is a little beside it.
+  const bool is_over = (now.normal - met.normal).norm() <= kSameNormal;
+  if (!is_point || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
+}
+
+// Replaces each plane by that of the place of its face which is nearest to the proxy, and leaves
+// out those of faces that it does not touch any more. The distance to a triangle is convex along a
+// segment, so the way that such a plane allows never comes nearer to its face than the proxy is,
+// and a way that it forbids does. A proxy that these planes hold is therefore at a local minimum,
+// whatever else is near.
+void GodObject::update_planes() {
+  const int count = plane_count_;
+  plane_count_ = 0;
+  is_over_next_ = false;
+  for (int i = 0; i < count; ++i) {
+    const FaceContact met = contacts_[i];
+    add_if_touched(met);
+  }
+  planes_are_current_ = true;
+}
+
+// Where a step to a target that is outside of the world's bounds leaves them. One that starts
+// outside goes all the way.
+Vec3 GodObject::leave_bounds(const Vec3& target) const {
+  const Vec3 step = target - proxy_;
+  double enter = 0.0;
+  double leave = 1.0;
+  return bounds_.clip(proxy_, step, enter, leave) ? Vec3(proxy_ + leave * step) : target;
+}
+
+// Goes to the target as far as the way is free. Nothing if all of it is.
+std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& target) {
+  std::optional<TraceHit> hit = tracer_.trace(proxy_, target);
+  if (tracer_.is_cut_short()) return Progress::kStuck;
+  if (!hit) {
+    advance_to(target);
+    return std::nullopt;
+  }
+  Vec3 stop = proxy_ + hit->fraction.value() * (target - proxy_);
+  const auto moves = [&] { return !is_none(stop - proxy_); };
+  // The face it is stopped by may not be the only one that is close there. What is committed has
+  // been traced to its very end.
+  int shortened = 0;
+  for (; settings_.accuracy.certify && moves(); ++shortened) {
+    const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
+    if (tracer_.is_cut_short()) return Progress::kStuck;
+    if (!nearer) break;
+    hit = nearer;
+    double part = nearer->fraction.value();
+    if (shortened >= kMaxShortenings) part = shortened == kMaxShortenings ? 0.5 * part : 0.0;
+    stop = proxy_ + part * (stop - proxy_);
+  }
+  const bool moved = moves();
+  if (moved) advance_to(stop);
+  FaceContact contact = hit->contact;
+  const bool is_off_stop = shortened > kMaxShortenings;
+  if (tracer_.radius_m() > 0.0) {
+    planes_are_current_ = false;
+  } else if (is_off_stop || contact.feature != TriangleFeature::kFace) {
+    contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
+  }
+  bool is_new = add_plane(contact);
+  // Among many faces that a sphere touches, the one that is met first is not the one that says
+  // most.
+  if (!moved && tracer_.radius_m() > 0.0) {
+    const auto steepest = tracer_.steepest_contact(proxy_, target - proxy_);
+    if (steepest && add_plane(*steepest)) is_new = true;
+  }
+  return is_new || moved ? Progress::kStopped : Progress::kStuck;
+}
+
+// Whether the proxy touches none of the planes that are to hold it. Friction holds by what is
+// touched.
+bool GodObject::is_off_planes() const {
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    if (planes_of_contact_[projection_.active[i]].offset_m >= -near_m) return false;
+  }
+  return projection_.active_count > 0;
+}
+
+// Whether the proxy touches each of the faces that hold it.
+bool GodObject::touches_planes() const {
+  for (int i = 0; i < projection_.active_count; ++i) {
+    if (contacts_[projection_.active[i]].clearance_m > scale().stand_off_m) return false;
+  }
+  return true;
+}
+
+// The part of the way to the goal that leads to the first of them.
+Vec3 GodObject::way_to_planes() const {
+  const Vec3 way = goal_ - proxy_;
+  double part = 1.0;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
+    const double approach_m = plane.normal.dot(way);
+    if (approach_m < 0.0) part = std::min(part, plane.offset_m / approach_m);
+  }
+  return part * way;
+}
+
+// Takes a proxy that is outside everything straight to where things begin. False if it has reached
+// the goal without meeting anything.
+bool GodObject::enter_bounds() {
+  if (bounds_.contains(proxy_)) return true;
+  const Vec3 step = goal_ - proxy_;
+  double enter = 0.0;
+  double leave = 1.0;
+  projection_ = {};
+  projection_.solved = true;
+  if (!bounds_.clip(proxy_, step, enter, leave)) {
+    commit(goal_);
+    return false;
+  }
+  commit(proxy_ + enter * step);
+  return true;
+}
+
+// Whether there is such a plane already: of the same face, or, where faces share an edge or a
+// vertex that is touched or lie in one plane, of another one.
+bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const {
+  for (known = 0; known < plane_count_; ++known) {
+    const double difference = (planes_of_contact_[known].normal - plane.normal).squaredNorm();
+    const bool is_same_face = contacts_[known].face == contact.face;
+    const double same = is_same_face ? kSameNormal : kSameNormalOfOther;
+    if (difference <= same * same) return true;
+  }
+  return false;
+}
+
+// False if that changes nothing.
+bool GodObject::add_plane(const FaceContact& contact) {
+  // Never negative room: the proxy is where it is, and must stay feasible.
+  ContactPlane plane{contact.normal, scale().stop_m - contact.clearance_m};
+  if (motion_plane_normal_) {
+    const auto in_plane = within_plane(plane, *motion_plane_normal_);
+    if (!in_plane) return false;
+    plane = *in_plane;
+  }
+  plane.offset_m = std::min(0.0, plane.offset_m);
+  int known = 0;
+  if (is_known(contact, plane, known)) {
+    ContactPlane& there = planes_of_contact_[known];
+    const ContactPlane before = there;
+    if (contacts_[known].face == contact.face || plane.offset_m > there.offset_m) {
+      there = plane;
+      contacts_[known] = contact;
+    }
+    return there.normal != before.normal || there.offset_m != before.offset_m;
+  }
+  if (plane_count_ == kMaxContactPlanes) drop_inactive_planes();
+  planes_of_contact_[plane_count_] = plane;
+  contacts_[plane_count_] = contact;
+  ++plane_count_;
+  return true;
+}
+
+void GodObject::drop_inactive_planes() {
+  const auto active = projection_.active;  // in ascending order, so moving down is safe
+  for (int i = 0; i < projection_.active_count; ++i) {
+    planes_of_contact_[i] = planes_of_contact_[active[i]];
+    contacts_[i] = contacts_[active[i]];
+    projection_.active[i] = i;
+  }
+  plane_count_ = projection_.active_count;
+}
+
+void GodObject::commit(const Vec3& proxy) {
+  if (proxy == proxy_) return;
+  proxy_ = proxy;
+  path_.push_back(proxy);
+}
+
+void GodObject::advance_to(const Vec3& target) {
+  const Vec3 displacement = target - proxy_;
+  commit(target);
+  planes_are_current_ = is_over_next_ = false;
+  for (int i = 0; i < plane_count_; ++i) {
+    ContactPlane& plane = planes_of_contact_[i];
+    plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
+  }
+}
+
+// A tick that becomes slow has learnt nothing yet; one that goes on with the last has.
+void GodObject::become_slow() {
+  if (is_slow_) return;
+  is_slow_ = true;
+  last_slide_m_ = 0.0;
+  last_round_.reset();
+  leap_from_ = proxy_;
+  leap_reach_ = 1.0;
+  steps_to_leap_ = kStepsPerLeap;
+}
+
+// By what a slide is to be multiplied to lead to where it and all that follow lead: where slides
+// vanish, if they shrink along the way as they have from the last one on (a secant).
+double GodObject::reach_of(const Vec3& slide) {
+  const Vec3 from = proxy_ - slide;
+  const Vec3 way = from - std::exchange(last_slide_from_, from);
+  const double last_m = std::exchange(last_slide_m_, slide.norm());
+  const double way_m = way.norm();
+  if (last_m == 0.0 || slide.dot(way) < kSameWay * last_slide_m_ * way_m) {
+    overreach_ = 1.0;
+    return overreach_;
+  }
+  const double shrinks_m = last_m - last_slide_m_;
+  if (shrinks_m > 0.0) {
+    overreach_ = std::min(way_m / shrinks_m, kMostGrowth * overreach_);
+  } else {
+    // The proxy leaves a place where the lag is greatest: so far at least that what it gains is
+    // more than by what it may be nearer to a face before than after.
+    const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / last_slide_m_;
+    overreach_ = std::max(kFasterEachTime * overreach_, least_m / last_slide_m_);
+  }
+  return overreach_;
+}
+
+GodObject::ProxyPlace GodObject::place_now() const {
+  return {proxy_,       path_.size(), planes_of_contact_, contacts_,
+          plane_count_, projection_,  planes_are_current_};
+}
+
+void GodObject::return_to(const ProxyPlace& place) {
+  proxy_ = place.proxy;
+  path_.resize(place.corners);
+  planes_of_contact_ = place.planes;
+  contacts_ = place.contacts;
+  plane_count_ = place.plane_count;
+  projection_ = place.projection;
+  planes_are_current_ = place.planes_are_current;
+}
+
+// Whether that is nearer to the goal by more than little.
+bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
+  return (from - goal_).norm() - (to - goal_).norm() > little_m();
+}
+
+// A direction within the plane of motion, if there is one: nothing if it has no part there.
+std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
+  if (!motion_plane_normal_) return direction;
+  const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
+  return plane ? std::optional(plane->normal) : std::nullopt;
+}
+
+// A step that ends in the plane of motion. Where two planes meet at a small angle, the rounding of
+// their normals leads out of it. Once the proxy is in it, but for rounding, it keeps its place
+// there: that of a goal far away is rounded more.
+Vec3 GodObject::onto_motion_plane(const Vec3& step) const {
+  const Vec3& n = *motion_plane_normal_;
+  const Vec3 lag = goal_ - proxy_;
+  const double height_m = lag.dot(n);
+  const bool is_in_plane = std::abs(height_m) <= kInPlaneRoundoff * lag.lpNorm<1>();
+  return step + ((is_in_plane ? 0.0 : height_m) - step.dot(n)) * n;
+}
+
+// Whether a point is no longer held by a face that it has been stopped by. What is rounded far away
+// comes back on the plane of motion, and off a face that is hardly inclined to it.
+bool GodObject::is_above(const FaceContact& contact) const {
+  if (tracer_.radius_m() > 0.0) return false;
+  const FaceContact now = tracer_.contact_over(contact.face, proxy_, contact.normal);
+  return now.clearance_m > scale().stand_off_m;
+}
+
+// True iff the face that pushes is really there, under the proxy, and not only its plane. Of two or
+// three planes one can hold where its face has ended, and no test of one face can tell: they have
+// to be met again from where the proxy is.
+bool GodObject::settled() const {
+  if (projection_.active_count > 1) return false;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    const FaceContact& contact = contacts_[projection_.active[i]];
+    if (!tracer_.is_over(contact, proxy_)) return false;
+    if (motion_plane_normal_ && is_above(contact)) return false;
+    if (tracer_.radius_m() > 0.0 &&
+        !is_same_place(contact, tracer_.contact_at(contact.face, proxy_, contact.normal))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The faces that hold the proxy, and after them, if it was cut short, the others that it has met.
+void GodObject::keep_contacts_for_next_tick(bool capped) {
+  last_active_count_ = projection_.active_count;
+  last_count_ = last_active_count_;
+  for (int i = 0; i < projection_.active_count; ++i) {
+    last_contacts_[i] = contacts_[projection_.active[i]];
+  }
+  if (!capped) return;
+  const auto active_end = projection_.active.begin() + projection_.active_count;
+  for (int i = 0; i < plane_count_; ++i) {
+    const bool is_active = std::find(projection_.active.begin(), active_end, i) != active_end;
+    if (!is_active) last_contacts_[last_count_++] = contacts_[i];
+  }
+}
+
+ProxyState GodObject::report(int iterations, bool capped) const {
+  ProxyState state;
+  state.proxy = proxy_;
+  state.iterations = iterations;
+  state.work = tracer_.work().used();
+  state.capped = capped;
+  const Vec3 lag = proxy_ - goal_;
+  state.in_contact = lag.norm() > step_tolerance_m_;
+  if (!state.in_contact) return state;
+  state.active_planes = projection_.active_count;
+  state.slid = path_.size() > 1;
+  if (projection_.active_count == 2) {
+    state.free_direction = crossing_line(plane_normal(0), plane_normal(1));
+  }
+  for (int i = 0; i < projection_.active_count; ++i) {
+    state.normal += planes_of_contact_[projection_.active[i]].normal;
+  }
+  if (projection_.active_count == 1) return state;
+  if (projection_.active_count == 0) {
+    state.normal = lag.normalized();  // cut short by the cap before a plane was reached
+  } else if (state.normal.norm() <= kCancelledNormal) {
+    state.normal.setZero();
+  } else {
+    state.normal.normalize();
+  }
+  return state;
+}
+
+}  // namespace palpate

@@ -1,0 +1,301 @@
+#pragma once
+
+// How the god-object moves in one tick, for the files that do it with and without friction. Each
+// compiles its own copy: a world without friction runs no line of the other.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "haptics/proxy/god_object.h"
+
+namespace palpate {
+
+struct NoFriction {
+  static constexpr bool kHolds = false;
+  static bool holds() { return false; }
+  static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
+};
+
+// Where the proxy was, to come back to.
+struct GodObject::ProxyPlace {
+  Vec3 proxy;
+  std::size_t corners;
+  std::array<ContactPlane, kMaxContactPlanes> planes;
+  std::array<FaceContact, kMaxContactPlanes> contacts;
+  int plane_count;
+  PlaneProjection projection;
+  bool planes_are_current;
+};
+
+// Corners of the tangents along which a sphere goes round a right angle, the most that it turns.
+constexpr std::size_t kMostRollCorners = 7;
+
+// Unit normals that sum to less than their rounding cancel.
+constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
+
+// What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
+// soon.
+constexpr double kNearPerStandOff = 2.0;
+
+// Steps after which a tick is slow, and is helped on.
+constexpr int kPatience = 8;
+
+// Steps in which a proxy that has gone too far must have come nearer.
+constexpr int kStepsToFall = 5;
+
+// Steps from one leap of a slow sphere to the next.
+constexpr int kStepsPerLeap = 8;
+
+// By how much farther a proxy goes each time, as long as that leads on.
+constexpr double kFasterEachTime = 4.0;
+
+// Of how far it went too far, what it begins with the next time.
+constexpr double kLessAfterFailure = 1.0 / 64;
+
+// How much farther from the goal a sphere may get on its way, of the radius.
+constexpr double kDetourPerRadius = 0.008;
+
+// How far from the goal a sphere may get on its way from where it is now.
+inline void GodObject::limit_detours() {
+  const double radius_m = tracer_.radius_m();
+  if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
+}
+
+template <typename Friction>
+ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
+                           Friction& friction) {
+  begin_tick();
+  const bool keeps_planes = repeats_step_ && motion_plane_normal == motion_plane_normal_;
+  // As it was begun, to the bit: then what has been found is asked for again.
+  const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
+  if (!repeats) goal_waits_ = goes_on_ && goal == goal_;
+  goal_ = goal;
+  motion_plane_normal_ = motion_plane_normal;
+  path_.clear();
+  path_.push_back(proxy_);
+  if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
+  if (!keeps_planes) seed_from_last_tick();
+  if (tracer_.is_cut_short()) return stay(friction);
+  if (!repeats) is_slow_ = goes_on_;
+  if (repeats) tracer_.repeat_step();
+  if constexpr (Friction::kHolds) {
+    limit_detours();
+    if (stays_at_rest(friction)) return friction.complete(report(1, false));
+  }
+  if (keeps_planes && !repeats) finish_last_step(friction);
+  bool capped = true;
+  settled_ = false;
+  rounding_decides_ = false;
+  int iteration = 0;
+  while (iteration < settings_.accuracy.iterations) {
+    ++iteration;
+    if (iteration > kPatience) become_slow();
+    limit_detours();
+    if (!repeats || iteration > 1) tracer_.begin_step();
+    step_from_ = proxy_;
+    [[maybe_unused]] Vec3 before;
+    if constexpr (Friction::kHolds) before = proxy_;
+    const Progress progress = take_step(friction);
+    if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
+    if (progress == Progress::kStopped) continue;
+    if (tracer_.is_cut_short()) break;
+    // A point that went to where one plane lets it go, and has its face under it, is at rest. So is
+    // a proxy that planes hold which are all those of what it touches here (update_planes).
+    settled_ = progress != Progress::kStuck && settled();
+    if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
+      if (leaves_edges(progress, friction)) {
+        rounding_decides_ = false;
+        continue;
+      }
+      if (tracer_.is_cut_short()) break;
+      settled_ = progress == Progress::kHeld && !rounding_decides_;
+    }
+    capped = !settled_;
+    const bool is_stuck = progress == Progress::kStuck || rounding_decides_;
+    if (settled_ || (is_stuck && planes_are_current_)) break;
+    const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
+    if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
+    update_planes();
+    if (progress == Progress::kMoved && plane_count_ == 0) go_on_over_next_face(friction);
+    if constexpr (!Friction::kHolds) {
+      if (may_overreach) {
+        iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
+        iteration += leap(settings_.accuracy.iterations - iteration, friction);
+      }
+    }
+  }
+  repeats_step_ = tracer_.is_cut_short();
+  if (repeats_step_) keep_step_for_next_tick();
+  if (capped) name_what_holds(friction);
+  keep_contacts_for_next_tick(capped);
+  tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
+  confirmed_ = !capped;
+  goes_on_ = capped || goal_waits_;
+  if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
+  return report(iteration, capped);
+}
+
+// Bodies have taken all the work of this tick: the proxy is held as it was.
+template <typename Friction>
+[[gnu::cold]] ProxyState GodObject::stay(Friction& friction) {
+  projection_ = {};
+  name_what_holds(friction);
+  keep_contacts_for_next_tick(true);
+  if constexpr (Friction::kHolds) return friction.complete(report(0, true));
+  return report(0, true);
+}
+
+// Goes on with the step that the last tick was cut short in, for an earlier goal, as long as the
+// goal has moved by less than half of the way to it. Where the step leads away from the present
+// goal, it is taken back.
+template <typename Friction>
+[[gnu::cold]] void GodObject::finish_last_step(Friction& friction) {
+  const TraceKey* unfinished = tracer_.unfinished();
+  if (!unfinished || unfinished->p != proxy_ || unfinished->q != step_target_) return;
+  if (2.0 * (goal_ - step_goal_).norm() > (step_goal_ - proxy_).norm()) return;
+  limit_detours();
+  const ProxyPlace before = place_now();
+  const Vec3 target = step_target_;
+  stop_at_first_hit(target);
+  if (tracer_.is_cut_short()) return;
+  if ((proxy_ - goal_).norm() > (before.proxy - goal_).norm()) return_to(before);
+  [[maybe_unused]] const bool moved = proxy_ != before.proxy;
+  if constexpr (Friction::kHolds) {
+    friction.begin_step();
+    friction.wants_to_slide = moved;
+    friction.end_step(moved);
+  }
+}
+
+// A tick that was cut short when the proxy had just met a face tells that face, too.
+template <typename Friction>
+[[gnu::cold]] void GodObject::name_what_holds(Friction& friction) {
+  if (projection_.active_count > 0) return;
+  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  if (!projection_.solved) projection_ = {};
+  if constexpr (Friction::kHolds) {
+    hold_by(friction);
+    friction.wants_to_slide = false;
+  }
+}
+
+template <typename Friction>
+GodObject::Progress GodObject::take_step(Friction& friction) {
+  if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
+  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  if (!projection_.solved) return Progress::kStuck;
+  const bool is_sphere = tracer_.radius_m() > 0.0;
+  bool flies = false;
+  if constexpr (Friction::kHolds) {
+    flies = !is_over_next_ && is_off_planes();
+    if (flies) {
+      friction.begin_step();
+      projection_.displacement_m = way_to_planes();
+    } else if (!hold_by(friction) && is_sphere && roll_to_answer()) {
+      return Progress::kStopped;
+    }
+  } else {
+    if (is_sphere && roll_to_answer()) return Progress::kStopped;
+  }
+  // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
+  // converged when it hardly moves.
+  const bool is_free = projection_.active_count == 0;
+  Vec3& step = projection_.displacement_m;
+  if (motion_plane_normal_ && !is_free) step = onto_motion_plane(step);
+  if (!is_free && is_none(step)) return Progress::kHeld;
+  // To a slow one, little is none, but not from farther off than it touches: it could pass by an
+  // edge that it has right in front.
+  const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
+  if (may_rest && is_little(step) && touches_planes()) return Progress::kHeld;
+  Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
+  const bool leaves = !bounds_.contains(target);
+  if (leaves) target = leave_bounds(target);
+  if (const auto stopped = stop_at_first_hit(target)) return *stopped;
+  if (leaves && is_free) commit(goal_);
+  return flies ? Progress::kStopped : Progress::kMoved;
+}
+
+// A point that has slid off the face that held it is over the next one as a rule. That is not
+// touched yet, but what friction it has does not count before it is.
+template <typename Friction>
+void GodObject::go_on_over_next_face(const Friction& friction) {
+  if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;
+  if (projection_.active_count != 1) return;
+  const FaceRef& left = contacts_[projection_.active[0]].face;
+  const auto next = tracer_.contact_over_next(left, proxy_, goal_);
+  const double near_m = kNearPerStandOff * scale().stand_off_m;
+  if (!next || next->clearance_m <= near_m || friction.may_hold_at(*next, proxy_)) return;
+  add_plane(*next);
+  planes_are_current_ = false;
+  is_over_next_ = true;
+}
+
+// Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane
+// leads only a small part of the way, and so does each one after it: of a slide y, the next ones
+// are k y, k^2 y, ... Goes on as far as they will lead together. Returns how many steps that took.
+template <typename Friction>
+[[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
+  const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
+                         ? projection_.displacement_m
+                         : Vec3(Vec3::Zero());
+  if (slide.isZero(0.0)) return 0;
+  const double reach = reach_of(slide);
+  if (reach <= 1.0) return 0;
+  const Attempt attempt = fall_from_beyond((reach - 1.0) * slide, most_steps, friction);
+  if (!attempt.is_nearer) {
+    overreach_ = std::max(1.0, kLessAfterFailure * attempt.beyond_m / slide.norm());
+  }
+  return attempt.steps;
+}
+
+// Slides that go to and fro between features say little of the way that they lead together. Every
+// few steps, goes on that way, the farther the more often that has led on.
+template <typename Friction>
+[[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
+  if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;
+  const Vec3 way = leap_reach_ * (proxy_ - leap_from_);
+  const Attempt attempt = fall_from_beyond(way, most_steps, friction);
+  if (attempt.steps == 0) return 0;
+  leap_reach_ = attempt.is_nearer ? kFasterEachTime * leap_reach_ : 1.0;
+  leap_from_ = proxy_;
+  steps_to_leap_ = kStepsPerLeap;
+  return attempt.steps;
+}
+
+// Goes on by so much, though that leads away from the goal at first, and lets the proxy fall back
+// on the surface. Takes all of it back unless it comes nearer. No steps: there are too few, or
+// there is no such way.
+template <typename Friction>
+GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
+                                               Friction& friction) {
+  const double way_m = way.norm();
+  if (way_m == 0.0 || most_steps < kStepsToFall) return {};
+  const std::optional<Vec3> along = in_motion_plane(way / way_m);
+  if (!along) return {};
+  limit_detours();
+  const Vec3 lag = proxy_ - goal_;
+  const double lag_m = lag.norm();
+  const double leads_m = -lag.dot(*along);
+  const double farthest_m =
+      leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
+  const double beyond_m = std::min(way_m, farthest_m);
+  const Vec3 target = proxy_ + beyond_m * *along;
+  if (!bounds_.contains(target)) return {};
+  const ProxyPlace before = place_now();
+  stop_at_first_hit(target);
+  plane_count_ = 0;
+  planes_are_current_ = true;
+  int steps = 1;
+  for (; steps < kStepsToFall; ++steps) {
+    const Progress fall = take_step(friction);
+    if ((proxy_ - goal_).norm() < lag_m) return {steps, beyond_m, true};
+    if (fall != Progress::kStopped) update_planes();
+  }
+  return_to(before);
+  return {steps, beyond_m, false};
+}
+
+}  // namespace palpate

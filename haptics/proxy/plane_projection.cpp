@@ -1,0 +1,249 @@
+#include "haptics/proxy/plane_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace palpate {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// Normals whose cross product is smaller than their own rounding are parallel: no edge to solve on.
+constexpr double kParallelSine = 8 * kEpsilon;
+
+// Likewise for three normals in one plane.
+constexpr double kCoplanarVolume = 64 * kEpsilon;
+
+// The rounding of what is left of a target along a plane, of the target: 3 for the product with the
+// normal, 2 for what is taken away, by axis.
+constexpr double kCancelled = 8 * kEpsilon;
+
+// A plane is violated only by more than the rounding of evaluating it.
+constexpr double kViolationRoundoff = 16 * kEpsilon;
+
+// Rounding of the difference of two squared distances, relative to either: 4 for each norm, 8 for
+// normals of which the length is 1 to within 2 ulp and counts to the fourth power, doubled.
+constexpr double kMonotoneRoundoff = 32 * kEpsilon;
+
+// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
+// its in-plane normal would have lost half its digits.
+constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
+
+using Candidate = std::optional<Vec3>;
+
+inline Candidate on_one(const ContactPlane& i, const Vec3& target) {
+  const double multiplier = i.offset_m - i.normal.dot(target);
+  if (multiplier < 0.0) return std::nullopt;
+  const Vec3 y = target + multiplier * i.normal;
+  const bool is_rounding = y.squaredNorm() <= kCancelled * kCancelled * target.squaredNorm();
+  return is_rounding ? Vec3(i.offset_m * i.normal) : y;
+}
+
+Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& target) {
+  const Vec3 edge = i.normal.cross(j.normal);
+  const double sine = edge.norm();
+  if (sine <= kParallelSine) return std::nullopt;
+  const Vec3 along = crossing_line(i.normal, j.normal);
+  const Vec3 across = along.cross(i.normal);  // completes i.normal and along to a basis
+  const double cosine = i.normal.dot(j.normal);
+  const double height = (j.offset_m - cosine * i.offset_m) / sine;
+  const double multiplier_j = (height - target.dot(across)) / sine;
+  const double multiplier_i = i.offset_m - target.dot(i.normal) - multiplier_j * cosine;
+  if (multiplier_i < 0.0 || multiplier_j < 0.0) return std::nullopt;
+  return Vec3(i.offset_m * i.normal + height * across + target.dot(along) * along);
+}
+
+Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPlane& k,
+                   const Vec3& target) {
+  const Vec3 jk = j.normal.cross(k.normal);
+  const Vec3 ki = k.normal.cross(i.normal);
+  const Vec3 ij = i.normal.cross(j.normal);
+  const double volume = i.normal.dot(jk);
+  if (std::abs(volume) <= kCoplanarVolume) return std::nullopt;
+  const Vec3 y = (i.offset_m * jk + j.offset_m * ki + k.offset_m * ij) / volume;
+  const Vec3 push = (y - target) / volume;
+  if (push.dot(jk) < 0.0 || push.dot(ki) < 0.0 || push.dot(ij) < 0.0) return std::nullopt;
+  return y;
+}
+
+// By how much a displacement violates a plane, beyond the rounding of evaluating it; > 0 if it
+// does.
+double violation_m(const ContactPlane& plane, const Vec3& y_m) {
+  const double roundoff_m = kViolationRoundoff * (y_m.lpNorm<1>() + std::abs(plane.offset_m));
+  return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
+}
+
+// A basis: the planes that are active, in ascending order, and the displacement on all of them.
+using Basis = PlaneProjection;
+
+bool has(const Basis& basis, int plane) {
+  const auto end = basis.active.begin() + basis.active_count;
+  return std::find(basis.active.begin(), end, plane) != end;
+}
+
+// The point of the basis' planes nearest to the target, if every one of them pushes.
+bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basis) {
+  const auto plane = [&](std::size_t i) -> const ContactPlane& {
+    return planes[static_cast<std::size_t>(basis.active[i])];
+  };
+  const Candidate y = basis.active_count == 1   ? on_one(plane(0), target)
+                      : basis.active_count == 2 ? on_two(plane(0), plane(1), target)
+                                                : on_three(plane(0), plane(1), plane(2), target);
+  if (y) basis.displacement_m = *y;
+  return y.has_value();
+}
+
+// The plane that is violated most, or -1.
+int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
+  int most = -1;
+  double by_m = 0.0;
+  for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
+    if (has(basis, i)) continue;
+    const double v_m = violation_m(planes[static_cast<std::size_t>(i)], basis.displacement_m);
+    if (v_m <= by_m) continue;
+    most = i;
+    by_m = v_m;
+  }
+  return most;
+}
+
+// The basis that holds for the planes of `basis`, but for slack_m, and the one added, which it
+// violates.
+std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
+                              const Basis& basis, int added, double slack_m) {
+  const auto holds_for_all = [&](const Basis& next) {
+    for (int i = 0; i < basis.active_count; ++i) {
+      const int other = basis.active[static_cast<std::size_t>(i)];
+      if (has(next, other)) continue;
+      if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > slack_m) {
+        return false;
+      }
+    }
+    return true;
+  };
+  // The plane added with none, one or two of the others: bits of `chosen`.
+  constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
+  for (const int chosen : kSubsetsBySize) {
+    if (chosen >> basis.active_count != 0) continue;
+    Basis next;
+    next.active[0] = added;
+    next.active_count = 1;
+    for (int i = 0; i < basis.active_count; ++i) {
+      if ((chosen >> i & 1) == 0) continue;
+      next.active[static_cast<std::size_t>(next.active_count++)] =
+          basis.active[static_cast<std::size_t>(i)];
+    }
+    std::sort(next.active.begin(), next.active.begin() + next.active_count);
+    if (solve(planes, target, next) && holds_for_all(next)) return next;
+  }
+  return std::nullopt;
+}
+
+// The answer is never farther from the target than the feasible y = 0. Where rounding says so, the
+// proxy stays; where more than rounding does, the planes were too ill-conditioned.
+inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
+  const double gain = start == Feasibility::kMustMove
+                          ? 0.0
+                          : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
+  if (gain < -kMonotoneRoundoff * target.squaredNorm()) {
+    basis = {};
+    return;
+  }
+  if (gain < 0.0) basis.displacement_m.setZero();
+  basis.solved = true;
+}
+
+// Normals that are less than this from lying in a plane or line bear a force in any shares.
+constexpr double kDependentNormals = 1e-8;  // half the digits of double
+
+}  // namespace
+
+// The distance to the target rises with every exchange, so no basis comes twice, and few are needed
+// as a rule. So many a plane are needed by no set of planes that is not made for it.
+constexpr int kMostExchangesPerPlane = 4;
+
+PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
+                                    Feasibility start) noexcept {
+  Basis basis;
+  basis.displacement_m = target;
+  if (planes.size() == 1) {  // as a rule
+    const bool is_violated = violation_m(planes[0], target) > 0.0;
+    const Candidate y = is_violated ? on_one(planes[0], target) : target;
+    if (!y) return {};
+    basis.displacement_m = *y;
+    basis.active_count = is_violated ? 1 : 0;
+    keep_near(basis, target, start);
+    return basis;
+  }
+  int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
+  while (static_cast<std::size_t>(basis.active_count) < planes.size()) {
+    const int added = most_violated(planes, basis);
+    if (added < 0) break;
+    if (left-- == 0) return {};
+    if (basis.active_count == 0) {
+      basis.active = {added, 0, 0};
+      basis.active_count = 1;
+      if (!solve(planes, target, basis)) return {};
+      continue;
+    }
+    auto next = exchange(planes, target, basis, added, 0.0);
+    if (!next) {
+      // Of planes that are nearly one, each answer may violate the others, by its own rounding.
+      const double rounding_m = kCancelled * target.norm();
+      const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
+      if (violation_m(violated, basis.displacement_m) <= rounding_m) break;
+      next = exchange(planes, target, basis, added, rounding_m);
+      if (!next) return {};
+    }
+    basis = *next;
+  }
+  keep_near(basis, target, start);
+  return basis;
+}
+
+std::optional<ContactPlane> within_plane(const ContactPlane& plane,
+                                         const Vec3& motion_plane_normal) noexcept {
+  const Vec3 normal = plane.normal - plane.normal.dot(motion_plane_normal) * motion_plane_normal;
+  const double in_plane = normal.norm();
+  if (in_plane < kMinInPlaneNormal) return std::nullopt;
+  return ContactPlane{normal / in_plane, plane.offset_m / in_plane};
+}
+
+std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
+  std::array<double, 3> parts{};
+  if (n.size() == 1) {
+    parts[0] = std::max(0.0, n[0].dot(lag_m));
+    return parts;
+  }
+  Mat3 columns;
+  columns.col(0) = n[0];
+  columns.col(1) = n[1];
+  const Vec3 across = n[0].cross(n[1]);
+  columns.col(2) = n.size() == 3 ? n[2] : Vec3(across.normalized());
+  if (std::abs(columns.determinant()) > kDependentNormals) {
+    const Vec3 along = columns.inverse() * lag_m;
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      parts[i] = std::max(0.0, along[static_cast<Eigen::Index>(i)]);
+    }
+    return parts;
+  }
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    parts[i] = lag_m.norm() / static_cast<double>(n.size());
+  }
+  return parts;
+}
+
+std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> n) noexcept {
+  std::array<double, 3> shares{1.0};
+  if (n.size() == 1) return shares;
+  shares = bearing_parts(lag_m, n);
+  const double sum_m = shares[0] + shares[1] + shares[2];
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    shares[i] = sum_m > 0.0 ? shares[i] / sum_m : 1.0 / static_cast<double>(n.size());
+  }
+  return shares;
+}
+
+}  // namespace palpate

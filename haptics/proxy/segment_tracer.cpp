@@ -1,0 +1,616 @@
+#include "haptics/proxy/segment_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "geometry/index/pack_queries.h"
+#include "haptics/proxy/float_trace.h"
+
+namespace palpate {
+namespace {
+
+// A cheap tick searches for new candidates if the present ones will not last this many ticks more.
+constexpr double kTicksAhead = 3.0;
+
+// Searches for new candidates in one tick. A proxy that needs more is on a long way, and searches
+// along its steps for the rest of it.
+constexpr int kMostRefills = 4;
+
+// How far a sphere looks for a hit first, in radii, if the step is not short, and how much farther
+// each time after.
+constexpr double kShortStep = 0.125;
+constexpr double kFirstLook = 0.01;
+constexpr double kFartherLook = 16.0;
+
+// Packs that are asked in one go.
+constexpr std::size_t kPacksAtOnce = 16;
+
+// Of a segment that is searched for something before a hit, at least so much is searched: what is
+// at the very start counts, too.
+constexpr double kLeastPart = 0x1p-20;
+
+// A tick notes its traces when it has done so much of its work: most never do, and what they did
+// before is soon done again.
+constexpr WorkUnits kNotedAfterPart = 16;
+
+// Traces that are noted: of a move, all ways out at a vertex; of a push, as far as it is shortened.
+constexpr std::size_t kMostNotedOfMove = 4096;
+constexpr std::size_t kMostNotedOfPush = 256;
+
+// What a search that was cut short answers: the step is stopped where it starts.
+TraceHit nothing_known() {
+  TraceHit hit{};
+  hit.contact.normal.setZero();
+  hit.contact.feature_point.setZero();
+  hit.contact.clearance_m = 0.0;
+  return hit;
+}
+
+// A sphere's narrow phase is always in double: its stand-off is what its index was built for.
+bool is_in_float(double radius_m, const Accuracy& accuracy) {
+  return radius_m == 0.0 && accuracy.narrow_phase == NarrowPhase::kFloat;
+}
+
+SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& accuracy) {
+  SolverScale scale = SolverScale::of(world.size_m(), radius_m);
+  if (!is_in_float(radius_m, accuracy)) return scale;
+  for (const ContactBody& body : world.bodies()) {
+    if (body.stretch) continue;  // decided in double
+    scale.stand_off_m =
+        std::max(scale.stand_off_m,
+                 float_stand_off_m(body.length_to_solver(body.index->largest_pack_reach_m())));
+  }
+  scale.stop_m = SolverScale::kStopPerStandOff * scale.stand_off_m;
+  scale.clearance_m = SolverScale::kClearancePerStandOff * scale.stand_off_m;
+  return scale;
+}
+
+}  // namespace
+
+// One query in flight.
+struct SegmentTracer::Search {
+  SegmentTracer& tracer;
+  Vec3 p, q;  // solver frame
+  // Hits beyond do not count. What is searched is the part of the step up to here.
+  StepFraction limit;
+  std::optional<TraceHit> best;
+
+  // Of the body entered.
+  std::uint32_t body = 0;
+  const ContactBody* placed = nullptr;
+  const SolverCorners* corners = nullptr;  // if they are what decides
+  Vec3 p_body, q_body;
+  Vec3 p_index, d_index;  // the part searched, rounded: for what only sorts out
+  double sorted_within;   // of that, index frame: what is farther from the step does not matter
+
+  bool is_resumed = false;
+  bool has_begun = false;  // something has been examined for good, so that it can be cut short
+
+  // No aggregate: that would be cleared as a whole first, which takes as long as a pack.
+  Search(SegmentTracer& by, const Vec3& from, const Vec3& to, StepFraction up_to)
+      : tracer(by), p(from), q(to), limit(up_to) {}
+
+  // Searches only what is before the best hit so far.
+  void shorten() {
+    if (!best) return;
+    limit = std::min(limit, StepFraction(std::max(best->meet_fraction.value(), kLeastPart)));
+  }
+
+  void enter_body(std::uint32_t id) {
+    if (placed && body == id) return;
+    body = id;
+    placed = &tracer.world_->body(id);
+    corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
+    p_body = placed->to_body(p);
+    q_body = placed->to_body(q);
+    // A step that is shorter than the rounding of its ends in the body is a step all the same.
+    enter_index(corners ? placed->way_to_body(q - p) : Vec3(q_body - p_body));
+  }
+
+  // Enters a body with a step given in its own frame.
+  void enter_body_at(std::uint32_t id, const Vec3& from_body, const Vec3& to_body) {
+    body = id;
+    placed = &tracer.world_->body(id);
+    p_body = from_body;
+    q_body = to_body;
+    corners = nullptr;
+    enter_index(q_body - p_body);
+  }
+
+  void enter_index(const Vec3& d_body) {
+    double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
+    // As much farther as the body's corners and its index may be apart.
+    if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
+    p_index = p_body;
+    d_index = limit.value() * d_body;
+    sorted_within = placed->length_to_body(within_m);
+    if (!placed->stretch) [[likely]]
+      return;
+    p_index = placed->to_index(p_index);
+    d_index = placed->to_index(d_index);
+    sorted_within = placed->reach_index(within_m, p_body);
+  }
+
+  // For queries of whole segments, whose float margins cover a point's clearance.
+  double sweep_radius() const {
+    const bool is_covered = tracer.radius_m_ == 0.0 && !corners && !placed->stretch;
+    return is_covered ? 0.0 : sorted_within;
+  }
+
+  bool misses_body() const { return !placed->index->may_meet(p_index, d_index, sweep_radius()); }
+
+  bool must_stop() const { return has_begun && tracer.work_.is_spent(); }
+
+  // Packs of the body entered. False if it has to stop before the last of them, in `unexamined`.
+  bool consider_packs(std::span<const std::uint32_t> packs, std::uint32_t& unexamined) {
+    while (!packs.empty()) {
+      unexamined = packs.front();
+      if (must_stop()) return false;
+      const auto some = packs.first(std::min(packs.size(), packs_at_once()));
+      packs = packs.subspan(some.size());
+      if (!(tracer.radius_m_ == 0.0 ? consider_for_point(some) : consider_for_sphere(some))) {
+        return false;
+      }
+      has_begun = true;
+    }
+    return true;
+  }
+
+  // One where a search goes on: so that it gets on however little it may do.
+  std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
+
+  bool consider_for_point(std::span<const std::uint32_t> packs) {
+    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
+    std::array<PackLanes, kPacksAtOnce> doubtful;
+    const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_index, d_index,
+                                               sorted_within, doubtful.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;  // never where there is one
+      for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
+        consider_lane(doubtful[i].pack, take_lane(lanes));
+      }
+    }
+    return true;
+  }
+
+  // First what the sphere touches where it is: as a rule that stops it, and tells the rest apart.
+  bool consider_for_sphere(std::span<const std::uint32_t> packs) {
+    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
+    std::array<PackApproach, kPacksAtOnce> doubtful;
+    const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_index, d_index,
+                                             sorted_within, doubtful.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;
+      PackApproach& in = doubtful[i];
+      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
+        const int lane = take_lane(lanes);
+        if (!in.is_in_reach_at_start(lane)) continue;
+        in.lanes &= ~(1u << lane);
+        consider_lane(in.pack, lane);
+      }
+    }
+    float needed_up = needed_rounded_up();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i > 0 && tracer.work_.is_spent()) return false;
+      const PackApproach& in = doubtful[i];
+      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
+        const int lane = take_lane(lanes);
+        if (!in.may_be_in_reach_by(needed_up, lane)) continue;
+        consider_lane(in.pack, lane);
+        needed_up = needed_rounded_up();
+      }
+    }
+    return true;
+  }
+
+  void consider_lane(std::uint32_t pack, int lane) {
+    const FaceRef face{body, SurfaceIndex::slot(pack, lane)};
+    tracer.doubtful_.add(face);
+    consider(face);
+  }
+
+  // A triangle of the body entered.
+  void consider(const FaceRef& face) {
+    TriangleHit hit;
+    TriangleWork work;
+    const bool is_met = meets(face.slot, hit, work);
+    tracer.work_.add(work::kTriangle + work.signs.by_pairs * work::kSignByPairs +
+                     work.signs.by_expansions * work::kSignByExpansions +
+                     work.nearest_points * work::kNearestPoint);
+    if (is_met) keep_earlier(hit, face);
+  }
+
+  bool meets(std::uint32_t slot, TriangleHit& hit, TriangleWork& work) const {
+    const SolverScale& scale = tracer.scale_;
+    const double stop = placed->length_to_body(scale.stop_m);
+    if (tracer.is_in_float_ && !placed->stretch) {
+      const auto lane = static_cast<int>(slot % TrianglePack::kLanes);
+      const TrianglePack& pack = placed->index->pack(slot / TrianglePack::kLanes);
+      return trace_point_in_float(pack, lane, p_body, q_body, stop, hit);
+    }
+    const TriangleGeometry& t = tracer.made_.of(*placed, {body, slot});
+    if (corners) {
+      const Vec3 normal = placed->direction_to_solver(t.normal);
+      return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
+                         hit, work);
+    }
+    if (tracer.radius_m_ == 0.0) {
+      return trace_point(t, p_body, q_body, {stop, placed->length_to_body(scale.clearance_m)}, hit,
+                         work);
+    }
+    return trace_sphere(t, p_body, q_body, placed->length_to_body(tracer.radius_m_), stop,
+                        best ? std::min(best->meet_fraction, limit) : limit, hit, work);
+  }
+
+  // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
+  // Embree, does not show.
+  void keep_earlier(const TriangleHit& hit, const FaceRef& face) {
+    if (hit.meet_fraction > limit) return;
+    if (best && hit.meet_fraction > best->meet_fraction) return;
+    if (best && hit.meet_fraction == best->meet_fraction && face > best->contact.face) return;
+    Vec3 normal = hit.normal;
+    Vec3 feature_point = hit.feature_point;
+    double clearance_m = hit.clearance_m;
+    if (!corners) {
+      normal = placed->direction_to_solver(normal);
+      if (!placed->is_identity) normal.normalize();
+      feature_point = placed->to_solver(feature_point);
+      clearance_m = placed->length_to_solver(clearance_m);
+    }
+    best = TraceHit{
+        {face, normal, clearance_m, hit.feature, feature_point}, hit.fraction, hit.meet_fraction};
+  }
+
+  // How far along the part searched a triangle can still matter.
+  double needed() const {
+    return best ? std::max(best->meet_fraction.value() / limit.value(), kLeastPart) : 1.0;
+  }
+  float needed_rounded_up() const {
+    const double needed = best ? best->meet_fraction.value() / limit.value() : 1.0;
+    return static_cast<float>(needed) * (1 + 2 * std::numeric_limits<float>::epsilon());
+  }
+};
+
+SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy)
+    : world_(&world),
+      radius_m_(radius_m),
+      accuracy_(accuracy),
+      is_in_float_(is_in_float(radius_m, accuracy)),
+      scale_(scale_for(world, radius_m, accuracy)),
+      // Half a stand-off is what hits need beyond the radius; two cover rounding as well.
+      cache_(world, radius_m + 2 * scale_.stand_off_m),
+      work_(accuracy.work_budget),
+      noted_from_(accuracy.work_budget / kNotedAfterPart),
+      memories_{std::make_unique<Memory>(kMostNotedOfMove),
+                std::make_unique<Memory>(kMostNotedOfPush)},
+      memory_(memories_[0].get()) {}
+
+void SegmentTracer::forget_steps() noexcept {
+  for (const auto& memory : memories_) {
+    memory->log.clear();
+    memory->progress.reset();
+  }
+}
+
+bool SegmentTracer::remembers() const noexcept {
+  return std::any_of(memories_.begin(), memories_.end(), [](const auto& memory) {
+    return memory->progress || !memory->log.is_empty();
+  });
+}
+
+void SegmentTracer::forget_moving_searches() noexcept {
+  for (const auto& memory : memories_) {
+    memory->log.clear();
+    auto& progress = memory->progress;
+    if (!progress || !progress->cursor.is_among_moving) continue;
+    progress->cursor.body = progress->cursor.pack = 0;
+    progress->best = progress->best_at_rest;
+  }
+}
+
+[[gnu::always_inline]] inline bool SegmentTracer::search_candidates(Search& search) noexcept {
+  std::array<std::uint32_t, CandidateCache::kCapacity> packs;
+  std::uint32_t unexamined = 0;
+  for (std::size_t n = 0; n < cache_.body_count(); ++n) {
+    search.enter_body(cache_.body(n));
+    work_.add(work::kBody);
+    const std::size_t count = cache_.packs_along(n, search.p_index, search.d_index, packs);
+    if (!search.consider_packs(std::span(packs).first(count), unexamined)) return false;
+  }
+  return true;
+}
+
+// False if the budget did not suffice for all of it.
+bool SegmentTracer::search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
+                               std::optional<TraceHit>* best_at_rest) noexcept {
+  if (key.only != TraceKey::kNoBody) {
+    search.enter_body_at(key.only, key.p, key.q);
+    return search_body(search, cursor);
+  }
+  if (!cursor.is_among_moving) {
+    if (!search_resting(search, cursor)) return false;
+    cursor.is_among_moving = true;
+    cursor.body = cursor.pack = 0;
+    if (best_at_rest) *best_at_rest = search.best;
+  }
+  return search_moving(search, cursor, key.left_out);
+}
+
+bool SegmentTracer::search_resting(Search& search, TraceCursor& cursor) noexcept {
+  bool is_complete = true;
+  const Vec3 d = search.limit.value() * (search.q - search.p);
+  world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, [&](std::uint32_t b) {
+    if (b != cursor.body) {
+      cursor.body = b;
+      cursor.pack = 0;
+    }
+    search.shorten();
+    search.enter_body(b);
+    // Without a tree, all bodies come here.
+    if (search.misses_body()) return true;
+    is_complete = search_body(search, cursor);
+    return is_complete;
+  });
+  return is_complete;
+}
+
+bool SegmentTracer::search_moving(Search& search, TraceCursor& cursor,
+                                  std::uint32_t left_out) noexcept {
+  const auto moving = world_->moving();
+  for (; cursor.body < moving.size(); ++cursor.body, cursor.pack = 0) {
+    const std::uint32_t b = moving[cursor.body];
+    if (b == left_out) continue;
+    search.enter_body(b);
+    if (!search_body(search, cursor)) return false;
+  }
+  return true;
+}
+
+// The body that has been entered. False if the budget did not suffice for all of it.
+bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
+  if (search.must_stop()) return false;
+  work_.add(work::kBody);
+  struct State {
+    Search* search;
+    TraceCursor* cursor;
+    bool is_complete;
+  } state{&search, &cursor, true};
+  auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
+  // Embree's boxes may be too small for a point that is far from a stretched body.
+  const double sweep_radius = search.sweep_radius();
+  if (!first && sweep_radius > search.placed->index->sweep_radius_m()) first = 0;
+  const std::size_t in_vain = search.placed->index->visit_packs_along(
+      search.p_index, search.d_index, sweep_radius, first,
+      [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
+        State& in = *static_cast<State*>(s);
+        std::uint32_t unexamined = 0;
+        in.is_complete = in.search->consider_packs(packs, unexamined);
+        if (in_order) in.cursor->pack = unexamined;
+        return in.is_complete ? QueryFraction(in.search->needed()) : kNothingMore;
+      },
+      &state);
+  work_.add(static_cast<WorkUnits>(in_vain) * work::kPackNamed);
+  search.has_begun = search.has_begun || state.is_complete;
+  return state.is_complete;
+}
+
+// The less far a sphere looks, the fewer of the triangles about it are in doubt, and one that falls
+// back on the surface is stopped at once as a rule. A fraction of the step.
+double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
+  if (radius_m_ == 0.0) return 1.0;
+  const double length_m = (q - p).lpNorm<Eigen::Infinity>();
+  return length_m <= kShortStep * radius_m_ ? 1.0 : kFirstLook * radius_m_ / length_m;
+}
+
+std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
+  if (!accuracy_.reuse_candidates || asks_memory()) [[unlikely]]
+    return answer({p, q});
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find_among_candidates(p, q, TraceKey::kNoBody);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish({p, q}, hit, false);
+  return hit;
+}
+
+std::optional<TraceHit> SegmentTracer::trace_others(std::uint32_t body, const Vec3& p,
+                                                    const Vec3& q) noexcept {
+  return answer({p, q, body});
+}
+
+std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const Vec3& p_body,
+                                                     const Vec3& q_body) noexcept {
+  return answer({p_body, q_body, TraceKey::kNoBody, body});
+}
+
+std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
+  if (doubtful_.have_overflowed) [[unlikely]]
+    return answer({p, q});
+  if (asks_memory()) [[unlikely]]
+    return recall_or_find({p, q}, true);
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find_part(p, q);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish({p, q}, hit, false);
+  return hit;
+}
+
+// What has been found before, or else is found now; if the budget suffices for it.
+std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
+  if (asks_memory()) [[unlikely]]
+    return recall_or_find(key, false);
+  last_entry_ = nullptr;
+  std::optional<TraceHit> hit = find(key);
+  if (work_.used() >= noted_from_) [[unlikely]]
+    finish(key, hit, false);
+  return hit;
+}
+
+[[gnu::cold]] std::optional<TraceHit> SegmentTracer::recall_or_find(const TraceKey& key,
+                                                                    bool is_part) noexcept {
+  last_entry_ = nullptr;
+  if (is_cut_short_) return nothing_known();
+  last_entry_ = memory_->log.recall(key);
+  if (last_entry_) {
+    doubtful_.clear();
+    doubtful_.have_overflowed = true;  // nobody knows any more which they were
+    return last_entry_->hit;
+  }
+  auto& unfinished = memory_->progress;
+  const bool was_cut_short = unfinished && unfinished->key == key;
+  if (work_.is_spent()) {
+    if (!was_cut_short) unfinished = TraceProgress{key};
+    is_cut_short_ = true;
+    has_memory_ = true;
+    return nothing_known();
+  }
+  std::optional<TraceHit> hit;
+  if (was_cut_short) {
+    TraceProgress progress = *unfinished;
+    unfinished.reset();
+    doubtful_ = progress.doubtful;
+    hit = go_on(progress);
+  } else {
+    hit = is_part ? find_part(key.p, key.q) : find(key);
+  }
+  finish(key, hit, was_cut_short);
+  return hit;
+}
+
+// Notes the answer of a tick that has done much, or of a trace that it has not done alone.
+[[gnu::cold]] void SegmentTracer::finish(const TraceKey& key, std::optional<TraceHit>& hit,
+                                         bool was_cut_short) noexcept {
+  if (is_cut_short_) {
+    hit = nothing_known();
+  } else if (was_cut_short || work_.used() >= noted_from_) {
+    last_entry_ = memory_->log.note(key, hit);
+    has_memory_ = true;
+  }
+}
+
+std::optional<TraceHit> SegmentTracer::find_part(const Vec3& p, const Vec3& q) noexcept {
+  Search search(*this, p, q, StepFraction::end());
+  for (std::size_t i = 0; i < doubtful_.count; ++i) {
+    search.enter_body(doubtful_.faces[i].body);
+    search.consider(doubtful_.faces[i]);
+  }
+  return search.best;
+}
+
+std::optional<TraceHit> SegmentTracer::find(const TraceKey& key) noexcept {
+  const bool may_reuse = accuracy_.reuse_candidates && key.only == TraceKey::kNoBody;
+  return may_reuse ? find_among_candidates(key.p, key.q, key.left_out) : find_in_index(key);
+}
+
+std::optional<TraceHit> SegmentTracer::find_among_candidates(const Vec3& p, const Vec3& q,
+                                                             std::uint32_t left_out) noexcept {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    bool is_inside = cache_.covers(p);
+    for (double look = first_look(p, q); is_inside; look *= kFartherLook) {
+      look = std::min(look, 1.0);
+      doubtful_.clear();
+      Search search(*this, p, q, StepFraction(look));
+      TraceCursor among_moving;
+      if (!search_candidates(search) ||
+          (!world_->moving().empty() && !search_moving(search, among_moving, left_out))) {
+        cut_short({{p, q, left_out}, first_look(p, q)});
+        return std::nullopt;
+      }
+      // Whatever happens inside the ball is known; the first of it counts.
+      is_inside =
+          cache_.covers(p + (search.best ? search.best->meet_fraction.value() : look) * (q - p));
+      if (is_inside && (search.best || look == 1.0)) return search.best;
+    }
+    // A step that is too long for any ball is searched along.
+    if (attempt == 0 && !cache_.may_cover_step(q - p) && cache_.covers(p)) break;
+    if (attempt > 0 || refills_ >= kMostRefills) break;
+    refills_ = cache_.refill(p, motion_, work_) ? refills_ + 1 : kMostRefills;
+  }
+  return find_in_index({p, q, left_out});
+}
+
+[[gnu::noinline]] std::optional<TraceHit> SegmentTracer::find_in_index(
+    const TraceKey& key) noexcept {
+  const Vec3& p = key.p;
+  const Vec3& q = key.q;
+  doubtful_.clear();
+  const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
+  Search search{*this, body ? body->to_solver(p) : p, body ? body->to_solver(q) : q,
+                StepFraction::end()};
+  TraceCursor cursor;
+  std::optional<TraceHit> best_at_rest;
+  if (search_all(search, cursor, key, &best_at_rest)) return search.best;
+  // From now on in parts, the nearest first.
+  TraceProgress progress{key, first_look(p, q), cursor, search.best, best_at_rest, doubtful_};
+  if (progress.look < 1.0) progress.cursor.begin();
+  cut_short(progress);
+  return std::nullopt;
+}
+
+// Goes on from where an earlier tick was cut short.
+[[gnu::cold]] std::optional<TraceHit> SegmentTracer::go_on(TraceProgress& progress) noexcept {
+  const TraceKey& key = progress.key;
+  const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
+  for (;;) {
+    Search search{*this, body ? body->to_solver(key.p) : key.p,
+                  body ? body->to_solver(key.q) : key.q, StepFraction(progress.look)};
+    search.best = progress.best;
+    search.is_resumed = progress.cursor.is_resumed;
+    const bool is_complete = search_all(search, progress.cursor, key, &progress.best_at_rest);
+    progress.best = search.best;
+    if (!is_complete) break;
+    const bool is_met = progress.best && progress.best->meet_fraction.value() <= progress.look;
+    if (is_met || progress.look == 1.0) return progress.best;
+    // Where very many triangles are near the start, each look asks them all.
+    const double most = progress.best ? progress.best->meet_fraction.value() : 1.0;
+    progress.look = std::min(most, kFartherLook * progress.look);
+    progress.cursor.begin();
+  }
+  progress.doubtful = doubtful_;
+  cut_short(progress);
+  return std::nullopt;
+}
+
+[[gnu::cold]] void SegmentTracer::cut_short(const TraceProgress& progress) noexcept {
+  memory_->progress = progress;
+  memory_->progress->cursor.is_resumed = true;
+  is_cut_short_ = true;
+  has_memory_ = true;
+}
+
+void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept {
+  motion_ = step;
+  const bool has_refilled = refills_ > 0;
+  refills_ = 0;
+  if (!accuracy_.reuse_candidates || !was_cheap || has_refilled || work_.is_spent()) return;
+  if (cache_.covers(p + kTicksAhead * step) || !cache_.may_refill(p)) return;
+  cache_.refill(p, step, work_);
+}
+
+std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p, const Vec3& d) noexcept {
+  // What was recalled may have been asked for this, too.
+  const bool is_recalled = doubtful_.have_overflowed && doubtful_.count == 0;
+  if (is_recalled) return last_entry_ ? last_entry_->steepest : std::nullopt;
+  const auto steepest = find_steepest_contact(p, d);
+  if (last_entry_) last_entry_->steepest = steepest;
+  return steepest;
+}
+
+std::optional<FaceContact> SegmentTracer::find_steepest_contact(const Vec3& p,
+                                                                const Vec3& d) const {
+  std::optional<FaceContact> steepest;
+  double least = 0.0;
+  for (const FaceRef& face : std::span(doubtful_.faces).first(doubtful_.count)) {
+    const FaceContact contact = nearest_contact(face, p);
+    const double approach = contact.normal.dot(d);
+    if (contact.clearance_m > scale_.stop_m || approach >= 0.0 || approach > least) continue;
+    // Those that share what is touched lead as steeply: the first of them counts.
+    if (steepest && approach == least && steepest->face < face) continue;
+    least = approach;
+    steepest = contact;
+  }
+  return steepest;
+}
+
+}  // namespace palpate

@@ -1,0 +1,211 @@
+// What a proxy touches where it is: see segment_tracer.h.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "geometry/index/pack_queries.h"
+#include "haptics/proxy/segment_tracer.h"
+
+namespace palpate {
+namespace {
+
+// Bodies at rest that contacts around a point are looked for in, and the packs of all bodies that
+// are looked at for that: those with the lowest numbers.
+constexpr std::size_t kMostBodiesAround = 64;
+constexpr std::size_t kMostPacksAround = 256;
+
+// A search for contacts around a point that begins with less than this part of the budget used is
+// not cut short: it is bounded, and what follows may go on in the next tick.
+constexpr WorkUnits kBeginsAroundPart = 4;
+
+// Of the contacts of a point at p that it is given, the nearest that there is room for.
+class NearestContacts {
+ public:
+  NearestContacts(const Vec3& p, std::span<FaceContact> room) : p_(p), room_(room) {}
+
+  void add(const FaceContact& contact) {
+    const auto is_nearer = [this](const FaceContact& a, const FaceContact& b) {
+      return (a.feature_point - p_).squaredNorm() < (b.feature_point - p_).squaredNorm();
+    };
+    if (count_ < room_.size()) {
+      room_[count_++] = contact;
+      if (count_ == room_.size()) std::make_heap(room_.begin(), room_.end(), is_nearer);
+      return;
+    }
+    if (!is_nearer(contact, room_.front())) return;
+    std::pop_heap(room_.begin(), room_.end(), is_nearer);
+    room_.back() = contact;
+    std::push_heap(room_.begin(), room_.end(), is_nearer);
+  }
+
+  std::size_t count() const { return count_; }
+
+ private:
+  Vec3 p_;
+  std::span<FaceContact> room_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
+  const ContactBody& body = world_->body(face.body);
+  const TrianglePoint nearest = closest_point_on_triangle(made_.of(body, face), body.to_body(p));
+  return {face, body.direction_to_solver(nearest.direction),
+          body.length_to_solver(nearest.distance) - radius_m_, nearest.feature,
+          body.to_solver(nearest.point)};
+}
+
+Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
+  const ContactBody& body = world_->body(contact.face.body);
+  const TriangleGeometry& t = made_.of(body, contact.face);
+  const Vec3 p_body = body.to_body(contact.feature_point);
+  Vec3 nearest = Vec3::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
+    const Vec3 direction = (to - from).normalized();
+    const double distance = (p_body - from).cross(direction).norm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = direction;
+  }
+  return body.direction_to_solver(nearest);
+}
+
+FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
+                                      const Vec3& side) const noexcept {
+  const FaceContact nearest = nearest_contact(face, p);
+  if (radius_m_ > 0.0) return nearest;
+  const ContactBody& body = world_->body(face.body);
+  const Vec3 direction_body = body.direction_to_body(nearest.normal);
+  if (!is_rather_over(made_.of(body, face), direction_body)) return nearest;
+  const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
+  FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
+  contact.feature = nearest.feature;
+  return contact;
+}
+
+FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
+                                        const Vec3& side) const noexcept {
+  const ContactBody& body = world_->body(face.body);
+  const TriangleGeometry& t = made_.of(body, face);
+  const Vec3 p_body = body.to_body(p);
+  const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
+  const double height = normal.dot(p_body - t.a);
+  return {face, body.direction_to_solver(normal), body.length_to_solver(height),
+          TriangleFeature::kFace, body.to_solver(p_body - height * normal)};
+}
+
+std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left, const Vec3& p,
+                                                            const Vec3& q) noexcept {
+  const ContactBody& body = world_->body(left.body);
+  const Vec3 p_body = body.to_body(p);
+  const Vec3 q_body = body.to_body(q);
+  const std::uint32_t pack = left.slot / TrianglePack::kLanes;
+  work_.add(work::kPack);
+  PackLanes near;
+  if (lanes_in_the_way(body.index->packs(), {&pack, 1}, body.to_index(p_body),
+                       body.to_index(q_body - p_body), body.reach_index(0.0, p_body), &near) == 0) {
+    return {};
+  }
+  std::optional<FaceContact> nearest;
+  while (near.lanes != 0) {
+    const FaceRef face{left.body, SurfaceIndex::slot(pack, take_lane(near.lanes))};
+    const TriangleGeometry& t = made_.of(body, face);
+    const double height = t.normal.dot(p_body - t.a);
+    const double height_m = body.length_to_solver(height);
+    const bool is_between = height * t.normal.dot(q_body - t.a) < 0.0;
+    if (!is_between || std::abs(height_m) < scale_.clearance_m || !prism_contains(t, p_body)) {
+      continue;
+    }
+    if (nearest && nearest->clearance_m <= std::abs(height_m)) continue;
+    const Vec3 side = height_m < 0.0 ? Vec3(-t.normal) : t.normal;
+    nearest = contact_over(face, p, body.direction_to_solver(side));
+  }
+  return nearest;
+}
+
+bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {
+  if (radius_m_ > 0.0) {
+    // Still touching: the tangent plane it was stopped by supports the sphere here as well.
+    return contact_at(contact.face, p, contact.normal).clearance_m <= scale_.stand_off_m;
+  }
+  if (contact.feature != TriangleFeature::kFace) return false;
+  const ContactBody& body = world_->body(contact.face.body);
+  return prism_contains(made_.of(body, contact.face), body.to_body(p));
+}
+
+std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
+                                             std::span<FaceContact> contacts) noexcept {
+  NearestContacts nearest(p, contacts);
+  // One that begins with most of the budget left is completed all the same.
+  may_stop_around_ = kBeginsAroundPart * work_.used() > work_.budget();
+  std::size_t packs_left = kMostPacksAround;
+  std::size_t bodies_left = kMostBodiesAround;
+  const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
+  world_->visit_resting_near(p, reach_m, NearSearch::kInOrder, [&](std::uint32_t b) {
+    const ContactBody& body = world_->body(b);
+    const Vec3 p_body = body.to_body(p);
+    const double reach = body.reach_index(reach_m, p_body);
+    if (body.index->box().squared_distance(body.to_index(p_body)) > reach * reach) return true;
+    visit_contacts(b, p, reach_m, packs_left, add);
+    return --bodies_left > 0 && packs_left > 0 && !is_cut_short_;
+  });
+  for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, packs_left, add);
+  return nearest.count();
+}
+
+template <typename Visitor>
+void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_m,
+                                   std::size_t& packs_left, const Visitor& visit) noexcept {
+  if (packs_left == 0 || is_cut_short_) return;
+  const ContactBody& body = world_->body(b);
+  const Vec3 p_body = body.to_body(p);
+  const double reach = body.length_to_body(reach_m);
+  work_.add(work::kBody);
+  const auto consider_pack = [&](std::uint32_t pack) {
+    const int count = body.index->pack(pack).count;
+    if (may_stop_around_ && work_.is_spent()) {
+      memory_->progress.reset();  // no trace has been cut short
+      is_cut_short_ = true;
+      return false;
+    }
+    work_.add(work::kPack + count * work::kNearestPoint);
+    for (int lane = 0; lane < count; ++lane) {
+      const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
+      TriangleGeometry room;
+      const TriangleGeometry& t = body.triangle(slot, room);
+      const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
+      if (nearest.distance > reach) continue;
+      visit({{b, slot},
+             body.direction_to_solver(t.normal),
+             body.length_to_solver(t.normal.dot(p_body - t.a)),
+             TriangleFeature::kFace,
+             body.to_solver(nearest.point)});
+    }
+    return --packs_left > 0;
+  };
+  using ConsiderPack = decltype(consider_pack);
+  body.index->visit_packs_near(
+      body.to_index(p_body), body.reach_index(reach_m, p_body), 0,
+      [](void* state, std::span<const std::uint32_t> packs) {
+        return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
+      },
+      const_cast<void*>(static_cast<const void*>(&consider_pack)));
+}
+
+std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,
+                                           std::span<FaceContact> contacts) noexcept {
+  const std::size_t count = contacts_in_front(p, reach_m, contacts);
+  for (FaceContact& contact : contacts.first(count)) {
+    if (contact.clearance_m >= 0.0) continue;
+    contact.normal = -contact.normal;
+    contact.clearance_m = -contact.clearance_m;
+  }
+  return count;
+}
+
+}  // namespace palpate

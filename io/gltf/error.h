@@ -1,0 +1,49 @@
+#pragma once
+
+// Shorthand for the errors of the glTF reader. read_gltf() adds the name of the file.
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+inline Error gltf_error(ErrorCode code, std::string element, std::string problem,
+                        std::string hint = {}) {
+  return {code, {}, std::move(element), std::move(problem), std::move(hint)};
+}
+
+inline Error gltf_invalid(std::string element, std::string problem, std::string hint = {}) {
+  return gltf_error(ErrorCode::kInvalidContent, std::move(element), std::move(problem),
+                    std::move(hint));
+}
+
+// "/nodes/7", "/nodes/7/mesh"
+inline std::string gltf_element(const std::string& section, std::size_t index,
+                                const std::string& property = {}) {
+  std::string element = "/" + section + "/" + std::to_string(index);
+  if (!property.empty()) element += "/" + property;
+  return element;
+}
+
+// Text from the file, short enough for a message.
+inline std::string gltf_shortened(const std::string& text) {
+  constexpr std::size_t kMaxLength = 120;
+  return text.size() > kMaxLength ? text.substr(0, kMaxLength) + "..." : text;
+}
+
+// The same in quotes.
+inline std::string gltf_quoted(const std::string& text) {
+  return "\"" + gltf_shortened(text) + "\"";
+}
+
+// In few digits, however large or small.
+inline std::string gltf_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+}  // namespace palpate

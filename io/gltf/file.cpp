@@ -1,0 +1,183 @@
+#include "io/gltf/file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+#include "geometry/base/parallel.h"
+#include "io/gltf/error.h"
+
+namespace palpate {
+namespace {
+
+class FileHandle {
+ public:
+  explicit FileHandle(const char* path)
+      // Non-blocking, because opening a pipe would otherwise wait for its writer.
+      : descriptor_(::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {}
+  ~FileHandle() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  FileHandle(const FileHandle&) = delete;
+  FileHandle& operator=(const FileHandle&) = delete;
+
+  int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+Error file_error(ErrorCode code, const std::string& path, std::string problem,
+                 std::string hint = {}) {
+  return {code, path, {}, std::move(problem), std::move(hint)};
+}
+
+Error open_error(const std::string& path, int reason) {
+  const bool missing = reason == ENOENT || reason == ENOTDIR;
+  return file_error(missing ? ErrorCode::kFileNotFound : ErrorCode::kFileUnreadable, path,
+                    std::string("cannot be opened: ") +
+                        std::error_code(reason, std::generic_category()).message());
+}
+
+// Reads a part of the file; returns the byte past which that could not be done, if there is one.
+std::optional<std::size_t> read_part(int descriptor, std::size_t begin, std::size_t end,
+                                     FileBytes& bytes) {
+  while (begin < end) {
+    const ssize_t got = ::pread(descriptor, &bytes[begin], end - begin, static_cast<off_t>(begin));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return begin;
+    begin += static_cast<std::size_t>(got);
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> read_fully(int descriptor, const std::string& path, FileBytes& bytes) {
+  constexpr std::size_t kWorthAThread = std::size_t{1} << 21;  // bytes: a millisecond of work
+  std::mutex mutex;
+  std::optional<std::size_t> missing;
+  run_ranges(bytes.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+    const auto failed = read_part(descriptor, begin, end, bytes);
+    if (!failed) return;
+    const std::lock_guard lock(mutex);
+    missing = missing ? std::min(*missing, *failed) : *failed;
+  });
+  if (!missing) return std::nullopt;
+  return file_error(ErrorCode::kFileUnreadable, path,
+                    "cannot be read past byte " + std::to_string(*missing) + " of " +
+                        std::to_string(bytes.size()));
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::optional<std::string> percent_decoded(const std::string& uri) {
+  std::string decoded;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] != '%') {
+      decoded += uri[i];
+      continue;
+    }
+    if (uri.size() - i < 3) return std::nullopt;
+    const int high = hex_digit(uri[i + 1]);
+    const int low = hex_digit(uri[i + 2]);
+    if (high < 0 || low < 0) return std::nullopt;
+    decoded += static_cast<char>(high * 16 + low);
+    i += 2;
+  }
+  return decoded;
+}
+
+// RFC 3986, section 3.1: a letter, then letters, digits, "+", "-" or "." up to a colon.
+bool has_scheme(const std::string& uri) {
+  const std::size_t colon = uri.find(':');
+  if (colon == std::string::npos || colon == 0) return false;
+  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
+  return uri.find_first_not_of(allowed) == colon;
+}
+
+bool lies_inside(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  auto part = file.begin();
+  for (const auto& expected : folder) {
+    if (part == file.end() || *part != expected) return false;
+    ++part;
+  }
+  return part != file.end();
+}
+
+}  // namespace
+
+Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
+                                    std::uint64_t wanted_bytes, MemoryLedger* memory) {
+  if (path.find('\0') != std::string::npos) {
+    return file_error(ErrorCode::kFileNotFound, path.substr(0, path.find('\0')),
+                      "the name contains a zero byte");
+  }
+  const FileHandle file(path.c_str());
+  if (file.get() < 0) return open_error(path, errno);
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) return open_error(path, errno);
+  if (!S_ISREG(status.st_mode)) {
+    return file_error(
+        ErrorCode::kFileUnreadable, path,
+        S_ISDIR(status.st_mode) ? "is a folder; expected a file" : "is not a regular file");
+  }
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size > max_bytes) {
+    return file_error(ErrorCode::kLimitExceeded, path,
+                      "has " + std::to_string(size) + " bytes; at most " +
+                          std::to_string(max_bytes) + " are read");
+  }
+  if (memory != nullptr) {
+    if (auto error = memory->take(std::min(size, wanted_bytes))) {
+      error->path = path;
+      return *error;
+    }
+  }
+  FileBytes bytes(std::min(size, wanted_bytes));
+  if (auto error = read_fully(file.get(), path, bytes)) return *error;
+  return bytes;
+}
+
+Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {
+  const std::string hint = "keep the files of an asset in its own folder, named relative to it";
+  if (has_scheme(uri)) {
+    return gltf_error(ErrorCode::kUnsupported, {},
+                      "the URI " + gltf_quoted(uri) + " is not relative", hint);
+  }
+  const auto decoded = percent_decoded(uri);
+  if (!decoded || decoded->find('\0') != std::string::npos) {
+    return gltf_invalid({},
+                        "the URI " + gltf_quoted(uri) + " has a broken escape; expected %20 to %FF",
+                        "write a literal percent sign as %25");
+  }
+  if (decoded->empty() || decoded->front() == '/') {
+    return gltf_invalid({}, "the URI " + gltf_quoted(uri) + " is not a relative path", hint);
+  }
+  std::error_code failed;
+  const std::filesystem::path inside =
+      std::filesystem::canonical(folder.empty() ? "." : folder, failed);
+  if (failed) return file_error(ErrorCode::kFileUnreadable, folder, failed.message());
+  const auto file = std::filesystem::weakly_canonical(inside / *decoded, failed);
+  if (failed) {
+    return gltf_error(ErrorCode::kFileNotFound, {},
+                      "the URI " + gltf_quoted(uri) + " names no file: " + failed.message());
+  }
+  if (!lies_inside(inside, file)) {
+    return gltf_invalid({}, "the URI " + gltf_quoted(uri) + " leads out of the folder of the asset",
+                        hint);
+  }
+  return file.string();
+}
+
+}  // namespace palpate

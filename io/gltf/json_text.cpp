@@ -1,0 +1,132 @@
+#include "io/gltf/json_text.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf/error.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+// Keys that are there twice and are named, so that other warnings are not lost behind them.
+constexpr std::size_t kMostListed = 20;
+
+// What the parser calls with each thing that it reads. The library's own builder of a document
+// replaces a key's value without a word.
+class DocumentBuilder {
+ public:
+  explicit DocumentBuilder(std::vector<std::string>& warnings) : warnings_(warnings) {}
+
+  Json take() { return std::move(root_); }
+  const std::string& problem() const { return problem_; }
+  std::size_t unlisted_duplicates() const {
+    return duplicates_ - std::min(duplicates_, kMostListed);
+  }
+
+  bool null() { return put(nullptr); }
+  bool boolean(bool value) { return put(value); }
+  bool number_integer(Json::number_integer_t value) { return put(value); }
+  bool number_unsigned(Json::number_unsigned_t value) { return put(value); }
+  bool number_float(Json::number_float_t value, const std::string&) { return put(value); }
+  bool string(std::string& value) { return put(std::move(value)); }
+  bool binary(Json::binary_t&) { return false; }  // there is none in a text
+  bool start_object(std::size_t) { return open(Json::value_t::object); }
+  bool start_array(std::size_t) { return open(Json::value_t::array); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+
+  bool key(std::string& name) {
+    auto& entries = open_.back().value->get_ref<Json::object_t&>();
+    const auto [entry, is_new] = entries.try_emplace(std::move(name));
+    open_.back().key = &entry->first;
+    slot_ = &entry->second;
+    if (!is_new && ++duplicates_ <= kMostListed) {
+      warnings_.push_back(path() + ": is there more than once; the last one counts");
+    }
+    return true;
+  }
+
+  bool parse_error(std::size_t, const std::string&, const Json::exception& exception) {
+    problem_ = exception.what();
+    return false;
+  }
+
+ private:
+  // An object or array that is not closed yet. It does not move: until then nothing comes behind
+  // it.
+  struct Open {
+    Json* value = nullptr;
+    const std::string* key = nullptr;  // the last one of an object
+  };
+
+  template <typename Value>
+  bool put(Value&& value) {
+    place() = std::forward<Value>(value);
+    return true;
+  }
+
+  bool open(Json::value_t type) {
+    Json& value = place();
+    value = Json(type);
+    open_.push_back({&value, nullptr});
+    return true;
+  }
+
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  // Where the next value goes.
+  Json& place() {
+    if (open_.empty()) return root_;
+    Json& parent = *open_.back().value;
+    return parent.is_array() ? parent.get_ref<Json::array_t&>().emplace_back() : *slot_;
+  }
+
+  // "/nodes/7/mesh"
+  std::string path() const {
+    std::string text;
+    for (const Open& level : open_) {
+      text += "/" + (level.key != nullptr ? gltf_shortened(*level.key)
+                                          : std::to_string(level.value->size() - 1));
+    }
+    return text;
+  }
+
+  std::vector<std::string>& warnings_;
+  Json root_;
+  std::vector<Open> open_;
+  Json* slot_ = nullptr;  // of the last key
+  std::size_t duplicates_ = 0;
+  std::string problem_;
+};
+
+}  // namespace
+
+Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings) {
+  if (text.starts_with("\xEF\xBB\xBF")) {  // which the parser would pass over
+    return gltf_invalid("JSON", "begins with a byte order mark too many; expected {");
+  }
+  // The parser takes a zero byte for the end.
+  const std::size_t end = text.find('\0');
+  if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
+    return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
+  }
+  DocumentBuilder builder(warnings);
+  if (!Json::sax_parse(text, &builder))
+    return gltf_invalid("JSON", builder.problem().substr(0, 200));
+  if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
+    warnings.push_back("JSON: " + std::to_string(others) +
+                       " further keys are there more than once; of each the last one counts");
+  }
+  return builder.take();
+}
+
+}  // namespace palpate

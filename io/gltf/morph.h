@@ -1,0 +1,44 @@
+#pragma once
+
+// Morph targets (glTF 2.0, section 3.7.2.2).
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/base/result.h"
+#include "geometry/base/types.h"
+#include "io/gltf/accessor.h"
+#include "io/gltf/animation.h"
+
+namespace tinygltf {
+struct Primitive;
+}
+
+namespace palpate {
+
+// How many morph targets a mesh has: those of its first primitive, which all must have.
+std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh);
+
+// How much each morph target of a mesh counts where a node carries it: the weights of the pose,
+// else those of the node; nothing if neither gives any. Their number must be that of the targets.
+// The node must have a mesh.
+Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& asset,
+                                                             std::size_t node,
+                                                             const GltfPose& pose);
+
+// The weights of a mesh where nodes give none: its own, else none.
+Result<std::optional<std::vector<double>>> default_morph_weights(const GltfAsset& asset,
+                                                                 std::size_t mesh);
+
+// Adds weight times POSITION of each target to the positions of a primitive; targets of weight 0
+// are not decoded. Their accessors hold floats or, with KHR_mesh_quantization, signed integers of 8
+// or 16 bits, as many as there are positions. Takes from pose_work, a budget, what it decodes.
+// element: of the primitive.
+std::optional<Error> add_morph_targets(const GltfAsset& asset, const tinygltf::Primitive& primitive,
+                                       const std::string& element, std::span<const double> weights,
+                                       std::size_t& pose_work, std::span<Vec3> positions);
+
+}  // namespace palpate

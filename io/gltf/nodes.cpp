@@ -1,0 +1,201 @@
+#include "io/gltf/nodes.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf/error.h"
+#include "io/gltf/extras.h"
+#include "io/gltf/limits.h"
+#include "io/gltf/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kNoParent = -1;
+
+// The parent of every node.
+Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), kNoParent);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const auto& children = model.nodes[i].children;
+    for (std::size_t c = 0; c < children.size(); ++c) {
+      int& parent = parents[static_cast<std::size_t>(children[c])];
+      if (parent != kNoParent) {
+        return gltf_invalid(gltf_element("nodes", i, "children/" + std::to_string(c)),
+                            "node " + std::to_string(children[c]) + " already is a child of node " +
+                                std::to_string(parent) + "; a node has one parent");
+      }
+      parent = static_cast<int>(i);
+    }
+  }
+  return parents;
+}
+
+// With one parent at most for each node, whatever cannot be reached from a root is in or below a
+// cycle.
+std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vector<int>& parents) {
+  std::vector<bool> reached(parents.size(), false);
+  std::vector<int> pending;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (parents[i] == kNoParent) pending.push_back(static_cast<int>(i));
+  }
+  while (!pending.empty()) {
+    const auto node = static_cast<std::size_t>(pending.back());
+    pending.pop_back();
+    reached[node] = true;
+    const auto& children = model.nodes[node].children;
+    pending.insert(pending.end(), children.begin(), children.end());
+  }
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (!reached[i]) {
+      return gltf_invalid(gltf_element("nodes", i), "is its own ancestor, or a descendant of one");
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> scene_to_read(const tinygltf::Model& model) {
+  if (model.scenes.empty()) return std::nullopt;
+  return model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
+}
+
+// The nodes at which the scene that is read starts, in file order.
+std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::size_t> scene,
+                             const std::vector<int>& parents, std::vector<std::string>& warnings) {
+  std::vector<int> roots;
+  if (!scene) {
+    for (std::size_t i = 0; i < parents.size(); ++i) {
+      if (parents[i] == kNoParent) roots.push_back(static_cast<int>(i));
+    }
+    return roots;
+  }
+  for (const int id : model.scenes[*scene].nodes) {
+    if (const int parent = parents[static_cast<std::size_t>(id)]; parent != kNoParent) {
+      warnings.push_back(gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) +
+                         ": node " + std::to_string(id) + " is a child of node " +
+                         std::to_string(parent) +
+                         ", as no node of a scene may be; it is read without its parent");
+    }
+    roots.push_back(id);
+  }
+  return roots;
+}
+
+struct PendingNode {
+  std::size_t node = 0;
+  std::size_t depth = 1;
+  std::optional<std::uint32_t> tree_parent;
+  AffineTransform T_scene_parent;
+};
+
+// Last in, first out, so the first of the list must be pushed last.
+void push_all(const std::vector<int>& nodes, const PendingNode& common,
+              std::vector<PendingNode>& pending) {
+  for (auto id = nodes.rbegin(); id != nodes.rend(); ++id) {
+    pending.push_back(common);
+    pending.back().node = static_cast<std::size_t>(*id);
+  }
+}
+
+// Why the transform of a node, in that of its parent, has left the numbers.
+Error overflow_of(const tinygltf::Node& node, std::size_t node_id,
+                  const AffineTransform& T_scene_parent, const AffineTransform& T_parent_node) {
+  const std::string inherited = gltf_number(lengthening(T_scene_parent.linear));
+  const std::string cause =
+      (T_scene_parent.linear * T_parent_node.linear).allFinite()
+          ? "its translation of " + gltf_number(T_parent_node.translation_m.cwiseAbs().maxCoeff()) +
+                " m, scaled by its ancestors by " + inherited + ", overflows"
+          : "its scale of " + gltf_number(T_parent_node.linear.cwiseAbs().maxCoeff()) +
+                ", times that of its ancestors, " + inherited + ", overflows";
+  const std::string named = node.name.empty() ? "" : gltf_quoted(node.name) + ": ";
+  return gltf_invalid(gltf_element("nodes", node_id), named + cause);
+}
+
+// The transform of a node whose parent is placed.
+Result<AffineTransform> place(const GltfAsset& asset, const GltfPose& pose,
+                              const AffineTransform& T_scene_parent, std::size_t node) {
+  const auto T_parent_node = local_transform(asset.model.nodes[node], node, pose.pose_of(node));
+  if (!T_parent_node) return T_parent_node.error();
+  const AffineTransform T_scene_node = T_scene_parent * *T_parent_node;
+  if (!T_scene_node.all_finite()) {
+    return overflow_of(asset.model.nodes[node], node, T_scene_parent, *T_parent_node);
+  }
+  return T_scene_node;
+}
+
+std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool>& visited) {
+  if (visited[next.node]) {
+    return gltf_invalid(gltf_element("nodes", next.node), "is reached twice in the same scene");
+  }
+  if (next.depth > kMaxGltfNodeDepth) {
+    return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", next.node),
+                      "lies deeper than " + std::to_string(kMaxGltfNodeDepth) + " levels");
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
+                                std::vector<std::string>& warnings) {
+  const tinygltf::Model& model = asset.model;
+  auto parents = find_parents(model);
+  if (!parents) return parents.error();
+  if (auto error = check_cycles(model, *parents)) return *error;
+
+  GltfNodeWalk walk;
+  walk.scene = scene_to_read(model);
+  const bool has_skins = asset.json.contains("skins");
+  if (has_skins) walk.T_scene_nodes.resize(model.nodes.size());
+  walk.tree.reserve(model.nodes.size());
+  walk.mesh_nodes.reserve(model.nodes.size());
+  std::vector<bool> visited(model.nodes.size(), false);
+  std::vector<PendingNode> pending;
+  push_all(scene_roots(model, walk.scene, *parents, warnings), {}, pending);
+  while (!pending.empty()) {
+    const PendingNode next = std::move(pending.back());
+    pending.pop_back();
+    if (auto error = check_visit(next, visited)) return *error;
+    visited[next.node] = true;
+    const auto T_scene_node = place(asset, pose, next.T_scene_parent, next.node);
+    if (!T_scene_node) return T_scene_node.error();
+    const tinygltf::Node& node = model.nodes[next.node];
+    const auto tree_node = static_cast<std::uint32_t>(walk.tree.size());
+    walk.tree.push_back({node.name.empty() ? "node " + std::to_string(next.node) : node.name,
+                         static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
+                         T_scene_node->translation_m});
+    if (node.mesh >= 0) walk.mesh_nodes.push_back({next.node, tree_node, *T_scene_node});
+    if (find_palpate_extras(asset.json["nodes"][next.node]) != nullptr) {
+      walk.declaring_nodes.push_back({next.node, tree_node, *T_scene_node});
+    }
+    if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
+    push_all(node.children, {0, next.depth + 1, tree_node, *T_scene_node}, pending);
+  }
+  walk.parents = std::move(*parents);
+  return walk;
+}
+
+Result<AffineTransform> scene_transform(const GltfAsset& asset, const GltfPose& pose,
+                                        GltfNodeWalk& walk, std::size_t node) {
+  std::vector<std::size_t> unplaced;
+  for (int id = static_cast<int>(node);
+       id >= 0 && !walk.T_scene_nodes[static_cast<std::size_t>(id)];
+       id = walk.parents[static_cast<std::size_t>(id)]) {
+    unplaced.push_back(static_cast<std::size_t>(id));
+  }
+  for (auto id = unplaced.rbegin(); id != unplaced.rend(); ++id) {
+    const int parent = walk.parents[*id];
+    const auto placed = place(
+        asset, pose,
+        parent < 0 ? AffineTransform() : *walk.T_scene_nodes[static_cast<std::size_t>(parent)],
+        *id);
+    if (!placed) return placed.error();
+    walk.T_scene_nodes[*id] = *placed;
+  }
+  return *walk.T_scene_nodes[node];
+}
+
+}  // namespace palpate

@@ -1,0 +1,468 @@
+#include "io/gltf/reader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf/accessor.h"
+#include "io/gltf/animation.h"
+#include "io/gltf/buffers.h"
+#include "io/gltf/error.h"
+#include "io/gltf/extensions.h"
+#include "io/gltf/extras.h"
+#include "io/gltf/file.h"
+#include "io/gltf/images.h"
+#include "io/gltf/instancing.h"
+#include "io/gltf/json_memory.h"
+#include "io/gltf/json_text.h"
+#include "io/gltf/limits.h"
+#include "io/gltf/materials.h"
+#include "io/gltf/meshopt.h"
+#include "io/gltf/model.h"
+#include "io/gltf/morph.h"
+#include "io/gltf/nodes.h"
+#include "io/gltf/prescan.h"
+#include "io/gltf/primitives.h"
+#include "io/gltf/skin.h"
+#include "io/gltf/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+// Instances repeat the name of their node: so many bytes of it.
+constexpr std::size_t kMaxInstanceName = 32;
+
+// Cut between characters of UTF-8.
+std::string shortened(const std::string& name) {
+  if (name.size() <= kMaxInstanceName) return name;
+  std::size_t end = kMaxInstanceName;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0u) == 0x80u) --end;
+  return name.substr(0, end) + "...";
+}
+
+// Makes the description of the scene from a model whose JSON has been checked.
+class SceneReader {
+ public:
+  // of_text: warnings of the file's form; of_extensions: of what is left out with them.
+  SceneReader(const GltfAsset& asset, const ReadOptions& options, std::vector<std::string> of_text,
+              const std::vector<std::string>& of_extensions)
+      : asset_(asset), options_(options) {
+    scene_.warnings = std::move(of_text);
+    first_loss_ = scene_.warnings.size();
+    scene_.warnings.insert(scene_.warnings.end(), of_extensions.begin(), of_extensions.end());
+  }
+
+  Result<SceneDescription> run() {
+    auto pose = GltfPose::choose(asset_, options_.pose, budget_.pose_work, scene_.warnings);
+    if (!pose) return pose.error();
+    pose_ = std::move(*pose);
+    auto walk = walk_nodes(asset_, pose_, scene_.warnings);
+    if (!walk) return walk.error();
+    walk_ = &*walk;
+    scene_.tree = std::move(walk->tree);
+    if (auto error = read_extras()) return *error;
+    auto materials = GltfMaterials::open(asset_.json, extras_, options_.overrides);
+    if (!materials) return materials.error();
+    materials_ = &*materials;
+    scene_.nodes.reserve(walk->mesh_nodes.size());
+    for (const PlacedNode& placed : walk->mesh_nodes) {
+      if (auto error = add_node(placed)) return *error;
+    }
+    if (scene_.meshes.empty()) {
+      return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
+                        scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "");
+    }
+    GltfImages images(asset_);
+    if (auto error = materials->decode_maps(images)) return *error;
+    if (auto error = materials->finish(scene_)) return *error;
+    scene_.images = images.take();
+    if (auto error = read_physics_materials(asset_.json, scene_)) return *error;
+    note_variants(asset_.json, scene_.notes);
+    scene_.animations = list_animations(asset_, scene_.warnings);
+    scene_.pose = pose_.description();
+    add_notes();
+    shorten_warnings();
+    return std::move(scene_);
+  }
+
+ private:
+  using Weights = std::vector<double>;
+
+  // A mesh posed in one way, by its ids in the file.
+  struct PosedMesh {
+    std::size_t mesh = 0;
+    std::optional<std::size_t> skin;
+    const Weights* morph_weights = nullptr;  // in weights_: equal weights, equal pointers
+
+    auto operator<=>(const PosedMesh&) const = default;
+  };
+
+  // What the scene and its nodes declare.
+  std::optional<Error> read_extras() {
+    MaterialDescription& ours = scene_.scene_parameters;
+    ours.name = "scene";
+    if (walk_->scene) {
+      const std::string element = gltf_element("scenes", *walk_->scene);
+      ours.element = element + "/extras/palpate";
+      const Json& object = asset_.json["scenes"][*walk_->scene];
+      if (auto error = extras_.read(object, element, ours.parameters)) return error;
+    }
+    for (const PlacedNode& placed : walk_->declaring_nodes) {
+      if (auto error = add_region(placed)) return error;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_region(const PlacedNode& placed) {
+    const std::string element = gltf_element("nodes", placed.node);
+    const Json& object = asset_.json["nodes"][placed.node];
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    RegionDescription region{name,
+                             element + "/extras/palpate",
+                             {},
+                             placed.tree_node,
+                             placed.T_scene_node.linear,
+                             placed.T_scene_node.translation_m};
+    if (auto error = extras_.read(object, element, region.parameters)) return error;
+    if (find_palpate_extras(object)->contains("medium")) {
+      scene_.regions.push_back(std::move(region));
+    } else {
+      warn(region.element, name,
+           "has no \"medium\" there, the only thing that is understood of a node; it is ignored");
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_node(const PlacedNode& placed) {
+    const tinygltf::Node& node = asset_.model.nodes[placed.node];
+    const std::size_t first = scene_.nodes.size();
+    if (auto error = node.skin < 0 ? add_placed(placed) : add_skinned(placed)) return error;
+    if (scene_.nodes.size() == first) return std::nullopt;
+    const auto weights = weights_of(placed.node);
+    if (!weights) return weights.error();
+    PosedMesh posed{static_cast<std::size_t>(node.mesh), std::nullopt, *weights};
+    if (node.skin >= 0) posed.skin = static_cast<std::size_t>(node.skin);
+    const auto mesh = mesh_index(posed);
+    if (!mesh) return mesh.error();
+    if (!*mesh) scene_.nodes.resize(first);
+    for (std::size_t i = first; i < scene_.nodes.size(); ++i) scene_.nodes[i].mesh = **mesh;
+    return std::nullopt;
+  }
+
+  // The node, or its instances, without a mesh yet.
+  std::optional<Error> add_placed(const PlacedNode& placed) {
+    const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances - instance_count_);
+    if (!instances) return instances.error();
+    if (*instances) return add_instances(placed, **instances);
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    const Mat3& linear = placed.T_scene_node.linear;
+    if (linear == Mat3::Identity()) {  // of most nodes of large scenes
+      add_description(placed, name, placed.T_scene_node);
+      return std::nullopt;
+    }
+    const std::string element = gltf_element("nodes", placed.node);
+    if (auto error = check_scale(linear, element, gltf_quoted(name))) return error;
+    if (linear.isZero(0.0)) {
+      warn(element, name, "is scaled to nothing and is left out");
+    } else if (const double scale = lengthening(linear); scale < kMinGltfScale) {
+      warn(element, name,
+           "is scaled by " + gltf_number(scale) +
+               ", with its ancestors, and is left out; at least " + gltf_number(kMinGltfScale) +
+               " is read");
+    } else if (is_singular(linear)) {
+      warn(element, name,
+           "is left out: its transform, with those of its ancestors, flattens the mesh");
+    } else {
+      add_description(placed, name, placed.T_scene_node);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_instances(const PlacedNode& placed, const GltfInstances& instances) {
+    instance_count_ += instances.count;
+    const std::string element = gltf_element("nodes", placed.node);
+    const std::string& name = scene_.tree[placed.tree_node].name;
+    const std::string prefix = shortened(name) + " #";
+    std::size_t flat = 0;
+    const std::uint64_t bytes = instances.count * (sizeof(NodeDescription) + kMaxInstanceName);
+    if (auto error = asset_.buffers.take_memory({bytes, bytes}, element)) return error;
+    if (instances.count > scene_.nodes.size()) {
+      scene_.nodes.reserve(scene_.nodes.size() + instances.count);
+    }
+    for (std::size_t i = 0; i < instances.count; ++i) {
+      const AffineTransform T_scene_instance = placed.T_scene_node * instances.T_node_instance(i);
+      const Mat3& linear = T_scene_instance.linear;
+      if (!(lengthening(linear) <= kMaxGltfScale) || !T_scene_instance.all_finite()) {
+        return instance_out_of_range(element, name, i, instances, T_scene_instance);
+      }
+      if (is_singular(linear) || lengthening(linear) < kMinGltfScale) {
+        ++flat;
+      } else {
+        add_description(placed, prefix + std::to_string(i), T_scene_instance);
+      }
+    }
+    if (flat > 0) {
+      warn(element, name,
+           "is instanced; " + std::to_string(flat) + " of its " + std::to_string(instances.count) +
+               " instances are left out: their transforms flatten the mesh");
+    }
+    return std::nullopt;
+  }
+
+  static Error instance_out_of_range(const std::string& element, const std::string& name,
+                                     std::size_t instance, const GltfInstances& instances,
+                                     const AffineTransform& T_scene_instance) {
+    const std::string what = "instance " + std::to_string(instance) + " of " + gltf_quoted(name);
+    if (T_scene_instance.linear.allFinite()) {
+      if (auto error = check_scale(T_scene_instance.linear, element, what)) return *error;
+    }
+    const Mat3 own = instances.T_node_instance(instance).linear;
+    return gltf_invalid(element, "the transform of " + what + ", of scale " +
+                                     gltf_number(lengthening(own)) +
+                                     ", with those of its ancestors, overflows");
+  }
+
+  // Where the node lies is of no account: its mesh is posed in the scene frame.
+  std::optional<Error> add_skinned(const PlacedNode& placed) {
+    const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances);
+    if (!instances) return instances.error();
+    if (*instances) {
+      return gltf_error(ErrorCode::kUnsupported, gltf_element("nodes", placed.node),
+                        "has a skin and EXT_mesh_gpu_instancing; expected one or the other");
+    }
+    add_description(placed, scene_.tree[placed.tree_node].name, AffineTransform());
+    return std::nullopt;
+  }
+
+  void add_description(const PlacedNode& placed, std::string name,
+                       const AffineTransform& T_scene_mesh) {
+    NodeDescription description;
+    description.name = std::move(name);
+    description.tree_node = placed.tree_node;
+    description.linear_scene_mesh = T_scene_mesh.linear;
+    description.translation_m = T_scene_mesh.translation_m;
+    description.product = T_scene_mesh.product;
+    scene_.nodes.push_back(std::move(description));
+  }
+
+  // Reads the mesh when it is first asked for in this pose; nothing if it has no triangle.
+  Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed) {
+    if (const auto known = meshes_.find(posed); known != meshes_.end()) return known->second;
+    MeshPose pose{*posed.morph_weights, nullptr};
+    if (posed.skin) {
+      const auto skin = skin_of(*posed.skin);
+      if (!skin) return skin.error();
+      pose.skin = *skin;
+    }
+    // What one skinned pose warns of, all do.
+    std::vector<std::string> told;
+    const bool is_new = warned_.emplace(posed.mesh, posed.skin.has_value()).second;
+    auto mesh =
+        read_mesh(asset_, posed.mesh, pose, *materials_, budget_, is_new ? scene_.warnings : told);
+    if (!mesh) return mesh.error();
+    std::optional<std::uint32_t> index;
+    if (!mesh->triangles.empty()) {
+      index = static_cast<std::uint32_t>(scene_.meshes.size());
+      scene_.meshes.push_back(std::move(*mesh));
+      skinned_meshes_ += posed.skin ? 1 : 0;
+      morphed_meshes_ += posed.morph_weights->empty() ? 0 : 1;
+    }
+    meshes_.emplace(posed, index);
+    return index;
+  }
+
+  // The morph weights of a node's mesh; empty if no target moves anything. Those of the mesh are
+  // not gone through again for every node: many nodes may share many targets.
+  Result<const Weights*> weights_of(std::size_t node) {
+    auto own = own_morph_weights(asset_, node, pose_);
+    if (!own) return own.error();
+    if (*own) {
+      if ((*own)->size() > budget_.pose_work) {
+        return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", node),
+                          "brings the morph weights of all nodes to more than are read");
+      }
+      budget_.pose_work -= (*own)->size();
+      return kept(std::move(**own));
+    }
+    const auto mesh = static_cast<std::size_t>(asset_.model.nodes[node].mesh);
+    if (const auto known = default_weights_.find(mesh); known != default_weights_.end()) {
+      return known->second;
+    }
+    auto weights = default_morph_weights(asset_, mesh);
+    if (!weights) return weights.error();
+    return default_weights_.emplace(mesh, kept(std::move(*weights).value_or(Weights())))
+        .first->second;
+  }
+
+  const Weights* kept(Weights weights) {
+    if (std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0.0; })) {
+      weights.clear();
+    }
+    return &*weights_.insert(std::move(weights)).first;
+  }
+
+  Result<const GltfSkin*> skin_of(std::size_t skin_id) {
+    const auto known = skins_.find(skin_id);
+    if (known != skins_.end()) return static_cast<const GltfSkin*>(&known->second);
+    auto skin = read_skin(
+        asset_, skin_id, kMaxGltfJoints - joint_count_,
+        [&](std::size_t node) { return scene_transform(asset_, pose_, *walk_, node); },
+        scene_.warnings);
+    if (!skin) return skin.error();
+    joint_count_ += skin->T_scene_mesh.size();
+    return static_cast<const GltfSkin*>(&skins_.emplace(skin_id, std::move(*skin)).first->second);
+  }
+
+  // "pose: animation #0 "Walk" at 1.5 s; 2 skinned meshes; 1 morphed mesh"
+  void add_notes() {
+    std::string pose = scene_.animations.empty() ? "" : pose_text(scene_.animations, scene_.pose);
+    const auto add_count = [&](std::size_t count, const char* what) {
+      if (count == 0) return;
+      if (pose.empty()) pose = pose_text(scene_.animations, scene_.pose);
+      pose += "; " + std::to_string(count) + " " + what + (count == 1 ? " mesh" : " meshes");
+    };
+    add_count(skinned_meshes_, "skinned");
+    add_count(morphed_meshes_, "morphed");
+    if (!pose.empty()) scene_.notes.push_back("pose: " + pose);
+    if (instance_count_ > 0) {
+      scene_.notes.push_back("instances: " + std::to_string(instance_count_) + " of meshes");
+    }
+  }
+
+  void warn(const std::string& element, const std::string& name, const std::string& text) {
+    scene_.warnings.push_back(element + ": " + gltf_quoted(name) + " " + text);
+  }
+
+  void shorten_warnings() {
+    const std::size_t count = scene_.warnings.size();
+    if (count <= kMaxGltfWarnings) return;
+    scene_.warnings.resize(kMaxGltfWarnings);
+    scene_.warnings.push_back("and " + std::to_string(count - kMaxGltfWarnings) +
+                              " further warnings");
+  }
+
+  const GltfAsset& asset_;
+  const ReadOptions& options_;
+  SceneDescription scene_;
+  std::size_t first_loss_ = 0;  // of its warnings: the first that may be why there is no triangle
+  PalpateExtras extras_;
+  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
+  std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
+  std::set<Weights> weights_;
+  std::map<std::size_t, const Weights*> default_weights_;  // by id of the mesh in the file
+  std::set<std::pair<std::size_t, bool>> warned_;          // meshes that were read, with a skin?
+  std::map<std::size_t, GltfSkin> skins_;                  // by id in the file
+  GltfPose pose_;
+  GltfNodeWalk* walk_ = nullptr;  // these two: while run() runs
+  GltfMaterials* materials_ = nullptr;
+  std::size_t joint_count_ = 0;     // of skins_
+  std::size_t instance_count_ = 0;  // those left out included
+  std::size_t skinned_meshes_ = 0;
+  std::size_t morphed_meshes_ = 0;
+};
+
+// As read_gltf_bytes, but it may throw, and Error::path is empty.
+Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
+                                    const ReadOptions& options, MemoryLedger& ledger) {
+  const auto container = split_container(bytes);
+  if (!container) return container.error();
+  if (auto error = check_json_size(container->json)) return *error;
+  ledger.begin("parsing the JSON");
+  const JsonExtent extent = extent_of_json(container->json);
+  const MemoryNeed json_need = memory_of_json(container->json, extent);
+  if (auto error = ledger.take(json_need)) return *error;
+  expect_available(json_need.peak);
+  const MemoryReserve reserve(memory_to_destroy(container->json, extent));
+  std::vector<std::string> warnings;
+  if (container->byte_order_mark) {
+    warnings.push_back("JSON: begins with a byte order mark, which is passed over");
+  }
+  auto root = parse_gltf_json(container->json, warnings);
+  if (!root) return root.error();
+  if (auto error = check_asset_version(*root)) return *error;
+  auto extensions = check_extensions(*root);
+  if (!extensions) return extensions.error();
+  auto sections = read_model(*root, container->json.size(), warnings);
+  if (!sections) {
+    if (MemoryReserve::has_helped_out()) throw std::bad_alloc();  // tinygltf keeps it to itself
+    return sections.error();
+  }
+  GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder, &ledger);
+  if (container->misaligned) {
+    warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
+  }
+  GltfMeshoptViews compressed_views(*root, buffers);
+  const GltfAsset asset{sections->model, *root, buffers, compressed_views,
+                        extensions->mesh_quantization};
+  ledger.begin("reading the scene");
+  return SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
+}
+
+// What memory is not the cause of.
+Result<SceneDescription> read_counted(std::span<const std::uint8_t> bytes,
+                                      const std::string& folder, const ReadOptions& options,
+                                      MemoryLedger& ledger) {
+  try {
+    return read_asset(bytes, folder, options, ledger);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::length_error&) {
+    throw;
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::exception& exception) {
+    return gltf_invalid({}, std::string("cannot be read: ") + exception.what());
+  }
+}
+
+Error with_path(Error error, const std::string& path) {
+  error.path = path;
+  return error;
+}
+
+}  // namespace
+
+Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
+                                         const std::string& folder, const std::string& name,
+                                         const ReadOptions& options) {
+  MemoryLedger ledger;
+  auto scene =
+      or_out_of_memory(ledger, [&] { return read_counted(bytes, folder, options, ledger); });
+  if (!scene) return with_path(scene.error(), name);
+  scene->path = name;
+  return scene;
+}
+
+Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  MemoryLedger ledger;
+  auto scene = or_out_of_memory(ledger, [&]() -> Result<SceneDescription> {
+    ledger = MemoryLedger(options.memory);
+    ledger.begin("reading the file");
+    const auto file = read_regular_file(path, kMaxGltfFileBytes, kWholeFile, &ledger);
+    if (!file) return file.error();
+    return read_counted(file->span(), std::filesystem::path(path).parent_path().string(), options,
+                        ledger);
+  });
+  if (!scene) return with_path(scene.error(), path);
+  scene->path = path;
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  scene->parse_ms = elapsed.count();
+  return scene;
+}
+
+}  // namespace palpate

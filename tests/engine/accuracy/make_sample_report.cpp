@@ -1,0 +1,53 @@
+// make_sample_report FOLDER: the report, the table and the diagrams of made-up knobs, to look at
+// and for the test in a browser.
+
+#include <cstdio>
+#include <string>
+
+#include "engine/accuracy/study_csv.h"
+#include "engine/accuracy/study_report.h"
+#include "engine/report/html.h"
+#include "engine/report/text_file.h"
+#include "tests/engine/accuracy/sample_knobs.h"
+
+namespace palpate {
+namespace {
+
+bool succeeded(const Result<std::string>& written) {
+  if (!written) std::fprintf(stderr, "%s\n", written.error().to_string().c_str());
+  return written.ok();
+}
+
+bool write_all(const std::string& folder) {
+  const std::vector<KnobResult> results = test::all_samples();
+  StudyReport report;
+  report.title = "What accuracy costs";
+  report.introduction = "Made up, to look at the report.";
+  report.facts = {{"machine", "none"},
+                  {"compiler", "GNU 12.2.0"},
+                  {"flags", "-O3 -DNDEBUG"},
+                  {"commit", "unknown"},
+                  {"seed", "1"},
+                  {"repeats", "21"}};
+  report.chapters = chapters_of(results);
+  report.sections.push_back({"Your scene", "<p>" + html_escaped("a < b") + "</p>"});
+  bool good = succeeded(write_text_file(folder + "/report.html", report_html(report))) &&
+              succeeded(write_study_csv(results, folder + "/report.csv"));
+  for (std::size_t i = 0; good && i < results.size(); ++i) {
+    const auto svg = work_precision_svg(results[i]);
+    good = succeeded(svg) &&
+           succeeded(write_text_file(folder + "/knob" + std::to_string(i) + ".svg", *svg));
+  }
+  return good;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "make_sample_report FOLDER\n");
+    return 2;
+  }
+  return palpate::write_all(argv[1]) ? 0 : 1;
+}

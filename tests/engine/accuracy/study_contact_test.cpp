@@ -1,0 +1,173 @@
+// The knobs of mesh and solver show what theory says of them. All with one fixed seed.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/measurement.h"
+#include "engine/accuracy/pressed_path.h"
+#include "tests/engine/accuracy/study_knobs.h"
+
+namespace palpate {
+namespace {
+
+StudyEffort quick() {
+  StudyEffort effort;
+  effort.quick = true;
+  effort.seed = 7;
+  return effort;
+}
+
+KnobResult measured(const std::vector<Knob>& knobs, const std::string& name) {
+  return test::measured(knobs, name, quick());
+}
+
+void expect_orders(const KnobResult& result) {
+  for (const MethodResult& method : result.methods) {
+    if (!method.expected_order) continue;
+    ASSERT_TRUE(method.order.has_value()) << result.knob.name << ", " << method.name;
+    EXPECT_NEAR(*method.order, *method.expected_order, 0.15)
+        << result.knob.name << ", " << method.name;
+  }
+}
+
+void expect_no_failure(const KnobResult& result) {
+  for (const MethodResult& method : result.methods) {
+    for (const LevelResult& level : method.levels) {
+      EXPECT_EQ(level.failures, 0) << method.name << ", " << level.label << ": " << level.failure;
+      EXPECT_GT(level.ticks, 0u);
+    }
+  }
+}
+
+// The largest error of a sphere of edges h is h^2 / (6 R), the root mean square is less than that
+// and more than a third of it: it is 0.48 of it on an equilateral triangle.
+TEST(MeshKnobs, DepthIsOfSecondOrder) {
+  const KnobResult result = measured(mesh_knobs(quick()), "mesh_depth");
+  expect_no_failure(result);
+  expect_orders(result);
+  for (const LevelResult& level : result.methods[0].levels) {
+    const double most_m = level.value * level.value / (6.0 * 0.1);
+    EXPECT_LT(level.error.median, most_m) << level.label;
+    EXPECT_GT(level.error.median, most_m / 3.0) << level.label;
+  }
+}
+
+// Likewise h / (sqrt(3) R).
+TEST(MeshKnobs, DirectionIsOfFirstOrder) {
+  const KnobResult result = measured(mesh_knobs(quick()), "mesh_angle");
+  expect_no_failure(result);
+  expect_orders(result);
+  for (const LevelResult& level : result.methods[0].levels) {
+    const double most_deg = level.value / (std::sqrt(3.0) * 0.1) * 180.0 / 3.14159265358979;
+    EXPECT_LT(level.error.median, most_deg) << level.label;
+    EXPECT_GT(level.error.median, most_deg / 3.0) << level.label;
+  }
+}
+
+TEST(MeshKnobs, SphereProxiesFeelTheMeshAsPointsDo) {
+  const KnobResult result = measured(mesh_knobs(quick()), "proxy_radius");
+  expect_no_failure(result);
+  for (const MethodResult& method : result.methods) {
+    for (std::size_t l = 0; l < method.levels.size(); ++l) {
+      const double point_deg = result.methods[0].levels[l].error.median;
+      EXPECT_NEAR(method.levels[l].error.median, point_deg, 0.05 * point_deg) << method.name;
+    }
+  }
+}
+
+// A capped proxy is feasible and late: with more steps it is nowhere farther from the answer.
+TEST(SolverKnobs, MoreStepsAreNoLessExact) {
+  const KnobResult result = measured(solver_knobs(quick()), "solver_iterations");
+  expect_no_failure(result);
+  const auto& levels = result.methods[0].levels;
+  for (std::size_t l = 1; l < levels.size(); ++l) {
+    EXPECT_LE(levels[l].raw_error, levels[l - 1].raw_error) << levels[l].label;
+  }
+  EXPECT_GT(levels.front().raw_error, 1e-3);
+  EXPECT_TRUE(levels.back().at_floor);
+}
+
+TEST(SolverKnobs, AFinerToleranceIsNoLessExact) {
+  const KnobResult result = measured(solver_knobs(quick()), "solver_tolerance");
+  expect_no_failure(result);
+  const auto& levels = result.methods[0].levels;
+  for (std::size_t l = 1; l < levels.size(); ++l) {
+    EXPECT_LE(levels[l].raw_error, levels[l - 1].raw_error) << levels[l].label;
+  }
+  EXPECT_FALSE(levels.front().at_floor);
+  EXPECT_TRUE(levels.back().at_floor);
+}
+
+TEST(SolverKnobs, KeptCandidatesChangeNothing) {
+  const KnobResult result = measured(solver_knobs(quick()), "candidate_reuse");
+  expect_no_failure(result);
+  for (std::size_t l = 0; l < result.methods[0].levels.size(); ++l) {
+    EXPECT_EQ(result.methods[0].levels[l].raw_error, result.methods[1].levels[l].raw_error);
+    EXPECT_TRUE(result.methods[0].levels[l].at_floor);
+  }
+}
+
+// By its node a mesh is as exact a kilometre away as at the origin; by its vertices the file has
+// lost the digits: half a step of single precision there is at most 2^-24 times the coordinate.
+TEST(NarrowPhaseKnob, ErrsByTheFilesRoundingAlone) {
+  const KnobResult result = measure(narrow_phase_knob(quick()), quick(), nullptr);
+  ASSERT_EQ(result.methods.size(), 4u);
+  for (const LevelResult& level : result.methods[0].levels) {
+    EXPECT_EQ(level.failures, 0);
+    EXPECT_TRUE(level.at_floor) << level.label;
+  }
+  for (const LevelResult& level : result.methods[2].levels) {
+    EXPECT_EQ(level.failures, 0);
+    EXPECT_LT(level.error.median, 2.0 * 0x1p-24 * level.value) << level.label;
+  }
+  ASSERT_TRUE(result.methods[2].order.has_value());
+  EXPECT_NEAR(*result.methods[2].order, 1.0, 0.15);
+}
+
+TEST(CertificationKnob, FindsTheBottomOfEveryGroove) {
+  const KnobResult result = measure(certification_knob(quick()), quick(), nullptr);
+  for (const LevelResult& level : result.methods[0].levels) {
+    EXPECT_EQ(level.failures, 0) << level.label << ": " << level.failure;
+    EXPECT_TRUE(level.at_floor) << level.label;
+  }
+}
+
+// What a tick leaves undone, the next ones do: with more work the proxy lags less, and the default
+// is enough for an easy scene.
+TEST(WorkBudgetKnob, MoreWorkIsNoLessExact) {
+  const KnobResult result = measure(work_budget_knob(quick()), quick(), nullptr);
+  expect_no_failure(result);
+  ASSERT_EQ(result.methods.size(), 2u);
+  const auto& hard = result.methods[0].levels;
+  EXPECT_GT(hard.front().raw_error, 1e-5);
+  EXPECT_LT(hard.back().raw_error, 0.5 * hard.front().raw_error);
+  for (const LevelResult& level : result.methods[1].levels) {
+    if (level.value >= static_cast<double>(Accuracy::balanced().work_budget)) {
+      EXPECT_TRUE(level.at_floor) << level.label;
+    }
+  }
+}
+
+TEST(SmoothSurfaces, HaveTheirNormals) {
+  SeededRandom random(9);
+  for (const SmoothSurface& surface :
+       {smooth_sphere(0.1), smooth_torus(0.1, 0.04), smooth_bumpy_sphere(0.1, 3e-3, 7)}) {
+    for (int n = 0; n < 100; ++n) {
+      const SmoothPoint at = surface(random.in_box(0.1));
+      EXPECT_NEAR(at.normal.norm(), 1.0, 1e-12);
+      // Moved along the tangent plane, a point is off the surface by the square of the way.
+      constexpr double kWay_m = 1e-6;
+      const Vec3 along = at.normal.cross(random.unit_vector()).normalized();
+      const SmoothPoint moved = surface(at.point_m + kWay_m * along);
+      const double off_m = at.normal.dot(moved.point_m - at.point_m);
+      EXPECT_LT(std::abs(off_m), 1e3 * kWay_m * kWay_m);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate

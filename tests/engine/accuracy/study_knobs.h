@@ -1,0 +1,33 @@
+#pragma once
+
+// Knobs by name, measured, for the tests of them.
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/accuracy/measurement.h"
+
+namespace palpate::test {
+
+// Of the knobs the one of that name; a failure if there is none.
+inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& name,
+                           const StudyEffort& effort) {
+  for (const Knob& knob : knobs) {
+    if (knob.name == name) return measure(knob, effort, nullptr);
+  }
+  ADD_FAILURE() << "there is no knob " << name;
+  return {};
+}
+
+// Likewise of its methods.
+inline const MethodResult& method_of(const KnobResult& result, const std::string& name) {
+  for (const MethodResult& m : result.methods) {
+    if (m.name == name) return m;
+  }
+  ADD_FAILURE() << "there is no method " << name;
+  return result.methods.front();
+}
+
+}  // namespace palpate::test

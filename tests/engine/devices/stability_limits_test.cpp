@@ -1,0 +1,324 @@
+// How stiff a wall may be, against closed loops that are simulated and the criteria as they are
+// printed.
+
+#include "engine/devices/stability_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <deque>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "engine/simulation/mass_damper.h"
+#include "tests/helpers/random.h"
+
+namespace palpate {
+namespace {
+
+using test::Random;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A device, a coupling and a servo such as there are.
+struct Case {
+  DeviceMechanics device;
+  double coupling_damping = 0.0;
+  ServoTiming timing;
+
+  static Case draw(Random& random, bool held) {
+    Case c;
+    c.device.mass_kg = random.uniform(0.05, 0.5);
+    c.device.damping_Ns_per_m = random.uniform(0.2, 3.0);
+    if (held) {
+      c.device.hand = HandImpedance{random.uniform(0.0, 0.6), random.uniform(0.0, 8.0),
+                                    random.uniform(0.0, 300.0)};
+    }
+    c.coupling_damping = random.uniform(0.0, 3.0);
+    c.timing = {random.uniform(0.1e-3, 2e-3), static_cast<int>(random.index(4))};
+    return c;
+  }
+  StabilityLimits limits() const {
+    return stability_limits(device, coupling_damping, timing).value();
+  }
+};
+
+// The closed loop, one axis. A hand's spring is no part of MassDamper: the plant is then cut so
+// finely that the classical Runge-Kutta method is exact to rounding.
+class ClosedLoop {
+ public:
+  ClosedLoop(const Case& c, double stiffness_N_per_m)
+      : case_(c),
+        stiffness_N_per_m_(stiffness_N_per_m),
+        bare_(c.device.mass_kg, c.device.damping_Ns_per_m) {
+    bare_.put({1e-6, 0.0, 0.0}, Vec3::Zero());
+    on_their_way_N_.assign(static_cast<std::size_t>(c.timing.delay_ticks), 0.0);
+  }
+
+  double tick() {
+    const double T = case_.timing.period_s;
+    on_their_way_N_.push_back(-stiffness_N_per_m_ * at_m_ -
+                              case_.coupling_damping * (at_m_ - before_m_) / T);
+    before_m_ = at_m_;
+    const double force_N = on_their_way_N_.front();
+    on_their_way_N_.pop_front();
+    if (case_.device.hand) {
+      for (int i = 0; i < kCuts; ++i) runge_kutta(force_N, T / kCuts);
+    } else {
+      bare_.advance({force_N, 0.0, 0.0}, T);
+      at_m_ = bare_.position_m().x();
+    }
+    return std::abs(at_m_);
+  }
+
+ private:
+  static constexpr int kCuts = 8;
+
+  void runge_kutta(double force_N, double dt_s) {
+    const HandImpedance& hand = *case_.device.hand;
+    const auto pull = [&](double x, double v) {
+      const double damping = case_.device.damping_Ns_per_m + hand.damping_Ns_per_m;
+      return (force_N - damping * v - hand.stiffness_N_per_m * x) /
+             (case_.device.mass_kg + hand.mass_kg);
+    };
+    const double v1 = speed_, a1 = pull(at_m_, v1);
+    const double v2 = speed_ + 0.5 * dt_s * a1, a2 = pull(at_m_ + 0.5 * dt_s * v1, v2);
+    const double v3 = speed_ + 0.5 * dt_s * a2, a3 = pull(at_m_ + 0.5 * dt_s * v2, v3);
+    const double v4 = speed_ + dt_s * a3, a4 = pull(at_m_ + dt_s * v3, v4);
+    at_m_ += dt_s / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+    speed_ += dt_s / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  }
+
+  const Case& case_;
+  double stiffness_N_per_m_;
+  MassDamper bare_;
+  double at_m_ = 1e-6;
+  double speed_ = 0.0;
+  double before_m_ = 1e-6;
+  std::deque<double> on_their_way_N_;
+};
+
+// Of the amplitude from one window to the next. A twentieth of the damping is missing or left over:
+// it takes 2 m / (b / 20) to change the amplitude by e. The first window is left out, in which
+// other modes die.
+double growth(const Case& c, double stiffness_N_per_m) {
+  const HandImpedance hand = c.device.hand.value_or(HandImpedance{0.0, 0.0, 0.0});
+  const double mass = c.device.mass_kg + hand.mass_kg;
+  const double damping = c.device.damping_Ns_per_m + hand.damping_Ns_per_m + c.coupling_damping;
+  const double window_s = 2.0 * mass / (0.05 * damping);
+  const auto ticks = static_cast<int>(window_s / c.timing.period_s);
+  ClosedLoop loop(c, stiffness_N_per_m);
+  double amplitude_m[3] = {};
+  for (double& largest : amplitude_m) {
+    for (int n = 0; n < ticks; ++n) largest = std::max(largest, loop.tick());
+  }
+  return amplitude_m[2] / amplitude_m[1];
+}
+
+TEST(StabilityLimits, AreThoseOfALightDeviceAtOneKilohertz) {
+  const StabilityLimits limits = stability_limits({0.1, 0.5}, 1.0, {1e-3}).value();
+  EXPECT_NEAR(limits.stable_N_per_m, 2972.7, 0.05);
+  EXPECT_DOUBLE_EQ(limits.stable_first_order_N_per_m, 3000.0);
+  EXPECT_TRUE(limits.is_stable(2972.0));
+  EXPECT_FALSE(limits.is_stable(2973.0));
+}
+
+TEST(StabilityLimits, SeparateLoopsThatCalmDownFromThoseThatGrow) {
+  Random random(1601);
+  int held = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Case c = Case::draw(random, trial % 2 == 1);
+    const StabilityLimits limits = c.limits();
+    if (limits.stable_N_per_m == 0.0) continue;
+    EXPECT_LT(growth(c, 0.95 * limits.stable_N_per_m), 1.0) << "trial " << trial;
+    EXPECT_GT(growth(c, 1.05 * limits.stable_N_per_m), 1.0) << "trial " << trial;
+    held += c.device.hand.has_value();
+  }
+  EXPECT_GT(held, 50);
+}
+
+TEST(StabilityLimits, AreWhereTheSpectralRadiusIsOne) {
+  Random random(1602);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Case c = Case::draw(random, trial % 2 == 1);
+    const double limit = c.limits().stable_N_per_m;
+    if (limit == 0.0) continue;
+    const auto radius = [&](double stiffness) {
+      return spectral_radius(c.device, {stiffness, c.coupling_damping}, c.timing);
+    };
+    EXPECT_NEAR(radius(limit), 1.0, 1e-12);
+    EXPECT_LT(radius(0.9 * limit), 1.0);
+    EXPECT_GT(radius(1.1 * limit), 1.0);
+  }
+}
+
+// Without a wall a tick is the plant alone: e^(s T), s the slower root of m s^2 + b s + k.
+TEST(StabilityLimits, HaveTheSpectralRadiusOfThePlantWithoutAWall) {
+  Random random(1606);
+  int overdamped = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Case c = Case::draw(random, true);
+    HandImpedance& hand = *c.device.hand;
+    hand.damping_Ns_per_m = random.uniform(0.0, 50.0);
+    const std::complex<double> m = c.device.mass_kg + hand.mass_kg;
+    const std::complex<double> b = c.device.damping_Ns_per_m + hand.damping_Ns_per_m;
+    const std::complex<double> root = std::sqrt(b * b - 4.0 * m * hand.stiffness_N_per_m);
+    const double rate = ((root - b) / (2.0 * m)).real();
+    EXPECT_NEAR(spectral_radius(c.device, {0.0, 0.0}, c.timing), std::exp(rate * c.timing.period_s),
+                1e-11);
+    overdamped += root.real() > 0.0;
+  }
+  EXPECT_GT(overdamped, 50);
+}
+
+// w T is small where the period is, and the first order is all there is.
+TEST(StabilityLimits, ApproachTheFirstOrderAsThePeriodShrinks) {
+  Random random(1603);
+  for (int trial = 0; trial < 50; ++trial) {
+    Case c = Case::draw(random, trial % 2 == 1);
+    double last_off = kInfinity;
+    for (const double period_s : {4e-5, 2e-5, 1e-5, 5e-6}) {
+      c.timing.period_s = period_s;
+      const StabilityLimits limits = c.limits();
+      const double off = std::abs(limits.stable_N_per_m / limits.stable_first_order_N_per_m - 1.0);
+      EXPECT_LT(off, 0.6 * last_off);
+      last_off = off;
+    }
+    EXPECT_LT(last_off, 0.01);
+  }
+}
+
+TEST(StabilityLimits, FallAsPeriodAndDelayGrow) {
+  Random random(1604);
+  for (int trial = 0; trial < 100; ++trial) {
+    Case c = Case::draw(random, trial % 2 == 1);
+    const StabilityLimits before = c.limits();
+    Case slower = c;
+    slower.timing.period_s *= random.uniform(1.01, 2.0);
+    Case later = c;
+    ++later.timing.delay_ticks;
+    for (const StabilityLimits& after : {slower.limits(), later.limits()}) {
+      EXPECT_LE(after.passive_N_per_m, before.passive_N_per_m);
+      EXPECT_LT(after.stable_first_order_N_per_m, before.stable_first_order_N_per_m);
+      if (before.stable_N_per_m > 0.0) {
+        EXPECT_LT(after.stable_N_per_m, before.stable_N_per_m);
+      }
+    }
+  }
+}
+
+// Colgate & Schenkel: b > T / 2 / (1 - cos w T) Re((1 - e^-jwT) H(e^jwT)) for all w up to that of
+// Nyquist, with H = (K + B (z - 1) / (T z)) z^-d: the most of the right side over many w.
+double damping_asked_for(const Case& c, double stiffness_N_per_m) {
+  const double T = c.timing.period_s;
+  double most = -kInfinity;
+  for (int i = 1; i <= 20000; ++i) {
+    const double angle = std::numbers::pi * i / 20000;
+    const std::complex<double> back = std::polar(1.0, -angle);
+    const std::complex<double> wall = (stiffness_N_per_m + c.coupling_damping / T * (1.0 - back)) *
+                                      std::polar(1.0, -angle * c.timing.delay_ticks);
+    most = std::max(most, 0.5 * T / (1.0 - std::cos(angle)) * ((1.0 - back) * wall).real());
+  }
+  return most;
+}
+
+TEST(StabilityLimits, KeepTheCriterionOfPassivity) {
+  Random random(1605);
+  int checked = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    Case c = Case::draw(random, false);
+    c.coupling_damping = trial % 2 == 0 ? 0.0 : random.uniform(0.0, c.device.damping_Ns_per_m);
+    const double limit = c.limits().passive_N_per_m;
+    ASSERT_GT(limit, 0.0);
+    EXPECT_LT(damping_asked_for(c, 0.999 * limit), c.device.damping_Ns_per_m);
+    // With both a damper and a delay the bound is on the safe side.
+    if (c.coupling_damping > 0.0 && c.timing.delay_ticks > 0) continue;
+    EXPECT_GT(damping_asked_for(c, 1.001 * limit), c.device.damping_Ns_per_m);
+    ++checked;
+  }
+  EXPECT_GT(checked, 50);
+}
+
+TEST(StabilityLimits, SayThatEncoderStepsBind) {
+  DeviceMechanics device{0.1, 0.5, 20e-6, 5e-3};
+  const StabilityLimits coarse = stability_limits(device, 0.0, {1e-3}).value();
+  EXPECT_DOUBLE_EQ(coarse.passive_encoder_N_per_m, 500.0);
+  EXPECT_DOUBLE_EQ(coarse.passive_sampling_N_per_m, 1000.0);
+  EXPECT_DOUBLE_EQ(coarse.passive_N_per_m, 500.0);
+  EXPECT_EQ(coarse.passivity_bound, PassivityBound::kEncoder);
+  device.encoder_quantum_m = 5e-6;
+  const StabilityLimits fine = stability_limits(device, 0.0, {1e-3}).value();
+  EXPECT_DOUBLE_EQ(fine.passive_N_per_m, 1000.0);
+  EXPECT_EQ(fine.passivity_bound, PassivityBound::kSampling);
+  device.encoder_quantum_m = 0.0;
+  EXPECT_EQ(stability_limits(device, 0.0, {1e-3})->passive_encoder_N_per_m, kInfinity);
+}
+
+TEST(StabilityLimits, SayThatADamperLeavesNothing) {
+  const StabilityLimits limits = stability_limits({0.1, 0.5}, 1.0, {1e-3}).value();
+  EXPECT_EQ(limits.passive_N_per_m, 0.0);
+  EXPECT_EQ(limits.passivity_bound, PassivityBound::kDamper);
+  EXPECT_STREQ(name_of(limits.passivity_bound), "damper");
+  EXPECT_FALSE(limits.is_passive(0.0));
+  EXPECT_TRUE(limits.is_stable(1000.0));
+}
+
+TEST(StabilityLimits, OfAHandChangeWhatIsStableAndNotWhatIsPassive) {
+  const DeviceMechanics bare{0.1, 0.5};
+  DeviceMechanics held = bare;
+  held.hand = HandImpedance{};
+  const StabilityLimits alone = stability_limits(bare, 0.2, {1e-3}).value();
+  const StabilityLimits with_hand = stability_limits(held, 0.2, {1e-3}).value();
+  EXPECT_EQ(with_hand.passive_N_per_m, alone.passive_N_per_m);
+  EXPECT_GT(with_hand.stable_N_per_m, 5.0 * alone.stable_N_per_m);
+}
+
+TEST(StabilityLimits, AreZeroWhereNothingIsStable) {
+  EXPECT_EQ(stability_limits({0.1, 0.0}, 0.0, {1e-3})->stable_N_per_m, 0.0);
+  // A damper that would turn the device round within a period.
+  EXPECT_EQ(stability_limits({0.1, 0.5}, 500.0, {1e-3})->stable_N_per_m, 0.0);
+}
+
+TEST(StabilityLimits, RefuseNumbersThatAreNone) {
+  const auto refused = [](const DeviceMechanics& device, double damping,
+                          const ServoTiming& timing) {
+    const Result<StabilityLimits> limits = stability_limits(device, damping, timing);
+    return limits.ok() ? std::string() : limits.error().element;
+  };
+  EXPECT_EQ(refused({0.0, 0.5}, 0.0, {1e-3}), "mass");
+  EXPECT_EQ(refused({0.1, -0.5}, 0.0, {1e-3}), "damping");
+  EXPECT_EQ(refused({0.1, 0.5, -1.0}, 0.0, {1e-3}), "encoder quantum");
+  EXPECT_EQ(refused({0.1, 0.5, 0.0, kInfinity}, 0.0, {1e-3}), "Coulomb friction");
+  EXPECT_EQ(refused({0.1, 0.5, 0.0, 0.0, HandImpedance{-1.0}}, 0.0, {1e-3}), "mass of the hand");
+  EXPECT_EQ(refused({0.1, 0.5}, -1.0, {1e-3}), "damping of the coupling");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {0.0}), "period");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, -1}), "delay");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 65}), "delay");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 64}), "");
+}
+
+// Without an answer a search would never end: numbers overflow, or have no digits left.
+TEST(StabilityLimits, RefuseAPlantThatIsAllDamping) {
+  for (const DeviceMechanics& device :
+       {DeviceMechanics{1e-300, 0.5}, DeviceMechanics{0.1, 1e300}, DeviceMechanics{1e-20, 0.5}}) {
+    const auto limits = stability_limits(device, 0.0, {1e-3, 0});
+    ASSERT_FALSE(limits.ok()) << device.mass_kg << " kg, " << device.damping_Ns_per_m << " N s/m";
+    EXPECT_EQ(limits.error().element, "mass");
+  }
+}
+
+// x += T f / b, all that is left of a plant with next to no mass: with f = -K x it is stable below
+// 2 b / T, and the mass makes that 1 / (1 - 2 m / (b T)) times as much.
+TEST(StabilityLimits, AreThoseOfADamperWhereTheMassIsLittle) {
+  for (const double mass_kg : {1e-6, 1e-8, 1e-10}) {
+    const double limit = stability_limits({mass_kg, 0.5}, 0.0, {1e-3, 0}).value().stable_N_per_m;
+    const double expected = 2.0 * 0.5 / 1e-3 / (1.0 - 2.0 * mass_kg / (0.5 * 1e-3));
+    EXPECT_NEAR(limit, expected, 0x1p-26 * expected) << mass_kg;  // half the digits of double
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,230 @@
+// The files of one command: together or not at all, and nobody else's.
+
+#include "engine/report/output_files.h"
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/helpers/gltf_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+const std::vector<std::string> kNames{"a.csv", "b.csv", "c.svg"};
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+// Whatever is below a folder: links by what they name, files by what they hold, folders as "/".
+std::map<std::string, std::string> tree_of(const fs::path& folder) {
+  std::map<std::string, std::string> tree;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    std::string& text = tree[entry.path().lexically_relative(folder).string()];
+    if (entry.is_symlink()) {
+      text = "-> " + fs::read_symlink(entry.path()).string();
+    } else if (entry.is_directory()) {
+      text = "/";
+    } else {
+      std::ifstream file(entry.path(), std::ios::binary);
+      text.assign(std::istreambuf_iterator<char>(file), {});
+    }
+  }
+  return tree;
+}
+
+using Tree = std::map<std::string, std::string>;
+
+class OutputFilesTest : public testing::Test {
+ protected:
+  OutputFiles created(const std::string& name) const {
+    auto files = OutputFiles::create(folder.path(name), kNames);
+    if (!files) throw std::runtime_error(files.error().to_string());
+    return std::move(*files);
+  }
+  Tree tree() const { return tree_of(folder.path()); }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(OutputFilesTest, AppearTogetherWhenTheyAreMoved) {
+  OutputFiles files = created("deep/er/out/");
+  write(files.path("a.csv"), "1");
+  write(files.path("c.svg"), "2");
+  EXPECT_FALSE(fs::exists(folder.path("deep/er/out/a.csv")));
+  const auto error = files.move_into_place();
+  ASSERT_FALSE(error) << error->to_string();
+  EXPECT_EQ(tree(), (Tree{{"deep", "/"},
+                          {"deep/er", "/"},
+                          {"deep/er/out", "/"},
+                          {"deep/er/out/a.csv", "1"},
+                          {"deep/er/out/c.svg", "2"}}));
+}
+
+TEST_F(OutputFilesTest, LeaveWhatWasThereUnlessTheyAreMoved) {
+  fs::create_directory(folder.path("out"));
+  write(folder.path("out/a.csv"), "before");
+  const Tree before = tree();
+  {
+    OutputFiles files = created("out");
+    write(files.path("a.csv"), "half");
+    OutputFiles moved = std::move(files);
+    write(moved.path("b.csv"), "half");
+  }
+  EXPECT_EQ(tree(), before);
+}
+
+TEST_F(OutputFilesTest, LeaveNoFolderThatTheyMade) {
+  {
+    OutputFiles files = created("deep/er/out");
+    write(files.path("a.csv"), "half");
+  }
+  EXPECT_EQ(tree(), Tree{});
+  write(folder.path("file"), "");
+  fs::create_directory(folder.path("there"));
+  EXPECT_FALSE(OutputFiles::create(folder.path("there/new/../../file/out"), kNames));
+  EXPECT_EQ(tree(), (Tree{{"file", ""}, {"there", "/"}}));
+  {
+    OutputFiles files = created("deep/er/out");
+    write(folder.path("deep/notes"), "somebody else's");
+  }
+  EXPECT_EQ(tree(),
+            (Tree{{"deep", "/"}, {"deep/notes", "somebody else's"}, {"file", ""}, {"there", "/"}}));
+}
+
+TEST_F(OutputFilesTest, RemoveOlderOnesOfTheirNamesAndTouchNothingElse) {
+  const fs::path out = folder.path("out");
+  fs::create_directories(out / "b.csv.d");
+  for (const char* name : {"a.csv", "b.csv", "c.svg", "a.csv.bak", "A.csv", ".palpate-notes",
+                           "b.csv.d/c.svg", ".palpate-unfinished-notes"}) {
+    write(out / name, "old");
+  }
+  fs::create_directory(out / ".palpate-unfinished-is-it");  // a character too many
+  OutputFiles files = created("out");
+  write(files.path("a.csv"), "new");
+  ASSERT_FALSE(files.move_into_place());
+  EXPECT_EQ(tree_of(out), (Tree{{"a.csv", "new"},
+                                {"a.csv.bak", "old"},
+                                {"A.csv", "old"},
+                                {".palpate-notes", "old"},
+                                {".palpate-unfinished-notes", "old"},
+                                {".palpate-unfinished-is-it", "/"},
+                                {"b.csv.d", "/"},
+                                {"b.csv.d/c.svg", "old"}}));
+}
+
+TEST_F(OutputFilesTest, ReplaceLinksAndNeverWhatTheyLeadTo) {
+  fs::create_directory(folder.path("real"));
+  fs::create_directory_symlink("real", folder.path("out"));
+  write(folder.path("elsewhere"), "mine");
+  for (const char* name : {"real/a.csv", "real/b.csv"}) {
+    fs::create_symlink("../elsewhere", folder.path(name));
+  }
+  fs::create_symlink("nowhere", folder.path("real/c.svg"));
+  OutputFiles files = created("out");
+  write(files.path("a.csv"), "new");
+  ASSERT_FALSE(files.move_into_place());
+  EXPECT_EQ(
+      tree(),
+      (Tree{{"out", "-> real"}, {"real", "/"}, {"real/a.csv", "new"}, {"elsewhere", "mine"}}));
+}
+
+TEST_F(OutputFilesTest, RefuseANameThatIsNoFileBeforeAnythingIsWritten) {
+  fs::create_directories(folder.path("out/b.csv"));
+  const auto files = OutputFiles::create(folder.path("out"), kNames);
+  ASSERT_FALSE(files);
+  EXPECT_EQ(files.error().path, folder.path("out/b.csv"));
+  EXPECT_FALSE(files.error().hint.empty());
+  EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/b.csv", "/"}}));
+}
+
+TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
+  write(folder.path("file"), "mine");
+  fs::create_symlink("nowhere", folder.path("dangling"));
+  for (const std::string& path :
+       {folder.path("file"), folder.path("file/out"), folder.path("dangling"),
+        std::string("/proc/palpate-out"), std::string("/proc")}) {
+    const auto files = OutputFiles::create(path, kNames);
+    ASSERT_FALSE(files) << path;
+    EXPECT_EQ(files.error().path, path);
+    EXPECT_EQ(files.error().element, "--out");
+    EXPECT_FALSE(files.error().hint.empty());
+  }
+  EXPECT_EQ(tree(), (Tree{{"file", "mine"}, {"dangling", "-> nowhere"}}));
+}
+
+// Something takes a name while the command runs, so that one file cannot be moved.
+TEST_F(OutputFilesTest, PutBackWhatWasThereIfOneCannotBeMoved) {
+  const fs::path out = folder.path("out");
+  fs::create_directory(out);
+  for (const char* name : {"a.csv", "b.csv"}) write(out / name, "old");
+  OutputFiles files = created("out");
+  for (const char* name : {"a.csv", "b.csv", "c.svg"}) write(files.path(name), "new");
+  // "old/c.svg" in the hidden folder: what is in place cannot be moved aside onto a folder.
+  const fs::path hidden = fs::path(files.path("a.csv")).parent_path();
+  fs::create_directories(hidden / "old" / "c.svg" / "full");
+  write(out / "c.svg", "somebody's");
+  const auto error = files.move_into_place();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->path, out.string());
+  const Tree now = tree_of(out);
+  EXPECT_EQ(now.at("a.csv"), "old");
+  EXPECT_EQ(now.at("b.csv"), "old");
+  EXPECT_EQ(now.at("c.svg"), "somebody's");
+}
+
+TEST_F(OutputFilesTest, TellErrorsOfThePlaceTheFileIsFor) {
+  const OutputFiles files = created("out");
+  const Error error = files.in_place({ErrorCode::kFileUnwritable, files.path("b.csv"), "", "", ""});
+  EXPECT_EQ(error.path, folder.path("out/b.csv"));
+  EXPECT_EQ(files.in_place({ErrorCode::kFileUnwritable, "scene.glb", "", "", ""}).path,
+            "scene.glb");
+}
+
+// Two commands at once do not see each other; the last one to finish has the folder.
+TEST_F(OutputFilesTest, OfTwoCommandsDoNotMix) {
+  OutputFiles first = created("out");
+  write(first.path("a.csv"), "first");
+  write(first.path("b.csv"), "first");
+  OutputFiles second = created("out");
+  write(second.path("a.csv"), "second");
+  EXPECT_TRUE(fs::exists(first.path("a.csv"))) << "of a living command";
+  ASSERT_FALSE(first.move_into_place());
+  ASSERT_FALSE(second.move_into_place());
+  EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "second"}}));
+}
+
+TEST_F(OutputFilesTest, ThatAKilledCommandHasLeftGoWithTheNext) {
+  fs::create_directory(folder.path("out"));
+  write(folder.path("out/a.csv"), "old");
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const OutputFiles files = created("out");
+    write(files.path("b.csv"), "half");
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_GT(tree().size(), 2u) << "a hidden folder is left";
+  EXPECT_EQ(tree().at("out/a.csv"), "old");
+  { const OutputFiles files = created("out"); }
+  EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "old"}}));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,278 @@
+// Effects together: their order, their bounds, what is counted, what is tuned, and faults.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/helpers/all_effects.h"
+
+namespace palpate {
+namespace {
+
+using test::AllEffects;
+using test::BodyHand;
+using test::effect_entry;
+using test::effect_number;
+using test::hand_settings;
+using test::Random;
+using test::square_soup;
+using test::Wander;
+
+constexpr double kDt_s = 1e-3;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0;
+}
+
+testing::AssertionResult is_same(const TickRecord& a, const TickRecord& b) {
+  if (same_bits(a.force_device_N, b.force_device_N) && same_bits(a.proxy_m, b.proxy_m) &&
+      same_bits(a.normal_scene, b.normal_scene) && a.contact == b.contact && a.faults == b.faults &&
+      a.alpha_rad == b.alpha_rad && a.solver_iterations == b.solver_iterations) {
+    return testing::AssertionSuccess();
+  }
+  return testing::AssertionFailure()
+         << "force " << a.force_device_N.transpose() << " and " << b.force_device_N.transpose()
+         << ", proxy " << a.proxy_m.transpose() << " and " << b.proxy_m.transpose() << ", normal "
+         << a.normal_scene.transpose() << " and " << b.normal_scene.transpose();
+}
+
+BodyHand all_effects(const RigidTransform& pose, const std::vector<std::size_t>& order = {},
+                     bool with_gravity = true) {
+  BodyHand hand({AllEffects::sphere(), AllEffects::plate()}, pose);
+  AllEffects::add_to(hand, order, with_gravity);
+  return hand;
+}
+
+TEST(Effects, DoNotDependOnTheOrderInWhichTheyAreGiven) {
+  Random random(6901);
+  std::uint32_t felt = 0;
+  for (int run = 0; run < 20; ++run) {
+    const RigidTransform pose = random.pose(0.3);
+    std::vector<std::size_t> order(AllEffects::kEntries);
+    std::iota(order.begin(), order.end(), 0);
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.index(i)]);
+    BodyHand a = all_effects(pose);
+    BodyHand b = all_effects(pose, order);
+    a.begin(hand_settings());
+    b.begin(hand_settings());
+    Wander wander(random, 0.046, 0.07);
+    for (int tick = 0; tick < 2000; ++tick) {
+      const Vec3& p = wander.next();
+      const double dt_s = random.uniform(5e-4, 2e-3);
+      ASSERT_TRUE(is_same(a.go_to(p, dt_s), b.go_to(p, dt_s))) << run << " " << tick;
+      ASSERT_EQ(a.record().effects, b.record().effects);
+      felt |= a.record().effects;
+    }
+  }
+  EXPECT_EQ(felt, (1u << compiled_effects().size()) - 1);
+}
+
+// Beside a body with all effects, a bare one is felt as if there were no effects at all.
+TEST(Effects, AreNotFeltOnABareBodyBesideThem) {
+  Random random(6902);
+  int contacts = 0;
+  for (int run = 0; run < 10; ++run) {
+    const RigidTransform pose = random.pose(0.3);
+    BodyHand with = all_effects(pose, {}, false);
+    BodyHand without({AllEffects::sphere(), AllEffects::plate()}, pose);
+    with.begin(hand_settings(1000.0, 2.0));
+    without.begin_bare(hand_settings(1000.0, 2.0));
+    Vec3 p(0, 0, AllEffects::kPlate_m + 0.003);
+    for (int tick = 0; tick < 3000; ++tick) {
+      p += random.in_box(5e-4);
+      const Vec3 middle(0, 0, AllEffects::kPlate_m);
+      p = p.cwiseMax(middle - Vec3(0.09, 0.09, 0.004)).cwiseMin(middle + Vec3(0.09, 0.09, 0.004));
+      ASSERT_TRUE(is_same(with.go_to(p), without.go_to(p))) << run << " " << tick;
+      ASSERT_EQ(with.record().effects, 0u);
+      contacts += with.record().contact;
+    }
+  }
+  EXPECT_GT(contacts, 3000);
+}
+
+// A material that says what the loop says is felt like a bare one: to the bit with one face, and to
+// the rounding of shares with more.
+TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
+  Random random(6903);
+  constexpr double kSharesRoundoff = 8 * std::numeric_limits<double>::epsilon();
+  const auto ring = test::soup_of(torus(0.05, 0.02, 2));
+  int contacts = 0;
+  for (int run = 0; run < 10; ++run) {
+    const RigidTransform pose = random.pose(0.3);
+    BodyHand with({ring}, pose);
+    with.effects.add_body({effect_entry<StiffnessEffect>({900.0}),
+                           effect_entry<DampingEffect>({1.5}),
+                           effect_entry<FrictionEffect>({0.0, 0.0, nullptr}),
+                           effect_entry<VibrationEffect>({80.0, 0.0, 0.0})});
+    BodyHand without({ring}, pose);
+    with.begin(hand_settings(900.0, 1.5));
+    without.begin_bare(hand_settings(900.0, 1.5));
+    Vec3 p(0.08, 0, 0);
+    for (int tick = 0; tick < 3000; ++tick) {
+      const Vec3 core = 0.05 * Vec3(p.x(), p.y(), 0).normalized();
+      p += 5e-4 * random.unit_vector() +
+           0.02 * (0.018 - (p - core).norm()) * (p - core).normalized();
+      with.go_to(p);
+      without.go_to(p);
+      const Vec3& bare_N = without.record().force_device_N;
+      ASSERT_LE((with.record().force_device_N - bare_N).norm(), kSharesRoundoff * bare_N.norm());
+      ASSERT_TRUE(same_bits(with.record().proxy_m, without.record().proxy_m));
+      contacts += with.record().contact;
+    }
+  }
+  EXPECT_GT(contacts, 3000);
+}
+
+TEST(Effects, AreCountedInTheTicksInWhichTheyAreFelt) {
+  Random random(6904);
+  BodyHand hand = all_effects(random.pose(0.3));
+  hand.begin(hand_settings());
+  Wander wander(random, 0.044, 0.08);
+  const auto bit = [&](std::uint16_t effect) { return hand.feels(effect); };
+  std::array<std::uint64_t, kMostEffects> counted{};
+  for (int tick = 0; tick < 20000; ++tick) {
+    const Vec3 p = wander.next();
+    hand.go_to(p);
+    for (std::size_t i = 0; i < kMostEffects; ++i) {
+      counted[i] += hand.record().effects >> i & 1u;
+    }
+    const bool contact = hand.record().contact;
+    ASSERT_EQ(bit(effect_number<StiffnessEffect>()), contact);
+    ASSERT_EQ(bit(effect_number<DampingEffect>()), contact);
+    ASSERT_EQ(bit(effect_number<TextureEffect>()), contact);
+    ASSERT_EQ(bit(effect_number<ShadingEffect>()), contact);
+    ASSERT_TRUE(bit(effect_number<GravityEffect>()));
+    const double out_m = hand.proxy().norm();
+    // By the mesh, which lies within its sagitta inside the sphere.
+    if (out_m < AllEffects::kRadius_m + AllEffects::kRange_m - 5e-4) {
+      ASSERT_TRUE(bit(effect_number<MagnetEffect>())) << tick;
+    }
+    if (out_m > AllEffects::kRadius_m + AllEffects::kRange_m) {
+      ASSERT_FALSE(bit(effect_number<MagnetEffect>())) << tick;
+    }
+    const double medium_m = AllEffects::kRadius_m + 0.5 * AllEffects::kRange_m;
+    if (std::abs(out_m - medium_m) > 1e-9) {
+      ASSERT_EQ(bit(effect_number<ViscosityEffect>()), out_m < medium_m) << tick;
+    }
+  }
+  EXPECT_EQ(hand.loop().effect_counters()->ticks, counted);
+  for (std::size_t i = 0; i < compiled_effects().size(); ++i) {
+    EXPECT_GT(counted[i], 100u) << compiled_effects()[i].name;
+  }
+}
+
+template <typename Effect>
+void tune(BodyHand& hand, const typename Effect::Parameters& parameters) {
+  const auto& calls = hand.world().effects->calls;
+  for (std::uint32_t call = 0; call < calls.size(); ++call) {
+    if (calls[call].effect != effect_number<Effect>()) continue;
+    hand.loop().set_effect_parameters(call, std::as_bytes(std::span(&parameters, 1)));
+  }
+}
+
+TEST(Effects, CanBeTunedFromTheNextTickOn) {
+  BodyHand hand({square_soup(0.1)}, {});
+  EffectProgram& program = hand.effects.builder.program;
+  program.magnets.push_back({0, 1, &hand.index()});
+  hand.effects.add_body({effect_entry<StiffnessEffect>({500.0}),
+                         effect_entry<MagnetEffect>({1.0, 0.01, &program.magnets.back()})});
+  hand.begin(hand_settings());
+  hand.go_to({0, 0, 0.02});
+  hand.go_to({0, 0, -0.001});
+  EXPECT_NEAR(hand.force().z(), 0.5 - 1.0, 1e-8);
+  tune<StiffnessEffect>(hand, {2000.0});
+  hand.go_to({0, 0, -0.001});
+  EXPECT_NEAR(hand.force().z(), 2.0 - 1.0, 1e-8);
+  // Out of range, a larger range is felt at once, by a hand that does not move.
+  for (int tick = 0; tick < 3; ++tick) hand.go_to({0, 0, 0.02});
+  EXPECT_EQ(hand.force(), Vec3(0, 0, 0));
+  tune<MagnetEffect>(hand, {1.0, 0.04, &hand.world().effects->magnets.back()});
+  hand.go_to({0, 0, 0.02});
+  EXPECT_NEAR(hand.force().z(), -0.25, 1e-9);
+}
+
+// After a fault, the next good sample carries on: as if it were the first, where it is about time.
+// Friction has one coefficient here: with two, a contact that slid sticks after a fault, and ends
+// elsewhere.
+TEST(Effects, SurviveBadSamples) {
+  Random random(6906);
+  for (int run = 0; run < 20; ++run) {
+    BodyHand hand = all_effects(random.pose(0.3));
+    BodyHand twin = all_effects(hand.pose());
+    hand.begin(hand_settings());
+    twin.begin(hand_settings());
+    for (BodyHand* h : {&hand, &twin}) {
+      tune<FrictionEffect>(*h, {0.5, 0.5, &h->world().effects->maps.back()});
+    }
+    Wander wander(random, 0.046, 0.07);
+    std::uint32_t faults = 0;
+    for (int tick = 0; tick < 4000; ++tick) {
+      const Vec3 p = wander.next();
+      bool after_fault = false;
+      if (tick > 0 && random.index(50) == 0) {
+        const double bad =
+            std::array{kNan, std::numeric_limits<double>::infinity(), -0.0, -1e-3}[random.index(4)];
+        switch (random.index(3)) {
+          case 0:
+            hand.go_to(Vec3(p.x(), kNan, p.z()), kDt_s);
+            break;
+          case 1:
+            hand.go_to(p, bad);
+            break;
+          default:
+            hand.go_to(p + 40.0 * random.unit_vector(), kDt_s);
+        }
+        ASSERT_NE(hand.record().faults, 0u);
+        ASSERT_EQ(hand.record().force_device_N, Vec3(0, 0, 0));
+        ASSERT_EQ(hand.record().effects, 0u);
+        faults |= hand.record().faults;
+        after_fault = true;
+      }
+      hand.go_to(p);
+      twin.go_to(p);
+      ASSERT_EQ(hand.record().faults & kFaultsWithoutForce, 0u);
+      ASSERT_TRUE(hand.record().force_device_N.allFinite());
+      ASSERT_TRUE(hand.record().proxy_m.allFinite());
+      // Where it is is not forgotten; rates, pulses and hums begin again.
+      ASSERT_TRUE(same_bits(hand.record().proxy_m, twin.record().proxy_m)) << tick;
+      if (after_fault) {
+        // Nothing is felt that needs two samples.
+        ASSERT_FALSE(hand.feels(effect_number<RestitutionEffect>()));
+        const Vec3 still = hand.force();
+        ASSERT_LE(still.norm(), 800.0 * 0.02 + 2.0);  // the spring, and what has no rate
+      }
+    }
+    EXPECT_EQ(faults, kFaultNonFiniteSample | kFaultBadTimeStep | kFaultJump);
+    // At the end both feel the same, but for the hum's phase.
+    for (int tick = 0; tick < 100; ++tick) {
+      hand.go_to({0.055, 0, 0});
+      twin.go_to({0.055, 0, 0});
+    }
+    EXPECT_LE((hand.force() - twin.force()).norm(), 1e-12);
+  }
+}
+
+TEST(Effects, ForcesStayFiniteAndBoundedAtAllPaces) {
+  Random random(6907);
+  BodyHand hand = all_effects(random.pose(0.3));
+  hand.begin(hand_settings());
+  for (int tick = 0; tick < 50000; ++tick) {
+    // A hand without any sense.
+    const double dt_s = std::pow(10.0, random.uniform(-6.0, 0.0));
+    const Vec3 p = random.index(3) ? Vec3(0.05 * random.unit_vector()) : random.in_box(0.1);
+    hand.go_to(p, dt_s);
+    ASSERT_TRUE(hand.record().force_device_N.allFinite());
+    ASSERT_TRUE(hand.record().proxy_m.allFinite());
+    ASSERT_TRUE(hand.record().normal_scene.allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,190 @@
+// Same input, same bits: one trajectory on each of the paper's objects, with every bit of what came
+// out pinned as a hash. Compiled twice, as the build is and at -O0 (golden_O0_test); both must give
+// these hashes. A change that is meant to alter the answer prints the new rows of the table with
+//
+//   PALPATE_PRINT_GOLDEN=1 build/release/golden_test
+//
+// Hashes with A4 depend on the C library, too: it has the sines of the elementary rotation. Those
+// without use only +, -, *, / and sqrt. If only the former differ on a machine, look there.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "haptics/haptic_loop.h"
+#include "models/paper_objects.h"
+#include "models/primitives.h"
+#include "tests/helpers/worlds.h"
+
+namespace palpate {
+namespace {
+
+using test::OwnedWorld;
+using test::Soup;
+
+struct Golden {
+  const char* object;
+  std::uint64_t without_a4;
+  std::uint64_t with_a4;
+};
+
+constexpr Golden kGolden[] = {
+    {"star", 0xc155d6d010150339, 0x78c61562b50b786f},
+    {"labyrinth", 0xd6c3429ae376532c, 0x9e33c555694cdc42},
+    {"inverted_labyrinth", 0x53ee3c1d14efb698, 0x48c2402be86310b9},
+    {"lock", 0x01a5988b134f421a, 0xed1a7db922867cce},
+};
+
+void PrintTo(const Golden& golden, std::ostream* out) {
+  *out << golden.object;
+}
+
+constexpr double kDt_s = 1e-3;
+constexpr int kTicks = 4000;
+constexpr double kDepth_m = 3e-3;  // of the way behind the middle of each wall
+constexpr double kStart_m = 5e-3;  // in front of the first
+
+// FNV-1a, 64 bits.
+class Hash {
+ public:
+  void add(double x) {
+    std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+    for (int byte = 0; byte < 8; ++byte, bits >>= 8) {
+      value_ = (value_ ^ (bits & 0xff)) * 0x100000001b3;
+    }
+  }
+  template <typename Vector>
+  void add_all(const Vector& v) {
+    for (int k = 0; k < v.size(); ++k) add(v[k]);
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325;
+};
+
+// A point in front of (positive) or behind the middle of wall i, the walls of a counter-clockwise
+// contour facing right of the way along them. From square roots only, as all of this trajectory.
+Vec3 at_wall(const Contour& contour_m, std::size_t i, double height_m) {
+  const Point2& from = contour_m[i % contour_m.size()];
+  const Point2& to = contour_m[(i + 1) % contour_m.size()];
+  const double x = to.x() - from.x();
+  const double y = to.y() - from.y();
+  const double length = std::sqrt(x * x + y * y);
+  return {0.5 * (from.x() + to.x()) + height_m * y / length,
+          0.5 * (from.y() + to.y()) - height_m * x / length, 0.0};
+}
+
+// From in front of the first wall into it, and on from wall to wall in equal steps, once around.
+// Where the object stands at the start: A4 turns it away under this way, and what the device meets
+// then is as fixed.
+std::vector<Vec3> trajectory_m(const Contour& contour_m) {
+  std::vector<Vec3> corners{at_wall(contour_m, 0, kStart_m)};
+  for (std::size_t i = 0; i <= contour_m.size(); ++i) {
+    corners.push_back(at_wall(contour_m, i, -kDepth_m));
+  }
+  const auto legs = static_cast<int>(corners.size()) - 1;
+  std::vector<Vec3> path;
+  for (int n = 0; n < kTicks; ++n) {
+    const int leg = n * legs / kTicks;
+    const double share = static_cast<double>(n * legs - leg * kTicks) / kTicks;
+    const Vec3& from = corners[static_cast<std::size_t>(leg)];
+    const Vec3& to = corners[static_cast<std::size_t>(leg) + 1];
+    path.push_back(
+        {from.x() + share * (to.x() - from.x()), from.y() + share * (to.y() - from.y()), 0.0});
+  }
+  return path;
+}
+
+struct Felt {
+  std::uint64_t hash = 0;
+  int ticks_in_contact = 0;
+  int ticks_turning = 0;
+};
+
+// The object stands turned by the angle of which the sine is 3/5, so that no wall faces the motor.
+ScenePose start_pose() {
+  const double length = std::sqrt(10.0);
+  return {Quat(3.0 / length, 0.0, 0.0, 1.0 / length), Vec3::Zero()};
+}
+
+// A device with two sensors and one motor, as in the paper.
+Felt feel(const PaperObject& object, bool a4) {
+  const double top_m = kPaperObjectHeight_m / 2;
+  const Result<TriangleMesh> mesh = prism(object.contour_m, -top_m, top_m);
+  if (!mesh) {
+    ADD_FAILURE() << mesh.error().to_string();
+    return {};
+  }
+  const OwnedWorld world(Soup{mesh->positions_m, mesh->triangles});
+  HapticSettings settings;
+  settings.coupling.damping_Ns_per_m = 2.0;
+  settings.a4.enabled = a4;
+  settings.initial_pose = start_pose();
+  HapticLoop loop(world.world(), *ActuationModel::from_counts(2, 1), settings);
+  Felt felt;
+  Hash hash;
+  for (const Vec3& p : trajectory_m(object.contour_m)) {
+    const TickRecord& record = loop.tick(start_pose().point(p), kDt_s);
+    hash.add_all(record.proxy_m);
+    hash.add_all(record.full_force_device_N);
+    hash.add_all(record.force_device_N);
+    hash.add_all(record.T_device_scene.rotation.coeffs());
+    hash.add_all(record.T_device_scene.translation_m);
+    felt.ticks_in_contact += record.contact;
+    const Quat& before = record.T_device_scene.rotation;
+    felt.ticks_turning += loop.T_device_scene().rotation.coeffs() != before.coeffs();
+  }
+  felt.hash = hash.value();
+  return felt;
+}
+
+std::string hex(std::uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+const PaperObject& object_called(const std::vector<PaperObject>& objects, const std::string& name) {
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [&](const PaperObject& o) { return o.name == name; });
+  EXPECT_NE(found, objects.end()) << name;
+  return *found;
+}
+
+class GoldenTrajectory : public testing::TestWithParam<Golden> {};
+
+TEST_P(GoldenTrajectory, GivesThePinnedBits) {
+  const Golden& golden = GetParam();
+  const std::vector<PaperObject> objects = paper_objects();
+  const PaperObject& object = object_called(objects, golden.object);
+  const Felt without = feel(object, false);
+  const Felt with = feel(object, true);
+  EXPECT_GT(without.ticks_in_contact, kTicks / 4);
+  EXPECT_GT(with.ticks_in_contact, kTicks / 4);
+  EXPECT_EQ(without.ticks_turning, 0);
+  EXPECT_GT(with.ticks_turning, kTicks / 8);
+
+  const std::string row = std::string("    {\"") + object.name + "\", " + hex(without.hash) + ", " +
+                          hex(with.hash) + "},\n";
+  if (std::getenv("PALPATE_PRINT_GOLDEN")) std::fputs(row.c_str(), stdout);
+  EXPECT_EQ(hex(without.hash), hex(golden.without_a4)) << "if it is meant to change:\n" << row;
+  EXPECT_EQ(hex(with.hash), hex(golden.with_a4)) << "if it is meant to change:\n" << row;
+}
+
+TEST(GoldenTrajectories, CoverThePapersObjects) {
+  EXPECT_EQ(std::size(kGolden), paper_objects().size());
+}
+
+INSTANTIATE_TEST_SUITE_P(PaperObjects, GoldenTrajectory, testing::ValuesIn(kGolden),
+                         [](const auto& golden) { return std::string(golden.param.object); });
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,360 @@
+// Settings that make no sense, goals and poses that are none: refused, told by name, and felt by
+// nobody.
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "haptics/haptic_loop.h"
+#include "haptics/proxy/check_settings.h"
+#include "tests/helpers/effect_programs.h"
+#include "tests/helpers/owned_bodies.h"
+#include "tests/helpers/random.h"
+#include "tests/helpers/worlds.h"
+
+namespace palpate {
+namespace {
+
+using test::box_soup;
+using test::OwnedBodies;
+using test::OwnedWorld;
+using test::Random;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDt_s = 1e-3;
+constexpr double kRadius_m = 1e-3;
+const Vec3 kHalf_m(0.05, 0.04, 0.03);
+
+ActuationModel three_axes() {
+  return ActuationModel::from_counts(3, 3).value();
+}
+
+HapticSettings good_settings(double radius_m = 0.0) {
+  HapticSettings s;
+  s.god_object.radius_m = radius_m;
+  s.a4.enabled = false;
+  return s;
+}
+
+struct BadSetting {
+  const char* field;
+  std::function<void(HapticSettings&)> spoil;
+};
+
+// Each field with each value that is none of its range.
+std::vector<BadSetting> bad_settings() {
+  std::vector<BadSetting> all;
+  const auto add = [&](const char* field, std::initializer_list<double> values, auto set) {
+    for (const double value : values) {
+      all.push_back({field, [=](HapticSettings& s) { set(s, value); }});
+    }
+  };
+  add("god_object.radius_m",
+      {-1e-3, -0x1p-1074, 0x1p-1074, 1e-100, 1e-14, -kInfinity, kInfinity, kNan, 2e-3, 1.0, 1e300},
+      [](HapticSettings& s, double v) { s.god_object.radius_m = v; });
+  add("god_object.accuracy.tolerance", {0.0, -0.01, kNan, kInfinity, -kInfinity},
+      [](HapticSettings& s, double v) { s.god_object.accuracy.tolerance = v; });
+  for (const int iterations : {0, -1, std::numeric_limits<int>::min(),
+                               Accuracy::kMostIterations + 1, std::numeric_limits<int>::max()}) {
+    all.push_back({"god_object.accuracy.iterations",
+                   [=](HapticSettings& s) { s.god_object.accuracy.iterations = iterations; }});
+  }
+  add("coupling.stiffness_N_per_m", {-1.0, kNan, kInfinity, -kInfinity, 1e300, 1e150},
+      [](HapticSettings& s, double v) { s.coupling.stiffness_N_per_m = v; });
+  add("coupling.damping_Ns_per_m", {-1.0, kNan, kInfinity, -kInfinity, 1e300, 1e140},
+      [](HapticSettings& s, double v) { s.coupling.damping_Ns_per_m = v; });
+  add("a4.profile", {0.0, -1.0, kNan, kInfinity}, [](HapticSettings& s, double v) {
+    s.a4.enabled = true;
+    s.a4.profile.speed_at_knee_rad_per_s = v;
+  });
+  add("plane_height_m", {kNan, kInfinity},
+      [](HapticSettings& s, double v) { s.plane_height_m = v; });
+  add("initial_pose", {kNan, kInfinity, 1e12, -1e200},
+      [](HapticSettings& s, double v) { s.initial_pose.translation_m.y() = v; });
+  add("initial_pose", {kNan, kInfinity, 0.0, 1.001},
+      [](HapticSettings& s, double v) { s.initial_pose.rotation = Quat(v, 0, 0, 0); });
+  return all;
+}
+
+TEST(CheckSettings, NamesTheFieldThatIsOutOfRange) {
+  const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
+  for (const double radius_m : {0.0, 1e-3 * kRadius_m, 0.5 * kRadius_m, kRadius_m}) {
+    const auto error = check_settings(world.world(), good_settings(radius_m));
+    ASSERT_FALSE(error) << error->to_string();
+    for (const Accuracy& preset : {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()}) {
+      ASSERT_FALSE(check_settings(world.world(), GodObjectSettings{radius_m, preset}));
+    }
+  }
+  for (const BadSetting& bad : bad_settings()) {
+    HapticSettings settings = good_settings(kRadius_m);
+    bad.spoil(settings);
+    const auto error = check_settings(world.world(), settings);
+    ASSERT_TRUE(error) << bad.field;
+    EXPECT_EQ(error->element, bad.field);
+    EXPECT_EQ(error->code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(error->problem.find("expected"), std::string::npos) << error->to_string();
+    const std::string field = bad.field;
+    const std::string of_god_object = "god_object.";
+    const auto error_alone = check_settings(world.world(), settings.god_object);
+    EXPECT_EQ(error_alone.has_value(), field.starts_with(of_god_object)) << field;
+    if (error_alone) {
+      EXPECT_EQ(of_god_object + error_alone->element, field);
+    }
+  }
+}
+
+// A sphere and its stand-off are what a step sweeps; a scene is built with one stand-off to spare.
+TEST(CheckSettings, TakesTheLargestRadiusThatTheIndicesWereBuiltForAndNoneBeyond) {
+  Random random(8101);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double built_for_m = std::pow(10.0, random.uniform(-6.0, 1.0));
+    const OwnedWorld world(box_soup(kHalf_m), random.pose(1.0), built_for_m);
+    const double stand_off_m = SolverScale::of(world.world().size_m, built_for_m).stand_off_m;
+    const auto is_good = [&](double radius_m) {
+      return !check_settings(world.world(), GodObjectSettings{radius_m});
+    };
+    EXPECT_TRUE(is_good(built_for_m));
+    EXPECT_TRUE(is_good(built_for_m + 0.9 * stand_off_m));
+    EXPECT_FALSE(is_good(built_for_m + 1.1 * stand_off_m));
+    EXPECT_FALSE(is_good(built_for_m * 1.01));
+  }
+  // A radius that no box of single precision can hold, though the world asked for it.
+  const OwnedWorld for_giants(box_soup(kHalf_m), {}, 1e20);
+  EXPECT_FALSE(check_settings(for_giants.world(), GodObjectSettings{1e17}));
+  EXPECT_TRUE(check_settings(for_giants.world(), GodObjectSettings{1e20}));
+  const OwnedWorld for_points(box_soup(kHalf_m));
+  EXPECT_TRUE(check_settings(for_points.world(), GodObjectSettings{1e-300}));
+  EXPECT_FALSE(check_settings(for_points.world(), GodObjectSettings{0.0}));
+}
+
+TEST(CheckSettings, AsksEveryIndexAndTheTreeOverThem) {
+  const std::vector<OwnedBodies::Placed> bodies{
+      {box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}};
+  const OwnedBodies small(bodies, kRadius_m, true);
+  const OwnedBodies large(bodies, 4 * kRadius_m, true);
+  const GodObjectSettings settings{2 * kRadius_m};
+  EXPECT_TRUE(check_settings(small.world(), settings));
+  EXPECT_FALSE(check_settings(large.world(), settings));
+  ContactWorld one_index = large.world();
+  one_index.bodies[1].index = small.world().bodies[1].index;
+  EXPECT_TRUE(check_settings(one_index, settings));
+  ContactWorld tree_alone = large.world();
+  tree_alone.tree = small.world().tree;
+  EXPECT_TRUE(check_settings(tree_alone, settings));
+}
+
+// A position there is rounded by half of the double format's digits of the scene's size.
+TEST(CheckSettings, BoundsThePlaceByTheDigitsThatPositionsHaveThere) {
+  Random random(8103);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double size = std::pow(10.0, random.uniform(-6.0, 3.0));
+    const OwnedWorld world(box_soup(size * kHalf_m), random.pose(size));
+    const double most_m = farthest_place_m(world.world());
+    const double rounding_m = std::nextafter(most_m, HUGE_VAL) - most_m;
+    EXPECT_LE(rounding_m, 0x1p-26 * world_extent_m(world.world()));
+    HapticSettings settings = good_settings();
+    const Vec3 direction = random.rotation() * Vec3::UnitX();
+    settings.initial_pose.translation_m = 0.999 * most_m * direction;
+    const auto near = check_settings(world.world(), settings);
+    EXPECT_FALSE(near) << near->to_string();
+    settings.initial_pose.translation_m = 1.001 * most_m * direction;
+    const auto far = check_settings(world.world(), settings);
+    ASSERT_TRUE(far);
+    EXPECT_EQ(far->element, "initial_pose");
+  }
+}
+
+// With K at its bound, the farthest sample that counts still gives a force whose square is finite.
+TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
+  Random random(8102);
+  for (int trial = 0; trial < 20; ++trial) {
+    const RigidTransform pose = random.pose(10.0);
+    const OwnedWorld world(box_soup(kHalf_m), pose);
+    HapticSettings settings = good_settings();
+    settings.force = ForceMode::kFull;
+    settings.initial_pose = random.pose(5.0);
+    const double most = 0.5 * kLargestForce_N / largest_lag_m(world.world(), settings.initial_pose);
+    settings.coupling = {most, most * kShortestTick_s};
+    ASSERT_FALSE(check_settings(world.world(), settings));
+    for (const auto& spoil :
+         {std::function([](CouplingSettings& c) { c.stiffness_N_per_m *= 1.01; }),
+          std::function([](CouplingSettings& c) { c.damping_Ns_per_m *= 1.01; })}) {
+      HapticSettings more = settings;
+      spoil(more.coupling);
+      EXPECT_TRUE(check_settings(world.world(), more));
+    }
+    HapticLoop loop(world.world(), three_axes(), settings);
+    const double farthest_m =
+        farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
+    // Pressed on the upper face of the box, then dragged through it as far as samples go.
+    const auto device = [&](const Vec3& p) { return settings.initial_pose.point(pose.point(p)); };
+    ASSERT_EQ(loop.tick(device({0, 0, 0.05}), kDt_s).faults, kFaultNone);
+    ASSERT_TRUE(loop.tick(device({0, 0, 0.02}), kDt_s).contact);
+    const Vec3 down = settings.initial_pose.direction(pose.direction(-Vec3::UnitZ()));
+    loop.tick(0.99 * farthest_m * down, kShortestTick_s);  // a jump, believed the second time
+    const TickRecord& far = loop.tick(0.99 * farthest_m * down, kShortestTick_s);
+    ASSERT_EQ(far.faults & kFaultsWithoutForce, 0u);
+    EXPECT_TRUE(std::isfinite(far.force_device_N.squaredNorm()));
+    if (far.contact) {
+      EXPECT_LE((far.proxy_m - far.goal_m).norm(),
+                largest_lag_m(world.world(), settings.initial_pose));
+    }
+  }
+}
+
+TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
+  Random random(8103);
+  OwnedBodies bodies(
+      {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
+      kRadius_m, true);
+  test::EffectBodies effects;
+  effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
+  effects.add_bare_body();
+  bodies.set_effects(effects.finish());
+  for (const BadSetting& bad : bad_settings()) {
+    HapticSettings settings = good_settings(kRadius_m);
+    bad.spoil(settings);
+    HapticLoop loop(bodies.world(), three_axes(), settings);
+    for (int n = 0; n < 300; ++n) {
+      if (n % 7 == 0) loop.move_body(0, {Quat::Identity(), random.in_box(0.01)});
+      Vec3 sample = random.in_box(0.1);
+      if (n % 5 == 0) sample.x() = kNan;
+      const TickRecord& record = loop.tick(sample, n % 11 == 0 ? kInfinity : kDt_s);
+      ASSERT_NE(record.faults & kFaultBadSettings, 0u) << bad.field;
+      ASSERT_EQ(record.force_device_N, Vec3(Vec3::Zero()));
+      ASSERT_EQ(record.full_force_device_N, Vec3(Vec3::Zero()));
+      ASSERT_FALSE(record.contact);
+      ASSERT_EQ(record.tick, static_cast<std::uint64_t>(n));
+    }
+  }
+}
+
+// What a god-object has to show for itself, to the bit.
+std::vector<double> bits_of(const GodObject& god_object) {
+  std::vector<double> bits;
+  const auto add = [&](const Vec3& v) { bits.insert(bits.end(), v.begin(), v.end()); };
+  add(god_object.proxy());
+  for (const Vec3& corner : god_object.path()) add(corner);
+  for (const FaceContact& contact : god_object.contacts()) add(contact.normal);
+  for (const ContactBody& body : god_object.world().bodies()) {
+    add(body.T_solver_body.translation_m);
+    for (const double c : body.T_solver_body.rotation.coeffs()) bits.push_back(c);
+  }
+  add(god_object.world().bounds_solver().low);
+  bits.push_back(static_cast<double>(god_object.world().moving().size()));
+  return bits;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+const FrictionSource kSticky{nullptr, [](void*, const FaceContact&, const Vec3&) noexcept {
+                               return FrictionCone{0.5, 0.4};
+                             }};
+
+TEST(Misuse, OfAGodObjectsSettingsMovesNothing) {
+  const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
+  for (const BadSetting& bad : bad_settings()) {
+    HapticSettings settings = good_settings(kRadius_m);
+    bad.spoil(settings);
+    const bool is_bad = check_settings(world.world(), settings.god_object).has_value();
+    GodObject god_object(world.world(), settings.god_object);
+    ASSERT_EQ(god_object.has_bad_settings(), is_bad);
+    if (!is_bad) continue;
+    const auto before = bits_of(god_object);
+    EXPECT_FALSE(god_object.place({0, 0, 0.1}));
+    EXPECT_FALSE(god_object.place_body(0, {Quat::Identity(), Vec3(0.1, 0, 0)}));
+    const BodyMotion motion{0, {Quat::Identity(), Vec3(0.1, 0, 0)}};
+    EXPECT_EQ(god_object.move_bodies({&motion, 1}), 1u);
+    for (const Vec3& goal : {Vec3(0, 0, 0.02), Vec3(0, 0, -0.1)}) {
+      for (const ProxyState& state :
+           {god_object.move_to(goal), god_object.move_to(goal, Vec3(Vec3::UnitX())),
+            god_object.move_with_friction(goal, std::nullopt, kSticky)}) {
+        EXPECT_TRUE(state.is_refused);
+        EXPECT_FALSE(state.in_contact);
+        EXPECT_EQ(state.proxy, god_object.proxy());
+      }
+    }
+    EXPECT_TRUE(same_bits(bits_of(god_object), before)) << bad.field;
+  }
+}
+
+// Amid a motion along a box, which goes on as if nothing had been asked.
+TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
+  Random random(8104);
+  SeededRandom normals(8105);
+  for (const double radius_m : {0.0, kRadius_m}) {
+    const OwnedBodies bodies(
+        {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
+        radius_m);
+    GodObject asked(bodies.world(), {radius_m, {}});
+    GodObject spared(bodies.world(), {radius_m, {}});
+    const auto refuse_all = [&] {
+      const auto before = bits_of(asked);
+      for (const double bad : {kNan, kInfinity, -kInfinity, 1e200}) {
+        Vec3 goal = random.in_box(0.05);
+        goal[static_cast<Eigen::Index>(random.index(3))] = bad;
+        EXPECT_FALSE(asked.place(goal));
+        for (const ProxyState& state :
+             {asked.move_to(goal), asked.move_to(goal, Vec3(Vec3::UnitZ())),
+              asked.move_with_friction(goal, std::nullopt, kSticky)}) {
+          EXPECT_TRUE(state.is_refused);
+          EXPECT_FALSE(state.in_contact);
+          EXPECT_EQ(state.proxy, asked.proxy());
+        }
+        BodyMotion motion{0, {Quat::Identity(), goal}};
+        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+        if (bad == 1e200) continue;
+        EXPECT_TRUE(asked.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
+        motion.T_solver_body = {Quat(bad, 0, 0, 1), Vec3::Zero()};
+        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+      }
+      const BodyMotion moved{0, {Quat::Identity(), Vec3(0, 0, 0.001)}};
+      for (const double length : {0.0, 0.5, 2.0, 1e200, kInfinity, kNan}) {
+        const Vec3 normal = length * normals.unit_vector();
+        EXPECT_TRUE(asked.move_to(Vec3::Zero(), normal).is_refused) << length;
+        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
+        EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
+      }
+      for (const double size_m : {-1.0, kInfinity, -kInfinity, kNan}) {
+        FrictionSource source = kSticky;
+        source.coordinates_m = size_m;
+        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
+      }
+      const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};
+      EXPECT_EQ(asked.move_bodies({&shrunk, 1}), 1u);
+      const BodyMotion nobody{2, {}};
+      EXPECT_EQ(asked.move_bodies({&nobody, 1}), 1u);
+      EXPECT_FALSE(asked.place_body(2, {}));
+      EXPECT_TRUE(same_bits(bits_of(asked), before));
+    };
+    refuse_all();
+    asked.place({0, 0, 0.05});
+    spared.place({0, 0, 0.05});
+    Vec3 goal(0, 0, 0.02);
+    int contacts = 0;
+    for (int n = 0; n < 400; ++n) {
+      refuse_all();
+      goal = (goal + random.in_box(2e-3)).cwiseMin(0.05).cwiseMax(-0.05);
+      const ProxyState a = asked.move_to(goal);
+      const ProxyState b = spared.move_to(goal);
+      ASSERT_FALSE(a.is_refused);
+      ASSERT_EQ(a.in_contact, b.in_contact);
+      ASSERT_TRUE(same_bits(bits_of(asked), bits_of(spared))) << n;
+      contacts += a.in_contact;
+    }
+    EXPECT_GT(contacts, 100);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,153 @@
+#pragma once
+
+// A hand that feels one body, or a few, and is told where to go in a frame of the test's own.
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "haptics/haptic_loop.h"
+#include "models/primitives.h"
+#include "tests/helpers/effect_programs.h"
+#include "tests/helpers/owned_bodies.h"
+#include "tests/helpers/random.h"
+
+namespace palpate::test {
+
+inline HapticSettings hand_settings(double stiffness = 1000.0, double damping = 0.0) {
+  HapticSettings s;
+  s.coupling = {stiffness, damping};
+  s.a4.enabled = false;
+  return s;
+}
+
+inline Soup soup_of(const TriangleMesh& mesh) {
+  return {mesh.positions_m, mesh.triangles};
+}
+
+// In the plane z = 0, facing up.
+inline Soup square_soup(double half_m) {
+  Soup soup;
+  soup.add_quad({-half_m, -half_m, 0}, {half_m, -half_m, 0}, {half_m, half_m, 0},
+                {-half_m, half_m, 0});
+  return soup;
+}
+
+// One side of a groove along y, of which both rise at this angle: that where x > 0, or the other.
+inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
+  const double x = half_m * std::cos(rise_rad);
+  const double z = half_m * std::sin(rise_rad);
+  Soup soup;
+  if (is_right) {
+    soup.add_quad({0, -half_m, 0}, {x, -half_m, z}, {x, half_m, z}, {0, half_m, 0});
+  } else {
+    soup.add_quad({-x, -half_m, z}, {0, -half_m, 0}, {0, half_m, 0}, {-x, half_m, z});
+  }
+  return soup;
+}
+
+// Bodies that are all in one pose, the frame of the test; "local" below.
+class BodyHand {
+ public:
+  // What the bodies are made felt by, one for each: to be filled before begin(). Bodies are bare
+  // unless something is added.
+  EffectBodies effects;
+
+  BodyHand(const std::vector<Soup>& soups, const RigidTransform& pose) : pose_(pose) {
+    std::vector<OwnedBodies::Placed> placed;
+    for (const Soup& soup : soups) placed.push_back({soup, pose});
+    bodies_.emplace(placed);
+  }
+
+  void begin(const HapticSettings& settings, int actuators = 3) {
+    if (!effects.builder.program.bodies.empty()) bodies_->set_effects(effects.finish());
+    loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, actuators).value(), settings);
+  }
+  // Without any effect.
+  void begin_bare(const HapticSettings& settings) {
+    loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, 3).value(), settings);
+  }
+
+  const TickRecord& go_to(const Vec3& p_local, double dt_s = 1e-3) {
+    record_ = loop_->tick(pose_.point(p_local), dt_s);
+    return record_;
+  }
+
+  const TickRecord& record() const { return record_; }
+  // Local; of the last tick.
+  Vec3 goal() const { return pose_.inverse_point(record_.goal_m); }
+  Vec3 proxy() const { return pose_.inverse_point(record_.proxy_m); }
+  Vec3 normal() const { return pose_.inverse_direction(record_.normal_scene); }
+  Vec3 force() const { return pose_.inverse_direction(record_.full_force_device_N); }
+  bool feels(std::uint16_t effect) const { return (record_.effects >> effect & 1u) != 0; }
+
+  const RigidTransform& pose() const { return pose_; }
+  HapticLoop& loop() { return *loop_; }
+  const ContactWorld& world() const { return bodies_->world(); }
+  const SurfaceIndex& index(std::size_t body = 0) const { return *world().bodies[body].index; }
+
+  // Of positions read back from the scene: the solver's stand-off, and rounding in the pose.
+  double tolerance_m() const {
+    constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+    return 4 * SolverScale::of(world().size_m, 0.0).stand_off_m +
+           kRounding * (pose_.translation_m.norm() + world().size_m);
+  }
+
+ private:
+  RigidTransform pose_;
+  std::optional<OwnedBodies> bodies_;
+  std::optional<HapticLoop> loop_;
+  TickRecord record_;
+};
+
+// Calls f(slot) for every slot of an index that holds a triangle, and for those that repeat one.
+template <typename F>
+void for_each_slot(const SurfaceIndex& index, F f) {
+  const std::size_t slots = index.pack_count() * TrianglePack::kLanes;
+  for (std::uint32_t slot = 0; slot < slots; ++slot) f(slot);
+}
+
+// A smooth closed curve: a few harmonics with random amplitudes, within the half extents about a
+// centre. At(0) is at(1), and so are all its derivatives.
+class SmoothLoop {
+ public:
+  static constexpr int kHarmonics = 3;
+
+  SmoothLoop(const Vec3& centre, const Vec3& half_extent, Random& random)
+      : centre_(centre), half_extent_(half_extent) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0.0;
+      for (Wave& wave : waves_[axis]) {
+        wave = {random.uniform(0.2, 1.0), random.uniform(0.0, 2.0 * std::numbers::pi)};
+        sum += wave.amplitude;
+      }
+      for (Wave& wave : waves_[axis]) wave.amplitude /= sum;
+    }
+  }
+
+  Vec3 at(double turn) const {
+    Vec3 p = centre_;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int h = 0; h < kHarmonics; ++h) {
+        const auto& [amplitude, phase] = waves_[axis][h];
+        p[axis] += half_extent_[axis] * amplitude *
+                   std::sin(2.0 * std::numbers::pi * (h + 1) * turn + phase);
+      }
+    }
+    return p;
+  }
+
+ private:
+  struct Wave {
+    double amplitude;
+    double phase;
+  };
+  Vec3 centre_;
+  Vec3 half_extent_;
+  Wave waves_[3][kHarmonics];
+};
+
+}  // namespace palpate::test

@@ -1,0 +1,374 @@
+// The judge of resting places on scenes whose answer is known.
+
+#include "tests/helpers/rest_judge.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/helpers/random.h"
+#include "tests/helpers/worlds.h"
+
+namespace palpate {
+namespace {
+
+using test::box_soup;
+using test::Corners;
+using test::ExactJudge;
+using test::Random;
+using test::Rest;
+using test::RestJudge;
+using test::Soup;
+using test::Way;
+
+constexpr double kSize_m = 1.0;
+constexpr double kStandOff_m = 1e-11;
+
+// A soup in a pose, and what the judge says of a place given in the soup's own frame.
+class Posed {
+ public:
+  Posed(const Soup& soup, const RigidTransform& pose, double radius_m = 0.0)
+      : pose_(pose), exact_(corners(soup, pose)), judge_(kSize_m, radius_m, kStandOff_m) {}
+
+  std::optional<Way> way_on(const Rest& rest) const {
+    Rest posed = rest;
+    posed.proxy = pose_.point(rest.proxy);
+    posed.goal = pose_.point(rest.goal);
+    if (rest.motion_plane_normal) {
+      posed.motion_plane_normal = pose_.direction(*rest.motion_plane_normal);
+    }
+    return judge_.way_on(exact_, posed);
+  }
+  const ExactJudge& exact() const { return exact_; }
+
+ private:
+  static std::vector<Corners> corners(const Soup& soup, const RigidTransform& pose) {
+    std::vector<Corners> all;
+    for (const Triangle& t : soup.triangles) {
+      all.push_back({pose.point(soup.positions[t[0]]), pose.point(soup.positions[t[1]]),
+                     pose.point(soup.positions[t[2]])});
+    }
+    return all;
+  }
+
+  RigidTransform pose_;
+  ExactJudge exact_;
+  RestJudge judge_;
+};
+
+// A pose that moves things by less than their size.
+RigidTransform pose_of(Random& random) {
+  return random.index(3) ? random.pose(0.1) : RigidTransform{};
+}
+
+// A proxy this far from a plane keeps a stand-off from it, wherever rounding puts it.
+double keep_m(double radius_m) {
+  return radius_m + kStandOff_m;
+}
+
+Soup floor() {
+  Soup soup;
+  soup.add_quad({-0.4, -0.3, 0.0}, {0.5, -0.4, 0.0}, {0.4, 0.4, 0.0}, {-0.5, 0.4, 0.0});
+  return soup;
+}
+
+#define EXPECT_REST(posed, ...)                                       \
+  do {                                                                \
+    const auto way = (posed).way_on(__VA_ARGS__);                     \
+    EXPECT_FALSE(way) << (way ? test::to_text(*way) : std::string()); \
+  } while (false)
+
+class Proxies : public testing::TestWithParam<double> {};
+
+TEST_P(Proxies, RestOnAPlaneAtTheFootOfTheGoalAndNowhereElse) {
+  Random random(1);
+  const double z = keep_m(GetParam());
+  for (int trial = 0; trial < 200; ++trial) {
+    const Posed posed(floor(), pose_of(random), GetParam());
+    const Vec3 goal(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), -0.05);
+    EXPECT_REST(posed, {{goal.x(), goal.y(), z}, goal});
+    const double aside_m = 1e-3 * std::pow(10.0, random.uniform(0.0, 2.0));
+    const double turn_rad = random.uniform(0.0, 6.0);
+    const Vec3 aside(aside_m * std::cos(turn_rad), aside_m * std::sin(turn_rad), 0.0);
+    const Vec3 beside = Vec3(goal.x(), goal.y(), z) + aside;
+    EXPECT_TRUE(posed.way_on({beside, goal}));
+    EXPECT_TRUE(posed.way_on({{goal.x(), goal.y(), z + 1e-8}, goal})) << "above it";
+    // In a plane of motion across the shift, it may rest there.
+    Rest held{beside, goal + aside, aside.normalized()};
+    EXPECT_REST(posed, held);
+    held.goal = goal + aside + Vec3(-aside.y(), aside.x(), 0.0);
+    EXPECT_TRUE(posed.way_on(held));
+  }
+}
+
+TEST_P(Proxies, RestInACornerWhereAllWallsPush) {
+  Random random(2);
+  const Soup room = box_soup(Vec3::Constant(0.25));
+  const double at = 0.25 - keep_m(GetParam());
+  for (int trial = 0; trial < 200; ++trial) {
+    const Posed posed(room, pose_of(random), GetParam());
+    const Vec3 out(random.uniform(0.01, 0.1), random.uniform(0.01, 0.1), random.uniform(0.01, 0.1));
+    EXPECT_REST(posed, {Vec3::Constant(at), Vec3::Constant(at) + out});
+    // A goal that is not behind one of the walls pulls along it.
+    const int free = static_cast<int>(random.index(3));
+    Vec3 goal = Vec3::Constant(at) + out;
+    goal[free] = at - random.uniform(0.001, 0.1);
+    EXPECT_TRUE(posed.way_on({Vec3::Constant(at), goal}));
+    // On the edge that is left, the foot is the answer.
+    Vec3 foot = Vec3::Constant(at);
+    foot[free] = goal[free];
+    EXPECT_REST(posed, {foot, goal});
+    foot[free] += 1e-3;
+    EXPECT_TRUE(posed.way_on({foot, goal}));
+  }
+}
+
+// A plate's rim, approached in the plane of the plate.
+TEST_P(Proxies, DoNotHoverBeforeARim) {
+  Random random(3);
+  Soup plate;
+  plate.add_quad({0.0, -0.4, 0.0}, {0.5, -0.4, 0.0}, {0.5, 0.4, 0.0}, {0.0, 0.4, 0.0});
+  for (int trial = 0; trial < 200; ++trial) {
+    const Posed posed(plate, pose_of(random), GetParam());
+    const Vec3 goal(random.uniform(0.05, 0.2), random.uniform(-0.2, 0.2), 0.0);
+    const double short_m = std::pow(10.0, random.uniform(-6.0, -1.0));
+    const Vec3 at_rim(-keep_m(GetParam()), goal.y(), 0.0);
+    EXPECT_TRUE(posed.way_on({at_rim - Vec3(short_m, 0.0, 0.0), goal}));
+    // Seen from a little above the plane the goal is under the plate.
+    const Vec3 above(-short_m, goal.y(), (0.5 + random.uniform(0.0, 1.0)) * keep_m(GetParam()));
+    EXPECT_TRUE(posed.way_on({above - Vec3(keep_m(GetParam()), 0.0, 0.0), goal}));
+    EXPECT_TRUE(posed.way_on({above + Vec3(2e-3 + short_m, 0.0, keep_m(GetParam())), goal}));
+  }
+}
+
+TEST_P(Proxies, RestInAGroove) {
+  Random random(4);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double half_rad = random.uniform(0.1, 1.4);
+    const Vec3 arm(0.0, std::sin(half_rad), std::cos(half_rad));
+    Soup groove;
+    const Vec3 along(0.4, 0.0, 0.0);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 up = 0.3 * Vec3(0.0, side * arm.y(), arm.z());
+      groove.add_quad(-along, along, along + up, -along + up);
+    }
+    const Posed posed(groove, pose_of(random), GetParam());
+    // The middle is as far from both walls as the proxy must be.
+    const double z = keep_m(GetParam()) / std::sin(half_rad);
+    const double x = random.uniform(-0.2, 0.2);
+    EXPECT_REST(posed, {{x, 0.0, z}, {x, 0.0, z - 0.05}});
+    EXPECT_TRUE(posed.way_on({{x, 0.0, z}, {x + 1e-3, 0.0, z - 0.05}}));
+    EXPECT_TRUE(posed.way_on({{x, 0.0, z + 1e-6}, {x, 0.0, z - 0.05}}));
+  }
+}
+
+// Up one wall as far as the goal's foot, if that is steeper than the wall's normal.
+TEST_P(Proxies, LeaveAGrooveAlongAWall) {
+  const double radius_m = GetParam();
+  Soup groove;
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 up(0.0, 0.3 * side, 0.3);
+    groove.add_quad({-0.4, 0.0, 0.0}, {0.4, 0.0, 0.0}, Vec3(0.4, 0.0, 0.0) + up,
+                    Vec3(-0.4, 0.0, 0.0) + up);
+  }
+  const Posed posed(groove, {}, radius_m);
+  const double z = std::sqrt(2.0) * keep_m(radius_m);
+  EXPECT_REST(posed, {{0.0, 0.0, z}, {0.0, 0.049, z - 0.05}});
+  EXPECT_TRUE(posed.way_on({{0.0, 0.0, z}, {0.0, 0.051, z - 0.05}}));
+}
+
+// Static friction of mu holds a lag of mu times the depth, and no more.
+TEST_P(Proxies, RestUnderFrictionWithinTheCone) {
+  Random random(5);
+  const double z = keep_m(GetParam());
+  for (int trial = 0; trial < 100; ++trial) {
+    const Posed posed(floor(), pose_of(random), GetParam());
+    const double mu = random.uniform(0.1, 1.5);
+    const double depth_m = random.uniform(0.01, 0.05);
+    const double turn_rad = random.uniform(0.0, 6.0);
+    const Vec3 along(std::cos(turn_rad), std::sin(turn_rad), 0.0);
+    const Vec3 proxy(0.0, 0.0, z);
+    Rest rest{proxy, proxy + 0.999 * mu * depth_m * along - Vec3(0.0, 0.0, depth_m), {}, mu};
+    EXPECT_REST(posed, rest);
+    rest.goal = proxy + 1.01 * mu * depth_m * along - Vec3(0.0, 0.0, depth_m);
+    EXPECT_TRUE(posed.way_on(rest));
+    // Friction does not hold a proxy that nothing is in the way of.
+    rest.goal = proxy + Vec3(0.0, 0.0, 1e-3);
+    EXPECT_TRUE(posed.way_on(rest));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Proxies, testing::Values(0.0, 1e-6, 1e-3, 0.03),
+                         [](const auto& radius) {
+                           return std::to_string(std::lround(radius.param * 1e6)) + "_um";
+                         });
+
+// A plate's corner stops a proxy that comes straight down on it; so does its edge.
+TEST(RestJudge, FindsTheWayPastAnEdgeThatIsNotUnderTheProxy) {
+  const Posed posed(floor(), {});
+  // 1e-8 beside the edge from (0.5, -0.4) to (0.4, 0.4): down is free.
+  EXPECT_TRUE(posed.way_on({{0.45 + 1e-8, 0.0, 1e-11}, {0.45 + 1e-8, 0.0, -0.1}}));
+  EXPECT_REST(posed, {{0.45 - 1e-8, 0.0, 1e-11}, {0.45 - 1e-8, 0.0, -0.1}});
+}
+
+// A vertex of a terrain whose faces go up and down in turn. The proxy is 3.6 stand-offs from it,
+// between two faces that leave a room less than a stand-off wide, through which a way leads on.
+// That is none, but it is one for a proxy that need keep only a quarter of a stand-off.
+TEST(RestJudge, FindsTheWayBetweenTwoFacesOfASaddleIfItIsWideEnough) {
+  const Vec3 hub(-0.011290322989225388, -0.03387096896767616, 0.018608149141073227);
+  const Vec3 ring[] = {{-0.011290322989225388, -0.0370967723429203, 0.020422888919711113},
+                       {-0.008064515888690948, -0.03387096896767616, 0.029601819813251495},
+                       {-0.008064515888690948, -0.030645161867141724, 0.01709231361746788},
+                       {-0.011290322989225388, -0.030645161867141724, 0.036082521080970764},
+                       {-0.014516129158437252, -0.03387096896767616, 0.036082521080970764},
+                       {-0.014516129158437252, -0.0370967723429203, 0.029921622946858406}};
+  std::vector<Corners> fan;
+  for (std::size_t i = 0; i < std::size(ring); ++i) {
+    fan.push_back({hub, ring[i], ring[(i + 1) % std::size(ring)]});
+  }
+  const ExactJudge exact(fan);
+  const Vec3 proxy(-0x1.71f617fffb9e6p-7, -0x1.157892001c879p-5, 0x1.30e03c00f558ap-6);
+  const Vec3 goal(-0x1.093a8d36296p-9, -0x1.3613015ed1354p-6, -0x1.33f4e70972324p-5);
+  EXPECT_FALSE(RestJudge(0.1, 0.0, 1e-12).way_on(exact, {proxy, goal}));
+  const auto way = RestJudge(0.1, 0.0, 0.25e-12).way_on(exact, {proxy, goal});
+  ASSERT_TRUE(way);
+  EXPECT_GT(way->gain_m, 1e-6);
+}
+
+// In other bodies' frames the same.
+TEST(RestJudge, JudgesBodiesWhereTheyAre) {
+  Random random(6);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double radius_m = random.index(2) ? 0.0 : 0.01;
+    const RestJudge judge(kSize_m, radius_m, kStandOff_m);
+    std::vector<Corners> wall;
+    for (const Triangle& t : floor().triangles) {
+      const Soup soup = floor();
+      wall.push_back({soup.positions[t[0]], soup.positions[t[1]], soup.positions[t[2]]});
+    }
+    const ExactJudge exact(wall);
+    const RigidTransform frame = random.pose(0.1);
+    // Two walls that meet at right angles, x and z.
+    const Quat upright =
+        frame.rotation * Quat(Eigen::AngleAxisd(0.5 * 3.14159265358979323846, Vec3::UnitY()));
+    const test::JudgedBody bodies[] = {{&exact, frame}, {&exact, {upright, frame.translation_m}}};
+    const double at = keep_m(radius_m);
+    // The rotation by pi / 2 is rounded: so are the places.
+    const Vec3 proxy(at + 1e-14, 0.0, at + 1e-14);
+    const auto way_to = [&](const Vec3& goal) {
+      return judge.way_on(bodies, {frame.point(proxy), frame.point(goal)});
+    };
+    EXPECT_FALSE(way_to({-0.1, 0.0, -0.1}));
+    EXPECT_TRUE(way_to({-0.1, 0.01, -0.1}));
+    EXPECT_TRUE(way_to({0.1, 0.0, -0.1}));
+  }
+}
+
+// What the judge says, said by trying directions by the thousand: the best of them, and those that
+// are next to it, again and again. Slow, and finds no way that is narrow.
+double gain_by_trying(const ExactJudge& exact, const Vec3& p, const Vec3& goal, double keep_from_m,
+                      Random& random) {
+  std::vector<double> least_m;
+  for (std::size_t i = 0; i < exact.triangles().size(); ++i) {
+    least_m.push_back(std::min(exact.distance_m(p, p, i), keep_from_m) - 4e-16);
+  }
+  const auto is_free = [&](const Vec3& q) {
+    for (std::size_t i = 0; i < least_m.size(); ++i) {
+      if (exact.distance_m(p, q, i) < least_m[i]) return false;
+    }
+    return true;
+  };
+  const Vec3 lag = goal - p;
+  double best_m = 0.0;
+  Vec3 best_direction = lag.normalized();
+  for (int trial = 0; trial < 400; ++trial) {
+    const double spread = trial < 200 ? 1.0 : std::pow(10.0, random.uniform(-6.0, 0.0));
+    const Vec3 u = trial == 0 ? Vec3(lag.normalized())
+                              : Vec3((best_direction + spread * random.unit_vector()).normalized());
+    const double foot_m = u.dot(lag);
+    if (foot_m <= 0.0) continue;
+    for (double part = 1.0; part > 1e-7; part *= 0.25) {
+      const Vec3 q = p + part * foot_m * u;
+      const double gain_m = lag.norm() - (goal - q).norm();
+      if (gain_m <= best_m) break;
+      if (!is_free(q)) continue;
+      best_m = gain_m;
+      best_direction = u;
+      break;
+    }
+  }
+  return best_m;
+}
+
+// Where the nearest triangles press: against one of them, or any mixture of those that are touched.
+Vec3 pressed(const ExactJudge& exact, const Vec3& p, double keep_from_m, Random& random) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < exact.triangles().size(); ++i) {
+    if (exact.distance_m(p, p, i) > 1.001 * keep_from_m) continue;
+    const Vec3 normal = exact.directions(i).normal.cast<double>();
+    const double side = normal.dot(p - exact.triangles()[i].a) < 0.0 ? 1.0 : -1.0;
+    sum += random.uniform(0.0, 1.0) * side * normal;
+  }
+  return sum.isZero(0.0) ? random.unit_vector() : sum.normalized();
+}
+
+// At vertices of random fans of triangles, a stand-off above some of their faces.
+TEST(RestJudge, FindsAWayWhereverTryingFindsOne) {
+  constexpr std::array<std::size_t, 8> numbers = {0, 1, 2, 3, 4, 5, 6, 7};
+  int ways = 0;
+  int rests = 0;
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+    Random random(seed);
+    const double radius_m = random.index(2) ? 0.0 : 0.02;
+    const double keep = keep_m(radius_m);
+    std::vector<Corners> fan;
+    const int spokes = 3 + static_cast<int>(random.index(6));
+    std::vector<Vec3> ring;
+    for (int i = 0; i < spokes; ++i) {
+      const double turn_rad = (i + random.uniform(0.0, 0.7)) * 2 * 3.14159265358979323846 / spokes;
+      ring.emplace_back(0.3 * std::cos(turn_rad), 0.3 * std::sin(turn_rad),
+                        random.uniform(-0.3, 0.3));
+    }
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      fan.push_back({Vec3::Zero(), ring[i], ring[(i + 1) % ring.size()]});
+    }
+    const ExactJudge exact(fan);
+    // Put down from above by the definition itself: as far as the way is free, and again elsewhere.
+    Vec3 p(0.0, 0.0, 0.2 + radius_m);
+    const Vec3 aim = random.in_box(0.01) - Vec3(0.0, 0.0, 0.2);
+    for (int step = 0; step < 60; ++step) {
+      const double spread = random.uniform(0.0, 1.0);
+      const Vec3 u = ((aim - p).normalized() + spread * random.unit_vector()).normalized();
+      const auto is_free = [&](double length_m) {
+        return std::all_of(numbers.begin(), numbers.begin() + spokes, [&](std::size_t i) {
+          return exact.distance_m(p, p + length_m * u, i) >= keep;
+        });
+      };
+      double free_m = 0.0;
+      double blocked_m = u.dot(aim - p);
+      if (blocked_m <= 0.0) continue;
+      for (int i = 0; i < 48; ++i) {
+        const double middle_m = 0.5 * (free_m + blocked_m);
+        (is_free(middle_m) ? free_m : blocked_m) = middle_m;
+      }
+      p += free_m * u;
+    }
+    const Vec3 towards = random.index(4) ? pressed(exact, p, keep, random) : random.unit_vector();
+    const Vec3 goal = p + random.uniform(0.01, 0.1) * towards;
+    const RestJudge judge(kSize_m, radius_m, kStandOff_m);
+    const double tried_m = gain_by_trying(exact, p, goal, keep, random);
+    const auto way = judge.way_on(exact, {p, goal});
+    (way ? ways : rests) += 1;
+    if (tried_m > 2 * judge.tolerance_m()) {
+      EXPECT_TRUE(way) << "seed " << seed << ", gain " << tried_m;
+    }
+  }
+  EXPECT_GT(ways, 20);
+  EXPECT_GT(rests, 10);
+}
+
+}  // namespace
+}  // namespace palpate
