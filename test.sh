@@ -13,7 +13,7 @@ fuzz_gltf() {
   mkdir -p "$build/corpus"
   say "fuzzing; what is found is kept as $build/crash-..., and so on"
   "$build/fuzz_gltf" -max_total_time="${PALPATE_FUZZ_SECONDS:-30}" -timeout=5 -rss_limit_mb=2048 \
-    -max_len=16384 -dict="$palpate_root/tests/gltf.dict" -artifact_prefix="$build/" \
+    -max_len=16384 -dict="$palpate_root/tests/io/gltf/gltf.dict" -artifact_prefix="$build/" \
     -print_final_stats=1 -print_funcs=0 -verbosity=0 "$@" "$build/corpus" "$build/seeds"
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "haptics/haptic_loop_steps.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/check_settings.h"
 
 namespace palpate {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <charconv>
 
-#include "io/gltf/error.h"
+#include "geometry/base/quoted.h"
 
 namespace palpate {
 
@@ -18,7 +18,7 @@ std::string pose_text(std::span<const AnimationDescription> animations,
   if (!pose) return "at rest";
   const AnimationDescription& animation = animations[pose->animation];
   std::string text = "animation #" + std::to_string(pose->animation) + " " +
-                     gltf_quoted(animation.name) + " at " + seconds_text(pose->time_s);
+                     in_quotes(animation.name) + " at " + seconds_text(pose->time_s);
   if (animation.length_s && pose->time_s > *animation.length_s) {
     text += ", behind its last key at " + seconds_text(*animation.length_s);
   }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/scene/memory_budget.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/check_settings.h"
 
 namespace palpate {
 namespace {

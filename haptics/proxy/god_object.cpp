@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "haptics/proxy/body_push.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/proxy/check_god_object_settings.h"
 #include "haptics/proxy/god_object_ways.h"
 
 namespace palpate {

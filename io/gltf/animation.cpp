@@ -102,7 +102,7 @@ std::string choices_text(const GltfAsset& asset) {
   const auto animations = list_animations(asset, untold);
   std::string text;
   for (std::size_t i = 0; i < std::min(animations.size(), kMostNamed); ++i) {
-    text += (i > 0 ? ", #" : "#") + std::to_string(i) + " " + gltf_quoted(animations[i].name) +
+    text += (i > 0 ? ", #" : "#") + std::to_string(i) + " " + in_quotes(animations[i].name) +
             (animations[i].length_s ? " of " + seconds_text(*animations[i].length_s) : "");
   }
   if (animations.size() > kMostNamed) {
@@ -113,7 +113,7 @@ std::string choices_text(const GltfAsset& asset) {
 
 Error no_such_pose(const GltfAsset& asset, const std::string& asked, const std::string& problem) {
   const bool has_any = animation_count(asset) > 0;
-  return gltf_error(ErrorCode::kInvalidArgument, "pose " + gltf_quoted(asked), problem,
+  return gltf_error(ErrorCode::kInvalidArgument, "pose " + in_quotes(asked), problem,
                     has_any ? "choose from " + choices_text(asset)
                             : "the file has no animation; without a pose it is felt at rest");
 }
@@ -142,7 +142,7 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
     if (number && *number < count) return *number;
     return no_such_pose(
         asset, asked,
-        gltf_quoted(name) + " is none of the " + std::to_string(count) + " animations of the file");
+        in_quotes(name) + " is none of the " + std::to_string(count) + " animations of the file");
   }
   std::string numbers;
   for (std::size_t i = 0; i < std::min(found.size(), kMostNamed); ++i) {
@@ -152,8 +152,8 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
     numbers += " and " + std::to_string(found.size() - kMostNamed) + " more";
   }
   return gltf_error(
-      ErrorCode::kInvalidArgument, "pose " + gltf_quoted(asked),
-      gltf_quoted(name) + " is the name of " + std::to_string(found.size()) + " animations",
+      ErrorCode::kInvalidArgument, "pose " + in_quotes(asked),
+      in_quotes(name) + " is the name of " + std::to_string(found.size()) + " animations",
       "say which by its number in the file: " + numbers);
 }
 
@@ -168,7 +168,7 @@ Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& as
   const auto [rest, failed] = std::from_chars(asked.data() + at + 1, end, time_s);
   if (failed != std::errc() || rest != end || !std::isfinite(time_s) || !(time_s >= 0.0)) {
     return no_such_pose(asset, asked,
-                        gltf_quoted(asked.substr(at + 1)) +
+                        in_quotes(asked.substr(at + 1)) +
                             " is no time; expected a finite number of seconds, 0 or more");
   }
   const auto animation = find_animation(asset, asked, asked.substr(0, at));

@@ -141,12 +141,12 @@ Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t ma
                                  std::max<std::uint64_t>(wanted_bytes, kLfsPointerStart.size()));
   if (bytes && is_lfs_pointer(*bytes)) {
     return gltf_error(ErrorCode::kFileUnreadable, {},
-                      "the file " + gltf_quoted(uri) + " is a Git LFS pointer, not the data",
+                      "the file " + in_quotes(uri) + " is a Git LFS pointer, not the data",
                       "run git lfs pull where the asset came from");
   }
   if (bytes) return bytes;
   Error error = bytes.error();
-  error.problem = "the file " + gltf_quoted(uri) + " " + error.problem;
+  error.problem = "the file " + in_quotes(uri) + " " + error.problem;
   if (error.hint.empty()) error.hint = "it must lie beside the asset";
   return error;
 }

@@ -442,7 +442,7 @@ std::vector<std::uint32_t> DracoPrimitive::indices() const {
 
 Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) const {
   const Source& source = attributes_.at(semantic);
-  const std::string element = element_ + "/attributes/" + gltf_shortened(semantic);
+  const std::string element = element_ + "/attributes/" + shortened(semantic);
   const tinygltf::Accessor& accessor = asset_.model.accessors[source.accessor];
   const draco::PointAttribute* stored = mesh_->GetAttributeByUniqueId(source.unique_id);
   if (stored == nullptr) {
@@ -554,7 +554,7 @@ class DracoReader {
           stored->data_type() == data_type_of(accessor.componentType)) {
         continue;
       }
-      result.warnings_.push_back(element_ + "/attributes/" + gltf_shortened(semantic) +
+      result.warnings_.push_back(element_ + "/attributes/" + shortened(semantic) +
                                  ": its stream holds integers of another type than accessor " +
                                  std::to_string(source.accessor) +
                                  " declares, which normalises them; they are divided by the " +
@@ -583,7 +583,7 @@ class DracoReader {
       return gltf_expected(element, *attributes, "an object that is not empty");
     }
     for (const auto& [semantic, value] : attributes->items()) {
-      const std::string path = element + "/" + gltf_shortened(semantic);
+      const std::string path = element + "/" + shortened(semantic);
       const auto id = whole_number(value);
       if (!id || *id > std::numeric_limits<std::uint32_t>::max()) {
         return gltf_expected(path, value, "the id of an attribute of the stream");

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/base/quoted.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -26,17 +27,6 @@ inline std::string gltf_element(const std::string& section, std::size_t index,
   std::string element = "/" + section + "/" + std::to_string(index);
   if (!property.empty()) element += "/" + property;
   return element;
-}
-
-// Text from the file, short enough for a message.
-inline std::string gltf_shortened(const std::string& text) {
-  constexpr std::size_t kMaxLength = 120;
-  return text.size() > kMaxLength ? text.substr(0, kMaxLength) + "..." : text;
-}
-
-// The same in quotes.
-inline std::string gltf_quoted(const std::string& text) {
-  return "\"" + gltf_shortened(text) + "\"";
 }
 
 // In few digits, however large or small.

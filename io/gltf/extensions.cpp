@@ -252,7 +252,7 @@ Result<std::vector<std::string>> names_in(const Json& root, const char* list) {
 Error unsupported_required(std::size_t index, const std::string& name) {
   const Unsupported* known = find_unsupported(name);
   return gltf_error(ErrorCode::kUnsupported, gltf_element("extensionsRequired", index),
-                    "requires the extension " + gltf_quoted(name) + ", which is not supported",
+                    "requires the extension " + in_quotes(name) + ", which is not supported",
                     known ? std::string(known->hint) : "export the asset without it");
 }
 
@@ -260,7 +260,7 @@ void warn_about(const std::string& name, std::vector<std::string>& warnings) {
   if (is_known(name)) return;
   const Unsupported* known = find_unsupported(name);
   if (known && known->without_support.empty()) return;
-  warnings.push_back("/extensionsUsed: " + gltf_quoted(name) + " is ignored: " +
+  warnings.push_back("/extensionsUsed: " + in_quotes(name) + " is ignored: " +
                      (known ? std::string(known->without_support) : "it is not known"));
 }
 
@@ -294,7 +294,7 @@ std::optional<Error> check_asset_version(const Json& root) {
     const bool is_minimum = element == "/asset/minVersion";
     if (version->first != 2 || (is_minimum && version->second > 0)) {
       return gltf_error(ErrorCode::kUnsupported, element,
-                        "is " + gltf_quoted(text->get<std::string>()) + "; expected 2.0",
+                        "is " + in_quotes(text->get<std::string>()) + "; expected 2.0",
                         "convert the asset to glTF 2.0");
     }
   }

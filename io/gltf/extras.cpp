@@ -54,7 +54,7 @@ MaybeError read_value(const Json& json, const std::string& element, MaterialValu
 MaybeError check_length(const std::string& key, const std::string& parent_element) {
   if (key.size() <= kMaxKeyLength) return std::nullopt;
   return gltf_invalid(parent_element, "has a key of " + std::to_string(key.size()) + " bytes, " +
-                                          gltf_quoted(key) + "; expected at most " +
+                                          in_quotes(key) + "; expected at most " +
                                           std::to_string(kMaxKeyLength));
 }
 
@@ -62,7 +62,7 @@ MaybeError check_key(const std::string& key, const std::string& parent_element) 
   if (auto error = check_length(key, parent_element)) return error;
   if (key.find('.') != std::string::npos) {
     return gltf_invalid(parent_element,
-                        "has the key " + gltf_quoted(key) + "; expected one without a dot",
+                        "has the key " + in_quotes(key) + "; expected one without a dot",
                         "write \"a\": {\"b\": 1} instead of \"a.b\": 1");
   }
   return std::nullopt;

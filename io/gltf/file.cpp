@@ -153,16 +153,16 @@ Result<std::string> resolve_inside(const std::string& folder, const std::string&
   const std::string hint = "keep the files of an asset in its own folder, named relative to it";
   if (has_scheme(uri)) {
     return gltf_error(ErrorCode::kUnsupported, {},
-                      "the URI " + gltf_quoted(uri) + " is not relative", hint);
+                      "the URI " + in_quotes(uri) + " is not relative", hint);
   }
   const auto decoded = percent_decoded(uri);
   if (!decoded || decoded->find('\0') != std::string::npos) {
     return gltf_invalid({},
-                        "the URI " + gltf_quoted(uri) + " has a broken escape; expected %20 to %FF",
+                        "the URI " + in_quotes(uri) + " has a broken escape; expected %20 to %FF",
                         "write a literal percent sign as %25");
   }
   if (decoded->empty() || decoded->front() == '/') {
-    return gltf_invalid({}, "the URI " + gltf_quoted(uri) + " is not a relative path", hint);
+    return gltf_invalid({}, "the URI " + in_quotes(uri) + " is not a relative path", hint);
   }
   std::error_code failed;
   const std::filesystem::path inside =
@@ -171,10 +171,10 @@ Result<std::string> resolve_inside(const std::string& folder, const std::string&
   const auto file = std::filesystem::weakly_canonical(inside / *decoded, failed);
   if (failed) {
     return gltf_error(ErrorCode::kFileNotFound, {},
-                      "the URI " + gltf_quoted(uri) + " names no file: " + failed.message());
+                      "the URI " + in_quotes(uri) + " names no file: " + failed.message());
   }
   if (!lies_inside(inside, file)) {
-    return gltf_invalid({}, "the URI " + gltf_quoted(uri) + " leads out of the folder of the asset",
+    return gltf_invalid({}, "the URI " + in_quotes(uri) + " leads out of the folder of the asset",
                         hint);
   }
   return file.string();

@@ -94,7 +94,7 @@ class DocumentBuilder {
   std::string path() const {
     std::string text;
     for (const Open& level : open_) {
-      text += "/" + (level.key != nullptr ? gltf_shortened(*level.key)
+      text += "/" + (level.key != nullptr ? shortened(*level.key)
                                           : std::to_string(level.value->size() - 1));
     }
     return text;

@@ -58,7 +58,7 @@ void warn_about_others(const Json& object, const std::string& element,
     const auto is_name = [&text = name](const char* k) { return text == k; };
     if (std::any_of(known.begin(), known.end(), is_name)) continue;
     if (std::any_of(std::begin(kOfEvery), std::end(kOfEvery), is_name)) continue;
-    if (++count == 1) first = gltf_quoted(name);
+    if (++count == 1) first = in_quotes(name);
   }
   if (count == 0) return;
   const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
@@ -308,14 +308,14 @@ Error unknown_material(const std::string& name, const std::string& element,
   std::size_t count = 0;
   for (const std::string& other : known) {
     if (++count > kMaxNames) break;
-    names += (count == 1 ? "" : ", ") + gltf_quoted(other);
+    names += (count == 1 ? "" : ", ") + in_quotes(other);
   }
   if (known.size() > kMaxNames) {
     names += " and " + std::to_string(known.size() - kMaxNames) + " more";
   }
   return gltf_error(
       ErrorCode::kInvalidArgument, element,
-      "no triangle of the scene has a material " + gltf_quoted(name) + "; there are " + names,
+      "no triangle of the scene has a material " + in_quotes(name) + "; there are " + names,
       std::string(kDefaultMaterialName) + " is for triangles without a material");
 }
 
@@ -337,7 +337,7 @@ void note_variants(const Json& root, std::vector<std::string>& notes) {
     const auto name = variant.is_object() ? variant.find("name") : variant.end();
     const bool has_name = name != variant.end() && name->is_string();
     names += (i == 0 ? "" : ", ") +
-             (has_name ? gltf_quoted(name->get<std::string>()) : "variant " + std::to_string(i));
+             (has_name ? in_quotes(name->get<std::string>()) : "variant " + std::to_string(i));
   }
   if (variants->size() > kMaxNames) {
     names += " and " + std::to_string(variants->size() - kMaxNames) + " more";

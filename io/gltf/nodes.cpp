@@ -110,7 +110,7 @@ Error overflow_of(const tinygltf::Node& node, std::size_t node_id,
                 " m, scaled by its ancestors by " + inherited + ", overflows"
           : "its scale of " + gltf_number(T_parent_node.linear.cwiseAbs().maxCoeff()) +
                 ", times that of its ancestors, " + inherited + ", overflows";
-  const std::string named = node.name.empty() ? "" : gltf_quoted(node.name) + ": ";
+  const std::string named = node.name.empty() ? "" : in_quotes(node.name) + ": ";
   return gltf_invalid(gltf_element("nodes", node_id), named + cause);
 }
 

@@ -174,7 +174,7 @@ class SceneReader {
       return std::nullopt;
     }
     const std::string element = gltf_element("nodes", placed.node);
-    if (auto error = check_scale(linear, element, gltf_quoted(name))) return error;
+    if (auto error = check_scale(linear, element, in_quotes(name))) return error;
     if (linear.isZero(0.0)) {
       warn(element, name, "is scaled to nothing and is left out");
     } else if (const double scale = lengthening(linear); scale < kMinGltfScale) {
@@ -225,7 +225,7 @@ class SceneReader {
   static Error instance_out_of_range(const std::string& element, const std::string& name,
                                      std::size_t instance, const GltfInstances& instances,
                                      const AffineTransform& T_scene_instance) {
-    const std::string what = "instance " + std::to_string(instance) + " of " + gltf_quoted(name);
+    const std::string what = "instance " + std::to_string(instance) + " of " + in_quotes(name);
     if (T_scene_instance.linear.allFinite()) {
       if (auto error = check_scale(T_scene_instance.linear, element, what)) return *error;
     }
@@ -343,7 +343,7 @@ class SceneReader {
   }
 
   void warn(const std::string& element, const std::string& name, const std::string& text) {
-    scene_.warnings.push_back(element + ": " + gltf_quoted(name) + " " + text);
+    scene_.warnings.push_back(element + ": " + in_quotes(name) + " " + text);
   }
 
   void shorten_warnings() {

@@ -294,7 +294,7 @@ class Checker {
     if (!attributes.is_object()) return gltf_expected(path.text(), attributes, "an object");
     taken = Json::object();
     for (auto& [name, value] : attributes.items()) {
-      const std::string short_name = gltf_shortened(name);
+      const std::string short_name = shortened(name);
       const Property property{name.c_str(), Kind::kId, true, "accessors"};
       if (auto error = take_value(value, path / short_name, property, taken[name])) return error;
     }

@@ -79,7 +79,7 @@ Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t
 
 std::string named_node(const GltfAsset& asset, std::size_t node) {
   const std::string& name = asset.model.nodes[node].name;
-  return "node " + std::to_string(node) + (name.empty() ? "" : " (" + gltf_quoted(name) + ")");
+  return "node " + std::to_string(node) + (name.empty() ? "" : " (" + in_quotes(name) + ")");
 }
 
 // Each joint is read as it stands, with its own inverse bind matrix.

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/check_settings.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"

@@ -18,7 +18,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/node_motions.h"
 #include "haptics/haptic_loop.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/check_settings.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/random.h"

@@ -13,7 +13,7 @@
 #include "benchmarks/worst_inputs.h"
 #include "geometry/base/random.h"
 #include "geometry/index/simd.h"
-#include "haptics/proxy/check_settings.h"
+#include "haptics/check_settings.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/work_budgets.h"
 #include "tests/helpers/owned_bodies.h"

@@ -1,33 +1,19 @@
 #pragma once
 
-// Which settings a god-object and a haptic loop accept, told before either is made.
+// Which settings a haptic loop accepts, told before it is made.
 
 #include <optional>
 
 #include "geometry/base/result.h"
 #include "geometry/base/types.h"
+#include "haptics/proxy/check_god_object_settings.h"
 
 namespace palpate {
 
 struct ContactWorld;
-struct GodObjectSettings;
 struct HapticSettings;
 
-// The first setting that is out of range, or nothing. Error::element is the name of the field, such
-// as "accuracy.tolerance". In range are:
-//
-//   radius_m              finite; 0, a point, or at least a stand-off (SolverScale): a smaller
-//                         sphere has no digits. No larger than what each index of the world and its
-//                         tree were built for: SurfaceIndex::sweep_radius_m() >= radius_m + a
-//                         stand-off, kLargestSweep_m at most
-//   accuracy.iterations   1 to Accuracy::kMostIterations
-//   accuracy.tolerance    finite, > 0
-//
-// A god-object that is made in spite of an error moves nothing (ProxyState::is_refused).
-// Not for the haptic thread: it allocates. Thread-safe.
-std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings);
-
-// The same for a loop, with "god_object." before the names of the god-object's fields. In range
+// As check_settings() of a god-object, whose fields have "god_object." before their names. In range
 // are, besides:
 //
 //   coupling.stiffness_N_per_m, coupling.damping_Ns_per_m

@@ -1,0 +1,32 @@
+#pragma once
+
+// Errors of settings, by the name of the field.
+
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+inline Error invalid_setting(std::string field, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(field), std::move(problem), std::move(hint)};
+}
+
+inline std::string digits_of(double value) {
+  std::ostringstream text;
+  text.precision(17);
+  text << value;
+  return text.str();
+}
+
+inline std::optional<Error> check_number(const char* field, double value, bool zero_allowed) {
+  if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
+  return invalid_setting(field, digits_of(value) + " given, expected a finite number " +
+                            (zero_allowed ? ">= 0" : "> 0"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Shows that rooms_test.py finds each kind of fault, in a small project that it makes."""
+
+import pathlib
+import tempfile
+import unittest
+
+import rooms_test
+
+TABLE = """# Architecture
+
+| room | holds | may include |
+|---|---|---|
+| `geometry` | triangles | |
+| `haptics/a4` | rotations | `geometry` |
+| `haptics` | the loop | `haptics/a4`+ |
+"""
+
+FILES = {
+    "ARCHITECTURE.md": TABLE,
+    "geometry/triangle.h": "#include <array>\n",
+    "haptics/a4/rotation.h": '#include "geometry/triangle.h"\n',
+    "haptics/loop.cpp": '#include "haptics/a4/rotation.h"\n#include "geometry/triangle.h"\n',
+    "tests/loop_test.cpp": '#include "haptics/a4/rotation.h"\n',
+}
+
+
+def faults(changes):
+    """What is found in the project above once some of its files are other ones."""
+    with tempfile.TemporaryDirectory() as name:
+        project = pathlib.Path(name)
+        for path, text in {**FILES, **changes}.items():
+            (project / path).parent.mkdir(parents=True, exist_ok=True)
+            (project / path).write_text(text)
+        return rooms_test.check(project)
+
+
+class Rooms(unittest.TestCase):
+    def test_accept_what_the_table_permits(self):
+        self.assertEqual(faults({}), [])
+
+    def test_refuse_an_include_that_the_table_lacks(self):
+        self.assertEqual(
+            faults({"haptics/a4/rotation.h": '\n#include "haptics/loop.h"\n',
+                    "haptics/loop.h": ""}),
+            ['haptics/a4/rotation.h:2: haptics/a4 may not include haptics ("haptics/loop.h")'])
+
+    def test_refuse_a_cycle(self):
+        table = TABLE.replace("| triangles | |", "| triangles | `haptics` |")
+        self.assertEqual(
+            faults({"ARCHITECTURE.md": table}),
+            ["ARCHITECTURE.md: the table has a cycle: "
+             "geometry -> haptics -> haptics/a4 -> geometry"])
+
+    def test_refuse_a_file_without_a_room(self):
+        self.assertEqual(faults({"geometry/mesh/weld.h": ""}),
+                         ["geometry/mesh/weld.h: belongs to no room of ARCHITECTURE.md"])
+
+    def test_refuse_an_include_of_no_file(self):
+        self.assertEqual(
+            faults({"tests/loop_test.cpp": '#include "loop.h"\n'}),
+            ['tests/loop_test.cpp:1: includes "loop.h", which is not there from the project\'s root'])
+
+    def test_refuse_rooms_without_a_source_and_unknown_permissions(self):
+        table = TABLE + "| `engine` | scenes | |\n"
+        self.assertEqual(faults({"ARCHITECTURE.md": table}),
+                         ["ARCHITECTURE.md: engine has no source"])
+        table = TABLE + "| `engine` | scenes | `haptic`+ |\n"
+        self.assertEqual(faults({"ARCHITECTURE.md": table}),
+                         ["ARCHITECTURE.md: engine may include haptic, which is no room"])
+
+    def test_refuse_a_text_without_a_table(self):
+        self.assertEqual(faults({"ARCHITECTURE.md": "# Architecture\n"}),
+                         ["ARCHITECTURE.md: has no table `| room | holds | may include |`"])
+
+
+if __name__ == "__main__":
+    unittest.main()
