@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -17,7 +16,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/cli/path_picture.h"
 #include "engine/session/replay.h"
 #include "tests/helpers/worlds.h"
 
@@ -581,24 +579,6 @@ TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
   EXPECT_NE(cutting.problem.find("cutting"), std::string::npos) << cutting.to_string();
   EXPECT_NE(cutting.hint.find("--sensors 3"), std::string::npos) << cutting.to_string();
   EXPECT_EQ(cutting.hint.find("shorter run"), std::string::npos) << cutting.to_string();
-}
-
-// ---- picture -----------------------------------------------------------------------------------
-
-// `run` refuses the one, and does without the other.
-TEST(PathPicture, ThatFindsNoRoomIsToldFromOneThatCannotBeDrawn) {
-  const std::vector<ExplorationRun> runs{explored("star", {options_of(2, 1), false, 0}, 1, 3.0)};
-  const auto full = write_path_picture(runs, "star", "/dev/full");
-  ASSERT_FALSE(full);
-  EXPECT_EQ(full.error().code, ErrorCode::kFileUnwritable);
-  EXPECT_EQ(full.error().path, "/dev/full");
-  const std::string path = std::getenv("PATH");
-  ::setenv("PATH", "/nowhere", 1);
-  const auto missing = write_path_picture(runs, "star", "/dev/full");
-  ::setenv("PATH", path.c_str(), 1);
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(missing.error().hint.find("the traces are complete"), std::string::npos);
 }
 
 // ---- display -----------------------------------------------------------------------------------
