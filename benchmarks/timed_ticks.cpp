@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "benchmarks/trajectories.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate::bench {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 void add(const TickRecord& record, Tally& tally) {
   tally.ticks += 1.0;
   tally.contacts += record.contact ? 1.0 : 0.0;
-  tally.iterations += record.solver_iterations;
+  tally.iterations += record.iterations;
   tally.capped += (record.faults & kFaultSolverCapped) != 0 ? 1.0 : 0.0;
   tally.other_faults = tally.other_faults || (record.faults & ~kFaultSolverCapped) != 0;
 }
@@ -44,7 +45,7 @@ Tally time_ticks(benchmark::State& state, const ContactWorld& world,
       [&](std::size_t n) {
         add(*record, tally);
         if (tally.proxies_scene_m.size() < path.timed_m.size()) {
-          tally.proxies_scene_m.push_back(record->proxy_m);
+          tally.proxies_scene_m.push_back(vec3(record->proxy_scene_m));
         }
         if (n + 1 < path.timed_m.size()) aim(path.timed_m[n + 1]);
         return SampleError{};

@@ -5,8 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "haptics/haptic_loop_steps.h"
 #include "haptics/check_settings.h"
+#include "haptics/haptic_loop_steps.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -28,6 +29,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
+  put(T_device_scene_, record_.q_after_wxyz, record_.o_after_m);
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
@@ -41,12 +43,12 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
 
 const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
   ++record_.tick;
-  record_.T_device_scene = T_device_scene_;
+  std::copy_n(record_.q_after_wxyz, 4, record_.q_before_wxyz);
+  std::copy_n(record_.o_after_m, 3, record_.o_before_m);
   record_.faults = get_user_motion(p_device_m, dt_s);  // action 1
-  record_.faults |= std::exchange(body_faults_, kFaultNone);
+  record_.faults |= std::exchange(next_faults_, kFaultNone);
   if ((record_.faults & kFaultsWithoutForce) != 0) {
-    record_.force_device_N.setZero();
-    record_.full_force_device_N.setZero();
+    give_no_force();
     record_.effects = 0;
     record_.rotation_rad = 0.0;
     end_contact_force();
@@ -61,19 +63,26 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   return record_;
 }
 
+const TickRecord& HapticLoop::tick_sample(const DeviceSample& sample, double dt_s) noexcept {
+  if (!sample.is_valid) next_faults_ |= kFaultInvalidSample;
+  return tick(Vec3(sample.position_m.data()), dt_s);
+}
+
 // Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
 std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
-  record_.device_m = p_device_m;
-  if (actuation_.is_planar()) record_.device_m.z() = settings_.plane_height_m;
+  Vec3 sensed_m = p_device_m;
+  if (actuation_.is_planar()) sensed_m.z() = settings_.plane_height_m;
+  put(sensed_m, record_.device_m);
   if (has_bad_settings_) return kFaultBadSettings;
   if (!is_time_step(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
   last_sample_.age_s += dt_s;
   last_good_sample_.age_s += dt_s;
-  if (!record_.device_m.allFinite()) return kFaultNonFiniteSample;
+  if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // that one is coming
+  if (!sensed_m.allFinite()) return kFaultNonFiniteSample;
   const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene_);
-  if (!(record_.device_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
-  return jumps(record_.device_m) ? kFaultJump : kFaultNone;
+  if (!(sensed_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
+  return jumps(sensed_m) ? kFaultJump : kFaultNone;
 }
 
 // Whether a sample is far from the last one and from the last good one. Takes note of both.
@@ -106,6 +115,15 @@ void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_bod
   bodies_are_there_ = false;
 }
 
+void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
+  if (actuation.sensors() != actuation_.sensors()) {
+    next_faults_ |= kFaultBadActuation;
+    return;
+  }
+  actuation_ = actuation;
+  theoretical_rotation_.set_actuation(actuation);
+}
+
 // Before the hand's own motion: moving bodies push the proxy. They do so within the plane of a
 // planar device.
 void HapticLoop::move_bodies() {
@@ -129,28 +147,34 @@ std::optional<Vec3> HapticLoop::motion_plane_normal() const {
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
 // proxy stays at the display's centre; that is display_transform(), the contact is the same.
 void HapticLoop::apply_user_motion() {
-  record_.goal_m =
-      R_device_scene_.transpose() * Vec3(record_.device_m - T_device_scene_.translation_m);
+  const Vec3 from_origin_m = vec3(record_.device_m) - T_device_scene_.translation_m;
+  put(R_device_scene_.transpose() * from_origin_m, record_.goal_scene_m);
 }
 
 // Of the device point in the scene, by backward difference: what a medium takes with it is then
 // exactly b |dx|^2 / T in each tick.
 void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
   velocity_m_per_s_.setZero();
-  if (last_was_good_) velocity_m_per_s_ = (record_.goal_m - last_goal_m) / dt_s;
+  if (last_was_good_) {
+    velocity_m_per_s_ = (vec3(record_.goal_scene_m) - last_goal_m) / dt_s;
+  }
 }
 
 EffectMotion HapticLoop::motion(double dt_s) const {
   return {dt_s, std::max(dt_s, last_dt_s_), static_cast<double>(good_ticks_),
-          world_->to_solver(record_.goal_m), velocity_m_per_s_};
+          world_->to_solver(vec3(record_.goal_scene_m)), velocity_m_per_s_};
+}
+
+void HapticLoop::give_no_force() {
+  put(Vec3::Zero(), record_.full_force_device_N);
+  put(Vec3::Zero(), record_.force_device_N);
 }
 
 // The last gate before the device: a force that is none (a dt so small that speeds overflow) is not
 // commanded, and nothing of it is kept.
 void HapticLoop::refuse_force() {
   record_.faults |= kFaultNonFiniteForce;
-  record_.full_force_device_N.setZero();
-  record_.force_device_N.setZero();
+  give_no_force();
   end_contact_force();
   if (effects_) effects_->reset_states();
 }
@@ -164,16 +188,17 @@ void HapticLoop::end_contact_force() {
 
 void HapticLoop::command(const Vec3& force_N) {
   if (!std::isfinite(force_N.sum())) return refuse_force();
-  record_.full_force_device_N = R_device_scene_ * force_N;
+  const Vec3 full_N = R_device_scene_ * force_N;
+  put(full_N, record_.full_force_device_N);
   switch (settings_.force) {
     case ForceMode::kNone:
-      record_.force_device_N.setZero();
+      put(Vec3::Zero(), record_.force_device_N);
       break;
     case ForceMode::kActuated:
-      record_.force_device_N = actuation_.actuated_part(record_.full_force_device_N);
+      put(actuation_.actuated_part(full_N), record_.force_device_N);
       break;
     case ForceMode::kFull:
-      record_.force_device_N = record_.full_force_device_N;
+      put(full_N, record_.force_device_N);
       break;
   }
 }
@@ -191,10 +216,11 @@ void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double 
   if (theoretical.angle_rad == 0.0) return;
   const double angle_rad =
       elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
-  T_device_scene_ =
-      turned_about(T_device_scene_, record_.proxy_m, {theoretical.axis_device, angle_rad});
+  T_device_scene_ = turned_about(T_device_scene_, vec3(record_.proxy_scene_m),
+                                 {theoretical.axis_device, angle_rad});
   record_.rotation_rad = angle_rad;
   R_device_scene_ = T_device_scene_.rotation.toRotationMatrix();
+  put(T_device_scene_, record_.q_after_wxyz, record_.o_after_m);
 }
 
 }  // namespace palpate

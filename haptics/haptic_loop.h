@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "haptics/a4/actuation.h"
@@ -18,6 +17,8 @@
 #include "haptics/effects/virtual_coupling.h"
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
+#include "palpate/device.h"
+#include "palpate/record.h"
 
 namespace palpate {
 
@@ -45,31 +46,6 @@ struct HapticSettings {
   bool measures_effects = false;  // the time of each effect, at the price of asking the clock
 };
 
-// Fault bits of a tick. A fault never stops the loop; the next good sample carries on.
-enum Fault : std::uint32_t {
-  kFaultNone = 0,
-  kFaultNonFiniteSample = 1u << 0,  // NaN or infinite: zero force
-  kFaultBadTimeStep = 1u << 1,      // no time step (is_time_step): zero force
-  kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
-  kFaultJump = 1u << 3,         // farther than the scene is large, faster than a hand: zero force
-  kFaultBodyHeld = 1u << 4,     // a body waits: the proxy is in its way and cannot give way
-  kFaultBadBodyPose = 1u << 5,  // a pose was no pose, or far off, or one too many: not taken
-  kFaultNonFiniteForce = 1u << 6,  // what came out is no force: zero force
-  kFaultFarSample = 1u << 7,       // finite, but beyond farthest_sample_m(): zero force
-  kFaultBadSettings = 1u << 8,     // check_settings() has an Error: zero force in every tick
-};
-inline constexpr int kFaultCount = 9;
-inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
-    "non_finite_sample", "bad_time_step",    "solver_capped", "jump",        "body_held",
-    "bad_body_pose",     "non_finite_force", "far_sample",    "bad_settings"};
-
-// Faults of a tick that has no place or time: what was sensed is to count nowhere.
-inline constexpr std::uint32_t kFaultsWithoutSample =
-    kFaultNonFiniteSample | kFaultBadTimeStep | kFaultFarSample | kFaultBadSettings;
-
-// Faults for which a tick holds the last state and commands no force.
-inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFaultJump;
-
 // The longest tick. What is slower is no servo: a force that is held for so long follows no hand.
 inline constexpr double kLongestTick_s = 1.0;
 inline constexpr bool is_time_step(double dt_s) {
@@ -80,26 +56,6 @@ inline constexpr bool is_time_step(double dt_s) {
 // this speed leads is of no hand, if it is farther than the scene is large, too; a hand that goes
 // at it passes 10 mm in a tick at 1 kHz.
 inline constexpr double kFastestHand_m_per_s = 10.0;
-
-// One instant: everything before the elementary rotation of that tick.
-struct TickRecord {
-  std::uint64_t tick = 0;
-  double time_s = 0.0;               // sum of the good dt before this tick
-  Vec3 device_m = Vec3::Zero();      // device frame, as sensed
-  Vec3 goal_m = Vec3::Zero();        // scene frame: the device point
-  Vec3 proxy_m = Vec3::Zero();       // scene frame; equals goal off contact
-  Vec3 normal_scene = Vec3::Zero();  // unit, as felt; zero off contact or where planes cancel
-  Vec3 full_force_device_N = Vec3::Zero();
-  Vec3 force_device_N = Vec3::Zero();  // commanded, acting on the hand
-  ScenePose T_device_scene;
-  double alpha_rad = 0.0;     // normal to actuated axes, [0, pi/2]; 0 off contact
-  double rotation_rad = 0.0;  // by which A4 turns the scene after this tick
-  bool contact = false;
-  FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
-  std::uint32_t faults = kFaultNone;
-  std::uint32_t effects = 0;  // felt in this tick, a bit each by number in compiled_effects()
-  int solver_iterations = 0;
-};
 
 // The six actions of A4 (Lecuyer et al. 2005, section 3), each tick, on one thread.
 //
@@ -119,6 +75,10 @@ class HapticLoop {
   // proxy follows with its contacts kept; so it does if that was one wild sample.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
+  // The same of a sample as a device gives it: one that is not valid sets kFaultInvalidSample, and
+  // is bad as what is not finite is.
+  const TickRecord& tick_sample(const DeviceSample& sample, double dt_s) noexcept;
+
   // Where a body of the world is to be from the next good tick on: it moves there in that tick, and
   // pushes the proxy before it (GodObject::move_bodies). A body that cannot get there, because the
   // proxy would be crushed, tries again every tick. A pose that is not finite, or turned by no unit
@@ -129,10 +89,15 @@ class HapticLoop {
   void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
 
   // Sets the fault for a pose that was refused before it got here.
-  void refuse_body_pose() noexcept { body_faults_ |= kFaultBadBodyPose; }
+  void refuse_body_pose() noexcept { next_faults_ |= kFaultBadBodyPose; }
 
   // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
+
+  // Motors that turn with the device: what the next tick projects forces on and aligns with. A
+  // model that senses other axes sets kFaultBadActuation in the next tick and changes nothing.
+  // Before the first tick it makes the loop one with that model, to the bit. On the haptic thread.
+  void set_actuation(const ActuationModel& actuation) noexcept;
 
   // Changes the parameters of one line of the world's effect program: as many bytes as they have,
   // and such as the effect allows. On the haptic thread; see the engine's material_tuner.h.
@@ -175,6 +140,7 @@ class HapticLoop {
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
   void refuse_force();
+  void give_no_force();
   void end_contact_force();
   AxisAngle find_theoretical_rotation();
   void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
@@ -215,7 +181,7 @@ class HapticLoop {
   std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
   std::vector<std::uint32_t> motion_of_body_;  // index into them, or none
   bool bodies_are_there_ = true;               // all of them
-  std::uint32_t body_faults_ = kFaultNone;     // for the next tick
+  std::uint32_t next_faults_ = kFaultNone;     // of what was asked for before the next tick
 };
 
 }  // namespace palpate

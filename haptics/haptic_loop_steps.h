@@ -5,8 +5,23 @@
 
 #include "haptics/effects/felt_force.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
+
+// What friction the effects of a world give to its faces.
+class ConesOfEffects final : public FrictionCones {
+ public:
+  ConesOfEffects(EffectRunner& effects, const LiveWorld& world)
+      : effects_(effects), world_(world) {}
+  FrictionCone at(const FaceContact& contact, const Vec3& proxy) noexcept override {
+    return effects_.friction_cone(world_, contact, proxy);
+  }
+
+ private:
+  EffectRunner& effects_;
+  const LiveWorld& world_;
+};
 
 template <std::uint32_t kNeeds>
 void HapticLoop::step(double dt_s) {
@@ -14,14 +29,15 @@ void HapticLoop::step(double dt_s) {
     apply_user_motion();  // action 2
     feel<kNeeds>(dt_s);
   } else {
-    const Vec3 last_goal_m = record_.goal_m;
+    const Vec3 last_goal_m = vec3(record_.goal_scene_m);
     apply_user_motion();
     record_.effects = 0;
-    const Vec3 goal_solver = world_->to_solver(record_.goal_m);
-    if (effects_->is_far_from_all(god_object_, goal_solver)) return (this->*feel_bare_)(dt_s);
+    const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
+    if (effects_->is_far_from_all(god_object_.contact(), goal_solver))
+      return (this->*feel_bare_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
     feel<kNeeds>(dt_s);
-    effects_->look_around(god_object_);
+    effects_->look_around(god_object_.contact());
   }
 }
 
@@ -39,7 +55,7 @@ void HapticLoop::feel(double dt_s) {
 // first good sample is.
 template <std::uint32_t kNeeds>
 void HapticLoop::detect_collision() {
-  const Vec3 goal_solver = world_->to_solver(record_.goal_m);
+  const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
   if constexpr (kNeeds != kNeedsNothing) effects_->begin_tick();
   if (!has_proxy_) {
     god_object_.place(goal_solver);
@@ -47,21 +63,18 @@ void HapticLoop::detect_collision() {
     proxy_state_.proxy = god_object_.proxy();
     has_proxy_ = true;
   } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
-    const FrictionSource source{
-        this,
-        [](void* loop, const FaceContact& contact, const Vec3& proxy) noexcept {
-          auto& self = *static_cast<HapticLoop*>(loop);
-          return self.effects_->friction_cone(self.god_object_.world(), contact, proxy);
-        },
-        record_.device_m.lpNorm<1>() + T_device_scene_.translation_m.lpNorm<1>() +
-            world_->anchor_scene_m.lpNorm<1>()};
+    ConesOfEffects cones(*effects_, god_object_.world());
+    const FrictionSource source{cones, vec3(record_.device_m).lpNorm<1>() +
+                                           T_device_scene_.translation_m.lpNorm<1>() +
+                                           world_->anchor_scene_m.lpNorm<1>()};
     proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
   } else {
     proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
   }
   record_.contact = proxy_state_.in_contact;
-  record_.proxy_m = record_.contact ? world_->to_scene(proxy_state_.proxy) : record_.goal_m;
-  record_.solver_iterations = proxy_state_.iterations;
+  put(proxy_state_.in_contact ? world_->to_scene(proxy_state_.proxy) : vec3(record_.goal_scene_m),
+      record_.proxy_scene_m);
+  record_.iterations = static_cast<std::uint32_t>(proxy_state_.iterations);
   record_.friction = proxy_state_.friction;
   if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
 }
@@ -70,17 +83,18 @@ void HapticLoop::detect_collision() {
 // pushed.
 template <std::uint32_t kNeeds>
 void HapticLoop::find_contact_normal() {
-  record_.normal_scene.setZero();
+  put(Vec3::Zero(), record_.normal_scene);
   record_.alpha_rad = 0.0;
   normal_device_.setZero();
   if constexpr ((kNeeds & kNeedsContact) != 0) {
-    feel_ = effects_->feel_contact(god_object_, proxy_state_, motion_);
+    feel_ = effects_->feel_contact(god_object_.contact(), proxy_state_, motion_);
   }
   if (!record_.contact) return;
-  record_.normal_scene = proxy_state_.normal;
-  if constexpr ((kNeeds & kNeedsContact) != 0) record_.normal_scene = feel_.normal;
-  if (record_.normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
-  normal_device_ = R_device_scene_ * record_.normal_scene;
+  Vec3 normal_scene = proxy_state_.normal;
+  if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = feel_.normal;
+  put(normal_scene, record_.normal_scene);
+  if (normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
+  normal_device_ = R_device_scene_ * normal_scene;
   record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
 }
 
@@ -92,15 +106,14 @@ void HapticLoop::render_force(double dt_s) {
   } else {
     coupling_.reset();
     if constexpr ((kNeeds & kNeedsSurroundings) == 0) {
-      record_.full_force_device_N.setZero();
-      record_.force_device_N.setZero();
+      give_no_force();
       if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
       return;
     }
   }
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
-                                              record_.normal_scene, motion_);
+                                              vec3(record_.normal_scene), motion_);
   }
   if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
   command(force_N);
@@ -108,7 +121,7 @@ void HapticLoop::render_force(double dt_s) {
 
 template <std::uint32_t kNeeds>
 Vec3 HapticLoop::contact_force_N(double dt_s) {
-  const Vec3 lag = proxy_state_.proxy - world_->to_solver(record_.goal_m);
+  const Vec3 lag = proxy_state_.proxy - world_->to_solver(vec3(record_.goal_scene_m));
   const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
   if constexpr ((kNeeds & kNeedsContact) != 0) {
     if (!feel_.is_bare) {
@@ -119,7 +132,7 @@ Vec3 HapticLoop::contact_force_N(double dt_s) {
              effects_->contact_force_N(proxy_state_, feel_, motion_);
     }
   }
-  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), record_.normal_scene);
+  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), vec3(record_.normal_scene));
 }
 
 }  // namespace palpate

@@ -36,6 +36,17 @@ def faults(changes):
 
 
 class Rooms(unittest.TestCase):
+    def test_know_public_headers_as_users_include_them(self):
+        header = {"haptics/include/palpate/record.h": "#include <cstdint>\n",
+                  "geometry/triangle.h": '#include "palpate/record.h"\n'}
+        table = TABLE + "| `haptics/include/palpate` | what is public | |\n"
+        self.assertEqual(
+            faults({**header, "ARCHITECTURE.md": table}),
+            ['geometry/triangle.h:1: geometry may not include haptics/include/palpate '
+             '("haptics/include/palpate/record.h")'])
+        table = table.replace("| triangles | |", "| triangles | `haptics/include/palpate` |")
+        self.assertEqual(faults({**header, "ARCHITECTURE.md": table}), [])
+
     def test_accept_what_the_table_permits(self):
         self.assertEqual(faults({}), [])
 

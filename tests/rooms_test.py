@@ -15,9 +15,11 @@ import re
 import sys
 
 SOURCES = {".h", ".cpp", ".inl", ".in"}
+FOLDERS = ("geometry", "io", "haptics", "engine", "models")
+PUBLIC = "palpate"  # of FOLDER/include/palpate, included as <palpate/...> or "palpate/..."
 FREE = ("tests", "benchmarks")  # may include all
 GENERATED = {"compiled_effects.h"}  # by CMake, from the list of effects
-INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
+INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<(palpate/[^>]+)>)')
 
 
 class Table:
@@ -74,10 +76,19 @@ class Table:
 
 def sources(project):
     """Paths below the project, of what CMake could build."""
-    for folder in ("geometry", "io", "haptics", "engine", "models", *FREE):
+    for folder in (*FOLDERS, *FREE):
         for path in sorted((project / folder).rglob("*")):
             if path.suffix in SOURCES and path.is_file():
                 yield path.relative_to(project)
+
+
+def public_header(project, included):
+    """Where a public header lies that is included as users include it."""
+    for folder in FOLDERS:
+        place = pathlib.PurePosixPath(folder) / "include" / included
+        if (project / place).is_file():
+            return place
+    return included
 
 
 def check_file(project, path, table):
@@ -92,7 +103,9 @@ def check_file(project, path, table):
         match = INCLUDE.match(line)
         if not match or match[1] in GENERATED:
             continue
-        included = pathlib.PurePosixPath(match[1])
+        included = pathlib.PurePosixPath(match[1] or match[2])
+        if included.parts[0] == PUBLIC:
+            included = public_header(project, included)
         if not (project / included).is_file():
             yield f'{path}:{number}: includes "{included}", which is not there from the project\'s root'
         elif not is_free and included.parent.as_posix() not in table.permitted[room]:

@@ -8,6 +8,7 @@
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/posed_sheet.h"
 #include "engine/accuracy/session_pass.h"
+#include "engine/devices/vector_device.h"
 #include "engine/simulation/mass_damper.h"
 
 namespace palpate {
@@ -27,7 +28,7 @@ constexpr double kContactsToWait = 1.5;
 constexpr double kPeriodsToWait = 4.0;
 
 // Moves under the last force alone.
-class FreeMass final : public Device {
+class FreeMass final : public VectorDevice {
  public:
   FreeMass(double mass_kg, const Vec3& at_m, const Vec3& velocity_m_per_s) : plant_(mass_kg, 0.0) {
     plant_.put(at_m, velocity_m_per_s);

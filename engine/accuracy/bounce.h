@@ -7,12 +7,13 @@
 
 #include "engine/accuracy/knob.h"
 #include "engine/accuracy/tick_periods.h"
+#include "engine/devices/light_device.h"
 #include "haptics/proxy/accuracy.h"
 
 namespace palpate {
 
 struct BounceSetup {
-  double mass_kg = 0.1;
+  double mass_kg = light_device().mass_kg;
   double stiffness_N_per_m = 1000.0;
   double least_speed_m_per_s = 0.2;  // at which it comes
   double most_speed_m_per_s = 0.3;

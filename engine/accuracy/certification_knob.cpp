@@ -11,6 +11,7 @@
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -73,15 +74,15 @@ class Grooves {
     const std::vector<Vec3> path_m = path(groove.T_scene_groove, lead_in, of_path);
     RootMeanSquare off_m;
     bool leaked = false;
-    const PassCost cost =
-        run_path(groove.scene->world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}),
-                 path_m, kPeriod_s, lead_in, [&](const TickRecord& record) {
-                   const Vec3 goal = groove.T_scene_groove.inverse_point(record.goal_m);
-                   const Vec3 proxy = groove.T_scene_groove.inverse_point(record.proxy_m);
-                   const double off = (proxy - Vec3(goal.x(), 0.0, 0.0)).norm();
-                   off_m.add(off);
-                   leaked = leaked || off > 0.5 * least_depth_m();
-                 });
+    const PassCost cost = run_path(
+        groove.scene->world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m,
+        kPeriod_s, lead_in, [&](const TickRecord& record) {
+          const Vec3 goal = groove.T_scene_groove.inverse_point(vec3(record.goal_scene_m));
+          const Vec3 proxy = groove.T_scene_groove.inverse_point(vec3(record.proxy_scene_m));
+          const double off = (proxy - Vec3(goal.x(), 0.0, 0.0)).norm();
+          off_m.add(off);
+          leaked = leaked || off > 0.5 * least_depth_m();
+        });
     Sample sample{off_m.value(), cost.tick_ns, cost.iterations, cost.ticks,
                   failure_of(cost.faults)};
     if (leaked || cost.ticks != ticks_) sample.failure = "leaked: the proxy got through a wall";

@@ -20,6 +20,7 @@
 #include "engine/accuracy/sphere_paths.h"
 #include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
+#include "haptics/record_vectors.h"
 #include "models/haptic_maps.h"
 
 namespace palpate {
@@ -181,7 +182,7 @@ class TappedSphere {
   static PassCost pass(const Scene& scene, const std::vector<Vec3>& path_m,
                        const Accuracy& accuracy, Forces* forces) {
     const auto keep = [&](const TickRecord& record) {
-      if (forces) forces->emplace(record.tick, record.force_device_N);
+      if (forces) forces->emplace(record.tick, vec3(record.force_device_N));
     };
     return run_path(scene.world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m,
                     kSpherePathPeriod_s, 0, keep);

@@ -6,6 +6,7 @@
 
 #include "engine/accuracy/posed_sheet.h"
 #include "engine/accuracy/session_pass.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -51,7 +52,7 @@ Sample go_round(const FrictionCircle& circle, double step_s, const Accuracy& acc
       path_m(circle, *sheet, step_s, random.uniform(-std::numbers::pi, std::numbers::pi));
   double sum_m = 0.0;
   const OnContact add_radius = [&](const TickRecord& record) {
-    const Vec3 proxy_m = sheet->T_scene_sheet.inverse_point(record.proxy_m);
+    const Vec3 proxy_m = sheet->T_scene_sheet.inverse_point(vec3(record.proxy_scene_m));
     sum_m += std::hypot(proxy_m.x(), proxy_m.y());
   };
   const PassCost cost =

@@ -10,6 +10,7 @@
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -62,10 +63,11 @@ Felt feel(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
   const PressedPath path = pressed_path(meshed.smooth, meshed.extent_m, press, random);
   Felt felt;
   const auto visit = [&](const TickRecord& record) {
-    const SmoothPoint smooth = meshed.smooth(record.goal_m);
-    const double depth_m = smooth.normal.dot(smooth.point_m - record.goal_m) + god_object.radius_m;
-    felt.depth_m.add((record.proxy_m - record.goal_m).norm() - depth_m);
-    const Vec3& n = record.normal_scene;
+    const SmoothPoint smooth = meshed.smooth(vec3(record.goal_scene_m));
+    const double depth_m =
+        smooth.normal.dot(smooth.point_m - vec3(record.goal_scene_m)) + god_object.radius_m;
+    felt.depth_m.add((vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm() - depth_m);
+    const Vec3& n = vec3(record.normal_scene);
     felt.angle_deg.add(kDegrees * std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
   };
   felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kCoupling, god_object),

@@ -7,6 +7,7 @@
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -32,9 +33,10 @@ std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m
                              PassCost& cost) {
   for (Vec3& p : path_m) p += place_m;
   std::vector<Vec3> proxies_m;
-  cost = run_path(
-      world, PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m, kPeriod_s, lead_in,
-      [&](const TickRecord& record) { proxies_m.emplace_back(record.proxy_m - place_m); });
+  cost = run_path(world, PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m, kPeriod_s,
+                  lead_in, [&](const TickRecord& record) {
+                    proxies_m.emplace_back(vec3(record.proxy_scene_m) - place_m);
+                  });
   return proxies_m;
 }
 

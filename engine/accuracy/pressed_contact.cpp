@@ -11,6 +11,7 @@
 #include "engine/accuracy/posed_sheet.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/devices/stability_limits.h"
+#include "engine/devices/vector_device.h"
 #include "engine/simulation/mass_damper.h"
 
 namespace palpate {
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t kLeadIn = 3;
 constexpr double kAbove_m = 0.01;
 
-class PressedDevice final : public Device {
+class PressedDevice final : public VectorDevice {
  public:
   PressedDevice(const PressedContact& contact, const PosedSheet& sheet, double push_after_s)
       : contact_(contact),

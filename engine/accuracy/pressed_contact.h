@@ -6,14 +6,15 @@
 #include <cstdint>
 
 #include "engine/accuracy/knob.h"
+#include "engine/devices/light_device.h"
 #include "haptics/effects/virtual_coupling.h"
 #include "haptics/proxy/accuracy.h"
 
 namespace palpate {
 
 struct PressedContact {
-  double mass_kg = 0.1;
-  double damping_Ns_per_m = 0.5;  // of the device
+  double mass_kg = light_device().mass_kg;
+  double damping_Ns_per_m = light_device().damping_Ns_per_m;  // of the device
   CouplingSettings coupling = {1000.0, 1.0};
   double push_N = 2.0;      // of the hand from time 0 on; half as much before, at rest
   double duration_s = 0.5;  // four time constants of the coupling above: it has nearly settled

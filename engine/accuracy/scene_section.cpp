@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "engine/accuracy/study_csv.h"
+#include "engine/report/csv.h"
 #include "engine/report/html.h"
 #include "engine/report/human_units.h"
 #include "geometry/base/printable.h"
@@ -108,7 +108,7 @@ std::string rate_html(const SafeRate& safe) {
   return html.str();
 }
 
-std::string device_text(const DeviceMechanics& d) {
+std::string device_text(const DeviceDescription& d) {
   std::ostringstream text;
   text << "mass " << human(d.mass_kg, "kg") << ", damping " << human(d.damping_Ns_per_m, "N s/m")
        << ", Coulomb friction " << human(d.coulomb_friction_N, "N") << ", encoder quantum "
@@ -157,17 +157,12 @@ class Lines {
  public:
   void add(const std::string& what, const std::string& name, const char* quantity, double value,
            const char* unit) {
-    text_ << what << "," << csv_field(printable(name)) << "," << quantity << "," << value << ","
-          << unit << "\n";
+    lines_.add(what).add(printable(name)).add(quantity).add(value).add(unit).end_line();
   }
-  Lines() {
-    text_.precision(17);
-    text_ << "what,name,quantity,value,unit\n";
-  }
-  std::string text() const { return text_.str(); }
+  const std::string& text() const { return lines_.text(); }
 
  private:
-  std::ostringstream text_;
+  CsvLines lines_{"what,name,quantity,value,unit"};
 };
 
 }  // namespace

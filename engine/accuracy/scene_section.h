@@ -21,7 +21,7 @@ struct LimitsAtRate {
 struct SceneFindings {
   std::string path;  // as the user named it
   SceneStudy study;
-  DeviceMechanics device;
+  DeviceDescription device;
   double rate_Hz = 0.0;  // of the servo loop, as given
   std::vector<CouplingVerdict> verdicts;
   std::vector<LimitsAtRate> by_rate;

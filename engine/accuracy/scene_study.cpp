@@ -9,9 +9,11 @@
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
+#include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/replay.h"
 #include "engine/simulation/exploration.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -55,7 +57,7 @@ Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double secon
   Result<ExplorationRun> run = explore(scene, exact, exploration, [](double) {});
   if (!run) return run.error();
   Hand hand;
-  for (const TickRecord& record : run->records) hand.path_m.push_back(record.device_m);
+  for (const TickRecord& record : run->records) hand.path_m.push_back(vec3(record.device_m));
   // Once more as a replay, which is what the presets do: then only they differ.
   Result<ReplayResult> again = replay(scene, exact, hand.path_m, 1);
   if (!again) return again.error();
@@ -70,13 +72,13 @@ class PresetTally {
     std::vector<std::int64_t> contact_ns;
     for (std::size_t n = 0; n < run.records.size(); ++n) {
       const TickRecord& record = run.records[n];
-      const std::int64_t step_ns = std::max<std::int64_t>(0, run.steps_ns[n] - clock_ns_);
+      const std::int64_t step_ns = std::max<std::int64_t>(0, record.step_ns - clock_ns_);
       all_ns_.push_back(step_ns);
       add_errors(record, hand.exact[n]);
       if (!record.contact) continue;
       contact_ns.push_back(step_ns);
       contact_ns_.push_back(step_ns);
-      iterations_ += record.solver_iterations;
+      iterations_ += record.iterations;
       capped_ += (record.faults & kFaultSolverCapped) != 0;
       ++ticks_;
     }
@@ -117,8 +119,8 @@ class PresetTally {
   // by that much.
   void add_errors(const TickRecord& record, const TickRecord& exact) {
     if (!record.contact && !exact.contact) return;
-    errors_m_.push_back((record.proxy_m - exact.proxy_m).norm());
-    const Vec3 off_N = record.full_force_device_N - exact.full_force_device_N;
+    errors_m_.push_back((vec3(record.proxy_scene_m) - vec3(exact.proxy_scene_m)).norm());
+    const Vec3 off_N = vec3(record.full_force_device_N) - vec3(exact.full_force_device_N);
     worst_force_N_ = std::max(worst_force_N_, off_N.norm());
   }
 
@@ -132,7 +134,7 @@ class PresetTally {
 };
 
 // Goes along a recorded path in the same time at any rate.
-class ResampledPath final : public Device {
+class ResampledPath final : public VectorDevice {
  public:
   ResampledPath(const std::vector<Vec3>& path_m, double period_s)
       : path_m_(path_m), period_s_(period_s) {}
@@ -152,8 +154,8 @@ class ResampledPath final : public Device {
 
 class WorstStep final : public TickObserver {
  public:
-  void on_tick(const TickRecord&, const ScenePose&, std::int64_t step_ns) noexcept override {
-    worst_ns = std::max(worst_ns, step_ns);
+  void on_tick(const TickRecord& record) noexcept override {
+    worst_ns = std::max(worst_ns, record.step_ns);
   }
   std::int64_t worst_ns = 0;
 };
@@ -175,11 +177,10 @@ Result<RateTrial> try_rate(const Scene& scene, const RunSetup& setup, const Hand
   auto mover = SteadyMotions::create(scene, setup.moves);
   if (!mover) return mover.error();
   WorstStep worst;
-  HapticSession session(loop, device, &worst, &*mover);
+  HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&worst}});
   RateTrial trial;
   trial.rate_Hz = rate_Hz;
-  HapticThread thread(session, device,
-                      {rate_Hz, static_cast<std::uint64_t>(std::ceil(seconds * rate_Hz))});
+  HapticThread thread(session, {rate_Hz, static_cast<std::uint64_t>(std::ceil(seconds * rate_Hz))});
   realtime_note = thread.start().explanation;
   thread.join();
   trial.ticks = thread.ticks();
@@ -259,7 +260,7 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
     if (!hand) return hand.error();
     for (const TickRecord& r : hand->exact) {
       contact_ticks += r.contact;
-      if (r.contact) depths_m.push_back((r.proxy_m - r.goal_m).norm());
+      if (r.contact) depths_m.push_back((vec3(r.proxy_scene_m) - vec3(r.goal_scene_m)).norm());
     }
     ticks += hand->exact.size();
     hands.push_back(std::move(*hand));

@@ -10,6 +10,7 @@
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/plant_integrators.h"
 #include "engine/accuracy/pressed_contact.h"
+#include "engine/devices/light_device.h"
 
 namespace palpate {
 namespace {
@@ -18,9 +19,6 @@ constexpr double kRates_Hz[] = {250, 500, 1000, 2000, 4000, 10000, 20000};
 constexpr std::size_t kUsualRate = 2;  // 1 kHz
 
 const Quantity kTimePerContact{"computing for a second of contact", "us"};
-
-// A light device, such as users have: PlantSettings.
-constexpr double kLightDeviceDamping = 0.5;  // N s/m
 
 std::string number_text(double value) {
   char text[32];
@@ -57,7 +55,7 @@ Knob bounce_knob() {
   };
   // What viscous damping takes of the energy in the time of a bounce.
   const BounceSetup setup;
-  knob.enough = -std::expm1(-kLightDeviceDamping / setup.mass_kg * setup.contact_s());
+  knob.enough = -std::expm1(-light_device().damping_Ns_per_m / setup.mass_kg * setup.contact_s());
   knob.enough_because =
       "a light device, of 0.1 kg and 0.5 N s/m, loses as much in the time of a bounce, so that "
       "the sum is no gain";

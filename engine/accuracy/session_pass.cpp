@@ -12,12 +12,12 @@ class ContactMeter final : public TickObserver {
   ContactMeter(std::size_t lead_in, const OnContact& on_contact)
       : lead_in_(lead_in), on_contact_(on_contact) {}
 
-  void on_tick(const TickRecord& record, const ScenePose&, std::int64_t step_ns) noexcept override {
+  void on_tick(const TickRecord& record) noexcept override {
     cost_.faults |= record.faults;
     if (count_++ < lead_in_ || !record.contact) return;
     ++cost_.ticks;
-    time_ns_ += static_cast<double>(step_ns);
-    iterations_ += record.solver_iterations;
+    time_ns_ += static_cast<double>(record.step_ns);
+    iterations_ += record.iterations;
     if (on_contact_) on_contact_(record);
   }
   PassCost finish(double clock_ns) {
@@ -72,7 +72,8 @@ PassCost run_pass(const ContactWorld& world, const PassSetup& setup, Device& dev
                   std::span<const double> dt_s, std::size_t lead_in, const OnContact& on_contact) {
   HapticLoop loop(world, setup.actuation, setup.haptics);
   ContactMeter meter(lead_in, on_contact);
-  HapticSession session(loop, device, &meter);
+  HapticSession session(loop, device, {.observers = {&meter}});
+  session.start();
   for (const double dt : dt_s) session.tick(dt);
   return meter.finish(clock_overhead_ns());
 }

@@ -9,23 +9,11 @@
 #include <span>
 #include <string>
 
+#include "engine/devices/path_device.h"
 #include "engine/session/haptic_session.h"
 #include "haptics/haptic_loop.h"
 
 namespace palpate {
-
-// A device that is where a path says, tick by tick, and gives way to no force. At most as many
-// ticks as the path has points. Device frame, metres.
-class PathDevice final : public Device {
- public:
-  explicit PathDevice(std::span<const Vec3> path_m) : path_m_(path_m) {}
-  Vec3 read_position_m(double) noexcept override { return path_m_[next_++]; }
-  void command_force_N(const Vec3&) noexcept override {}
-
- private:
-  std::span<const Vec3> path_m_;
-  std::size_t next_ = 0;
-};
 
 // What a session runs with, beside the world.
 struct PassSetup {

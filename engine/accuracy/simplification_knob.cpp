@@ -11,6 +11,7 @@
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
 #include "engine/simulation/exploration.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -74,13 +75,13 @@ class Comparison final : public TickObserver {
     offs_m_.reserve(whole.size());
   }
 
-  void on_tick(const TickRecord& record, const ScenePose&, std::int64_t step_ns) noexcept override {
+  void on_tick(const TickRecord& record) noexcept override {
     const TickRecord& whole = whole_[record.tick];
     faults_ |= record.faults;
     if (!whole.contact) return;
-    offs_m_.push_back((record.proxy_m - whole.proxy_m).norm());
-    time_ns_ += static_cast<double>(step_ns);
-    iterations_ += record.solver_iterations;
+    offs_m_.push_back((vec3(record.proxy_scene_m) - vec3(whole.proxy_scene_m)).norm());
+    time_ns_ += static_cast<double>(record.step_ns);
+    iterations_ += record.iterations;
   }
   Sample finish() {
     Sample sample;
@@ -118,7 +119,8 @@ class Hands {
     Comparison comparison(records_of_whole(hand, path_m));
     HapticLoop loop = loop_on(scene, accuracy);
     PathDevice device(path_m);
-    HapticSession session(loop, device, &comparison);
+    HapticSession session(loop, device, {.observers = {&comparison}});
+    session.start();
     for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup_.dt_s);
     return comparison.finish();
   }
@@ -140,7 +142,7 @@ class Hands {
     std::vector<Vec3> path_m;
     const auto run = explore(*whole_, setup_, exploration, [](double) {});
     if (run) {
-      for (const TickRecord& record : run->records) path_m.push_back(record.device_m);
+      for (const TickRecord& record : run->records) path_m.push_back(vec3(record.device_m));
     }
     return path_m;
   }

@@ -10,6 +10,7 @@
 #include "engine/accuracy/session_pass.h"
 #include "engine/scene/scene.h"
 #include "geometry/base/random.h"
+#include "haptics/record_vectors.h"
 #include "models/textured_slab.h"
 
 namespace palpate {
@@ -109,11 +110,11 @@ Sample feel_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth
   const PassCost cost =
       run_path(scene->world(), PassSetup::fully_actuated({K, 0.0}, {0.0, accuracy}), path_m,
                relief.period_s, kLeadIn, [&](const TickRecord& record) {
-                 const Vec3& p_m = record.goal_m;
+                 const Vec3& p_m = vec3(record.goal_scene_m);
                  const double x = 2.0 * std::numbers::pi * p_m.x() / relief.wave_m + phase;
                  const double height_m = 0.5 * relief.height_m * (std::sin(x) - 1.0);
                  const double exact_N = K * (top_m - p_m.z() + height_m);
-                 off.add((record.force_device_N.z() - exact_N) / (K * relief.height_m));
+                 off.add((vec3(record.force_device_N).z() - exact_N) / (K * relief.height_m));
                });
   return {off.value(), cost.tick_ns, cost.iterations, cost.ticks, failure_of(cost.faults)};
 }

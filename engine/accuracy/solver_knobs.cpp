@@ -8,6 +8,7 @@
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -37,7 +38,7 @@ class Bumps {
     RootMeanSquare off_m;
     std::size_t n = 0;
     const PassCost cost = pass(path, accuracy, [&](const TickRecord& record) {
-      if (n < converged.size()) off_m.add((record.proxy_m - converged[n++]).norm());
+      if (n < converged.size()) off_m.add((vec3(record.proxy_scene_m) - converged[n++]).norm());
     });
     Sample sample{off_m.value(), cost.tick_ns, cost.iterations, cost.ticks,
                   failure_of(cost.faults)};
@@ -63,7 +64,7 @@ class Bumps {
   std::vector<Vec3> proxies(const PressedPath& path) const {
     std::vector<Vec3> proxies_m;
     pass(path, Accuracy::exact(),
-         [&](const TickRecord& record) { proxies_m.push_back(record.proxy_m); });
+         [&](const TickRecord& record) { proxies_m.push_back(vec3(record.proxy_scene_m)); });
     return proxies_m;
   }
   std::shared_ptr<ProxyReference> reference(double speed_m_per_s) const {

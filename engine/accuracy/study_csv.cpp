@@ -1,46 +1,31 @@
 #include "engine/accuracy/study_csv.h"
 
-#include <array>
-#include <charconv>
-#include <concepts>
-
+#include "engine/report/csv.h"
 #include "engine/report/text_file.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kSignificantDigits = 17;  // enough to give every double back
-
-// One line. Fields are appended in the order of kStudyColumns.
+// Appends fields to a line that ends with this object.
 class Line {
  public:
-  explicit Line(std::string& out) : out_(out) {}
-  ~Line() { out_.back() = '\n'; }
+  explicit Line(CsvLines& lines) : lines_(lines) {}
+  ~Line() { lines_.end_line(); }
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
-  Line& operator<<(std::string_view text) { return raw(csv_field(text)); }
-  Line& operator<<(double value) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                   std::chars_format::general, kSignificantDigits);
-    return raw({text.data(), end.ptr});
+  template <typename Value>
+  Line& operator<<(const Value& value) {
+    lines_.add(value);
+    return *this;
   }
-  Line& operator<<(std::integral auto value) { return raw(std::to_string(value)); }
-  Line& operator<<(bool flag) { return raw(flag ? "1" : "0"); }
-  Line& skip(int count) {
-    while (count-- > 0) raw("");
+  Line& skip(int fields) {
+    lines_.skip(fields);
     return *this;
   }
 
  private:
-  Line& raw(std::string_view text) {
-    out_ += text;
-    out_ += ',';
-    return *this;
-  }
-
-  std::string& out_;
+  CsvLines& lines_;
 };
 
 bool was_measured(const LevelResult& level) {
@@ -66,7 +51,7 @@ bool is(const LevelPlace& place, std::size_t method, std::size_t level) {
   return place.method == method && place.level == level;
 }
 
-void put_levels(std::string& out, const KnobResult& result) {
+void put_levels(CsvLines& out, const KnobResult& result) {
   const Knob& knob = result.knob;
   const LevelPlace usual{knob.default_method, knob.default_level};
   for (std::size_t m = 0; m < result.methods.size(); ++m) {
@@ -83,7 +68,7 @@ void put_levels(std::string& out, const KnobResult& result) {
   }
 }
 
-void put_presets(std::string& out, const KnobResult& result) {
+void put_presets(CsvLines& out, const KnobResult& result) {
   const Knob& knob = result.knob;
   const double floor = result.methods[knob.default_method].floor;
   for (const LevelResult& preset : result.presets) {
@@ -97,23 +82,13 @@ void put_presets(std::string& out, const KnobResult& result) {
 
 }  // namespace
 
-std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
 std::string study_csv(std::span<const KnobResult> results) {
-  std::string out = std::string(kStudyColumns) + "\n";
+  CsvLines out(kStudyColumns);
   for (const KnobResult& result : results) {
     put_levels(out, result);
     put_presets(out, result);
   }
-  return out;
+  return out.text();
 }
 
 Result<std::string> write_study_csv(std::span<const KnobResult> results, const std::string& path) {

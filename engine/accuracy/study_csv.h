@@ -11,9 +11,6 @@
 
 namespace palpate {
 
-// A field as RFC 4180 writes it: quoted if it has to be.
-std::string csv_field(std::string_view text);
-
 inline constexpr std::string_view kStudyColumns =
     "knob,method,level,value,value_unit,error_median,error_low,error_high,error_unit,raw_error,"
     "floor,at_floor,time_median,time_low,time_high,time_unit,iterations,ticks,repeats,failures,"

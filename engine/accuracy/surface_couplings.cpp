@@ -125,11 +125,12 @@ std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSett
 }
 
 Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCoupling>& couplings,
-                                                     const DeviceMechanics& device,
+                                                     const DeviceDescription& device,
                                                      const ServoTiming& timing, double depth_m) {
   std::vector<CouplingVerdict> verdicts;
   for (const SurfaceCoupling& surface : couplings) {
-    const auto limits = stability_limits(device, surface.coupling.damping_Ns_per_m, timing);
+    const auto limits =
+        stability_limits(DeviceMechanics::of(device), surface.coupling.damping_Ns_per_m, timing);
     if (!limits) return limits.error();
     const double stiffness = surface.felt_stiffness_N_per_m(depth_m);
     verdicts.push_back(

@@ -41,7 +41,7 @@ struct CouplingVerdict {
 
 // At this depth. An error as of stability_limits().
 Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCoupling>& couplings,
-                                                     const DeviceMechanics& device,
+                                                     const DeviceDescription& device,
                                                      const ServoTiming& timing, double depth_m);
 
 }  // namespace palpate

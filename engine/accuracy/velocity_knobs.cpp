@@ -15,6 +15,7 @@
 #include "engine/accuracy/flat_sheet.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -126,8 +127,8 @@ Sample feel(const Workload& workload, std::size_t ticks, const Estimate& estimat
   bool is_clamped = false;
   const PassCost cost =
       run_path(sheet.world(), setup, path_m, kTick_s, kLeadIn, [&](const TickRecord& record) {
-        const double force_N = record.force_device_N.dot(normal);
-        const double lag_m = (record.proxy_m - record.goal_m).dot(normal);
+        const double force_N = vec3(record.force_device_N).dot(normal);
+        const double lag_m = (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).dot(normal);
         const double felt_m_per_s = (force_N - kStiffness_N_per_m * lag_m) / kDamping_Ns_per_m;
         off_m_per_s.push_back(felt_m_per_s - speeds_m_per_s[record.tick]);
         is_clamped = is_clamped || !(force_N > 0.0);

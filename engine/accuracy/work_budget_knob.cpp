@@ -12,6 +12,7 @@
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -50,7 +51,7 @@ class Cones {
     RootMeanSquare off_m;
     std::size_t n = 0;
     const PassCost cost = pass(seed, accuracy, [&](const TickRecord& record) {
-      if (n < unbounded.size()) off_m.add((record.proxy_m - unbounded[n++]).norm());
+      if (n < unbounded.size()) off_m.add((vec3(record.proxy_scene_m) - unbounded[n++]).norm());
     });
     Sample sample{off_m.value(), cost.tick_ns, cost.iterations, cost.ticks,
                   failure_of(cost.faults)};
@@ -67,7 +68,8 @@ class Cones {
     Accuracy unbounded = Accuracy::balanced();
     unbounded.work_budget = kUnbounded;
     std::vector<Vec3> proxies_m;
-    pass(seed, unbounded, [&](const TickRecord& record) { proxies_m.push_back(record.proxy_m); });
+    pass(seed, unbounded,
+         [&](const TickRecord& record) { proxies_m.push_back(vec3(record.proxy_scene_m)); });
     return proxies_m;
   }
 

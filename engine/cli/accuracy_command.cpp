@@ -56,9 +56,9 @@ Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
 }
 
 // Of numbers that no device has, the error names the option.
-std::optional<Error> check_device(const AccuracyCommand& command, const RunSetup& setup) {
-  const auto limits =
-      stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
+std::optional<Error> check_device(const RunSetup& setup) {
+  const auto limits = stability_limits(DeviceMechanics::of(setup.device),
+                                       setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
   if (limits) return std::nullopt;
   Error error = limits.error();
   constexpr std::pair<const char*, const char*> kOptions[] = {
@@ -100,20 +100,21 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& comman
                                const RunSetup& setup, const StudyEffort& effort) {
   SceneFindings findings;
   findings.path = command.scene.path;
-  findings.device = command.device;
+  findings.device = setup.device;
   findings.rate_Hz = command.options.rate_Hz;
   ProgressBar bar("scene");
   Result<SceneStudy> study =
       study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
   if (!study) return study.error();
   findings.study = std::move(*study);
-  const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), command.device,
+  const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), setup.device,
                                         {setup.dt_s, 0}, findings.study.deepest_m);
   if (!verdicts) return verdicts.error();
   findings.verdicts = *verdicts;
   for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.options.rate_Hz)) {
-    const auto limits = stability_limits(command.device, setup.haptics.coupling.damping_Ns_per_m,
-                                         {1.0 / rate_Hz, 0});
+    const auto limits =
+        stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
+                         {1.0 / rate_Hz, 0});
     if (!limits) return limits.error();
     findings.by_rate.push_back({rate_Hz, *limits});
   }
@@ -273,7 +274,7 @@ std::string knobs_text(const std::vector<KnobResult>& results) {
 int accuracy(const AccuracyCommand& command) {
   const Result<RunSetup> setup = make_setup(command.options);
   if (!setup) return refuse(setup.error());
-  if (const auto error = check_device(command, *setup)) return refuse(*error);
+  if (const auto error = check_device(*setup)) return refuse(*error);
   const StudyEffort effort{command.quick, command.seed};
   Result<std::vector<Knob>> knobs =
       chosen_knobs(effort, command.knobs, !command.scene.path.empty());

@@ -25,8 +25,8 @@
 #include "engine/scene/scene.h"
 #include "engine/session/replay.h"
 #include "engine/session/run_summary.h"
+#include "engine/session/trace_csv.h"
 #include "engine/simulation/run_judgement.h"
-#include "io/trace_csv.h"
 #include "io/trajectory.h"
 
 namespace palpate {
@@ -34,16 +34,10 @@ namespace {
 
 constexpr int kNotComparable = 3;
 
-std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
-                                 const std::vector<std::int64_t>& steps_ns) {
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records) {
   Result<TraceWriter> writer = TraceWriter::create(path);
   if (!writer) return writer.error();
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const TickRecord& r = records[i];
-    writer->add({r.tick, r.time_s, r.device_m, r.goal_m, r.proxy_m, r.normal_scene,
-                 r.force_device_N, r.contact, r.alpha_rad * 180.0 / std::numbers::pi,
-                 r.T_device_scene, friction_name(r.friction), fault_names(r.faults), steps_ns[i]});
-  }
+  for (const TickRecord& record : records) writer->add(record);
   const Result<std::size_t> written = writer->finish();
   if (!written) return written.error();
   return std::nullopt;
@@ -80,7 +74,7 @@ std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& fil
 
 std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& files) {
   const std::string trace = files.path(run.a4 ? "trace-on.csv" : "trace-off.csv");
-  if (auto error = write_trace(trace, run.records, run.steps_ns)) return files.in_place(*error);
+  if (auto error = write_trace(trace, run.records)) return files.in_place(*error);
   if (auto error = write_way(run, files)) return files.in_place(*error);
   return std::nullopt;
 }
@@ -132,7 +126,7 @@ std::string run_heading(const RunCommand& command, const PreparedRun& prepared) 
   std::ostringstream text;
   text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
        << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
-       << " actuators, workspace " << command.exploration.workspace_m
+       << " actuators, workspace " << workspace_extent_m(prepared.setup.device)
        << " m along each sensed axis";
   if (actuation.is_planar()) {
     text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
@@ -143,7 +137,7 @@ std::string run_heading(const RunCommand& command, const PreparedRun& prepared) 
   return text.str() + "\n";
 }
 
-nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& prepared,
+nlohmann::ordered_json runs_json(const PreparedRun& prepared,
                                  const std::vector<ExplorationRun>& runs,
                                  const std::optional<Advice>& advice) {
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
@@ -155,7 +149,7 @@ nlohmann::ordered_json runs_json(const RunCommand& command, const PreparedRun& p
     }
   }
   json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
-  json["workspace_m"] = command.exploration.workspace_m;
+  json["workspace_m"] = workspace_extent_m(prepared.setup.device);
   if (prepared.setup.actuation.is_planar()) {
     json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   }
@@ -229,7 +223,7 @@ int replay(const ReplayCommand& command) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (!command.trace.empty()) {
     if (const auto error = check_output()) return refuse(*error);
-    if (const auto error = write_trace(command.trace, result->records, result->steps_ns)) {
+    if (const auto error = write_trace(command.trace, result->records)) {
       return refuse(*error);
     }
   }
@@ -261,7 +255,7 @@ int run(const RunCommand& command) {
   const std::string interruption = interruption_line(runs, command.options.a4 == "compare");
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
-    print(runs_json(command, *prepared, runs, advice));
+    print(runs_json(*prepared, runs, advice));
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"

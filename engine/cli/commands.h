@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/devices/stability_limits.h"
 #include "engine/session/run_options.h"
 #include "engine/simulation/exploration.h"
 
@@ -48,8 +47,7 @@ struct InfoCommand {
 struct AccuracyCommand {
   SceneOptions scene;  // of an empty path: none
   RunOptions options;
-  DeviceMechanics device{0.1, 0.5, 20e-6, 0.02};  // as the simulated one
-  std::vector<std::string> knobs;                 // only these; empty: all
+  std::vector<std::string> knobs;  // only these; empty: all
   bool quick = false;
   std::uint64_t seed = 1;
   std::string out_dir = "accuracy";

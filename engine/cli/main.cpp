@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <unistd.h>
@@ -128,6 +129,30 @@ void add_device(CLI::App& app, palpate::RunOptions& options) {
       ->group(kDeviceGroup);
 }
 
+void add_workspace(CLI::App& app, palpate::DeviceDescription& device) {
+  const auto read = [&device](const std::string& text) {
+    const auto extent_m = palpate::parse_real("--workspace", text, palpate::kAboveZero);
+    if (!extent_m) throw CLI::ValidationError("--workspace", extent_m.error().problem);
+    palpate::set_workspace_extent(device, *extent_m);
+  };
+  std::ostringstream usual;
+  usual << palpate::workspace_extent_m(device);
+  app.add_option_function<std::string>("--workspace", read,
+                                       "extent of the device along an axis, m; more is flagged")
+      ->type_name("NUMBER")
+      ->default_str(usual.str())
+      ->group(kDeviceGroup);
+}
+
+std::vector<CLI::Option*> add_mechanics(CLI::App& app, palpate::DeviceDescription& device) {
+  return {add_real(app, "--device-mass", device.mass_kg, palpate::kAboveZero,
+                   "of the device at its tip, kg"),
+          add_real(app, "--device-damping", device.damping_Ns_per_m, palpate::kZeroOrMore,
+                   "viscous, of the device, N s/m"),
+          add_real(app, "--device-friction", device.coulomb_friction_N, palpate::kZeroOrMore,
+                   "Coulomb, of the device, N")};
+}
+
 void add_touch(CLI::App& app, palpate::RunOptions& options) {
   add_real(app, "--stiffness", options.stiffness_N_per_m, palpate::kZeroOrMore,
            "coupling spring of surfaces without their own, N/m")
@@ -195,9 +220,9 @@ void add_run(CLI::App& program, palpate::RunCommand& command) {
   add_place(app, command.options);
   add_device(app, command.options);
   palpate::ExplorationSettings& hand = command.exploration;
-  add_real(app, "--workspace", hand.workspace_m, palpate::kAboveZero,
-           "extent of the device along an axis, m; more is flagged")
-      ->group(kDeviceGroup);
+  add_workspace(app, command.options.device);
+  for (CLI::Option* option : add_mechanics(app, command.options.device))
+    option->group(kDeviceGroup);
   add_real(app, "--seconds", hand.seconds, {2.0, 86400.0}, "length of a run, s, 2 to 86400")
       ->group(kHandGroup);
   add_integer(app, "--seed", hand.seed, {}, "of the hand's noise and walk")->group(kHandGroup);
@@ -261,13 +286,10 @@ void add_accuracy(CLI::App& program, palpate::AccuracyCommand& command) {
   of_scene("--damping", run.damping_Ns_per_m, kZeroOrMore,
            "coupling damper of surfaces without their own, N s/m");
   of_scene("--radius", run.radius_m, kZeroOrMore, "radius of the proxy, m; 0 is a point");
-  palpate::DeviceMechanics& device = command.device;
-  of_scene("--device-mass", device.mass_kg, kAboveZero, "of the device at its tip, kg");
-  of_scene("--device-damping", device.damping_Ns_per_m, kZeroOrMore,
-           "viscous, of the device, N s/m");
-  of_scene("--device-friction", device.coulomb_friction_N, kZeroOrMore,
-           "Coulomb, of the device, N");
-  of_scene("--encoder-quantum", device.encoder_quantum_m, kZeroOrMore,
+  for (CLI::Option* option : add_mechanics(app, command.options.device)) {
+    option->needs(scene)->group(kAccuracyGroup);
+  }
+  of_scene("--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
            "step of the positions that are read, m; 0 for none");
 }
 

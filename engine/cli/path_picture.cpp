@@ -6,6 +6,7 @@
 
 #include "engine/report/gnuplot.h"
 #include "engine/report/text_file.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -28,7 +29,7 @@ std::size_t stride_of(const ExplorationRun& run) {
 void write_path(std::ostream& out, const std::string& name, const ExplorationRun& run) {
   out << name << " << EOD\n";
   for (std::size_t i = 0; i < run.records.size(); i += stride_of(run)) {
-    const Vec3& p = run.records[i].device_m;
+    const Vec3& p = vec3(run.records[i].device_m);
     out << p.y() << " " << p.x() << "\n";
   }
   out << "EOD\n";
@@ -36,7 +37,7 @@ void write_path(std::ostream& out, const std::string& name, const ExplorationRun
 
 void write_contour(std::ostream& out, const std::string& name, const ExplorationRun& run) {
   out << name << " << EOD\n";
-  const ScenePose& pose = run.records.front().T_device_scene;
+  const ScenePose& pose = pose_before(run.records.front());
   for (const Vec3& p_scene : run.contour_scene_m) {
     const Vec3 p = pose.point(p_scene);
     out << p.y() << " " << p.x() << "\n";

@@ -10,13 +10,13 @@
 namespace palpate {
 namespace {
 
-Workspace workspace_of(const RunCommand& command, const RunSetup& setup) {
-  return hand_workspace(setup.actuation.sensors(), command.exploration.workspace_m);
+Workspace workspace_of(const RunSetup& setup) {
+  return hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
 }
 
-std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& run) {
+std::optional<Error> check_fits(const PreparedRun& run) {
   if (run.scene.objects().empty()) return std::nullopt;  // explore() says what it lacks
-  return check_fits(workspace_of(command, run.setup),
+  return check_fits(workspace_of(run.setup),
                     bounds_in_device(run.scene, run.setup.haptics.initial_pose),
                     run.scene.statistics().extent_m.maxCoeff());
 }
@@ -24,7 +24,7 @@ std::optional<Error> check_fits(const RunCommand& command, const PreparedRun& ru
 // The same scene at the size that fits. The one that does not goes first: both together would take
 // twice what the user allows.
 Result<PreparedRun> load_fitted(const RunCommand& command, PreparedRun run) {
-  const auto size_m = fitting_size_m(workspace_of(command, run.setup),
+  const auto size_m = fitting_size_m(workspace_of(run.setup),
                                      bounds_in_device(run.scene, run.setup.haptics.initial_pose),
                                      run.scene.statistics().extent_m.maxCoeff());
   RunSetup setup = std::move(run.setup);
@@ -68,12 +68,12 @@ Result<PreparedRun> prepare_run(const RunCommand& command) {
   auto scene = load_scene(as_it_is, command.options);
   if (!scene) return scene.error();
   PreparedRun run{std::move(*scene), std::move(*setup)};
-  auto misfit = check_fits(command, run);
+  auto misfit = check_fits(run);
   if (misfit && command.scene.fits_workspace) {
     auto fitted = load_fitted(command, std::move(run));
     if (!fitted) return fitted.error();
     run = std::move(*fitted);
-    misfit = check_fits(command, run);
+    misfit = check_fits(run);
   }
   // A place that is too far away is named before what comes of it.
   if (misfit) return check_setup(run.scene, run.setup).value_or(*misfit);

@@ -48,7 +48,7 @@ RunCommand changed(RunCommand command, const Changes& changes) {
   for (const auto& [option, value] : changes) {
     const std::string text = value.value_or("");
     const double number = std::strtod(text.c_str(), nullptr);
-    if (option == "--workspace") command.exploration.workspace_m = number;
+    if (option == "--workspace") set_workspace_extent(command.options.device, number);
     if (option == "--seconds") command.exploration.seconds = number;
     if (option == "--plane-height") {
       options.plane_height_m = value ? std::optional(number) : std::nullopt;
@@ -149,7 +149,8 @@ class Candidates {
     const Vec3 extent_m = bounds_.high - bounds_.low;
     const double widest_m = extent_m.head(command_.options.sensors).maxCoeff();
     const double room_m = 4 * PathPlanSettings{}.press_depth_m;
-    const double factor = kPartToFill * (command_.exploration.workspace_m - room_m) / widest_m;
+    const double factor =
+        kPartToFill * (workspace_extent_m(command_.options.device) - room_m) / widest_m;
     const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
     if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;
     changes_.push_back({{"--fit", text_of(factor * largest_m)}});
@@ -248,7 +249,7 @@ class Candidates {
       if (by_extent.size() == 1) return;
       const std::uint32_t number = prepared_.scene.tree()[node].file_index;
       changes_.push_back({{"--node", "#" + std::to_string(number)},
-                          {"--fit", text_of(0.5 * command_.exploration.workspace_m)}});
+                          {"--fit", text_of(0.5 * workspace_extent_m(command_.options.device))}});
     }
   }
 

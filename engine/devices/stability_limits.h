@@ -7,10 +7,12 @@
 
 #include "geometry/base/result.h"
 #include "haptics/effects/virtual_coupling.h"
+#include "palpate/device.h"
 
 namespace palpate {
 
-// A hand that holds a device, as a spring and a damper to where it wants to be.
+// A hand that holds a device, as a spring and a damper to where it wants to be: that of one fitted
+// trial (Scientific Reports 8, 18004).
 struct HandImpedance {
   double mass_kg = 0.55;           // >= 0; moves with the device
   double damping_Ns_per_m = 6.45;  // >= 0
@@ -19,11 +21,16 @@ struct HandImpedance {
 
 // One axis of a device.
 struct DeviceMechanics {
-  double mass_kg = 0.1;             // > 0
-  double damping_Ns_per_m = 0.5;    // >= 0, viscous
+  double mass_kg = 0.0;             // > 0
+  double damping_Ns_per_m = 0.0;    // >= 0, viscous
   double encoder_quantum_m = 0.0;   // >= 0: what positions are rounded to; 0: to nothing
   double coulomb_friction_N = 0.0;  // >= 0
   std::optional<HandImpedance> hand = std::nullopt;  // none: nobody holds it
+
+  static DeviceMechanics of(const DeviceDescription& device) {
+    return {device.mass_kg, device.damping_Ns_per_m, device.encoder_quantum_m,
+            device.coulomb_friction_N};
+  }
 };
 
 // A force is made from the position read at the beginning of a period and held for the next one.

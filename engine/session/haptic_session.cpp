@@ -1,38 +1,64 @@
 #include "engine/session/haptic_session.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
 
-HapticSnapshot snapshot_of(const TickRecord& record, const ScenePose& pose) {
-  const auto numbers = [](const Vec3& v) { return std::array{v.x(), v.y(), v.z()}; };
-  HapticSnapshot s;
-  s.sequence = record.tick + 1;
-  s.time_s = record.time_s;
-  s.q_wxyz = {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()};
-  s.o_m = numbers(pose.translation_m);
-  s.proxy_scene_m = numbers(record.proxy_m);
-  s.device_m = numbers(record.device_m);
-  s.force_device_N = numbers(record.force_device_N);
-  s.alpha_rad = record.alpha_rad;
-  s.contact = record.contact ? 1 : 0;
-  s.faults = record.faults;
-  return s;
+bool is_finite(const double (&force_N)[3]) {
+  return std::isfinite(force_N[0]) && std::isfinite(force_N[1]) && std::isfinite(force_N[2]);
 }
 
 }  // namespace
 
-void HapticSession::tick(double dt_s) noexcept {
-  const Vec3 p_device_m = device_.read_position_m(dt_s);
-  for (BeforeTick* before : before_) before->before_tick(time_s_, loop_);
+HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
+    : loop_(loop), device_(device), parts_(std::move(parts)) {}
+
+HapticSession::~HapticSession() {
+  stop();
+}
+
+std::optional<std::string> HapticSession::start() {
+  is_running_ = true;  // whatever comes now, also out of device_.start(), ends in stop()
+  auto problem = device_.start();
+  if (problem) stop();
+  return problem;
+}
+
+void HapticSession::stop() noexcept {
+  if (!is_running_.exchange(false)) return;
+  device_.command({});
+  device_.stop();
+}
+
+void HapticSession::tick(double dt_s, std::int64_t late_ns) noexcept {
+  if (!is_running_.load(std::memory_order_relaxed)) return;
+  const DeviceSample sample = device_.read(dt_s);
+  for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
   if (is_time_step(dt_s)) time_s_ += dt_s;
   const auto start = std::chrono::steady_clock::now();
-  const TickRecord& record = loop_.tick(p_device_m, dt_s);
+  TickRecord record = loop_.tick_sample(sample, dt_s);
   const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
-  device_.command_force_N(record.force_device_N);
-  published_.publish(snapshot_of(record, loop_.T_device_scene()));
-  if (observer_) observer_->on_tick(record, loop_.T_device_scene(), step.count());
+  record.step_ns = step.count();
+  record.late_ns = late_ns;
+  if (parts_.governor) parts_.governor->govern(record);
+  command(record);
+  published_.publish(record);
+  for (TickObserver* observer : parts_.observers) observer->on_tick(record);
+}
+
+// The last gate before the motors, whoever made the force.
+void HapticSession::command(TickRecord& record) noexcept {
+  if (!is_finite(record.force_device_N)) {
+    std::fill_n(record.force_device_N, 3, 0.0);
+    record.faults |= kFaultNonFiniteForce;
+  }
+  DeviceCommand command;
+  std::copy_n(record.force_device_N, 3, command.force_N.begin());
+  device_.command(command);
 }
 
 }  // namespace palpate

@@ -1,40 +1,22 @@
 #pragma once
 
-// A device, a haptic loop and what listens to them, driven one tick at a time.
+// The one road through a tick: a device, a haptic loop, and what changes, governs and hears of it.
 
-#include <array>
+#include <atomic>
 #include <cstdint>
-#include <initializer_list>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/devices/snapshot_ring.h"
 #include "haptics/haptic_loop.h"
+#include "palpate/device.h"
+#include "palpate/record.h"
 
 namespace palpate {
 
-// A point haptic device. Both calls come from the haptic thread, once a tick, and must not block,
-// allocate or throw.
-class Device {
- public:
-  virtual ~Device() = default;
-  // Position in the device frame, metres. dt_s: since the last call, nominal.
-  virtual Vec3 read_position_m(double dt_s) noexcept = 0;
-  // Force on the hand in the device frame, newtons, held until the next call.
-  virtual void command_force_N(const Vec3& force_device) noexcept = 0;
-};
-
-// Told of each tick, on the haptic thread; under the same rules.
-class TickObserver {
- public:
-  virtual ~TickObserver() = default;
-  // T_device_scene: after the elementary rotation, unlike the record's. step_ns: time the loop
-  // took.
-  virtual void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
-                       std::int64_t step_ns) noexcept = 0;
-};
-
-// Changes something for the next tick: asked on the haptic thread before each, under the same
-// rules.
+// Changes something for the next tick (nodes, materials, motors): asked on the haptic thread before
+// each, and must not block, allocate or throw.
 class BeforeTick {
  public:
   virtual ~BeforeTick() = default;
@@ -51,51 +33,68 @@ class WorldMover : public BeforeTick {
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
 };
 
-// What other threads see of a running session: plain numbers, so that it can be copied as bits.
-struct HapticSnapshot {
-  std::uint64_t sequence = 0;  // tick number + 1; rises by one
-  double time_s = 0.0;
-  std::array<double, 4> q_wxyz{1, 0, 0, 0};  // T_device_scene after the tick
-  std::array<double, 3> o_m{};
-  std::array<double, 3> proxy_scene_m{};
-  std::array<double, 3> device_m{};
-  std::array<double, 3> force_device_N{};
-  double alpha_rad = 0.0;
-  std::uint32_t contact = 0;
-  std::uint32_t faults = 0;
-
-  ScenePose T_device_scene() const {
-    return {Quat(q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3]), Vec3(o_m[0], o_m[1], o_m[2])};
-  }
+// Stands between loop and device, under the same rules: may lessen the commanded force of the
+// record, and says why in the upper 16 bits of its faults.
+class ForceGovernor {
+ public:
+  virtual ~ForceGovernor() = default;
+  virtual void govern(TickRecord& record) noexcept = 0;
 };
 
-// Runs ticks: read the device, change what changes, run the loop, command the force, publish, tell
-// the observer. No allocation, lock, I/O or exception in tick(). All references must outlive
-// the session.
+// Told of each tick on the haptic thread, after the force was commanded; under the same rules.
+class TickObserver {
+ public:
+  virtual ~TickObserver() = default;
+  virtual void on_tick(const TickRecord& record) noexcept = 0;
+};
+
+// Who takes part in a tick beside loop and device, each asked in the order given. None is null but
+// the governor, which may be.
+struct SessionParts {
+  std::vector<BeforeTick*> changes = {};
+  ForceGovernor* governor = nullptr;
+  std::vector<TickObserver*> observers = {};
+};
+
+// Runs ticks: read the device, change what changes, run the loop, govern, command the force,
+// publish, tell the observers. No allocation, lock, I/O or exception in tick().
+//
+// Between start() and stop() the device pushes. However a session ends, by stop(), by the end of
+// its life or by an exception that passes it, the device's last command is zero force, and its
+// stop() is called once.
+//
+// All references must outlive the session. tick() is for one thread, latest() for any; start() and
+// stop() while no tick is running.
 class HapticSession {
  public:
-  HapticSession(HapticLoop& loop, Device& device, TickObserver* observer = nullptr,
-                BeforeTick* before = nullptr)
-      : loop_(loop), device_(device), observer_(observer) {
-    if (before) before_.push_back(before);
-  }
-  // Several, asked in this order; none is null.
-  HapticSession(HapticLoop& loop, Device& device, TickObserver* observer,
-                std::initializer_list<BeforeTick*> before)
-      : loop_(loop), device_(device), observer_(observer), before_(before) {}
+  HapticSession(HapticLoop& loop, Device& device, SessionParts parts = {});
+  ~HapticSession();
+  HapticSession(const HapticSession&) = delete;
+  HapticSession& operator=(const HapticSession&) = delete;
 
-  void tick(double dt_s) noexcept;
+  // Starts the device. What it says if it refuses, one line; it has then been stopped, and ticks do
+  // nothing. To be called once.
+  std::optional<std::string> start();
 
-  // From any thread; see SnapshotRing::read().
-  bool latest(HapticSnapshot& snapshot) const noexcept { return published_.read(snapshot); }
+  // One tick; nothing before start() and after stop(). dt_s: since the last one, nominal. late_ns:
+  // since it was due. A force that is not finite is not commanded: zero force, and
+  // kFaultNonFiniteForce.
+  void tick(double dt_s, std::int64_t late_ns = 0) noexcept;
+
+  void stop() noexcept;
+
+  // The newest record, from any thread; see SnapshotRing::read().
+  bool latest(TickRecord& record) const noexcept { return published_.read(record); }
 
  private:
+  void command(TickRecord& record) noexcept;
+
   HapticLoop& loop_;
   Device& device_;
-  TickObserver* observer_;
-  std::vector<BeforeTick*> before_;
+  SessionParts parts_;
   double time_s_ = 0.0;
-  SnapshotRing<HapticSnapshot> published_;
+  std::atomic<bool> is_running_{false};
+  SnapshotRing<TickRecord> published_;
 };
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "engine/session/haptic_thread.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -8,6 +9,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -46,9 +48,8 @@ class BlockedSignals {
 
 }  // namespace
 
-HapticThread::HapticThread(HapticSession& session, Device& device,
-                           const HapticThreadSettings& settings)
-    : session_(session), device_(device), settings_(settings) {}
+HapticThread::HapticThread(HapticSession& session, const HapticThreadSettings& settings)
+    : session_(session), settings_(settings) {}
 
 HapticThread::~HapticThread() {
   stop();
@@ -56,6 +57,10 @@ HapticThread::~HapticThread() {
 
 RealtimeStatus HapticThread::start() {
   RealtimeStatus status;
+  if (auto problem = session_.start()) {
+    status.device_problem = std::move(*problem);
+    return status;
+  }
   running_.store(true, std::memory_order_release);
   {
     const BlockedSignals blocked;
@@ -92,7 +97,7 @@ void HapticThread::run() {
       return start_ns + std::llround(static_cast<double>(k) * period_ns);
     };
     sleep_until(due(period));
-    session_.tick(dt_s);
+    session_.tick(dt_s, std::max<std::int64_t>(0, monotonic_ns() - due(period)));
     ticks_.store(n + 1, std::memory_order_release);
     const std::int64_t now = monotonic_ns();
     ++period;
@@ -102,7 +107,7 @@ void HapticThread::run() {
           static_cast<std::int64_t>(std::ceil(static_cast<double>(now - start_ns) / period_ns));
     }
   }
-  device_.command_force_N(Vec3::Zero());
+  session_.stop();
   running_.store(false, std::memory_order_release);
 }
 

@@ -16,8 +16,9 @@ struct HapticThreadSettings {
   std::uint64_t max_ticks = 0;  // 0: until stop()
 };
 
-// What the operating system granted.
+// How a thread has started, and what the operating system granted.
 struct RealtimeStatus {
+  std::string device_problem;  // why the device did not start, and no thread runs; empty if it did
   bool fifo_priority = false;  // SCHED_FIFO
   bool locked_memory = false;  // no page of the process can be swapped out
   std::string explanation;     // one line: what was refused and what to do; empty if nothing was
@@ -29,17 +30,17 @@ struct RealtimeStatus {
 // are left out, not caught up.
 //
 // After start() returns the thread neither allocates nor locks nor does I/O. Signals to the process
-// never interrupt it: other threads take them. When it ends, for whatever reason, it commands zero
-// force.
+// never interrupt it: other threads take them. When it ends, for whatever reason, it stops the
+// session, whose last command is zero force.
 class HapticThread {
  public:
-  // The session and the device must outlive the thread.
-  HapticThread(HapticSession& session, Device& device, const HapticThreadSettings& settings);
+  // The session must outlive the thread.
+  HapticThread(HapticSession& session, const HapticThreadSettings& settings);
   ~HapticThread();  // stops
   HapticThread(const HapticThread&) = delete;
   HapticThread& operator=(const HapticThread&) = delete;
 
-  // Starts once; says what real-time scheduling the system granted.
+  // Starts the session and the thread, once; says what real-time scheduling the system granted.
   RealtimeStatus start();
   // Ends the loop after the present tick and waits for it.
   void stop();
@@ -56,7 +57,6 @@ class HapticThread {
   void run();
 
   HapticSession& session_;
-  Device& device_;
   HapticThreadSettings settings_;
   std::thread thread_;
   std::atomic<bool> begin_{false};

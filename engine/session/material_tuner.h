@@ -21,7 +21,7 @@ namespace palpate {
 //
 //     MaterialTuner tuner(scene);
 //     const auto friction = tuner.add("wood", "dynamicFriction");  // before the session starts
-//     HapticSession session(loop, device, nullptr, &tuner);
+//     HapticSession session(loop, device, {.changes = {&tuner}});
 //     ...
 //     tuner.set(*friction, 0.2);                                   // at any time, from one thread
 //

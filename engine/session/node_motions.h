@@ -20,7 +20,7 @@ namespace palpate {
 //
 //     NodeMotions motions(scene);
 //     const auto lid = motions.add("lid");                 // before the session starts
-//     HapticSession session(loop, device, nullptr, &motions);
+//     HapticSession session(loop, device, {.changes = {&motions}});
 //     ...
 //     motions.set(*lid, T_scene_rest);                     // at any time, from one thread
 class NodeMotions final : public WorldMover {

@@ -1,12 +1,33 @@
 #include "engine/session/replay.h"
 
 #include <algorithm>
-#include <chrono>
-#include <numeric>
+
+#include "engine/devices/path_device.h"
+#include "engine/session/haptic_session.h"
 
 namespace palpate {
-
 namespace {
+
+// Keeps the records of the first pass, and of the later ones each tick's time where it is shorter.
+class Keeper final : public TickObserver {
+ public:
+  // summary: null for a later pass.
+  Keeper(std::vector<TickRecord>& records, SummaryAccumulator* summary)
+      : records_(records), summary_(summary) {}
+  void on_tick(const TickRecord& record) noexcept override {
+    TickRecord& kept = records_[record.tick];
+    if (summary_) {
+      kept = record;
+      summary_->add(record);
+    } else {
+      kept.step_ns = std::min(kept.step_ns, record.step_ns);
+    }
+  }
+
+ private:
+  std::vector<TickRecord>& records_;
+  SummaryAccumulator* summary_;
+};
 
 // As below, but it may throw where there is no memory.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
@@ -17,34 +38,22 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return *error;
   ReplayResult result;
   result.records.resize(path_m.size());
-  result.steps_ns.resize(path_m.size());
   SummaryAccumulator summary;
   RunSummary of_first_pass;  // what it did, without the times that are kept of all passes
   for (int pass = 0; pass < passes; ++pass) {
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
     auto mover = SteadyMotions::create(scene, setup.moves);
     if (!mover) return mover.error();
-    double time_s = 0.0;  // a sum, as a session has it: n dt has other bits
-    for (std::size_t n = 0; n < path_m.size(); ++n) {
-      mover->move_bodies(time_s, loop);
-      const auto start = std::chrono::steady_clock::now();
-      const TickRecord& record = loop.tick(path_m[n], setup.dt_s);
-      const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
-      time_s += setup.dt_s;
-      if (pass == 0) {
-        result.records[n] = record;
-        result.steps_ns[n] = step.count();
-        summary.add(record);
-      } else {
-        result.steps_ns[n] = std::min<std::int64_t>(result.steps_ns[n], step.count());
-      }
+    PathDevice device(path_m);
+    Keeper keeper(result.records, pass == 0 ? &summary : nullptr);
+    HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&keeper}});
+    session.start();
+    for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup.dt_s);
+    if (pass == 0) {
+      take_effects(loop, setup.haptics.measures_effects, steps_of(result.records), of_first_pass);
     }
-    if (pass > 0) continue;
-    const auto all_ns =
-        std::accumulate(result.steps_ns.begin(), result.steps_ns.end(), std::int64_t{0});
-    take_effects(loop, setup.haptics.measures_effects, all_ns, of_first_pass);
   }
-  result.summary = summary.finish(result.steps_ns);
+  result.summary = summary.finish(steps_of(result.records));
   result.summary.effect_ticks = of_first_pass.effect_ticks;
   result.summary.effect_time_shares = of_first_pass.effect_time_shares;
   return result;

@@ -13,8 +13,7 @@
 namespace palpate {
 
 struct ReplayResult {
-  std::vector<TickRecord> records;
-  std::vector<std::int64_t> steps_ns;  // each tick's shortest over the passes
+  std::vector<TickRecord> records;  // each tick's step_ns is its shortest over the passes
   RunSummary summary;
 };
 

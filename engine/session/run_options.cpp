@@ -181,6 +181,20 @@ Result<VelocitySettings> make_velocity(const RunOptions& options) {
   return velocity;
 }
 
+// What the options say of sensors, motors, encoders and rate, a description says, too.
+DeviceDescription device_of(const RunOptions& options, const ActuationModel& actuation) {
+  DeviceDescription device = options.device;
+  device.sensed_axes = actuation.sensors();
+  device.motor_count = actuation.actuators();
+  for (int i = 0; i < actuation.actuators(); ++i) {
+    const Vec3& axis = actuation.actuated_axis(i);
+    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
+  }
+  if (options.encoder_quantum_m) device.encoder_quantum_m = *options.encoder_quantum_m;
+  device.rate_Hz = options.rate_Hz;
+  return device;
+}
+
 }  // namespace
 
 Result<RunSetup> make_setup(const RunOptions& options) {
@@ -201,7 +215,8 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!velocity) return velocity.error();
   auto moves = parse_moves(options.moves);
   if (!moves) return moves.error();
-  RunSetup setup{*actuation, {}, 1.0 / options.rate_Hz, std::move(*moves)};
+  RunSetup setup{
+      *actuation, {}, 1.0 / options.rate_Hz, std::move(*moves), device_of(options, *actuation)};
   setup.haptics.god_object.radius_m = options.radius_m;
   setup.haptics.god_object.accuracy = *accuracy;
   if (options.work_budget) setup.haptics.god_object.accuracy.work_budget = *options.work_budget;
@@ -220,6 +235,10 @@ Result<RunSetup> make_setup(const RunOptions& options) {
 }
 
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
+  const double extent_m = workspace_extent_m(setup.device);
+  if (!(extent_m > 0.0)) {
+    return invalid("--workspace", std::to_string(extent_m) + " m given, expected > 0");
+  }
   auto error = check_settings(scene.world(), setup.haptics);
   if (!error) {
     if (is_time_step(setup.dt_s)) return std::nullopt;

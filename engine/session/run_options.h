@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/devices/light_device.h"
 #include "engine/scene/scene.h"
 #include "engine/session/node_motions.h"
 #include "geometry/base/result.h"
@@ -27,7 +28,8 @@ struct RunOptions {
   std::string table1 = "corrected";
   std::string a4_step = "exact";
   std::string accuracy = "balanced";
-  std::optional<std::int64_t> work_budget = {};  // units of haptics/proxy/work.h; that of --accuracy
+  std::optional<std::int64_t> work_budget =
+      {};  // units of haptics/proxy/work.h; that of --accuracy
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
   double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
@@ -39,6 +41,7 @@ struct RunOptions {
   std::string place;                     // "x y z qw qx qy qz": T_device_scene at the start
   std::vector<std::string> moves;        // "NODE=vx vy vz wx wy wz" each
   bool effect_times = false;
+  DeviceDescription device = light_device();  // but for sensed axes, motors, rate
 };
 
 // Which part of a file is loaded, and how large. As given on the command line.
@@ -58,6 +61,7 @@ struct RunSetup {
   HapticSettings haptics;
   double dt_s;
   std::vector<SteadyMotion> moves;
+  DeviceDescription device = light_device();  // that a simulated hand holds
 };
 
 // Checks ranges and finiteness; an error names the option.

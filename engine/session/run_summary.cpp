@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -28,7 +32,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
     sums_.faults[static_cast<std::size_t>(bit)] += record.faults >> bit & 1u;
   }
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
-  was_in_contact_ = record.contact;
+  was_in_contact_ = record.contact != 0;
   gap_ticks_ = record.contact ? 0 : gap_ticks_ + 1;
   if (sums_.contact_ticks > 0) {
     sums_.longest_gap_ticks = std::max(sums_.longest_gap_ticks, gap_ticks_);
@@ -37,7 +41,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   if (record.rotation_rad > 0.0) ++sums_.a4_ticks;
   if (!record.contact) return;
   ++sums_.contact_ticks;
-  const double penetration_m = (record.proxy_m - record.goal_m).norm();
+  const double penetration_m = (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm();
   penetration_sum_m_ += penetration_m;
   sums_.max_penetration_m = std::max(sums_.max_penetration_m, penetration_m);
   angle_sum_rad_ += record.alpha_rad;
@@ -50,16 +54,16 @@ void SummaryAccumulator::add_work(const TickRecord& record) noexcept {
     last_full_force_N_.setZero();
     return;
   }
-  if (!has_position_) lowest_m_ = highest_m_ = last_device_m_ = record.device_m;
+  if (!has_position_) lowest_m_ = highest_m_ = last_device_m_ = vec3(record.device_m);
   has_position_ = true;
-  lowest_m_ = lowest_m_.cwiseMin(record.device_m);
-  highest_m_ = highest_m_.cwiseMax(record.device_m);
-  const Vec3 moved_m = record.device_m - last_device_m_;
+  lowest_m_ = lowest_m_.cwiseMin(vec3(record.device_m));
+  highest_m_ = highest_m_.cwiseMax(vec3(record.device_m));
+  const Vec3 moved_m = vec3(record.device_m) - last_device_m_;
   sums_.work_lost_J += (last_full_force_N_ - last_force_N_).dot(moved_m);
   sums_.port_work_J += last_force_N_.dot(moved_m);
-  last_device_m_ = record.device_m;
-  last_force_N_ = record.force_device_N;
-  last_full_force_N_ = record.full_force_device_N;
+  last_device_m_ = vec3(record.device_m);
+  last_force_N_ = vec3(record.force_device_N);
+  last_full_force_N_ = vec3(record.full_force_device_N);
 }
 
 RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const {
@@ -75,37 +79,24 @@ RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const 
   return summary;
 }
 
-std::string fault_names(std::uint32_t faults) {
-  std::string names;
-  for (std::size_t bit = 0; bit < kFaultNames.size(); ++bit) {
-    if ((faults >> bit & 1u) == 0) continue;
-    if (!names.empty()) names += '+';
-    names += kFaultNames[bit];
-  }
-  return names;
+std::vector<std::int64_t> steps_of(const std::vector<TickRecord>& records) {
+  std::vector<std::int64_t> steps_ns(records.size());
+  std::transform(records.begin(), records.end(), steps_ns.begin(),
+                 [](const TickRecord& record) { return record.step_ns; });
+  return steps_ns;
 }
 
-std::string_view friction_name(FrictionState friction) {
-  switch (friction) {
-    case FrictionState::kSticks:
-      return "sticks";
-    case FrictionState::kSlides:
-      return "slides";
-    default:
-      return "none";
-  }
-}
-
-void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
+void take_effects(const HapticLoop& loop, bool has_times, const std::vector<std::int64_t>& steps_ns,
                   RunSummary& summary) {
   const EffectCounters* counters = loop.effect_counters();
   if (!counters) return;
   summary.effect_ticks = counters->ticks;
   if (!has_times) return;
   auto& shares = summary.effect_time_shares.emplace();
-  if (all_steps_ns <= 0) return;
+  const auto all_ns = std::accumulate(steps_ns.begin(), steps_ns.end(), std::int64_t{0});
+  if (all_ns <= 0) return;
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    shares[i] = static_cast<double>(counters->time_ns[i]) / static_cast<double>(all_steps_ns);
+    shares[i] = static_cast<double>(counters->time_ns[i]) / static_cast<double>(all_ns);
   }
 }
 

@@ -5,8 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "haptics/haptic_loop.h"
@@ -50,14 +48,11 @@ struct RunSummary {
   }
 };
 
-// The names of the faults of a tick, joined by "+"; empty for none.
-std::string fault_names(std::uint32_t faults);
-
-// "none", "sticks" or "slides".
-std::string_view friction_name(FrictionState friction);
+// How long each tick took, as RunSummary asks for it.
+std::vector<std::int64_t> steps_of(const std::vector<TickRecord>& records);
 
 // What a loop has counted of its effects, and of the time of all its ticks.
-void take_effects(const HapticLoop& loop, bool has_times, std::int64_t all_steps_ns,
+void take_effects(const HapticLoop& loop, bool has_times, const std::vector<std::int64_t>& steps_ns,
                   RunSummary& summary);
 
 class SummaryAccumulator {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -22,37 +21,27 @@
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
 #include "geometry/mesh/section.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-// Keeps every tick in memory that was set aside before the start, and passes it on to the hand.
+// Keeps every tick in memory that was set aside before the start.
 class Recorder final : public TickObserver {
  public:
-  Recorder(ExplorationRun& run, std::size_t ticks, TickObserver& next) : run_(run), next_(next) {
-    run_.records.resize(ticks);
-    run_.steps_ns.resize(ticks);
-  }
-  void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
-               std::int64_t step_ns) noexcept override {
-    if (count_ < run_.records.size()) {
-      run_.records[count_] = record;
-      run_.steps_ns[count_] = step_ns;
-      ++count_;
-    }
+  Recorder(ExplorationRun& run, std::size_t ticks) : run_(run) { run_.records.resize(ticks); }
+  void on_tick(const TickRecord& record) noexcept override {
+    if (count_ < run_.records.size()) run_.records[count_++] = record;
     summary_.add(record);
-    next_.on_tick(record, T_device_scene, step_ns);
   }
   // Of a run that was interrupted the records end where it did.
   RunSummary finish() {
     run_.records.resize(count_);
-    run_.steps_ns.resize(count_);
-    return summary_.finish(run_.steps_ns);
+    return summary_.finish(steps_of(run_.records));
   }
 
  private:
   ExplorationRun& run_;
-  TickObserver& next_;
   std::size_t count_ = 0;
   SummaryAccumulator summary_;
 };
@@ -166,7 +155,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
                  "has no surface with room for a hand in front of it",
-                 room_hint(scene, setup, settings, wanted)};
+                 room_hint(scene, setup, wanted)};
   }
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
@@ -193,9 +182,10 @@ void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_
     run.contour_scene_m = std::move(hand.contour_m);
     CurveCoverage coverage(run.contour_scene_m, run.near_m);
     const std::size_t late = late_tick(run);
-    for (std::size_t n = 0; n < late; ++n) coverage.add(run.records[n].proxy_m);
+    for (std::size_t n = 0; n < late; ++n) coverage.add(vec3(run.records[n].proxy_scene_m));
     const double early_share = coverage.share();
-    for (std::size_t n = late; n < run.records.size(); ++n) coverage.add(run.records[n].proxy_m);
+    for (std::size_t n = late; n < run.records.size(); ++n)
+      coverage.add(vec3(run.records[n].proxy_scene_m));
     run.way_share = coverage.share();
     run.late_way_share = run.way_share - early_share;
     return;
@@ -207,7 +197,7 @@ void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_
   std::size_t reached_late = 0;
   for (const Vec3& place : places) {
     const auto at = std::find_if(run.records.begin(), run.records.end(), [&](const TickRecord& r) {
-      return (r.proxy_m - place).squaredNorm() <= run.near_m * run.near_m;
+      return (vec3(r.proxy_scene_m) - place).squaredNorm() <= run.near_m * run.near_m;
     });
     if (at == run.records.end()) continue;
     ++reached;
@@ -222,20 +212,21 @@ bool is_stopped(const StopFlag* stop) {
   return stop && stop->requested();
 }
 
-void run_virtual(HapticSession& session, Device& device, double dt_s, std::size_t ticks,
-                 const Progress& progress, const StopFlag* stop) {
+void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress,
+                 const StopFlag* stop) {
   constexpr std::size_t kReportEvery = 1000;
+  session.start();  // a simulated device does not refuse
   for (std::size_t n = 0; n < ticks && !is_stopped(stop); ++n) {
     session.tick(dt_s);
     if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
   }
-  device.command_force_N(Vec3::Zero());
+  session.stop();
 }
 
-void run_realtime(HapticSession& session, Device& device, const RunSetup& setup, std::size_t ticks,
+void run_realtime(HapticSession& session, const RunSetup& setup, std::size_t ticks,
                   const Progress& progress, const StopFlag* stop, ExplorationRun& run) {
   if (is_stopped(stop)) return;
-  HapticThread thread(session, device, {1.0 / setup.dt_s, ticks});
+  HapticThread thread(session, {1.0 / setup.dt_s, ticks});
   run.realtime_note = thread.start().explanation;
   while (thread.running() && !is_stopped(stop)) {
     progress(static_cast<double>(thread.ticks()) / static_cast<double>(ticks));
@@ -246,7 +237,7 @@ void run_realtime(HapticSession& session, Device& device, const RunSetup& setup,
   run.missed_deadlines = thread.missed_deadlines();
 }
 
-// Every tick is kept in memory, 240 bytes of it: an hour at 1 kHz is below this limit.
+// Every tick is kept in memory, 320 bytes of it: an hour at 1 kHz is below this limit.
 constexpr double kMostTicks = 4e6;
 
 }  // namespace
@@ -265,10 +256,6 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
     std::ostringstream text;
     text << "times --rate that makes " << ticks << " ticks, expected 1 to " << kMostTicks;
     return invalid("--seconds", text.str(), "choose a shorter run or another rate");
-  }
-  if (!(settings.workspace_m > 0.0)) {
-    return invalid("--workspace", std::to_string(settings.workspace_m) + " m given, expected > 0",
-                   "");
   }
   return std::nullopt;
 }
@@ -308,6 +295,7 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (!hand) return hand.error();
   const ScenePose& pose = setup.haptics.initial_pose;
   PlantSettings plant;
+  plant.device = setup.device;
   plant.seed = settings.seed;
   SimulatedDevice device(plant, *hand->plan, pose.point(hand->start_scene_m), pose,
                          setup.actuation.is_planar());
@@ -319,21 +307,20 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
   const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
-  Recorder recorder(run, ticks, device);
-  HapticSession session(loop, device, &recorder, &*mover);
+  Recorder recorder(run, ticks);
+  HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&recorder, &device}});
   if (settings.virtual_time) {
-    run_virtual(session, device, setup.dt_s, ticks, progress, stop);
+    run_virtual(session, setup.dt_s, ticks, progress, stop);
   } else {
-    run_realtime(session, device, setup, ticks, progress, stop, run);
+    run_realtime(session, setup, ticks, progress, stop, run);
   }
   run.summary = recorder.finish();
   run.interrupted = run.records.size() < ticks;
   if (!run.interrupted) progress(1.0);
-  const auto all_ns = std::accumulate(run.steps_ns.begin(), run.steps_ns.end(), std::int64_t{0});
-  take_effects(loop, setup.haptics.measures_effects, all_ns, run.summary);
+  take_effects(loop, setup.haptics.measures_effects, steps_of(run.records), run.summary);
   measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
               setup.haptics.god_object.radius_m, run);
-  run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > settings.workspace_m;
+  run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);
   return run;
 }
 

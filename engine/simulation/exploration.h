@@ -20,7 +20,6 @@ struct ExplorationSettings {
   double seconds = 28.0;      // the approach takes one of them, the turn the rest
   bool virtual_time = false;  // as fast as it goes, instead of the real-time thread
   std::uint64_t seed = 1;
-  double workspace_m = 0.4;  // extent of the device along each axis
   // Memory that the run may take, with what the caller has taken of it before; 0: half of what is
   // free (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
@@ -31,7 +30,6 @@ struct ExplorationRun {
   bool a4 = false;
   bool interrupted = false;  // by a StopFlag: the records end there, and may be none
   std::vector<TickRecord> records;
-  std::vector<std::int64_t> steps_ns;
   RunSummary summary;
   // What the hand set out to follow, from where it began: a closed contour ends there. With 3
   // sensors places at equal distances along its whole path, reached or not. Scene frame; one of the

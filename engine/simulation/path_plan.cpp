@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "haptics/record_vectors.h"
+
 namespace palpate {
 namespace {
 
@@ -75,8 +77,9 @@ Vec3 PathPlan::place(double along_m) const {
 
 // From where a sphere touches to its centre.
 Vec3 PathPlan::to_centre_m(const TickRecord& last) const {
-  const bool is_felt = last.contact && !last.normal_scene.isZero(0.0);
-  return facts_.proxy_radius_m * (is_felt ? last.normal_scene : Vec3(-inward(proxy_along_m_)));
+  const bool is_felt = last.contact && !vec3(last.normal_scene).isZero(0.0);
+  return facts_.proxy_radius_m *
+         (is_felt ? vec3(last.normal_scene) : Vec3(-inward(proxy_along_m_)));
 }
 
 // The hand follows the path with what touches it.
@@ -84,8 +87,8 @@ HandTarget PathPlan::target(double time_s, const ScenePose& T_device_scene,
                             const TickRecord& last) noexcept {
   const Vec3 to_centre = to_centre_m(last);
   TickRecord touching = last;
-  touching.proxy_m -= to_centre;
-  touching.goal_m -= to_centre;
+  put(vec3(last.proxy_scene_m) - to_centre, touching.proxy_scene_m);
+  put(vec3(last.goal_scene_m) - to_centre, touching.goal_scene_m);
   HandTarget target = touching_target(time_s, T_device_scene, touching);
   target.position_m += T_device_scene.direction(to_centre);
   return target;
@@ -128,7 +131,7 @@ bool PathPlan::may_advance() const {
 bool PathPlan::is_round_edge(const TickRecord& last) const {
   const HandWay::Waypoint& at = way().waypoints()[leg_];
   return at.is_turn && !last.contact &&
-         (last.proxy_m - at.p_m).norm() <= kAtCorner * settings_.press_depth_m;
+         (vec3(last.proxy_scene_m) - at.p_m).norm() <= kAtCorner * settings_.press_depth_m;
 }
 
 // At such a speed that it is at the end in time.
@@ -230,7 +233,7 @@ bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
 // Whether the proxy is free right behind the wall: there is no solid, and the wall has an end.
 bool PathPlan::is_behind_wall(const TickRecord& last) const {
   if (last.contact) return false;
-  const Vec3 offset_m = last.proxy_m - place(proxy_along_m_);
+  const Vec3 offset_m = vec3(last.proxy_scene_m) - place(proxy_along_m_);
   const double behind_m = offset_m.dot(inward(proxy_along_m_));
   const double aside_m = (offset_m - behind_m * inward(proxy_along_m_)).norm();
   return behind_m > 0.0 && behind_m < kRestsInFront * settings_.press_depth_m &&
@@ -245,18 +248,18 @@ void PathPlan::lift(const TickRecord& last) {
   lift_step_m_ = std::min(2.0 * lift_step_m_, kFarthestOn * whole_m);
   if (facts_.sides == PathSides::kEither) {
     is_behind_ = false;
-    is_behind_ = (last.proxy_m - place(along_m)).dot(inward(along_m)) > 0.0;
+    is_behind_ = (vec3(last.proxy_scene_m) - place(along_m)).dot(inward(along_m)) > 0.0;
   } else if (facts_.sides == PathSides::kWhereFree && is_behind_wall(last)) {
     is_behind_ = !is_behind_;
   }
   detour_ = {};
-  detour_.from_m = last.goal_m;
+  detour_.from_m = vec3(last.goal_scene_m);
   detour_.speed_m_per_s = settings_.lift_speed_m_per_s;
   if (facts_.may_cross_itself) {
     detour_.begins_along_m = std::max(0.0, proxy_along_m_ - kSearched * depth);
   }
   detour_.ends_along_m = along_m;
-  if (last.contact) detour_.add(last.proxy_m + facts_.room_m * last.normal_scene);
+  if (last.contact) detour_.add(vec3(last.proxy_scene_m) + facts_.room_m * vec3(last.normal_scene));
   detour_.add(place(along_m) - facts_.room_m * inward(along_m));
   detour_.add(place(along_m) + depth * inward(along_m));
 }
@@ -265,7 +268,7 @@ void PathPlan::lift(const TickRecord& last) {
 // along the wall. What an earlier leg left over counts as far as it points there. Into the wall the
 // hand presses more as long as it does not reach it: something may pull it away.
 Vec3 PathPlan::correct_lag(const Aim& aim, const TickRecord& last, double dt_s) {
-  const Vec3 lag_m = aim.p_m - last.goal_m;
+  const Vec3 lag_m = aim.p_m - vec3(last.goal_scene_m);
   // What held the hand back is not made up for once it has gone.
   const double gain = lag_m.dot(correction_m_) < 0.0 ? kUnwinds : 1.0;
   Vec3 correction_m = correction_m_ + gain * settings_.visual_gain_per_s * dt_s * lag_m;
@@ -314,11 +317,12 @@ bool PathPlan::find(const TickRecord& last, double first_m, double last_m) {
     if (length_m == 0.0) return;
     const Vec3 direction = (points[wall + 1].p_m - points[wall].p_m) / length_m;
     // The back of a thin part is near, too.
-    if (last.contact && last.normal_scene.dot(points[wall].inward) > kFromBehind) return;
-    const double at_m = std::clamp((last.proxy_m - points[wall].p_m).dot(direction),
+    if (last.contact && vec3(last.normal_scene).dot(points[wall].inward) > kFromBehind) return;
+    const double at_m = std::clamp((vec3(last.proxy_scene_m) - points[wall].p_m).dot(direction),
                                    std::clamp(first_m - from_m, 0.0, length_m),
                                    std::clamp(last_m - from_m, 0.0, length_m));
-    const double distance_m = (last.proxy_m - points[wall].p_m - at_m * direction).norm();
+    const double distance_m =
+        (vec3(last.proxy_scene_m) - points[wall].p_m - at_m * direction).norm();
     if (distance_m >= nearest_m) return;
     nearest_m = distance_m;
     found_m = from_m + at_m;

@@ -19,11 +19,11 @@ bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double f
 }
 
 // The device that senses A1 and A2 finds a contour that it reaches.
-bool has_contour(const Scene& scene, const RunSetup& setup, const ExplorationSettings& settings) {
+bool has_contour(const Scene& scene, const RunSetup& setup) {
   const ScenePose& pose = setup.haptics.initial_pose;
   const double largest_m = scene.statistics().extent_m.maxCoeff();
-  return !check_fits(hand_workspace(2, settings.workspace_m), bounds_in_device(scene, pose),
-                     largest_m) &&
+  return !check_fits(hand_workspace(2, workspace_extent_m(setup.device)),
+                     bounds_in_device(scene, pose), largest_m) &&
          height_with_contour_m(scene, pose).has_value();
 }
 
@@ -35,8 +35,9 @@ std::string two_sensors_text(const ActuationModel& actuation) {
 }  // namespace
 
 std::string room_hint(const Scene& scene, const RunSetup& setup,
-                      const ExplorationSettings& settings, const SurfacePathSettings& wanted) {
-  const Workspace workspace = hand_workspace(setup.actuation.sensors(), settings.workspace_m);
+                      const SurfacePathSettings& wanted) {
+  const Workspace workspace =
+      hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
   const double largest_m = scene.statistics().extent_m.maxCoeff();
   for (const auto& size_m : {fitting_size_m(workspace, bounds, largest_m),
@@ -47,7 +48,7 @@ std::string room_hint(const Scene& scene, const RunSetup& setup,
     hint << "scale it up with --fit " << *size_m;
     return hint.str();
   }
-  if (has_contour(scene, setup, settings)) return two_sensors_text(setup.actuation);
+  if (has_contour(scene, setup)) return two_sensors_text(setup.actuation);
   return scene.objects().size() > 1
              ? "no size within --workspace has any: choose a part of it with --node"
              : "no size within --workspace has any: choose a scene with larger faces";

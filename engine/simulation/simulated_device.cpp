@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptics/record_vectors.h"
+
 namespace palpate {
 namespace {
 
@@ -25,21 +27,27 @@ SimulatedDevice::SimulatedDevice(const PlantSettings& settings, HandPlan& plan,
       position_m_(start_device_m),
       T_device_scene_(T_device_scene) {}
 
-Vec3 SimulatedDevice::read_position_m(double dt_s) noexcept {
+DeviceSample SimulatedDevice::read(double dt_s) noexcept {
   // The first sample is the rest position: the proxy starts there.
-  if (started_) {
-    HandTarget target = plan_.target(time_s_, T_device_scene_, last_);
-    target.position_m += intention_noise(dt_s);
-    if (planar_) {
-      target.position_m.z() = position_m_.z();
-      target.velocity_m_per_s.z() = 0.0;
-    }
-    for (int i = 0; i < settings_.substeps; ++i) substep(target, dt_s / settings_.substeps);
-    time_s_ += dt_s;
+  if (samples_++ > 0) move_hand(dt_s);
+  const double quantum_m = settings_.device.encoder_quantum_m;
+  Vec3 sensed_m = position_m_;
+  if (quantum_m != 0.0) sensed_m = (position_m_ / quantum_m).array().round() * quantum_m;
+  DeviceSample sample;
+  sample.position_m = {sensed_m.x(), sensed_m.y(), sensed_m.z()};
+  sample.sequence = samples_;
+  return sample;
+}
+
+void SimulatedDevice::move_hand(double dt_s) {
+  HandTarget target = plan_.target(time_s_, T_device_scene_, last_);
+  target.position_m += intention_noise(dt_s);
+  if (planar_) {
+    target.position_m.z() = position_m_.z();
+    target.velocity_m_per_s.z() = 0.0;
   }
-  started_ = true;
-  if (settings_.encoder_quantum_m == 0.0) return position_m_;
-  return (position_m_ / settings_.encoder_quantum_m).array().round() * settings_.encoder_quantum_m;
+  for (int i = 0; i < settings_.substeps; ++i) substep(target, dt_s / settings_.substeps);
+  time_s_ += dt_s;
 }
 
 // First-order low-pass of white noise, scaled to the standard deviation asked for at any rate.
@@ -53,23 +61,22 @@ Vec3 SimulatedDevice::intention_noise(double dt_s) {
 }
 
 void SimulatedDevice::substep(const HandTarget& target, double dt_s) {
-  const double mass = settings_.device_mass_kg + settings_.hand_mass_kg;
-  const Vec3 hand = settings_.hand_stiffness_N_per_m * (target.position_m - position_m_) +
-                    settings_.hand_damping_Ns_per_m * (target.velocity_m_per_s - velocity_m_per_s_);
-  Vec3 force = force_N_ + hand - settings_.viscous_friction_Ns_per_m * velocity_m_per_s_;
+  const double mass = settings_.device.mass_kg + settings_.hand.mass_kg;
+  const Vec3 hand = settings_.hand.stiffness_N_per_m * (target.position_m - position_m_) +
+                    settings_.hand.damping_Ns_per_m * (target.velocity_m_per_s - velocity_m_per_s_);
+  Vec3 force = force_N_ + hand - settings_.device.damping_Ns_per_m * velocity_m_per_s_;
   if (planar_) force.z() = 0.0;
   const Vec3 pushed = velocity_m_per_s_ + force * (dt_s / mass);
   // Coulomb friction takes speed away and stops at zero: it never drives.
   const double speed = pushed.norm();
-  const double lost = settings_.coulomb_friction_N * dt_s / mass;
+  const double lost = settings_.device.coulomb_friction_N * dt_s / mass;
   velocity_m_per_s_ = speed > lost ? Vec3(pushed * (1.0 - lost / speed)) : Vec3(Vec3::Zero());
   position_m_ += dt_s * velocity_m_per_s_;
 }
 
-void SimulatedDevice::on_tick(const TickRecord& record, const ScenePose& T_device_scene,
-                              std::int64_t /*step_ns*/) noexcept {
+void SimulatedDevice::on_tick(const TickRecord& record) noexcept {
   last_ = record;
-  T_device_scene_ = T_device_scene;
+  T_device_scene_ = pose_after(record);
 }
 
 }  // namespace palpate

@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "engine/devices/light_device.h"
+#include "engine/devices/stability_limits.h"  // HandImpedance
 #include "engine/session/haptic_session.h"
 #include "geometry/base/types.h"
 
@@ -27,16 +29,10 @@ class HandPlan {
 };
 
 // A point mass with friction, read by encoders and held by a hand that is a spring and a damper
-// towards its target. The figures are those of a light desktop device and of one fitted trial of a
-// human hand (0.55 kg, 6.45 N s/m, 135 N/m; Scientific Reports 8, 18004).
+// towards its target.
 struct PlantSettings {
-  double device_mass_kg = 0.1;
-  double viscous_friction_Ns_per_m = 0.5;
-  double coulomb_friction_N = 0.02;
-  double encoder_quantum_m = 20e-6;
-  double hand_mass_kg = 0.55;
-  double hand_stiffness_N_per_m = 135.0;
-  double hand_damping_Ns_per_m = 6.45;
+  DeviceDescription device = light_device();
+  HandImpedance hand;
   double intention_noise_m = 0.3e-3;  // standard deviation per axis, 3 Hz low-pass
   double intention_noise_Hz = 3.0;
   int substeps = 10;  // semi-implicit Euler steps a tick
@@ -50,12 +46,15 @@ class SimulatedDevice final : public Device, public TickObserver {
   SimulatedDevice(const PlantSettings& settings, HandPlan& plan, const Vec3& start_device_m,
                   const ScenePose& T_device_scene, bool planar);
 
-  Vec3 read_position_m(double dt_s) noexcept override;
-  void command_force_N(const Vec3& force_device) noexcept override { force_N_ = force_device; }
-  void on_tick(const TickRecord& record, const ScenePose& T_device_scene,
-               std::int64_t step_ns) noexcept override;
+  const DeviceDescription& description() const noexcept override { return settings_.device; }
+  DeviceSample read(double dt_s) noexcept override;
+  void command(const DeviceCommand& command) noexcept override {
+    force_N_ = Vec3(command.force_N.data());
+  }
+  void on_tick(const TickRecord& record) noexcept override;
 
  private:
+  void move_hand(double dt_s);
   Vec3 intention_noise(double dt_s);
   void substep(const HandTarget& target, double dt_s);
 
@@ -64,7 +63,7 @@ class SimulatedDevice final : public Device, public TickObserver {
   bool planar_;
   std::mt19937_64 random_;
   double time_s_ = 0.0;
-  bool started_ = false;
+  std::uint64_t samples_ = 0;
   Vec3 position_m_;
   Vec3 velocity_m_per_s_ = Vec3::Zero();
   Vec3 noise_m_ = Vec3::Zero();

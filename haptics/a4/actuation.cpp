@@ -34,6 +34,53 @@ std::optional<Error> check_sensors(int sensors) {
                  "count position axes only: a 6-DOF device senses a point with 3");
 }
 
+// What is wrong with an axis, by its number.
+struct BadAxis {
+  enum class Problem : std::uint8_t { kNoDirection, kLeavesPlane, kTooMany, kDependent };
+  std::size_t axis;
+  Problem problem;
+};
+
+Error error_of(const BadAxis& bad, const Vec3& axis) {
+  const std::string name = describe(bad.axis, axis);
+  switch (bad.problem) {
+    case BadAxis::Problem::kNoDirection:
+      return invalid(name, "expected a finite direction of non-zero length", "");
+    case BadAxis::Problem::kLeavesPlane:
+      return invalid(name, "leaves the sensed plane A1 A2 of a 2-sensor device",
+                     "set its third component to 0, or use 3 sensors");
+    case BadAxis::Problem::kTooMany:
+      return invalid(name, "more actuated axes than sensors", "give fewer axes");
+    case BadAxis::Problem::kDependent:
+      break;
+  }
+  return invalid(name, "depends linearly on the axes before it",
+                 "leave it out: it adds nothing that can be pushed");
+}
+
+// By Gram and Schmidt, twice: the second pass removes the rounding of the first. Axes that are not
+// given are those of the device.
+std::optional<BadAxis> orthonormal_basis(int sensors, std::span<const Vec3> axes_device,
+                                         std::array<Vec3, 3>& basis) noexcept {
+  basis = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  for (std::size_t i = 0; i < axes_device.size(); ++i) {
+    const Vec3& axis = axes_device[i];
+    const double largest = axis.cwiseAbs().maxCoeff();
+    if (!axis.allFinite() || largest == 0.0) return BadAxis{i, BadAxis::Problem::kNoDirection};
+    Vec3 direction = (axis / largest).normalized();  // scaled first: no overflow
+    if (sensors == 2 && std::abs(direction.z()) > kSpanRoundoff) {
+      return BadAxis{i, BadAxis::Problem::kLeavesPlane};
+    }
+    if (i >= static_cast<std::size_t>(sensors)) return BadAxis{i, BadAxis::Problem::kTooMany};
+    for (int pass = 0; pass < 2; ++pass) {
+      for (std::size_t j = 0; j < i; ++j) direction -= direction.dot(basis[j]) * basis[j];
+    }
+    if (direction.norm() <= kSpanRoundoff) return BadAxis{i, BadAxis::Problem::kDependent};
+    basis[i] = direction.normalized();
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<ActuationModel> ActuationModel::from_counts(int sensors, int actuators) {
@@ -53,30 +100,19 @@ Result<ActuationModel> ActuationModel::from_counts(int sensors, int actuators) {
 Result<ActuationModel> ActuationModel::from_axes(int sensors,
                                                  const std::vector<Vec3>& axes_device) {
   if (const auto error = check_sensors(sensors)) return *error;
-  std::array<Vec3, 3> basis{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  for (std::size_t i = 0; i < axes_device.size(); ++i) {
-    const Vec3& axis = axes_device[i];
-    const double largest = axis.cwiseAbs().maxCoeff();
-    if (!axis.allFinite() || largest == 0.0) {
-      return invalid(describe(i, axis), "expected a finite direction of non-zero length", "");
-    }
-    Vec3 direction = (axis / largest).normalized();  // scaled first: no overflow
-    if (sensors == 2 && std::abs(direction.z()) > kSpanRoundoff) {
-      return invalid(describe(i, axis), "leaves the sensed plane A1 A2 of a 2-sensor device",
-                     "set its third component to 0, or use 3 sensors");
-    }
-    if (i >= static_cast<std::size_t>(sensors)) {
-      return invalid(describe(i, axis), "more actuated axes than sensors", "give fewer axes");
-    }
-    for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding of the first
-      for (std::size_t j = 0; j < i; ++j) direction -= direction.dot(basis[j]) * basis[j];
-    }
-    if (direction.norm() <= kSpanRoundoff) {
-      return invalid(describe(i, axis), "depends linearly on the axes before it",
-                     "leave it out: it adds nothing that can be pushed");
-    }
-    basis[i] = direction.normalized();
+  std::array<Vec3, 3> basis;
+  if (const auto bad = orthonormal_basis(sensors, axes_device, basis)) {
+    return error_of(*bad, axes_device[bad->axis]);
   }
+  return ActuationModel(sensors, static_cast<int>(axes_device.size()), basis);
+}
+
+std::optional<ActuationModel> ActuationModel::from_axes_at_pose(
+    int sensors, std::span<const Vec3> axes_device) noexcept {
+  std::array<Vec3, 3> basis;
+  const bool is_good =
+      (sensors == 2 || sensors == 3) && !orthonormal_basis(sensors, axes_device, basis).has_value();
+  if (!is_good) return std::nullopt;
   return ActuationModel(sensors, static_cast<int>(axes_device.size()), basis);
 }
 

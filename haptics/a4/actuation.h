@@ -3,6 +3,8 @@
 // What a device senses and what it can push.
 
 #include <array>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/base/result.h"
@@ -30,6 +32,11 @@ class ActuationModel {
   // axes_device: any length but zero; linearly independent; within the sensed axes.
   static Result<ActuationModel> from_axes(int sensors, const std::vector<Vec3>& axes_device);
 
+  // The same for the haptic thread, as motors that turn with the device need it each tick: nothing
+  // where from_axes() has an error. No allocation.
+  static std::optional<ActuationModel> from_axes_at_pose(
+      int sensors, std::span<const Vec3> axes_device) noexcept;
+
   int sensors() const { return sensors_; }
   int actuators() const { return actuators_; }
   ActuationCase table1_case() const;
@@ -45,6 +52,11 @@ class ActuationModel {
   // Angle between a unit vector and the actuated line, plane or space, in [0, pi/2] rad; pi/2
   // without actuators.
   double angle_to_actuated_rad(const Vec3& unit_device) const;
+
+  // To the bit.
+  bool operator==(const ActuationModel& other) const {
+    return sensors_ == other.sensors_ && actuators_ == other.actuators_ && basis_ == other.basis_;
+  }
 
  private:
   ActuationModel(int sensors, int actuators, const std::array<Vec3, 3>& basis)

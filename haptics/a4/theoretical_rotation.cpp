@@ -29,6 +29,19 @@ AxisAngle TheoreticalRotation::update(const Vec3& normal_device) noexcept {
   return form_ == Table1Form::kCorrected ? corrected(normal_device) : as_printed(normal_device);
 }
 
+void TheoreticalRotation::set_actuation(const ActuationModel& actuation) noexcept {
+  if (actuation == actuation_) return;
+  actuation_ = actuation;
+  if (!has_target_ || actuation_.actuators() == 0) return;
+  const Vec3& a1 = actuation_.actuated_axis(0);
+  if (actuation_.actuators() == 1) {
+    target_device_ = target_device_.dot(a1) < 0.0 ? Vec3(-a1) : a1;
+    return;
+  }
+  const Vec3 part = actuation_.actuated_part(target_device_);
+  target_device_ = part.norm() >= kHysteresisSine ? Vec3(part.normalized()) : a1;
+}
+
 AxisAngle TheoreticalRotation::corrected(const Vec3& normal_device) noexcept {
   const Vec3& a1 = actuation_.actuated_axis(0);
   if (actuation_.actuators() == 1) {

@@ -41,6 +41,11 @@ class TheoreticalRotation {
   // plane. noexcept, no allocation.
   AxisAngle update(const Vec3& normal_device) noexcept;
 
+  // Motors that turn with the device: from the next update() on. What the normal was being aligned
+  // with goes on as far as the new axes can: with one actuator on the same side, with two along the
+  // part of it that lies in their span. The same model changes nothing.
+  void set_actuation(const ActuationModel& actuation) noexcept;
+
   // Contact was lost: the next normal chooses its direction afresh.
   void reset() noexcept { has_target_ = false; }
 

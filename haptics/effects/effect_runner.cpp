@@ -36,11 +36,11 @@ EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
   }
 }
 
-void EffectRunner::look_around(const GodObject& god_object) noexcept {
+void EffectRunner::look_around(const ContactView& contact) noexcept {
   if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
   ticks_to_look_ = kTicksBetweenLooks;
-  const Vec3& proxy = god_object.proxy();
-  double reach_m = god_object.world().size_m();
+  const Vec3& proxy = contact.proxy();
+  double reach_m = contact.world().size_m();
   if (program_->places.count != 0) {
     const double left_m = quiet_radius_m_ - (proxy - quiet_centre_).norm();
     if (left_m < 0.5 * quiet_radius_m_) {  // more is to be known by asking again
@@ -54,7 +54,7 @@ void EffectRunner::look_around(const GodObject& god_object) noexcept {
     reach_m = std::min(reach_m, std::sqrt(box.squared_distance(proxy)));
   }
   // What a proxy touches is its radius away, and a few stand-offs.
-  reach_m -= god_object.radius_m() + 4 * god_object.scale().stand_off_m;
+  reach_m -= contact.radius_m() + 4 * contact.stand_off_m();
   far_centre_ = proxy;
   far_reach_m_ = std::max(0.0, 0.5 * reach_m);
 }
@@ -138,12 +138,12 @@ bool EffectRunner::touches_bare_face(std::span<const FaceContact> contacts) noex
   return true;
 }
 
-void EffectRunner::find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept {
-  const std::span<const FaceContact> contacts = god_object.contacts();
+void EffectRunner::find_touches(const ContactView& contact, const Vec3& lag_m) noexcept {
+  const std::span<const FaceContact> contacts = contact.contacts();
   touch_count_ = contacts.size();
   material_count_ = 0;
   std::array<Vec3, 3> normals;
-  for (std::size_t i = 0; i < touch_count_; ++i) normals[i] = god_object.plane_normal(i);
+  for (std::size_t i = 0; i < touch_count_; ++i) normals[i] = contact.plane_normal(i);
   shares_ = bearing_shares(lag_m, std::span(normals).first(touch_count_));
   for (std::size_t i = 0; i < touch_count_; ++i) {
     const FaceRef& face = contacts[i].face;
@@ -160,17 +160,17 @@ void EffectRunner::find_touches(const GodObject& god_object, const Vec3& lag_m) 
   }
 }
 
-ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyState& state,
+ContactFeel EffectRunner::feel_contact(const ContactView& contact, const ProxyState& state,
                                        const EffectMotion& motion) noexcept {
   ContactFeel feel;
   feel.normal = state.normal;
   feel.coupling = coupling_;
   touch_count_ = 0;
   material_count_ = 0;
-  if (!state.in_contact || god_object.contacts().empty()) return feel;
+  if (!state.in_contact || contact.contacts().empty()) return feel;
   if (state.is_held) felt_ |= held_;
-  if (touches_bare_face(god_object.contacts())) return feel;
-  find_touches(god_object, state.proxy - motion.goal_m);
+  if (touches_bare_face(contact.contacts())) return feel;
+  find_touches(contact, state.proxy - motion.goal_m);
   const auto touched = std::span(materials_).first(material_count_);
   if (std::all_of(touched.begin(), touched.end(), [&](const TouchedMaterial& m) {
         return program_->materials[m.material].is_bare;
@@ -184,17 +184,17 @@ ContactFeel EffectRunner::feel_contact(const GodObject& god_object, const ProxyS
   bool is_shaded = false;
   EffectTick& tick = prepared(state, motion);
   for (std::size_t i = 0; i < touch_count_; ++i) {
-    const FaceContact& contact = god_object.contacts()[i];
+    const FaceContact& face = contact.contacts()[i];
     const double share = shares_[i];
     tick.share = share;
-    tick.normal = god_object.plane_normal(i);
+    tick.normal = contact.plane_normal(i);
     tick.felt_normal = tick.normal;
     tick.height_m = 0.0;
     tick.slope.setZero();
     tick.coupling = coupling_;
     const std::uint32_t m = touches_[i].material;
     if (!program_->materials[m].is_bare) {
-      tick.face = face_point(god_object.world(), contact, state.proxy);
+      tick.face = face_point(contact.world(), face, state.proxy);
       run(program_->table(m, EffectStage::kSurface), tick);
       run(program_->table(m, EffectStage::kForceMap), tick);
     }

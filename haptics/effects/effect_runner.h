@@ -10,7 +10,7 @@
 
 #include "geometry/base/box.h"
 #include "haptics/effects/effect_program.h"
-#include "haptics/proxy/god_object.h"
+#include "haptics/proxy/proxy_state.h"
 
 namespace palpate {
 
@@ -53,14 +53,13 @@ class EffectRunner {
   // Whether nothing that has an effect can be met or felt on the way of the proxy to this goal: a
   // tick is then as it is without effects. What look_around() saw tells, for as long as the proxy
   // is not far from there.
-  bool is_far_from_all(const GodObject& god_object, const Vec3& goal) const noexcept {
+  bool is_far_from_all(const ContactView& contact, const Vec3& goal) const noexcept {
     const double reach_m2 = far_reach_m_ * far_reach_m_;
     return (goal - far_centre_).squaredNorm() < reach_m2 &&
-           (god_object.proxy() - goal).squaredNorm() < reach_m2 &&
-           god_object.world().moving().empty();
+           (contact.proxy() - goal).squaredNorm() < reach_m2 && contact.world().moving().empty();
   }
   // At the end of a tick in which that was not so.
-  void look_around(const GodObject& god_object) noexcept;
+  void look_around(const ContactView& contact) noexcept;
 
   void begin_tick() noexcept { felt_ = held_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.
@@ -71,7 +70,7 @@ class EffectRunner {
                              const Vec3& proxy) noexcept;
 
   // kSurface and kForceMap, of all that the proxy touches, each by its share.
-  ContactFeel feel_contact(const GodObject& god_object, const ProxyState& state,
+  ContactFeel feel_contact(const ContactView& contact, const ProxyState& state,
                            const EffectMotion& motion) noexcept;
 
   // kForceAdd of the contact that was felt last.
@@ -100,7 +99,7 @@ class EffectRunner {
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
   EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
   bool touches_bare_face(std::span<const FaceContact> contacts) noexcept;
-  void find_touches(const GodObject& god_object, const Vec3& lag_m) noexcept;
+  void find_touches(const ContactView& contact, const Vec3& lag_m) noexcept;
   FacePoint face_point(const LiveWorld& world, const FaceContact& contact,
                        const Vec3& proxy) const noexcept;
 

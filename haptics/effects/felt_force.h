@@ -3,7 +3,7 @@
 // The force of a contact that has effects.
 
 #include "haptics/effects/effect_runner.h"
-#include "haptics/proxy/god_object.h"
+#include "haptics/proxy/proxy_state.h"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 
 // How much of its depth a contact can hold sideways, and whether it does.
 
-#include <cstdint>
+#include "palpate/record.h"  // FrictionState
 
 namespace palpate {
 
@@ -13,13 +13,6 @@ struct FrictionCone {
   double dynamic_friction = 0.0;  // one that slides has a lag of so many times its depth
 
   bool holds() const { return static_friction > 0.0; }
-};
-
-// What a contact does under friction, from tick to tick: GodObject::move_with_friction().
-enum class FrictionState : std::uint8_t {
-  kNone,    // no contact, or with nothing that has friction
-  kSticks,  // as every new contact
-  kSlides   // also while the hand stands still: until its lag falls below that of the cone
 };
 
 }  // namespace palpate

@@ -14,6 +14,7 @@
 #include "haptics/proxy/friction_cone.h"
 #include "haptics/proxy/live_world.h"
 #include "haptics/proxy/plane_projection.h"
+#include "haptics/proxy/proxy_state.h"
 #include "haptics/proxy/segment_tracer.h"
 
 namespace palpate {
@@ -23,37 +24,17 @@ struct GodObjectSettings {
   Accuracy accuracy = {};
 };
 
-// What one step found. Solver frame, metres.
-struct ProxyState {
-  Vec3 proxy = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // normalised average of the active planes; 0 if they cancel or none
-  bool in_contact = false;     // |proxy - goal| exceeds the step tolerance
-  int active_planes = 0;       // that push
-  // The unit direction in which two planes leave the proxy free; zero for any other number.
-  Vec3 free_direction = Vec3::Zero();
-  bool slid = false;     // moved along what it touches, in this step
-  bool is_held = false;  // by friction: what it touches has some
-  FrictionState friction = FrictionState::kNone;
-  FrictionCone cone;  // of what it touches
-  int iterations = 0;
-  bool capped = false;  // ended before it converged: GodObject says what that means
-  // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
-  // for where the proxy is, is as without contact.
-  bool is_refused = false;
-  WorkUnits work = 0;  // of the tick, with what its moving bodies took
+// What a god-object under friction asks at the faces that it touches.
+class FrictionCones {
+ public:
+  virtual FrictionCone at(const FaceContact& contact, const Vec3& proxy) noexcept = 0;
 
-  // The part of a vector that lies along the planes' normals: what the proxy cannot follow.
-  Vec3 pressed_part(const Vec3& v) const {
-    if (active_planes > 2 || normal.isZero(0.0)) return v;
-    if (active_planes == 2) return v - v.dot(free_direction) * free_direction;
-    return v.dot(normal) * normal;
-  }
+ protected:
+  ~FrictionCones() = default;
 };
 
-// What a god-object under friction asks at the faces that it touches.
 struct FrictionSource {
-  void* context;
-  FrictionCone (*cone)(void* context, const FaceContact& contact, const Vec3& proxy) noexcept;
+  FrictionCones& cones;
   // The size of the coordinates that the goal was made from, if larger than its own: it is rounded
   // as they are. Finite, >= 0: no move is made otherwise (ProxyState::is_refused).
   double coordinates_m = 0.0;
@@ -170,6 +151,11 @@ class GodObject {
   }
   const Vec3& plane_normal(std::size_t i) const {
     return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
+  }
+  ContactView contact() const {
+    return {
+        *world_,           proxy_, radius_m(), scale().stand_off_m, contacts(), planes_of_contact_,
+        projection_.active};
   }
   // The corners of the polyline that the last move_to() committed, from where the proxy was to
   // where it is. Solver frame, metres. Valid until the next call.

@@ -35,7 +35,7 @@ struct CoulombFriction {
   // What the last step touched, and what the proxy may touch there.
   bool holds() const { return cone.holds(); }
   bool may_hold_at(const FaceContact& contact, const Vec3& proxy) const {
-    return source->cone(source->context, contact, proxy).holds();
+    return source->cones.at(contact, proxy).holds();
   }
 
   // moved: the step led anywhere. A proxy that was to slide and cannot keeps its state.
@@ -98,7 +98,7 @@ bool GodObject::hold_by(Friction& friction) {
   double farthest_body_m = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const FaceContact& contact = contacts_[projection_.active[static_cast<int>(i)]];
-    const FrictionCone cone = friction.source->cone(friction.source->context, contact, proxy_);
+    const FrictionCone cone = friction.source->cones.at(contact, proxy_);
     friction.holds_by[i] = cone.holds();
     const double part = depth_m > 0.0 ? parts[i] / depth_m : 0.0;
     friction.cone.static_friction += part * cone.static_friction;

@@ -187,7 +187,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
   if (!may_gain_by(along)) return false;
   return tries(friction, [&] {
     friction.begin_step();
-    friction.cone = friction.source->cone(friction.source->context, face, proxy_);
+    friction.cone = friction.source->cones.at(face, proxy_);
     const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
     stop_at_first_hit(within_bounds(proxy_ + part * along));
   });

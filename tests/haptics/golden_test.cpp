@@ -19,6 +19,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/paper_objects.h"
 #include "models/primitives.h"
 #include "tests/helpers/worlds.h"
@@ -133,13 +134,13 @@ Felt feel(const PaperObject& object, bool a4) {
   Hash hash;
   for (const Vec3& p : trajectory_m(object.contour_m)) {
     const TickRecord& record = loop.tick(start_pose().point(p), kDt_s);
-    hash.add_all(record.proxy_m);
-    hash.add_all(record.full_force_device_N);
-    hash.add_all(record.force_device_N);
-    hash.add_all(record.T_device_scene.rotation.coeffs());
-    hash.add_all(record.T_device_scene.translation_m);
+    hash.add_all(vec3(record.proxy_scene_m));
+    hash.add_all(vec3(record.full_force_device_N));
+    hash.add_all(vec3(record.force_device_N));
+    hash.add_all(pose_before(record).rotation.coeffs());
+    hash.add_all(pose_before(record).translation_m);
     felt.ticks_in_contact += record.contact;
-    const Quat& before = record.T_device_scene.rotation;
+    const Quat& before = pose_before(record).rotation;
     felt.ticks_turning += loop.T_device_scene().rotation.coeffs() != before.coeffs();
   }
   felt.hash = hash.value();

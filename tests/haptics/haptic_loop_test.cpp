@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -57,12 +58,12 @@ class Port {
       const Vec3 next_m = from_m + (to_m - from_m) * (static_cast<double>(i) / steps);
       work_J_ += force_N_.dot(next_m - at_m_);
       at_m_ = next_m;
-      force_N_ = loop_.tick(at_m_, dt_s).force_device_N;
+      force_N_ = vec3(loop_.tick(at_m_, dt_s).force_device_N);
     }
   }
   void start(const Vec3& at_m) {
     at_m_ = at_m;
-    force_N_ = loop_.tick(at_m_, kDt).force_device_N;
+    force_N_ = vec3(loop_.tick(at_m_, kDt).force_device_N);
   }
   void hold(int ticks, double dt_s) { move(at_m_, ticks, dt_s); }
   const Vec3& at_m() const { return at_m_; }
@@ -105,10 +106,13 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
   for (int n = 0; n < 70000; ++n) {
     at_m = wander(random, at_m);
     const TickRecord now = loop.tick(at_m, kDt);
-    const Vec3 dx = now.goal_m - last.goal_m;
-    const double before_J = 0.5 * kStiffness * (last.proxy_m - last.goal_m).squaredNorm();
-    const double after_J = 0.5 * kStiffness * (now.proxy_m - now.goal_m).squaredNorm();
-    const double given_J = -kStiffness * (last.proxy_m - last.goal_m).dot(dx);
+    const Vec3 dx = vec3(now.goal_scene_m) - vec3(last.goal_scene_m);
+    const double before_J =
+        0.5 * kStiffness * (vec3(last.proxy_scene_m) - vec3(last.goal_scene_m)).squaredNorm();
+    const double after_J =
+        0.5 * kStiffness * (vec3(now.proxy_scene_m) - vec3(now.goal_scene_m)).squaredNorm();
+    const double given_J =
+        -kStiffness * (vec3(last.proxy_scene_m) - vec3(last.goal_scene_m)).dot(dx);
     const double leak_J = 0.5 * kStiffness * dx.squaredNorm();
     const double scale_J = before_J + after_J + std::abs(given_J) + leak_J;
     ASSERT_LE(after_J, before_J + given_J + leak_J + 1e-12 * scale_J) << "tick " << n;
@@ -134,7 +138,8 @@ TEST(A4, TurningTheSceneAboutTheProxyLeavesTheSpringAlone) {
     double last_J = -1.0;
     for (int n = 0; n < 3000; ++n) {
       const TickRecord r = loop.tick(at_m, kDt);
-      const double spring_J = 0.5 * kStiffness * (r.proxy_m - r.goal_m).squaredNorm();
+      const double spring_J =
+          0.5 * kStiffness * (vec3(r.proxy_scene_m) - vec3(r.goal_scene_m)).squaredNorm();
       if (last_J >= 0.0) {
         ASSERT_LE(std::abs(spring_J - last_J), 1e-12);
       }
@@ -246,12 +251,12 @@ TEST(HapticLoop, ForceModeMasksTheForceAndNothingElse) {
     const TickRecord& none = traces[0][n];
     const TickRecord& actuated = traces[1][n];
     const TickRecord& full = traces[2][n];
-    EXPECT_EQ(none.force_device_N, Vec3(Vec3::Zero()));
-    EXPECT_EQ(actuated.force_device_N, Vec3(full.force_device_N.x(), 0, 0));
-    EXPECT_EQ(full.force_device_N, full.full_force_device_N);
-    EXPECT_EQ(none.proxy_m, full.proxy_m);
+    EXPECT_EQ(vec3(none.force_device_N), Vec3(Vec3::Zero()));
+    EXPECT_EQ(vec3(actuated.force_device_N), Vec3(vec3(full.force_device_N).x(), 0, 0));
+    EXPECT_EQ(vec3(full.force_device_N), vec3(full.full_force_device_N));
+    EXPECT_EQ(vec3(none.proxy_scene_m), vec3(full.proxy_scene_m));
     EXPECT_EQ(none.alpha_rad, actuated.alpha_rad);
-    EXPECT_EQ(none.T_device_scene.rotation.coeffs(), full.T_device_scene.rotation.coeffs());
+    EXPECT_EQ(pose_before(none).rotation.coeffs(), pose_before(full).rotation.coeffs());
   }
 }
 
@@ -274,13 +279,13 @@ TEST_P(BadSample, GivesZeroForceAndItsFaultBitAndTheNextOneCarriesOn) {
   }
   const TickRecord bad = loop.tick(bad_m, bad_dt_s);
   EXPECT_EQ(bad.faults, fault);
-  EXPECT_EQ(bad.force_device_N, Vec3(Vec3::Zero()));
+  EXPECT_EQ(vec3(bad.force_device_N), Vec3(Vec3::Zero()));
   EXPECT_TRUE(bad.contact);
   const TickRecord next = loop.tick({-0.003, 0.001, 0}, kDt);
   const TickRecord expected = undisturbed.tick({-0.003, 0.001, 0}, kDt);
   EXPECT_EQ(next.faults, 0u);
-  EXPECT_EQ(next.proxy_m, expected.proxy_m);
-  EXPECT_EQ(next.force_device_N, expected.force_device_N);
+  EXPECT_EQ(vec3(next.proxy_scene_m), vec3(expected.proxy_scene_m));
+  EXPECT_EQ(vec3(next.force_device_N), vec3(expected.force_device_N));
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -309,7 +314,7 @@ TEST(HapticLoop, TakesTicksOfUpToASecond) {
   for (const double dt_s : {1e-12, 1e-3, 0.5, 1.0}) {
     const TickRecord& record = loop.tick(kPressed_m, dt_s);
     EXPECT_EQ(record.faults, kFaultNone) << dt_s;
-    EXPECT_NEAR(record.force_device_N.x(), kStiffness * 0.002, 1e-6);
+    EXPECT_NEAR(vec3(record.force_device_N).x(), kStiffness * 0.002, 1e-6);
   }
 }
 
@@ -328,18 +333,18 @@ TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
     const Vec3 beyond = pose.point(Vec3(0.0, 0.0, -3.0) + random.in_box(0.5));
     const TickRecord wild = loop.tick(beyond, kDt);
     EXPECT_EQ(wild.faults, kFaultJump);
-    EXPECT_EQ(wild.force_device_N, Vec3::Zero());
-    EXPECT_EQ(wild.proxy_m, before.proxy_m);
+    EXPECT_EQ(vec3(wild.force_device_N), Vec3::Zero());
+    EXPECT_EQ(vec3(wild.proxy_scene_m), vec3(before.proxy_scene_m));
     const TickRecord after = loop.tick(pose.point(pressed), kDt);
     EXPECT_EQ(after.faults, kFaultNone);
     EXPECT_TRUE(after.contact);
-    EXPECT_EQ(after.proxy_m, before.proxy_m);
+    EXPECT_EQ(vec3(after.proxy_scene_m), vec3(before.proxy_scene_m));
     // A device that stays there is believed, and pulls at the same side of the plane.
     EXPECT_EQ(loop.tick(beyond, kDt).faults, kFaultJump);
     const TickRecord there = loop.tick(beyond, kDt);
     EXPECT_EQ(there.faults, kFaultNone);
     EXPECT_TRUE(there.contact);
-    EXPECT_GT(pose.inverse_point(there.proxy_m).z(), 0.0);
+    EXPECT_GT(pose.inverse_point(vec3(there.proxy_scene_m)).z(), 0.0);
   }
 }
 
@@ -395,10 +400,10 @@ TEST(HapticLoop, LetsAHandTouchASceneThatIsSmallerThanATicksWay) {
       ASSERT_EQ(record.contact, at.z() < kHalf) << n;
       contacts += record.contact;
       if (!is_below) continue;
-      const Vec3 proxy = pose.inverse_point(record.proxy_m);
+      const Vec3 proxy = pose.inverse_point(vec3(record.proxy_scene_m));
       ASSERT_NEAR(proxy.z(), kHalf, 1e-3 * kHalf);
-      ASSERT_NEAR(pose.inverse_direction(record.force_device_N).z(), kStiffness * (kHalf - at.z()),
-                  1e-3 * kStiffness * kHalf);
+      ASSERT_NEAR(pose.inverse_direction(vec3(record.force_device_N)).z(),
+                  kStiffness * (kHalf - at.z()), 1e-3 * kStiffness * kHalf);
     }
   }
   EXPECT_GT(contacts, 800);
@@ -410,7 +415,7 @@ TEST(HapticLoop, SurvivesBadSamplesBeforeTheFirstGoodOne) {
   EXPECT_EQ(loop.tick({kNan, 0, 0}, kDt).tick, 0u);
   const TickRecord first = loop.tick({0.01, 0, 0}, kDt);
   EXPECT_EQ(first.faults, 0u);
-  EXPECT_EQ(first.proxy_m, Vec3(0.01, 0, 0));
+  EXPECT_EQ(vec3(first.proxy_scene_m), Vec3(0.01, 0, 0));
   EXPECT_TRUE(loop.tick({-0.01, 0, 0}, kDt).contact);
 }
 
@@ -422,9 +427,9 @@ TEST(HapticLoop, HoldsATwoSensorDeviceInItsPlane) {
   for (int n = 0; n < 500; ++n) {
     const double angle = 0.01 * n;
     const TickRecord r = loop.tick({0.06 * std::cos(angle), 0.045 * std::sin(angle), 17.0}, kDt);
-    ASSERT_EQ(r.device_m.z(), 0.02);
-    ASSERT_NEAR(r.T_device_scene.point(r.proxy_m).z(), 0.02, 1e-15);
-    ASSERT_NEAR(r.normal_scene.z(), 0.0, 1e-15);
+    ASSERT_EQ(vec3(r.device_m).z(), 0.02);
+    ASSERT_NEAR(pose_before(r).point(vec3(r.proxy_scene_m)).z(), 0.02, 1e-15);
+    ASSERT_NEAR(vec3(r.normal_scene).z(), 0.0, 1e-15);
   }
 }
 
@@ -436,11 +441,11 @@ TEST(HapticLoop, CommandsNoForceThatIsNone) {
   loop.tick({0, 0, -0.001}, kDt);
   const TickRecord& none = loop.tick({0, 0, -0.002}, 1e-312);
   EXPECT_NE(none.faults & kFaultNonFiniteForce, 0u);
-  EXPECT_TRUE(none.force_device_N.isZero(0.0));
-  EXPECT_TRUE(none.full_force_device_N.isZero(0.0));
+  EXPECT_TRUE(vec3(none.force_device_N).isZero(0.0));
+  EXPECT_TRUE(vec3(none.full_force_device_N).isZero(0.0));
   const TickRecord& next = loop.tick({0, 0, -0.002}, kDt);
   EXPECT_EQ(next.faults, kFaultNone);
-  EXPECT_NEAR(next.force_device_N.z(), kStiffness * 0.002, 1e-6);
+  EXPECT_NEAR(vec3(next.force_device_N).z(), kStiffness * 0.002, 1e-6);
 }
 
 // What the counter of A4 counts: rotation_rad is 0 to the bit where nothing is to be turned.

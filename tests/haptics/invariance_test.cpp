@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
@@ -212,7 +213,8 @@ struct Allowance {
   // A projection passes a rounding of its goal on undiminished at most. A sphere on an edge or
   // vertex does so by its radius over the distance of the goal from there.
   double at(const TickRecord& felt) const {
-    const double to_feature_m = std::abs(radius_m - (felt.proxy_m - felt.goal_m).norm());
+    const double to_feature_m =
+        std::abs(radius_m - (vec3(felt.proxy_scene_m) - vec3(felt.goal_scene_m)).norm());
     const double lever = radius_m == 0.0 ? 1.0 : std::max(1.0, radius_m / to_feature_m);
     return lever * rounding_m + solver_m;
   }
@@ -249,7 +251,8 @@ class Placed : public testing::TestWithParam<Case> {
     const auto placed = feel(scenario_, placing, without_a4(GetParam().radius_m), every_axis());
     const Allowance allowance = allowance_of(scenario_, placing, GetParam().radius_m);
     for (std::size_t n = 0; n < base_.size(); ++n) {
-      const WideVec3 error = placing.undone(placed[n].proxy_m) - base_[n].proxy_m.cast<Wide>();
+      const WideVec3 error =
+          placing.undone(vec3(placed[n].proxy_scene_m)) - vec3(base_[n].proxy_scene_m).cast<Wide>();
       ASSERT_LE(error.norm(), allowance.at(base_[n])) << "tick " << n;
     }
   }
@@ -286,17 +289,16 @@ TEST_P(Placed, AnswersTheSameInRandomPoses) {
 
 // All that a tick says, lengths and forces divided by the scale.
 std::vector<std::uint64_t> bits_of(const TickRecord& r, double scale = 1.0) {
-  std::vector<std::uint64_t> bits{r.contact, r.faults,
-                                  static_cast<std::uint64_t>(r.solver_iterations)};
+  std::vector<std::uint64_t> bits{r.contact, r.faults, static_cast<std::uint64_t>(r.iterations)};
   const auto add = [&](const auto& v, double by) {
     for (int k = 0; k < v.size(); ++k) bits.push_back(std::bit_cast<std::uint64_t>(v[k] / by));
   };
-  for (const Vec3* v : {&r.goal_m, &r.proxy_m, &r.full_force_device_N, &r.force_device_N,
-                        &r.T_device_scene.translation_m}) {
-    add(*v, scale);
+  for (const Vec3& v : {vec3(r.goal_scene_m), vec3(r.proxy_scene_m), vec3(r.full_force_device_N),
+                        vec3(r.force_device_N), pose_before(r).translation_m}) {
+    add(v, scale);
   }
-  add(r.normal_scene, 1.0);
-  add(r.T_device_scene.rotation.coeffs(), 1.0);
+  add(vec3(r.normal_scene), 1.0);
+  add(pose_before(r).rotation.coeffs(), 1.0);
   bits.push_back(std::bit_cast<std::uint64_t>(r.alpha_rad));
   return bits;
 }
@@ -309,8 +311,7 @@ TEST_P(Placed, AnswersTheSameBitsTimesAPowerOfTwo) {
   const auto base = feel(scenario_, {}, settings, one_axis);
   double turned_rad = 0.0;
   for (const TickRecord& felt : base) {
-    turned_rad =
-        std::max(turned_rad, felt.T_device_scene.rotation.angularDistance(Quat::Identity()));
+    turned_rad = std::max(turned_rad, pose_before(felt).rotation.angularDistance(Quat::Identity()));
   }
   ASSERT_GT(turned_rad, 0.05);
   for (const double scale : {0x1p-10, 0x1p-1, 0x1p3, 0x1p10}) {

@@ -10,11 +10,13 @@
 
 #include <gtest/gtest.h>
 
-#include "haptics/haptic_loop.h"
 #include "haptics/check_settings.h"
+#include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -200,9 +202,9 @@ TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
     loop.tick(0.99 * farthest_m * down, kShortestTick_s);  // a jump, believed the second time
     const TickRecord& far = loop.tick(0.99 * farthest_m * down, kShortestTick_s);
     ASSERT_EQ(far.faults & kFaultsWithoutForce, 0u);
-    EXPECT_TRUE(std::isfinite(far.force_device_N.squaredNorm()));
+    EXPECT_TRUE(std::isfinite(vec3(far.force_device_N).squaredNorm()));
     if (far.contact) {
-      EXPECT_LE((far.proxy_m - far.goal_m).norm(),
+      EXPECT_LE((vec3(far.proxy_scene_m) - vec3(far.goal_scene_m)).norm(),
                 largest_lag_m(world.world(), settings.initial_pose));
     }
   }
@@ -227,8 +229,8 @@ TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
       if (n % 5 == 0) sample.x() = kNan;
       const TickRecord& record = loop.tick(sample, n % 11 == 0 ? kInfinity : kDt_s);
       ASSERT_NE(record.faults & kFaultBadSettings, 0u) << bad.field;
-      ASSERT_EQ(record.force_device_N, Vec3(Vec3::Zero()));
-      ASSERT_EQ(record.full_force_device_N, Vec3(Vec3::Zero()));
+      ASSERT_EQ(vec3(record.force_device_N), Vec3(Vec3::Zero()));
+      ASSERT_EQ(vec3(record.full_force_device_N), Vec3(Vec3::Zero()));
       ASSERT_FALSE(record.contact);
       ASSERT_EQ(record.tick, static_cast<std::uint64_t>(n));
     }
@@ -255,9 +257,8 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
-const FrictionSource kSticky{nullptr, [](void*, const FaceContact&, const Vec3&) noexcept {
-                               return FrictionCone{0.5, 0.4};
-                             }};
+test::SameCone sticky_cone({0.5, 0.4});
+const FrictionSource kSticky{sticky_cone};
 
 TEST(Misuse, OfAGodObjectsSettingsMovesNothing) {
   const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
@@ -326,8 +327,7 @@ TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
         EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
       }
       for (const double size_m : {-1.0, kInfinity, -kInfinity, kNan}) {
-        FrictionSource source = kSticky;
-        source.coordinates_m = size_m;
+        const FrictionSource source{sticky_cone, size_m};
         EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
       }
       const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};

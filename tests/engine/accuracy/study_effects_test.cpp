@@ -16,6 +16,7 @@
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/sine_relief.h"
 #include "engine/accuracy/sphere_paths.h"
+#include "haptics/record_vectors.h"
 #include "tests/engine/accuracy/study_knobs.h"
 #include "tests/helpers/random.h"
 
@@ -187,7 +188,7 @@ TEST(Effects, AloneChangeTheForceByTheirModel) {
 std::vector<Vec3> forces_N(const Scene& scene, const std::vector<Vec3>& path_m) {
   std::vector<Vec3> forces;
   run_path(scene.world(), PassSetup::fully_actuated({1000.0, 2.0}), path_m, kSpherePathPeriod_s, 0,
-           [&](const TickRecord& record) { forces.push_back(record.force_device_N); });
+           [&](const TickRecord& record) { forces.push_back(vec3(record.force_device_N)); });
   return forces;
 }
 

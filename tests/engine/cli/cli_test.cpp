@@ -23,7 +23,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/trace_csv.h"
+#include "engine/session/trace_csv.h"
 #include "tests/helpers/gltf_builder.h"
 
 extern char** environ;
@@ -1396,7 +1396,7 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   // The default folder, in the folder it runs in.
   for (const char* name : {"out/trace-off.csv", "out/trace-on.csv"}) {
     const std::string csv = content_of(folder.path(name));
-    EXPECT_EQ(lines_of(csv).at(0), kTraceColumns);
+    EXPECT_EQ(lines_of(csv).at(0), trace_columns());
     EXPECT_EQ(rows_of(csv).size(), 28000u);
   }
   EXPECT_NE(content_of(folder.path("out/trace-off.csv")),

@@ -21,6 +21,7 @@
 #include "haptics/effects/texture.h"
 #include "haptics/effects/viscosity.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -116,10 +117,10 @@ TEST(SceneEffects, SurfacesHaveTheStiffnessOfTheirMaterial) {
       {node("hard", 0), node("plain", 1, {5, 0, 0})}, {material("hard", {{"stiffness", 4000.0}})}));
   EXPECT_EQ(scene.effects().effects, std::vector<std::string>{"stiffness"});
   HapticLoop loop = loop_in(scene);
-  EXPECT_NEAR(felt(loop, {0, 0, 1.1}, {0, 0, 0.999}).force_device_N.z(), 4.0, 1e-6);
+  EXPECT_NEAR(vec3(felt(loop, {0, 0, 1.1}, {0, 0, 0.999}).force_device_N).z(), 4.0, 1e-6);
   felt(loop, {0, 0, 0.999}, {0, 0, 1.5});
   felt(loop, {0, 0, 1.5}, {5, 0, 1.1});
-  EXPECT_NEAR(felt(loop, {5, 0, 1.1}, {5, 0, 0.999}).force_device_N.z(), 1.0, 1e-6);
+  EXPECT_NEAR(vec3(felt(loop, {5, 0, 1.1}, {5, 0, 0.999}).force_device_N).z(), 1.0, 1e-6);
 }
 
 TEST(SceneEffects, OneMaterialOnTwoNodesHasThePhysicsOfEach) {
@@ -447,10 +448,10 @@ TEST(SceneEffects, MagnetsAreTheFacesOfTheirMaterialAlone) {
   HapticLoop loop = loop_in(scene);
   const double distance_m = 0.1;
   const TickRecord near = felt(loop, {8, 0, 0}, {9 - distance_m, 0, 0});
-  EXPECT_NEAR(near.force_device_N.x(), 2.0 * std::pow(1 - distance_m / 0.5, 2), 1e-9);
+  EXPECT_NEAR(vec3(near.force_device_N).x(), 2.0 * std::pow(1 - distance_m / 0.5, 2), 1e-9);
   felt(loop, {9 - distance_m, 0, 0}, {8, 3, 0});
   felt(loop, {8, 3, 0}, {12, 3, 0});
-  EXPECT_EQ(felt(loop, {12, 3, 0}, {11.1, 0, 0}).force_device_N, Vec3::Zero());
+  EXPECT_EQ(vec3(felt(loop, {12, 3, 0}, {11.1, 0, 0}).force_device_N), Vec3::Zero());
 }
 
 TEST(SceneEffects, AMagnetOfAllFacesIsTheBodyItself) {
@@ -478,7 +479,7 @@ Vec3 drag_at(const Scene& scene, const Vec3& p_m) {
   HapticLoop loop = loop_in(scene);
   TickRecord record;
   for (int n = -10; n <= 0; ++n) record = loop.tick(p_m + Vec3(1e-3 * n, 0, 0), kTick_s);
-  return record.force_device_N;
+  return vec3(record.force_device_N);
 }
 
 TEST(SceneEffects, AMediumIsInsideAClosedBody) {
@@ -523,7 +524,7 @@ TEST(SceneEffects, WhatIsNotSolidIsARegionAndNoObject) {
   HapticLoop loop = loop_in(scene);
   const TickRecord through = felt(loop, {5, 5, 0}, {5, 0, 0}, 5000);
   EXPECT_FALSE(through.contact);
-  EXPECT_NEAR(through.force_device_N.y(), 3.0, 1e-9);
+  EXPECT_NEAR(vec3(through.force_device_N).y(), 3.0, 1e-9);
 }
 
 TEST(SceneEffects, OfMediaAloneAreFelt) {
@@ -614,7 +615,7 @@ TEST(SceneEffects, TheSceneItselfCanPull) {
   const Scene scene = compiled(std::move(description));
   EXPECT_EQ(scene.effects().scene.effects, std::vector<std::string>{"gravity"});
   HapticLoop loop = loop_in(scene);
-  EXPECT_LE((loop.tick({3, 0, 0}, kTick_s).force_device_N - Vec3(1, -2, 0)).norm(), 1e-15);
+  EXPECT_LE((vec3(loop.tick({3, 0, 0}, kTick_s).force_device_N) - Vec3(1, -2, 0)).norm(), 1e-15);
 }
 
 TEST(SceneEffects, KnowWhichFrequenciesARateCarries) {

@@ -13,6 +13,7 @@
 
 #include "engine/scene/node_placement.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
@@ -491,8 +492,9 @@ TEST(Scene, IsTouchedFarAwayAsItIsNearby) {
     loop.tick({0.6, 0.01, 0.02}, 1e-3);
     const TickRecord& r = loop.tick({0.499, 0.01, 0.02}, 1e-3);
     ASSERT_TRUE(r.contact);
-    EXPECT_EQ(r.normal_scene, Vec3::UnitX());
-    EXPECT_NEAR((r.proxy_m - r.goal_m).norm(), 1e-3, 4 * kEpsilon * distance_m + 2e-11);
+    EXPECT_EQ(vec3(r.normal_scene), Vec3::UnitX());
+    EXPECT_NEAR((vec3(r.proxy_scene_m) - vec3(r.goal_scene_m)).norm(), 1e-3,
+                4 * kEpsilon * distance_m + 2e-11);
   }
 }
 

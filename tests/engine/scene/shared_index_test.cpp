@@ -17,8 +17,9 @@
 
 #include "engine/scene/scene.h"
 #include "engine/session/node_motions.h"
-#include "haptics/haptic_loop.h"
 #include "haptics/check_settings.h"
+#include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/random.h"
@@ -448,16 +449,16 @@ Differences compare(const SceneDescription& description, const Scene& shared, co
     const TickRecord& b = loop_alone->tick(goal, 1e-3);
     ++differences.ticks;
     differences.touches += b.contact;
-    const double apart = (a.proxy_m - b.proxy_m).norm() / size_m;
+    const double apart = (vec3(a.proxy_scene_m) - vec3(b.proxy_scene_m)).norm() / size_m;
     if (apart > kExactPerSize && a.contact && b.contact) {
       ++differences.apart;
       while (!strokes.begins()) strokes.next();
       continue;
     }
     differences.proxy = std::max(differences.proxy, apart);
-    const double force_N = std::max(1.0, b.force_device_N.norm());
-    differences.force =
-        std::max(differences.force, (a.force_device_N - b.force_device_N).norm() / force_N);
+    const double force_N = std::max(1.0, vec3(b.force_device_N).norm());
+    differences.force = std::max(
+        differences.force, (vec3(a.force_device_N) - vec3(b.force_device_N)).norm() / force_N);
   }
   return differences;
 }

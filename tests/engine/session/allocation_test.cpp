@@ -20,6 +20,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/vector_device.h"
 #include "engine/scene/scene.h"
 #include "engine/session/haptic_session.h"
 #include "engine/session/haptic_thread.h"
@@ -30,6 +31,7 @@
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
 #include "geometry/mesh/section.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/all_effects.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
@@ -314,7 +316,7 @@ std::vector<Vec3> eventful_path(const Vec3& extent_m, std::uint64_t seed) {
   return path;
 }
 
-class PlayedDevice final : public Device {
+class PlayedDevice final : public VectorDevice {
  public:
   explicit PlayedDevice(const std::vector<Vec3>& path) : path_(path) {}
   Vec3 read_position_m(double) noexcept override { return path_[n_++ % path_.size()]; }
@@ -328,9 +330,9 @@ class PlayedDevice final : public Device {
 
 class SummingObserver final : public TickObserver {
  public:
-  void on_tick(const TickRecord& record, const ScenePose&, std::int64_t) noexcept override {
+  void on_tick(const TickRecord& record) noexcept override {
     sums.add(record);
-    turned = turned || record.T_device_scene.rotation.coeffs() != Quat::Identity().coeffs();
+    turned = turned || pose_before(record).rotation.coeffs() != Quat::Identity().coeffs();
   }
   SummaryAccumulator sums;
   bool turned = false;
@@ -367,8 +369,9 @@ TEST_P(SilentTick, NeitherAllocatesNorLocksAtAnyStageOfATouch) {
                   settings);
   PlayedDevice device(path);
   SummingObserver observer;
-  HapticSession session(loop, device, &observer);
-  HapticSnapshot snapshot;
+  HapticSession session(loop, device, {.observers = {&observer}});
+  session.start();
+  TickRecord snapshot;
   Census census;
   for (int n = 0; n < 4000; ++n) {
     session.tick(n % 500 == 499 ? kNan : n % 500 == 498 ? 0.0 : 1e-3);
@@ -404,10 +407,11 @@ INSTANTIATE_TEST_SUITE_P(
 void expect_silent_hand(const Scene& scene, HandPlan& plan, const Vec3& start_m, int sensors) {
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(sensors, 1), {});
   SimulatedDevice device({}, plan, start_m, {}, sensors == 2);
-  HapticSession session(loop, device, &device);
+  HapticSession session(loop, device, {.observers = {&device}});
+  session.start();
   Census census;
   std::uint64_t contact_ticks = 0;
-  HapticSnapshot snapshot;
+  TickRecord snapshot;
   for (int n = 0; n < 28000; ++n) {
     session.tick(1e-3);
     if (session.latest(snapshot)) contact_ticks += snapshot.contact;
@@ -464,7 +468,8 @@ TEST(SilentBodies, AreFoundAndMovedWithoutAllocating) {
   HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
   PlayedDevice device(path);
   SummingObserver observer;
-  HapticSession session(loop, device, &observer, &motions);
+  HapticSession session(loop, device, {.changes = {&motions}, .observers = {&observer}});
+  session.start();
   Census census;
   for (int n = 0; n < 4000; ++n) {
     for (const std::size_t handle : handles) {
@@ -499,7 +504,8 @@ TEST(SilentBodies, AreJudgedWhereTheyMeetWithoutAllocating) {
   HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
   PlayedDevice device(path);
   SummingObserver observer;
-  HapticSession session(loop, device, &observer);
+  HapticSession session(loop, device, {.observers = {&observer}});
+  session.start();
   Census census;
   for (int n = 0; n < 4000; ++n) session.tick(1e-3);
   census.stop();
@@ -546,11 +552,11 @@ TEST(SilentThread, NeitherAllocatesNorLocksOnceItHasStarted) {
   HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
   PlayedDevice device(path);
   SummingObserver observer;
-  HapticSession session(loop, device, &observer);
-  HapticThread thread(session, device, {5000.0, 0});
+  HapticSession session(loop, device, {.observers = {&observer}});
+  HapticThread thread(session, {5000.0, 0});
   thread.start();
   Census census;  // from the first tick on, or nearly
-  HapticSnapshot snapshot;
+  TickRecord snapshot;
   while (thread.ticks() < 2000) {
     session.latest(snapshot);
     std::this_thread::yield();

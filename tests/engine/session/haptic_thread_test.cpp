@@ -14,7 +14,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/vector_device.h"
 #include "engine/session/haptic_session.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -23,7 +25,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Plays positions and keeps what it is told. Memory is set aside before the start.
-class PlayedDevice final : public Device {
+class PlayedDevice final : public VectorDevice {
  public:
   explicit PlayedDevice(std::vector<Vec3> positions) : positions_(std::move(positions)) {
     time_steps_s.reserve(100'000);
@@ -52,7 +54,7 @@ class PlayedDevice final : public Device {
 class KeptRecords final : public TickObserver {
  public:
   KeptRecords() { records.reserve(100'000); }
-  void on_tick(const TickRecord& record, const ScenePose&, std::int64_t) noexcept override {
+  void on_tick(const TickRecord& record) noexcept override {
     if (records.size() < records.capacity()) records.push_back(record);
   }
   std::vector<TickRecord> records;
@@ -72,7 +74,7 @@ struct Rig {
       : world(test::box_soup(Vec3::Constant(0.1))),
         loop(world.world(), *ActuationModel::from_counts(3, 3), settings()),
         device(std::move(path)),
-        session(loop, device, &observer) {}
+        session(loop, device, {.observers = {&observer}}) {}
 
   static HapticSettings settings() {
     HapticSettings s;
@@ -95,7 +97,7 @@ void wait_for_ticks(const HapticThread& thread, std::uint64_t ticks) {
 TEST(HapticThread, RunsTheTicksAskedForWithTheNominalTimeStep) {
   for (const double rate_Hz : {1000.0, 333.0, 4000.0}) {
     Rig rig(pressing_path(60));
-    HapticThread thread(rig.session, rig.device, {rate_Hz, 60});
+    HapticThread thread(rig.session, {rate_Hz, 60});
     thread.start();
     thread.join();
     EXPECT_FALSE(thread.running());
@@ -109,7 +111,7 @@ TEST(HapticThread, RunsTheTicksAskedForWithTheNominalTimeStep) {
 
 TEST(HapticThread, CommandsZeroForceLast) {
   Rig rig(pressing_path(50));
-  HapticThread thread(rig.session, rig.device, {2000.0, 50});
+  HapticThread thread(rig.session, {2000.0, 50});
   thread.start();
   thread.join();
   ASSERT_EQ(rig.device.commands_N.size(), 51u);
@@ -119,7 +121,7 @@ TEST(HapticThread, CommandsZeroForceLast) {
 
 TEST(HapticThread, StopsWhenAskedToAndCommandsZeroForceLast) {
   Rig rig(pressing_path(30));
-  HapticThread thread(rig.session, rig.device, {4000.0, 0});
+  HapticThread thread(rig.session, {4000.0, 0});
   thread.start();
   EXPECT_TRUE(thread.running());
   wait_for_ticks(thread, 40);
@@ -139,7 +141,7 @@ TEST(HapticThread, StopsWhenAskedToAndCommandsZeroForceLast) {
 // The signals that the thread it runs on takes.
 class SignalsOfItsThread final : public TickObserver {
  public:
-  void on_tick(const TickRecord&, const ScenePose&, std::int64_t) noexcept override {
+  void on_tick(const TickRecord&) noexcept override {
     pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
   }
   sigset_t blocked{};
@@ -148,10 +150,10 @@ class SignalsOfItsThread final : public TickObserver {
 TEST(HapticThread, LeavesSignalsToOtherThreads) {
   Rig rig(pressing_path(5));
   SignalsOfItsThread signals;
-  HapticSession session(rig.loop, rig.device, &signals);
+  HapticSession session(rig.loop, rig.device, {.observers = {&signals}});
   sigset_t before;
   pthread_sigmask(SIG_SETMASK, nullptr, &before);
-  HapticThread thread(session, rig.device, {2000.0, 5});
+  HapticThread thread(session, {2000.0, 5});
   thread.start();
   thread.join();
   sigset_t after;
@@ -165,13 +167,13 @@ TEST(HapticThread, LeavesSignalsToOtherThreads) {
 TEST(HapticThread, EndsWithItsOwner) {
   Rig rig(pressing_path(30));
   {
-    HapticThread thread(rig.session, rig.device, {4000.0, 0});
+    HapticThread thread(rig.session, {4000.0, 0});
     thread.start();
     wait_for_ticks(thread, 40);
   }
   ASSERT_FALSE(rig.device.commands_N.empty());
   EXPECT_EQ(rig.device.commands_N.back(), Vec3::Zero());
-  HapticThread never_started(rig.session, rig.device, {});
+  HapticThread never_started(rig.session, {});
   never_started.stop();
   EXPECT_FALSE(never_started.running());
 }
@@ -179,7 +181,7 @@ TEST(HapticThread, EndsWithItsOwner) {
 TEST(HapticThread, StopsRightAfterTheStart) {
   for (int i = 0; i < 50; ++i) {
     Rig rig(pressing_path(2));
-    HapticThread thread(rig.session, rig.device, {1000.0, 0});
+    HapticThread thread(rig.session, {1000.0, 0});
     thread.start();
     thread.stop();
     EXPECT_FALSE(thread.running());
@@ -192,7 +194,7 @@ TEST(HapticThread, CountsALateTickAndKeepsTheNominalTimeStep) {
   Rig rig(pressing_path(20));
   rig.device.delayed_tick = 5;
   rig.device.delay = std::chrono::milliseconds(8);
-  HapticThread thread(rig.session, rig.device, {1000.0, 20});
+  HapticThread thread(rig.session, {1000.0, 20});
   thread.start();
   thread.join();
   EXPECT_GE(thread.missed_deadlines(), 1u);
@@ -203,7 +205,7 @@ TEST(HapticThread, CountsALateTickAndKeepsTheNominalTimeStep) {
 
 TEST(HapticThread, ExplainsWhatTheSystemDidNotGrant) {
   Rig rig(pressing_path(2));
-  HapticThread thread(rig.session, rig.device, {1000.0, 2});
+  HapticThread thread(rig.session, {1000.0, 2});
   const RealtimeStatus status = thread.start();
   thread.join();
   EXPECT_EQ(status.explanation.empty(), status.fifo_priority && status.locked_memory);
@@ -215,7 +217,7 @@ TEST(HapticThread, ExplainsWhatTheSystemDidNotGrant) {
 TEST(HapticThread, ComputesTheSameAsTheLoopWithoutAThread) {
   const std::vector<Vec3> path = pressing_path(200);
   Rig threaded(path);
-  HapticThread thread(threaded.session, threaded.device, {4000.0, path.size()});
+  HapticThread thread(threaded.session, {4000.0, path.size()});
   thread.start();
   thread.join();
   Rig plain(path);
@@ -224,8 +226,8 @@ TEST(HapticThread, ComputesTheSameAsTheLoopWithoutAThread) {
   for (std::size_t n = 0; n < path.size(); ++n) {
     const TickRecord& a = threaded.observer.records[n];
     const TickRecord& b = plain.observer.records[n];
-    EXPECT_EQ(a.proxy_m, b.proxy_m);
-    EXPECT_EQ(a.force_device_N, b.force_device_N);
+    EXPECT_EQ(vec3(a.proxy_scene_m), vec3(b.proxy_scene_m));
+    EXPECT_EQ(vec3(a.force_device_N), vec3(b.force_device_N));
     EXPECT_EQ(a.time_s, b.time_s);
   }
 }
@@ -242,18 +244,18 @@ struct Seen {
 void watch(const HapticSession& session, const std::vector<Vec3>& path, Seen& seen) {
   std::uint64_t newest = 0;
   while (newest < path.size()) {
-    HapticSnapshot s;
+    TickRecord s;
     if (!session.latest(s)) {
       std::this_thread::yield();
       continue;
     }
     ++seen.snapshots;
-    if (s.sequence < newest) ++seen.steps_back;
-    newest = std::max(newest, s.sequence);
-    const Vec3& device = path[s.sequence - 1];
+    if (s.tick + 1 < newest) ++seen.steps_back;
+    newest = std::max(newest, s.tick + 1);
+    const Vec3& device = path[s.tick];
     const bool whole = s.device_m[0] == device.x() && s.device_m[2] == device.z() &&
                        (s.contact == 1) == (s.force_device_N[2] > 0.0) &&
-                       std::abs(s.time_s - 2.5e-4 * static_cast<double>(s.sequence - 1)) < 1e-9;
+                       std::abs(s.time_s - 2.5e-4 * static_cast<double>(s.tick)) < 1e-9;
     if (!whole) ++seen.mixtures;
   }
 }
@@ -261,12 +263,12 @@ void watch(const HapticSession& session, const std::vector<Vec3>& path, Seen& se
 TEST(HapticThread, PublishesWholeSnapshotsInOrderToSeveralReaders) {
   const std::vector<Vec3> path = pressing_path(800);
   Rig rig(path);
-  HapticSnapshot before;
+  TickRecord before;
   EXPECT_FALSE(rig.session.latest(before)) << "nothing has happened yet";
   std::array<Seen, 3> seen;
   std::vector<std::thread> readers;
   for (Seen& s : seen) readers.emplace_back([&rig, &path, &s] { watch(rig.session, path, s); });
-  HapticThread thread(rig.session, rig.device, {4000.0, path.size()});
+  HapticThread thread(rig.session, {4000.0, path.size()});
   thread.start();
   thread.join();
   for (std::thread& reader : readers) reader.join();
@@ -275,9 +277,9 @@ TEST(HapticThread, PublishesWholeSnapshotsInOrderToSeveralReaders) {
     EXPECT_EQ(s.steps_back, 0u);
     EXPECT_EQ(s.mixtures, 0u);
   }
-  HapticSnapshot last;
+  TickRecord last;
   ASSERT_TRUE(rig.session.latest(last));
-  EXPECT_EQ(last.sequence, path.size());
+  EXPECT_EQ(last.tick + 1, path.size());
   EXPECT_EQ(last.contact, 1u);
 }
 
@@ -290,18 +292,20 @@ TEST(HapticSession, PublishesThePoseToDisplay) {
   const auto at = [&](double x) { return settings.initial_pose.point({x, 0.0, 0.0}); };
   PlayedDevice device({at(0.11), at(0.099), at(0.098), at(0.097)});
   KeptRecords kept;
-  HapticSession session(loop, device, &kept);
+  HapticSession session(loop, device, {.observers = {&kept}});
+  session.start();
   for (int n = 0; n < 4; ++n) session.tick(1e-3);
-  HapticSnapshot s;
+  TickRecord s;
   ASSERT_TRUE(session.latest(s));
-  EXPECT_EQ(s.sequence, 4u);
-  const ScenePose shown = s.T_device_scene();
+  EXPECT_EQ(s.tick, 3u);
+  const ScenePose shown = pose_after(s);
   EXPECT_EQ(shown.rotation.coeffs(), loop.T_device_scene().rotation.coeffs());
   EXPECT_EQ(shown.translation_m, loop.T_device_scene().translation_m);
   const TickRecord& r = kept.records.back();
   ASSERT_TRUE(r.contact);
-  EXPECT_GT(shown.rotation.angularDistance(r.T_device_scene.rotation), 1e-5);
-  EXPECT_EQ(Vec3(s.proxy_scene_m[0], s.proxy_scene_m[1], s.proxy_scene_m[2]), r.proxy_m);
+  EXPECT_GT(shown.rotation.angularDistance(pose_before(r).rotation), 1e-5);
+  EXPECT_EQ(Vec3(s.proxy_scene_m[0], s.proxy_scene_m[1], s.proxy_scene_m[2]),
+            vec3(r.proxy_scene_m));
   EXPECT_EQ(s.alpha_rad, r.alpha_rad);
   EXPECT_EQ(s.contact, 1u);
 }
@@ -313,7 +317,7 @@ TEST(HapticThread, MarksBadSamplesCommandsNoForceForThemAndCarriesOn) {
   const std::set<std::size_t> bad{0, 40, 41, 42, 60, 99};
   for (const std::size_t n : bad) path[n] = Vec3(n % 2 ? kNan : 0.0, 0.0, n % 2 ? 0.0 : HUGE_VAL);
   Rig rig(path);
-  HapticThread thread(rig.session, rig.device, {4000.0, path.size()});
+  HapticThread thread(rig.session, {4000.0, path.size()});
   thread.start();
   thread.join();
   ASSERT_EQ(rig.observer.records.size(), path.size());
@@ -327,10 +331,10 @@ TEST(HapticThread, MarksBadSamplesCommandsNoForceForThemAndCarriesOn) {
       EXPECT_EQ(r.contact, n > 10) << n;
       EXPECT_EQ(rig.device.commands_N[n].z() > 0.0, n > 10) << n;
     }
-    EXPECT_TRUE(r.proxy_m.allFinite() && r.goal_m.allFinite()) << n;
+    EXPECT_TRUE(vec3(r.proxy_scene_m).allFinite() && vec3(r.goal_scene_m).allFinite()) << n;
     EXPECT_TRUE(rig.device.commands_N[n].allFinite()) << n;
   }
-  HapticSnapshot last;
+  TickRecord last;
   ASSERT_TRUE(rig.session.latest(last));
   EXPECT_EQ(last.faults, kFaultNonFiniteSample);
 }

@@ -9,6 +9,7 @@
 
 #include "engine/simulation/mass_damper.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/random.h"
 
@@ -113,21 +114,22 @@ class JudgedLoop {
 
  private:
   void follow(const TickRecord& now) {
-    const Vec3 goal = world_->to_solver(now.goal_m);
+    const Vec3 goal = world_->to_solver(vec3(now.goal_scene_m));
     if (!started_) {
       proxy_.place_solver(goal);
       started_ = true;
       return;
     }
     std::optional<Vec3> motion_plane_normal;
-    if (planar_) motion_plane_normal = now.T_device_scene.inverse_direction(Vec3::UnitZ());
+    if (planar_) motion_plane_normal = pose_before(now).inverse_direction(Vec3::UnitZ());
     const ProxyState state = proxy_.move_to_solver(goal, motion_plane_normal);
-    const Vec3 expected = state.in_contact ? world_->to_scene(state.proxy) : now.goal_m;
-    if (now.proxy_m != expected) verdict_ = "the loop has another proxy; ";
+    const Vec3 expected = state.in_contact ? world_->to_scene(state.proxy) : vec3(now.goal_scene_m);
+    if (vec3(now.proxy_scene_m) != expected) verdict_ = "the loop has another proxy; ";
   }
   void judge_record(const TickRecord& now) {
-    const bool finite = now.full_force_device_N.allFinite() && now.force_device_N.allFinite() &&
-                        now.proxy_m.allFinite() && now.normal_scene.allFinite() &&
+    const bool finite = vec3(now.full_force_device_N).allFinite() &&
+                        vec3(now.force_device_N).allFinite() &&
+                        vec3(now.proxy_scene_m).allFinite() && vec3(now.normal_scene).allFinite() &&
                         std::isfinite(now.alpha_rad);
     if (!finite) verdict_ = "not finite; ";
     const double excess = std::abs(T_device_scene().rotation.norm() - 1.0);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/stability_limits.h"
+#include "haptics/record_vectors.h"
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
 
@@ -62,7 +63,7 @@ class HardCase15_StiffnessAtItsLimit : public testing::TestWithParam<double> {
       for (int n = 0; n < 100; ++n) {
         const TickRecord& felt = loop.tick(plant.position_m(), kTick_s);
         EXPECT_TRUE(felt.contact);
-        plant.advance(felt.force_device_N + hand_N, kTick_s);
+        plant.advance(vec3(felt.force_device_N) + hand_N, kTick_s);
         amplitude = std::max(amplitude, std::abs(normal.dot(plant.position_m() - rest_m)));
       }
       if (window > 0) amplitudes.push_back(amplitude);
@@ -115,13 +116,13 @@ TEST_P(HardCase16_QuantisedDither, GivesMoreThanFrictionTakesAboveTheLimitOnly) 
   loop.tick({0.01, 0, 0}, kTick_s);
   const int turns = 1000;
   double at_m = kBoundary_m + 0.5 * kQuantum_m;
-  double held_N = loop.tick({read(at_m), 0, 0}, kTick_s).force_device_N.x();
+  double held_N = loop.tick({read(at_m), 0, 0}, kTick_s).force_device_N[0];
   double given_J = 0.0;
   for (int n = 0; n < 2 * turns; ++n) {
     const double next_m = kBoundary_m + (n % 2 ? 0.5 : -0.5) * 0.999 * kQuantum_m;
     given_J += held_N * (next_m - at_m);
     at_m = next_m;
-    held_N = loop.tick({read(at_m), 0, 0}, kTick_s).force_device_N.x();
+    held_N = loop.tick({read(at_m), 0, 0}, kTick_s).force_device_N[0];
   }
   const double stroke_m = 0.999 * kQuantum_m;  // so that rounding decides no reading
   const double expected_J = turns * stiffness_N_per_m() * kQuantum_m * stroke_m;
@@ -145,7 +146,7 @@ TEST_P(HardCase16_QuantisedDither, ComesToRestBelowTheLimitOnly) {
   const double hand_N = stiffness_N_per_m() * kBoundary_m;
   int moving_ticks = 0;
   for (int n = 0; n < 5000; ++n) {
-    const double force_N = loop.tick({read(plant.position_m), 0, 0}, kTick_s).force_device_N.x();
+    const double force_N = loop.tick({read(plant.position_m), 0, 0}, kTick_s).force_device_N[0];
     const double before_m = plant.position_m;
     plant.advance(force_N + hand_N, kTick_s);
     if (n >= 4000) moving_ticks += plant.position_m != before_m;
@@ -239,7 +240,7 @@ TEST_P(HardCase17_UnevenTicks, LetAPassiveDeviceCalmDown) {
   double end_J = begin_J;
   for (int n = 0; n < 3000; ++n) {
     const double dt_s = uneven_tick_s(random);
-    plant.advance(loop.tick(plant.position_m(), dt_s).force_device_N + hand_N, dt_s);
+    plant.advance(vec3(loop.tick(plant.position_m(), dt_s).force_device_N) + hand_N, dt_s);
     const Vec3 off_m = plant.position_m() - rest_m;
     end_J = plant.kinetic_J() + 0.5 * stiffness_N_per_m * off_m.squaredNorm();
     ASSERT_LE(end_J, begin_J);
@@ -298,14 +299,14 @@ TEST_P(HardCaseBadInput, CostsOneTickAndNoContact) {
       ASSERT_TRUE(before.contact);
       const TickRecord faulty = loop.tick(bad.sample_m.value_or(at_m), bad.dt_s);
       ASSERT_EQ(faulty.faults, bad.fault);
-      ASSERT_EQ(faulty.force_device_N, Vec3(Vec3::Zero()));
-      ASSERT_EQ(faulty.full_force_device_N, Vec3(Vec3::Zero()));
+      ASSERT_EQ(vec3(faulty.force_device_N), Vec3(Vec3::Zero()));
+      ASSERT_EQ(vec3(faulty.full_force_device_N), Vec3(Vec3::Zero()));
       ASSERT_TRUE(faulty.contact);
       ASSERT_EQ(loop.T_device_scene().rotation.coeffs(), pose.rotation.coeffs());
       const TickRecord next = loop.tick(at_m, kTick_s);
       ASSERT_EQ(next.faults & ~kFaultSolverCapped, 0u);
       ASSERT_TRUE(next.contact);
-      ASSERT_GT(next.full_force_device_N.norm(), 0.0);
+      ASSERT_GT(vec3(next.full_force_device_N).norm(), 0.0);
       ASSERT_EQ(loop.verdict(), "") << "tick " << n;
     }
   }
@@ -337,13 +338,13 @@ TEST(HardCaseBadInputJump, KeepsTheContactOnItsSide) {
     const Vec3 pressed(0.01, 0.02, half.z() + radius - 2e-3);
     const Vec3 across(0.01, 0.02, -0.1);
     for (int n = 0; n < 100; ++n) {
-      const Vec3 before = loop.tick(pose.point(pressed), kTick_s).proxy_m;
+      const Vec3 before = vec3(loop.tick(pose.point(pressed), kTick_s).proxy_scene_m);
       const TickRecord jumped = loop.tick(pose.point(across), kTick_s);
       ASSERT_TRUE(jumped.contact);
-      ASSERT_LE((jumped.proxy_m - before).norm(), 1e-9 * world.world().size_m);
+      ASSERT_LE((vec3(jumped.proxy_scene_m) - before).norm(), 1e-9 * world.world().size_m);
       const TickRecord back = loop.tick(pose.point(pressed), kTick_s);
       ASSERT_TRUE(back.contact);
-      ASSERT_LE((back.proxy_m - before).norm(), 1e-9 * world.world().size_m);
+      ASSERT_LE((vec3(back.proxy_scene_m) - before).norm(), 1e-9 * world.world().size_m);
     }
     ASSERT_EQ(loop.verdict(), "");
   }
@@ -366,7 +367,7 @@ TEST(HardCaseBadInputExtremes, AreTakenAndTheSideIsKept) {
       const TickRecord& felt = loop.tick(reach_m * random.unit_vector(), dt_s);
       refused += (felt.faults & ~kFaultSolverCapped) != 0;
       if (felt.faults & ~kFaultSolverCapped) {
-        ASSERT_EQ(felt.force_device_N, Vec3::Zero()) << "tick " << n;
+        ASSERT_EQ(vec3(felt.force_device_N), Vec3::Zero()) << "tick " << n;
       }
       ASSERT_EQ(loop.verdict(), "") << object.name << " tick " << n << " reach " << reach_m;
     }
@@ -383,9 +384,11 @@ TEST(HardCaseBadInputExtremes, DoNoHarmHoweverLarge) {
   for (int n = 0; n < trials(20000); ++n) {
     const double reach_m = std::pow(10.0, random.uniform(-3.0, 150.0));
     const TickRecord& felt = loop.tick(reach_m * random.unit_vector(), kTick_s);
-    ASSERT_TRUE(felt.proxy_m.allFinite() && felt.force_device_N.allFinite()) << "tick " << n;
+    ASSERT_TRUE(vec3(felt.proxy_scene_m).allFinite() && vec3(felt.force_device_N).allFinite())
+        << "tick " << n;
     const TickRecord& out = loop.tick({0.0, 0.0, 0.3}, kTick_s);
-    ASSERT_TRUE(out.proxy_m.allFinite() && out.force_device_N.allFinite()) << "tick " << n;
+    ASSERT_TRUE(vec3(out.proxy_scene_m).allFinite() && vec3(out.force_device_N).allFinite())
+        << "tick " << n;
   }
 }
 

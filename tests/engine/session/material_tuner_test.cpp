@@ -9,8 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/node_motions.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -52,7 +54,7 @@ Scene compiled(const SceneSettings& settings = {}) {
   return std::move(*scene);
 }
 
-class StillDevice final : public Device {
+class StillDevice final : public VectorDevice {
  public:
   Vec3 read_position_m(double) noexcept override { return position_m; }
   void command_force_N(const Vec3& force) noexcept override { force_N = force; }
@@ -122,7 +124,8 @@ TEST(MaterialTuner, ChangesWhatIsFeltFromTheNextTickOn) {
     const auto pull = own.add("wood", "magnetForce");
     ASSERT_FALSE(own.set(*pull, 0.0));
     NodeMotions motions(scene);
-    HapticSession session(loop, device, nullptr, {&motions, &own});
+    HapticSession session(loop, device, {.changes = {&motions, &own}});
+    session.start();
     device.position_m = {x, 0, 1.1};
     session.tick(kTick_s);
     device.position_m = {x, 0, 0.999};
@@ -147,7 +150,8 @@ TEST(MaterialTuner, TakesLengthsInTheUnitOfTheFile) {
   ASSERT_TRUE(range && force);
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
   StillDevice device;
-  HapticSession session(loop, device, nullptr, &tuner);
+  HapticSession session(loop, device, {.changes = {&tuner}});
+  session.start();
   device.position_m = {0, 0, 0.11};
   ASSERT_FALSE(tuner.set(*range, 0.2));
   ASSERT_FALSE(tuner.set(*force, 4.0));
@@ -165,11 +169,11 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
   EXPECT_FALSE(tuner.set(*force, 0.0));
   StillDevice device;
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  HapticSession session(loop, device, nullptr, &tuner);
+  HapticSession session(loop, device, {.changes = {&tuner}});
   device.position_m = {0, 0, 1.1};
   session.tick(kTick_s);
   device.position_m = {0, 0, 0.999};
-  HapticThread thread(session, device, {2000.0, 0});
+  HapticThread thread(session, {2000.0, 0});
   thread.start();
   while (thread.ticks() < 1) std::this_thread::yield();
   for (int n = 0; n < 4000; ++n) {
@@ -179,10 +183,10 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
   EXPECT_FALSE(tuner.set(*stiffness, 2000.0));
   const std::uint64_t told = thread.ticks();
   while (thread.ticks() < told + 3) std::this_thread::yield();
-  HapticSnapshot snapshot;
+  TickRecord snapshot;
   ASSERT_TRUE(session.latest(snapshot));
   thread.stop();
-  EXPECT_NEAR(snapshot.force_device_N[2], 2.0, 1e-6);
+  EXPECT_NEAR(vec3(snapshot.force_device_N)[2], 2.0, 1e-6);
 }
 
 }  // namespace

@@ -9,8 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/vector_device.h"
 #include "engine/scene/node_tree.h"
 #include "engine/session/haptic_thread.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -53,7 +55,7 @@ Scene compiled(SceneDescription description, const SceneSettings& settings = {})
   return std::move(*scene);
 }
 
-class StillDevice final : public Device {
+class StillDevice final : public VectorDevice {
  public:
   explicit StillDevice(const Vec3& position_m) : position_m_(position_m) {}
   Vec3 read_position_m(double) noexcept override { return position_m_; }
@@ -66,7 +68,7 @@ class StillDevice final : public Device {
 
 class LastRecord final : public TickObserver {
  public:
-  void on_tick(const TickRecord& record, const ScenePose&, std::int64_t) noexcept override {
+  void on_tick(const TickRecord& record) noexcept override {
     last = record;
     faults |= record.faults;
   }
@@ -159,9 +161,9 @@ TEST(NodeMotions, TakeEverythingBelowANodeAlongAndNothingElse) {
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
   motions.move_bodies(0.0, loop);
   loop.tick(over_finger + Vec3(0, 0, 0.2), kTick_s);
-  EXPECT_NEAR(loop.tick(over_finger, kTick_s).proxy_m.z(), 0.12, 1e-9);
+  EXPECT_NEAR(vec3(loop.tick(over_finger, kTick_s).proxy_scene_m).z(), 0.12, 1e-9);
   EXPECT_FALSE(touched_at(over_arm, over_arm).contact);
-  EXPECT_NEAR(touched_at(over_arm, Vec3(1.0, 0, 0)).proxy_m.z(), 0.02, 1e-9);
+  EXPECT_NEAR(touched_at(over_arm, Vec3(1.0, 0, 0)).proxy_scene_m[2], 0.02, 1e-9);
 }
 
 // The finger turns about the hand, which turns about the arm.
@@ -186,7 +188,7 @@ TEST(NodeMotions, OfANodeBelowAnotherComeOnTop) {
     loop.tick(from, kTick_s);
     const TickRecord& record = loop.tick(place(Vec3(0.001, 0.002, 0.015)), kTick_s);
     ASSERT_TRUE(record.contact);
-    EXPECT_LT((record.proxy_m - place(Vec3(0.001, 0.002, 0.02))).norm(), 1e-9);
+    EXPECT_LT((vec3(record.proxy_scene_m) - place(Vec3(0.001, 0.002, 0.02))).norm(), 1e-9);
   }
 }
 
@@ -224,7 +226,7 @@ TEST(SteadyMotions, TurnAboutTheNodesOwnOrigin) {
   // The finger, a box 0.1 m beside the hand, is where it has been turned to.
   const Vec3 finger = Vec3(1.2, 0, 0.05) + 0.1 * Vec3(std::cos(1.0), std::sin(1.0), 0);
   loop.tick(finger + Vec3(0, 0, 0.05), kTick_s);
-  EXPECT_NEAR(loop.tick(finger, kTick_s).proxy_m.z(), 0.07, 1e-9);
+  EXPECT_NEAR(vec3(loop.tick(finger, kTick_s).proxy_scene_m).z(), 0.07, 1e-9);
 }
 
 TEST(NodeMotions, KeepTheLastPoseWhileWhatIsSetIsNone) {
@@ -235,7 +237,8 @@ TEST(NodeMotions, KeepTheLastPoseWhileWhatIsSetIsNone) {
   StillDevice device(Vec3(0, 0, 5));
   LastRecord record;
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  HapticSession session(loop, device, &record, &motions);
+  HapticSession session(loop, device, {.changes = {&motions}, .observers = {&record}});
+  session.start();
   session.tick(kTick_s);
   EXPECT_EQ(record.last.faults, kFaultNone);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -260,7 +263,8 @@ TEST(SteadyMotions, GoOnAfterABadTimeStep) {
   StillDevice device(Vec3(0, 0, 5));
   LastRecord record;
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  HapticSession session(loop, device, &record, &*mover);
+  HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&record}});
+  session.start();
   session.tick(kTick_s);
   session.tick(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(record.last.faults, kFaultBadTimeStep);
@@ -284,15 +288,16 @@ TEST(SteadyMotions, GiveTheSameBitsEveryTime) {
     StillDevice device(Vec3(1.3, 0.001, -0.05));
     LastRecord record;
     HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 2), {});
-    HapticSession session(loop, device, &record, &*mover);
+    HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&record}});
+    session.start();
     bool was_touched = false;
     for (int n = 0; n < 400; ++n) {
       session.tick(kTick_s);
       was_touched |= record.last.contact;
       if (pass == 0) {
-        first.push_back(record.last.proxy_m);
+        first.push_back(vec3(record.last.proxy_scene_m));
       } else {
-        ASSERT_EQ(record.last.proxy_m, first[static_cast<std::size_t>(n)]) << n;
+        ASSERT_EQ(vec3(record.last.proxy_scene_m), first[static_cast<std::size_t>(n)]) << n;
       }
     }
     EXPECT_TRUE(was_touched);
@@ -308,8 +313,8 @@ TEST(NodeMotions, ReachARunningHapticThread) {
   StillDevice device(Vec3(0, 0, -0.89));
   LastRecord record;
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  HapticSession session(loop, device, &record, &motions);
-  HapticThread thread(session, device, {2000.0, 0});
+  HapticSession session(loop, device, {.changes = {&motions}, .observers = {&record}});
+  HapticThread thread(session, {2000.0, 0});
   thread.start();
   while (thread.ticks() < 1) std::this_thread::yield();
   for (int n = 0; n < 4000; ++n) {
@@ -319,7 +324,7 @@ TEST(NodeMotions, ReachARunningHapticThread) {
   motions.set(*floor, shifted({0, 0, 0.03}));
   const std::uint64_t told = thread.ticks();
   while (thread.ticks() < told + 3) std::this_thread::yield();
-  HapticSnapshot snapshot;
+  TickRecord snapshot;
   ASSERT_TRUE(session.latest(snapshot));
   thread.stop();
   EXPECT_EQ(snapshot.contact, 1u);

@@ -10,7 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/session/trace_csv.h"
 #include "engine/simulation/run_judgement.h"
+#include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
@@ -19,7 +21,9 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 TickRecord free_tick(const Vec3& device) {
   TickRecord r;
-  r.device_m = r.goal_m = r.proxy_m = device;
+  put(device, r.device_m);
+  put(device, r.goal_scene_m);
+  put(device, r.proxy_scene_m);
   return r;
 }
 
@@ -27,11 +31,11 @@ TickRecord contact_tick(const Vec3& device, double depth_m, double alpha_rad, co
                         const Vec3& commanded_N) {
   TickRecord r = free_tick(device);
   r.contact = true;
-  r.goal_m = Vec3(8, 8, 8);
-  r.proxy_m = r.goal_m + Vec3(0, 0, depth_m);
+  put(Vec3(8, 8, 8), r.goal_scene_m);
+  put(vec3(r.goal_scene_m) + Vec3(0, 0, depth_m), r.proxy_scene_m);
   r.alpha_rad = alpha_rad;
-  r.full_force_device_N = full_N;
-  r.force_device_N = commanded_N;
+  put(full_N, r.full_force_device_N);
+  put(commanded_N, r.force_device_N);
   return r;
 }
 

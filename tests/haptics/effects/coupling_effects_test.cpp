@@ -10,6 +10,7 @@
 
 #include "haptics/effects/damping.h"
 #include "haptics/effects/stiffness.h"
+#include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
 
 namespace palpate {
@@ -183,7 +184,7 @@ DamperWork damper_work(BodyHand& damped, BodyHand& undamped, const Vec3& start, 
     const Vec3 proxy = damped.proxy();
     const Vec3 lag = proxy - damped.goal();
     const bool contact = damped.record().contact;
-    EXPECT_EQ(damped.record().proxy_m, undamped.record().proxy_m);
+    EXPECT_EQ(vec3(damped.record().proxy_scene_m), vec3(undamped.record().proxy_scene_m));
     if (k > ticks) {
       const Vec3 back = x - at(k - 1);
       const Vec3 force = damped.force() - undamped.force();

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/owned_bodies.h"
@@ -67,12 +68,12 @@ class PlaneHand {
   }
 
   const TickRecord& go_to(const Vec3& p_plane) { return loop_->tick(pose_.point(p_plane), kDt_s); }
-  Vec3 proxy() const { return pose_.inverse_point(last_->proxy_m); }
+  Vec3 proxy() const { return pose_.inverse_point(vec3(last_->proxy_scene_m)); }
   const TickRecord& tick(const Vec3& p_plane) {
     last_ = &go_to(p_plane);
     return *last_;
   }
-  Vec3 force() const { return pose_.inverse_direction(last_->force_device_N); }
+  Vec3 force() const { return pose_.inverse_direction(vec3(last_->force_device_N)); }
   // Of positions read back from the scene: the solver's stand-off and rounding in the pose.
   double tolerance_m() const {
     return 4 * SolverScale::of(2 * kHalf_m, 0.0).stand_off_m +
@@ -196,10 +197,10 @@ void expect_no_drift(const OwnedWorld& world, const Vec3& above, const Vec3& pre
   HapticLoop loop(world.world(), three_axes(), settings());
   loop.tick(above, kDt_s);
   for (int i = 1; i <= 20; ++i) loop.tick(above + i / 20.0 * (pressed - above), kDt_s);
-  const Vec3 rest = loop.tick(pressed, kDt_s).proxy_m;
+  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
   for (int tick = 0; tick < ticks; ++tick) {
     const TickRecord& record = loop.tick(pressed + tremor(), kDt_s);
-    ASSERT_EQ(record.proxy_m, rest) << "tick " << tick;
+    ASSERT_EQ(vec3(record.proxy_scene_m), rest) << "tick " << tick;
     ASSERT_EQ(record.faults, kFaultNone);
   }
 }
@@ -276,11 +277,11 @@ TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
   HapticLoop loop(world.world(), ActuationModel::from_counts(3, 1).value(), s);
   loop.tick(0.001 * normal_device, kDt_s);
   const Vec3 pressed = -0.002 * normal_device;
-  const Vec3 rest = loop.tick(pressed, kDt_s).proxy_m;
+  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
   for (int tick = 0; tick < 3000; ++tick) {
     const TickRecord& record = loop.tick(pressed, kDt_s);
     ASSERT_TRUE(record.contact);
-    ASSERT_EQ(record.proxy_m, rest);
+    ASSERT_EQ(vec3(record.proxy_scene_m), rest);
   }
   EXPECT_LT(loop.tick(pressed, kDt_s).alpha_rad, 1e-9);  // and it got there
 }
@@ -312,7 +313,7 @@ TEST(Friction, KeepsTheEnergyCertificate) {
         allowed_J += 0.5 * kStiffness * step.squaredNorm();
         const TickRecord& record = loop.tick(goal, kDt_s);
         const double before_m = (proxy - goal).norm();
-        proxy = record.proxy_m;
+        proxy = vec3(record.proxy_scene_m);
         const double lag_m = (proxy - goal).norm();
         ASSERT_LE(lag_m, before_m + 1e-15);
         force = kStiffness * (proxy - goal);
@@ -334,18 +335,18 @@ TEST(Friction, TakesTheHandAlongWithAMovingPlate) {
     loop.tick(pose.point({0.02, 0, 0.001}), kDt_s);
     const Vec3 goal = pose.point({0.02, 0, -0.004});
     loop.tick(goal, kDt_s);
-    const Vec3 place = pose.inverse_point(loop.tick(goal, kDt_s).proxy_m);
+    const Vec3 place = pose.inverse_point(vec3(loop.tick(goal, kDt_s).proxy_scene_m));
     RigidTransform moved = pose;
     for (int tick = 1; tick <= 100; ++tick) {
       const Quat turn(Eigen::AngleAxisd(turns ? 2e-3 * tick : 0.0, Vec3::UnitZ()));
       moved = {pose.rotation * turn, pose.point(turns ? Vec3::Zero() : Vec3(1e-4 * tick, 0, 0))};
       loop.move_body(0, moved);
       const TickRecord& record = loop.tick(goal, kDt_s);
-      ASSERT_LE((moved.inverse_point(record.proxy_m) - place).norm(), 1e-12) << tick;
+      ASSERT_LE((moved.inverse_point(vec3(record.proxy_scene_m)) - place).norm(), 1e-12) << tick;
     }
     // The hand is pulled the way that the plate goes.
     const Vec3 pulled = moved.point(place) - goal;
-    EXPECT_GT(pulled.dot(loop.tick(goal, kDt_s).force_device_N), 0.0);
+    EXPECT_GT(pulled.dot(vec3(loop.tick(goal, kDt_s).force_device_N)), 0.0);
   }
 }
 
@@ -362,13 +363,13 @@ TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
   loop.tick({0.01, 0, 0.01}, kDt_s);
   const Vec3 pressed(-0.001, 0, -0.001);
   loop.tick(pressed, kDt_s);
-  const Vec3 rest = loop.tick(pressed, kDt_s).proxy_m;
+  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
   for (int tick = 1; tick <= 50; ++tick) {
     loop.move_body(1, {wall.rotation, Vec3(0, 1e-4 * tick, 0)});
     const TickRecord& record = loop.tick(pressed, kDt_s);
     ASSERT_TRUE(record.contact);
-    ASSERT_LE((record.proxy_m - rest).norm(), 1e-11) << tick;
-    ASSERT_LE(std::abs(record.force_device_N.y()), 1e-8) << tick;
+    ASSERT_LE((vec3(record.proxy_scene_m) - rest).norm(), 1e-11) << tick;
+    ASSERT_LE(std::abs(vec3(record.force_device_N).y()), 1e-8) << tick;
   }
 }
 
@@ -385,7 +386,7 @@ TEST(Friction, HoldsInAGrooveThatMoves) {
   for (int tick = 0; tick < 100; ++tick) {
     loop.move_body(0, {Quat::Identity(), Vec3(0, 0, tick % 2 == 0 ? 1e-6 : 0.0)});
     const TickRecord& record = loop.tick(goal, kDt_s);
-    ASSERT_LE(std::abs(record.proxy_m.y()), 1e-9) << tick;
+    ASSERT_LE(std::abs(vec3(record.proxy_scene_m).y()), 1e-9) << tick;
   }
 }
 

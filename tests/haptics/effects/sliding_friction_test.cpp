@@ -13,10 +13,12 @@
 
 #include "engine/simulation/mass_damper.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -126,13 +128,13 @@ class PlateHand {
   Vec3 device_m(const Vec3& p_plate) const {
     return T_device_scene_.point(T_scene_plate_.point(p_plate));
   }
-  Vec3 proxy() const { return T_scene_plate_.inverse_point(record_.proxy_m); }
+  Vec3 proxy() const { return T_scene_plate_.inverse_point(vec3(record_.proxy_scene_m)); }
   bool sticks() const { return record_.friction == FrictionState::kSticks; }
   bool slides() const { return record_.friction == FrictionState::kSlides; }
   // Of the force, tangential over normal.
   double ratio() const {
-    const Vec3 f =
-        T_scene_plate_.inverse_direction(T_device_scene_.inverse_direction(record_.force_device_N));
+    const Vec3 f = T_scene_plate_.inverse_direction(
+        T_device_scene_.inverse_direction(vec3(record_.force_device_N)));
     return std::hypot(f.x(), f.y()) / f.z();
   }
 
@@ -266,11 +268,11 @@ TEST(SlidingFriction, KeepsTheRatioWhileTheHandSlowsDownToAStopAndGoesOn) {
         ASSERT_TRUE(judge(hand)) << "slowing, " << n;
       }
       hand.go_to(x_m, 0.0);
-      const Vec3 rest = hand.record().proxy_m;
+      const Vec3 rest = vec3(hand.record().proxy_scene_m);
       for (int n = 0; n < 200; ++n) {
         hand.go_to(x_m, 0.0);
         ASSERT_TRUE(judge(hand)) << "at rest";
-        ASSERT_EQ(hand.record().proxy_m, rest);
+        ASSERT_EQ(vec3(hand.record().proxy_scene_m), rest);
       }
       for (int n = slow_ticks; n >= 0; --n) {
         hand.go_to(x_m += step_m * std::pow(0.5, n), 0.0);
@@ -369,10 +371,10 @@ TEST(SlidingFriction, KeepsTheBitsOfAMillionTicksAtRest) {
     for (int n = 0; n < 40; ++n) hand.go_to(x_m += 1e-4, 0.0);
     if (!slides) hand.go_to(x_m -= 1e-4, 0.0);
     ASSERT_EQ(hand.slides(), slides);
-    const Vec3 rest = hand.record().proxy_m;
+    const Vec3 rest = vec3(hand.record().proxy_scene_m);
     for (int n = 0; n < 1000000; ++n) {
       const TickRecord& record = hand.go_to(x_m, 0.0);
-      ASSERT_EQ(record.proxy_m, rest) << n;
+      ASSERT_EQ(vec3(record.proxy_scene_m), rest) << n;
       ASSERT_EQ(hand.slides(), slides);
     }
     if (slides) {
@@ -395,9 +397,9 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
     double x_m = 0.0;
     slide_on(hand, x_m);
     interrupt(hand, x_m);
-    const Vec3 before = hand.record().proxy_m;
+    const Vec3 before = vec3(hand.record().proxy_scene_m);
     hand.go_to(x_m += 1e-4, 0.0);
-    return hand.sticks() && hand.record().proxy_m == before;
+    return hand.sticks() && vec3(hand.record().proxy_scene_m) == before;
   };
   EXPECT_FALSE(sticks_after([](PlateHand&, double) {}));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double x_m) {
@@ -433,9 +435,8 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
 
 TEST(SlidingFriction, OfAGodObjectEndsWithPlaceAndEndFriction) {
   const OwnedWorld world(plate_soup(0.1));
-  const FrictionSource source{nullptr, [](void*, const FaceContact&, const Vec3&) noexcept {
-                                return FrictionCone{0.8, 0.4};
-                              }};
+  test::SameCone cone({0.8, 0.4});
+  const FrictionSource source{cone};
   constexpr double kDepth_m = 1e-3;
   GodObject god_object(world.world(), {});
   const auto go_to = [&](double x_m) {
@@ -491,8 +492,8 @@ TEST(SlidingFriction, GoesOnFromMaterialToMaterial) {
       has_slipped = has_slipped || record.friction == FrictionState::kSlides;
       if (!has_slipped) continue;
       ASSERT_EQ(record.friction, FrictionState::kSlides) << x_m;
-      const double proxy_m = pose.inverse_point(record.proxy_m).x();
-      const Vec3 f = pose.inverse_direction(record.force_device_N);
+      const double proxy_m = pose.inverse_point(vec3(record.proxy_scene_m)).x();
+      const Vec3 f = pose.inverse_direction(vec3(record.force_device_N));
       const auto i = static_cast<std::size_t>(proxy_m / kWidth_m);
       // On a border the proxy may have slid by the cone of either side.
       if (std::abs(proxy_m / kWidth_m - std::round(proxy_m / kWidth_m)) < step_m / kWidth_m)
@@ -537,7 +538,7 @@ TEST(SlidingFriction, GoesOnAlongAGroove) {
       if (!has_slipped) continue;
       ASSERT_EQ(record.friction, FrictionState::kSlides)
           << "rise " << rise_rad << ", mu " << mu_s << " " << mu_k << ", tick " << n;
-      const Vec3 f = pose.inverse_direction(record.force_device_N);
+      const Vec3 f = pose.inverse_direction(vec3(record.force_device_N));
       // The corner is lifted by its stand-offs over sine and cosine, of 2 mm.
       ASSERT_NEAR(std::abs(f.y()) / f.z(), mu_k / std::cos(rise_rad), 1e-6) << n;
       ++slides;
@@ -578,8 +579,9 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
         has_slipped = has_slipped || record.friction == FrictionState::kSlides;
         if (!has_slipped) continue;
         ASSERT_EQ(record.friction, FrictionState::kSlides) << run << " " << angle;
-        const double press_N = record.force_device_N.dot(record.normal_scene);
-        const double side_N = (record.force_device_N - press_N * record.normal_scene).norm();
+        const double press_N = vec3(record.force_device_N).dot(vec3(record.normal_scene));
+        const double side_N =
+            (vec3(record.force_device_N) - press_N * vec3(record.normal_scene)).norm();
         if ((record.faults & kFaultSolverCapped) != 0) {
           ++capped;
           continue;
@@ -629,14 +631,15 @@ TEST(SlidingFriction, GoesOnWhileThePlateMovesWithTheHand) {
   loop.tick(pose.point({0, 0, 1e-3}), kDt_s);
   double x_m = 0.0;
   for (int n = 0; n < 40; ++n) loop.tick(pose.point({x_m += 1e-4, 0, -depth_m}), kDt_s);
-  Vec3 proxy = pose.inverse_point(loop.tick(pose.point({x_m, 0, -depth_m}), kDt_s).proxy_m);
+  Vec3 proxy =
+      pose.inverse_point(vec3(loop.tick(pose.point({x_m, 0, -depth_m}), kDt_s).proxy_scene_m));
   for (int n = 1; n <= 500; ++n) {
     const Vec3 shift = 1e-4 * n * Vec3(0.6, 0.8, 0.0) + 1e-5 * (n % 3) * Vec3::UnitZ();
     const RigidTransform moved{pose.rotation, pose.point(shift)};
     loop.move_body(0, moved);
     const TickRecord& record = loop.tick(moved.point({x_m, 0, -depth_m}), kDt_s);
     ASSERT_EQ(record.friction, FrictionState::kSlides) << n;
-    ASSERT_LE((moved.inverse_point(record.proxy_m) - proxy).norm(), 1e-11);
+    ASSERT_LE((moved.inverse_point(vec3(record.proxy_scene_m)) - proxy).norm(), 1e-11);
   }
 }
 
@@ -676,14 +679,15 @@ struct Pulled {
       sticking += has_slipped && !slides;
       sliding += slides;
       if (slides) {
-        ASSERT_NEAR(std::abs(record.force_device_N.x()), 0.4 * record.force_device_N.z(), 1e-9);
+        ASSERT_NEAR(std::abs(vec3(record.force_device_N).x()),
+                    0.4 * vec3(record.force_device_N).z(), 1e-9);
       }
       constexpr int kSubsteps = 10;
       for (int i = 0; i < kSubsteps; ++i) {
         const double time_s = (n + static_cast<double>(i) / kSubsteps) * kDt_s;
         const double pull_N =
             kSpring_N_per_m * (kStart_m + speed_m_per_s * time_s - device.position_m().x());
-        device.advance({record.force_device_N.x() + pull_N, 0.0, 0.0}, kDt_s / kSubsteps);
+        device.advance({vec3(record.force_device_N).x() + pull_N, 0.0, 0.0}, kDt_s / kSubsteps);
       }
       if (has_slipped && n > ticks / 2) {
         slowest_m_per_s = std::min(slowest_m_per_s, device.velocity_m_per_s().x());

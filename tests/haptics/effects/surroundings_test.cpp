@@ -11,6 +11,7 @@
 #include "haptics/effects/magnet.h"
 #include "haptics/effects/stiffness.h"
 #include "haptics/effects/viscosity.h"
+#include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
 
 namespace palpate {
@@ -500,7 +501,7 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
       const Vec3 way = nearest_of_box(local, half) - local;
       if (way.isZero(0.0)) continue;
       const Vec3 expected = moved.direction(well(force_N, range_m, way.norm()) * way.normalized());
-      ASSERT_LE((record.force_device_N - expected).norm(), 1e-9 + 1e-15 / way.norm()) << tick;
+      ASSERT_LE((vec3(record.force_device_N) - expected).norm(), 1e-9 + 1e-15 / way.norm()) << tick;
       felt += way.norm() < range_m;
     }
   }
@@ -532,11 +533,11 @@ TEST(Gravity, IsConstantInTheSceneAndTurnsWithIt) {
     for (int tick = 0; tick < 1000; ++tick) {
       const Vec3 p = (tick < 10 ? 0.001 : -0.002) * normal_device;
       const TickRecord& record = loop.tick(p, kDt_s);
-      const Vec3 spring = 1000.0 * (record.proxy_m - record.goal_m);
-      const Vec3 expected = record.T_device_scene.rotation * Vec3(spring + weight);
-      ASSERT_LE((record.full_force_device_N - expected).norm(), 1e-9);
-      if (tick == 0) first = record.T_device_scene.rotation * weight;
-      last = record.T_device_scene.rotation * weight;
+      const Vec3 spring = 1000.0 * (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m));
+      const Vec3 expected = pose_before(record).rotation * Vec3(spring + weight);
+      ASSERT_LE((vec3(record.full_force_device_N) - expected).norm(), 1e-9);
+      if (tick == 0) first = pose_before(record).rotation * weight;
+      last = pose_before(record).rotation * weight;
     }
     EXPECT_GT((last - first).norm(), 0.0);  // A4 did turn it
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/owned_bodies.h"
@@ -78,10 +79,10 @@ class BodyHand {
 
   const TickRecord& record() const { return record_; }
   // Local; of the last tick.
-  Vec3 goal() const { return pose_.inverse_point(record_.goal_m); }
-  Vec3 proxy() const { return pose_.inverse_point(record_.proxy_m); }
-  Vec3 normal() const { return pose_.inverse_direction(record_.normal_scene); }
-  Vec3 force() const { return pose_.inverse_direction(record_.full_force_device_N); }
+  Vec3 goal() const { return pose_.inverse_point(vec3(record_.goal_scene_m)); }
+  Vec3 proxy() const { return pose_.inverse_point(vec3(record_.proxy_scene_m)); }
+  Vec3 normal() const { return pose_.inverse_direction(vec3(record_.normal_scene)); }
+  Vec3 force() const { return pose_.inverse_direction(vec3(record_.full_force_device_N)); }
   bool feels(std::uint16_t effect) const { return (record_.effects >> effect & 1u) != 0; }
 
   const RigidTransform& pose() const { return pose_; }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/helpers/random.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -462,10 +463,8 @@ TEST(GodObject, RestsInGroovesHoweverNarrowAndKeepsItsPlace) {
     GodObject god_object(world.world(), {});
     FrictionCone cone{random.uniform(0.1, 1.0), 0.0};
     cone.dynamic_friction = cone.static_friction * random.uniform(0.5, 1.0);
-    const FrictionSource friction{&cone,
-                                  [](void* of_all, const FaceContact&, const Vec3&) noexcept {
-                                    return *static_cast<const FrictionCone*>(of_all);
-                                  }};
+    test::SameCone same(cone);
+    const FrictionSource friction{same};
     const bool has_friction = random.index(3) == 0;
     std::optional<Vec3> plane;  // along the groove
     if (!has_friction && random.index(2)) plane = pose.direction(Vec3::UnitY());

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/record_vectors.h"
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
 
@@ -34,10 +35,11 @@ class HardCase18_A4 : public testing::TestWithParam<HardDevice> {
     TickRecord last = loop.tick(at_m, kTick_s);
     for (int n = 0; n < ticks; ++n) {
       const TickRecord now = loop.tick(at_m, kTick_s);
-      const double lag_m = (now.proxy_m - now.goal_m).norm();
-      const double lag_before_m = (last.proxy_m - last.goal_m).norm();
+      const double lag_m = (vec3(now.proxy_scene_m) - vec3(now.goal_scene_m)).norm();
+      const double lag_before_m = (vec3(last.proxy_scene_m) - vec3(last.goal_scene_m)).norm();
       // The pivot stays in place to 2 ulp of the coordinates.
-      const double rounding_m = 8 * 0x1p-52 * (now.goal_m.norm() + now.device_m.norm());
+      const double rounding_m =
+          8 * 0x1p-52 * (vec3(now.goal_scene_m).norm() + vec3(now.device_m).norm());
       ASSERT_LE(lag_m, lag_before_m * (1 + 1e-12) + rounding_m) << "tick " << n;
       ASSERT_TRUE(now.contact);
       last = now;
@@ -139,7 +141,7 @@ class HardCase19_UnderActuatedLoop : public testing::TestWithParam<double> {
   static double work_J(JudgedLoop& loop, const Vec3& at_m, const Vec3& u, const Vec3& v) {
     const Vec3 corners[5] = {at_m, at_m + kSide_m * u, at_m + kSide_m * (u + v), at_m + kSide_m * v,
                              at_m};
-    Vec3 force_N = loop.tick(at_m, kQuick_s).force_device_N;
+    Vec3 force_N = vec3(loop.tick(at_m, kQuick_s).force_device_N);
     Vec3 from = at_m;
     double work = 0.0;
     for (int side = 0; side < 4; ++side) {
@@ -147,7 +149,7 @@ class HardCase19_UnderActuatedLoop : public testing::TestWithParam<double> {
         const double part = static_cast<double>(i) / kSteps;
         const Vec3 to = corners[side] + part * (corners[side + 1] - corners[side]);
         work += force_N.dot(to - from);
-        force_N = loop.tick(to, kQuick_s).force_device_N;
+        force_N = vec3(loop.tick(to, kQuick_s).force_device_N);
         from = to;
       }
     }
@@ -180,7 +182,7 @@ TEST_P(HardCase19_UnderActuatedLoop, DoesTheWorkOfTheAngleThatIsLeft) {
       const TickRecord felt = loop.tick(at_m, kQuick_s);
       const double angle = felt.alpha_rad;
       // In the plane of the actuator and of the normal as it is now.
-      const Vec3 now = loop.T_device_scene().direction(felt.normal_scene);
+      const Vec3 now = loop.T_device_scene().direction(vec3(felt.normal_scene));
       const Vec3 across = now - now.dot(a1) * a1;
       const Vec3 v = across.norm() > 1e-9 ? Vec3(across.normalized()) : tangent;
       const double expected_J = whole_J * std::sin(angle) * std::cos(angle);

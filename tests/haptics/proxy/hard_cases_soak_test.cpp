@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/record_vectors.h"
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
 #include "tests/helpers/soak.h"
@@ -52,10 +53,11 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
     // rolls out of the reach of a hand that stays behind.
     at_m = (at_m + step).cwiseMin(reach_m).cwiseMax(-reach_m);
     const TickRecord& felt = loop.tick(loop.T_device_scene().point(at_m), kTick_s);
-    finite = finite && felt.force_device_N.allFinite() && felt.proxy_m.allFinite();
+    finite =
+        finite && vec3(felt.force_device_N).allFinite() && vec3(felt.proxy_scene_m).allFinite();
     contact_ticks += felt.contact;
     worst_norm = std::max(worst_norm, std::abs(loop.T_device_scene().rotation.norm() - 1.0));
-    const Vec3 proxy = world.world().to_solver(felt.proxy_m);
+    const Vec3 proxy = world.world().to_solver(vec3(felt.proxy_scene_m));
     const auto nearest = world.index().closest_point(proxy, radius + 2 * scale.stand_off_m);
     if (nearest) least_m = std::min(least_m, nearest->distance_m);
   }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/hard_case_shapes.h"
 
@@ -208,10 +209,10 @@ struct ForceWatch {
   explicit ForceWatch(double exterior) : exterior_rad(exterior) {}
   // Largest step of the force relative to its bound.
   void see(const TickRecord& now) {
-    const double dx_m = (now.goal_m - last.goal_m).norm();
-    const double bound_N =
-        force_step_bound_N((last.proxy_m - last.goal_m).norm(), dx_m, exterior_rad);
-    const double step_N = (now.full_force_device_N - last.full_force_device_N).norm();
+    const double dx_m = (vec3(now.goal_scene_m) - vec3(last.goal_scene_m)).norm();
+    const double bound_N = force_step_bound_N(
+        (vec3(last.proxy_scene_m) - vec3(last.goal_scene_m)).norm(), dx_m, exterior_rad);
+    const double step_N = (vec3(now.full_force_device_N) - vec3(last.full_force_device_N)).norm();
     if (bound_N > 0.0) worst = std::max(worst, step_N / bound_N);
     last = now;
   }

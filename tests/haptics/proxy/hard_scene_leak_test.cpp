@@ -19,6 +19,7 @@
 #include "haptics/proxy/god_object.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -33,6 +34,7 @@ using test::HardScene;
 using test::in_soak_or_else;
 using test::OwnedWorld;
 using test::Random;
+using test::SameCone;
 using test::Soup;
 using test::Violation;
 
@@ -94,7 +96,7 @@ class Feeling {
     god_object_.place(start_);
     was_inside_ = scene_.is_closed && judge_.is_inside(start_);
     felt_.proxy = start_;
-    if (with_friction) cone_ = pick_cone();
+    if (with_friction) cone_.emplace(pick_cone());
   }
 
   const ExactJudge& judge() const { return judge_; }
@@ -146,17 +148,14 @@ class Feeling {
     return {mu_s, random_.index(2) ? mu_s : mu_s * random_.uniform(0.0, 1.0)};
   }
 
-  FrictionSource friction() {
-    return {&*cone_, [](void* cone, const FaceContact&, const Vec3&) noexcept {
-              return *static_cast<const FrictionCone*>(cone);
-            }};
-  }
+  FrictionSource friction() { return FrictionSource{*cone_}; }
 
   testing::Message where() const {
     testing::Message message;
     message << "tick " << tick_ << ", radius " << radius_m_ << " m, goal " << hex(goal_);
     if (cone_) {
-      message << ", friction " << cone_->static_friction << ", " << cone_->dynamic_friction;
+      message << ", friction " << cone_->cone.static_friction << ", "
+              << cone_->cone.dynamic_friction;
     }
     if (plane_normal_) message << ", in the plane across " << hex(*plane_normal_);
     message << "\npath:";
@@ -218,7 +217,7 @@ class Feeling {
   Vec3 start_;
   DeviceMotion motion_;
   std::optional<Vec3> plane_normal_;
-  std::optional<FrictionCone> cone_;
+  std::optional<SameCone> cone_;
   ProxyState felt_;
   Vec3 goal_ = Vec3::Zero();
   bool was_inside_ = false;

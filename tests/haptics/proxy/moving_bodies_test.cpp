@@ -10,10 +10,12 @@
 
 #include "haptics/haptic_loop.h"
 #include "haptics/proxy/god_object.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -500,8 +502,8 @@ TEST(HapticLoopWithBodies, FeelsAPlateComeAndTellsOfPosesThatAreNone) {
   }
   const TickRecord pressed = loop.tick(hand, kTick_s);
   EXPECT_TRUE(pressed.contact);
-  EXPECT_NEAR(pressed.proxy_m.z(), -0.011, 1e-9);
-  EXPECT_LT(pressed.force_device_N.z(), 0.0);
+  EXPECT_NEAR(vec3(pressed.proxy_scene_m).z(), -0.011, 1e-9);
+  EXPECT_LT(vec3(pressed.force_device_N).z(), 0.0);
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const RigidTransform bad[] = {
@@ -513,7 +515,7 @@ TEST(HapticLoopWithBodies, FeelsAPlateComeAndTellsOfPosesThatAreNone) {
     loop.move_body(0, T);
     const TickRecord& record = loop.tick(hand, kTick_s);
     EXPECT_EQ(record.faults, kFaultBadBodyPose);
-    EXPECT_EQ(record.proxy_m, pressed.proxy_m);
+    EXPECT_EQ(vec3(record.proxy_scene_m), vec3(pressed.proxy_scene_m));
     EXPECT_TRUE(record.contact);
     EXPECT_EQ(loop.tick(hand, kTick_s).faults, kFaultNone);
   }
@@ -535,17 +537,16 @@ TEST(HapticLoopWithBodies, KeepsThePlaneOfAPlanarDevice) {
     loop.move_body(0, pose);
     const TickRecord& record = loop.tick(Vec3::Zero(), kTick_s);
     ASSERT_EQ(record.faults, kFaultNone);
-    ASSERT_EQ(record.proxy_m.z(), 0.0);
-    ASSERT_NEAR(record.proxy_m.x(), std::max(0.0, pose.translation_m.x()), 1e-9);
+    ASSERT_EQ(vec3(record.proxy_scene_m).z(), 0.0);
+    ASSERT_NEAR(vec3(record.proxy_scene_m).x(), std::max(0.0, pose.translation_m.x()), 1e-9);
   }
 }
 
 // A quaternion in single precision is not of length 1, and is taken as a rotation all the same: a
 // body that is a little larger in each tick would go past a proxy that friction holds.
 TEST(MovingBodies, WhosePosesAreInSinglePrecisionNeverPassTheProxy) {
-  const FrictionSource sticky{nullptr, [](void*, const FaceContact&, const Vec3&) noexcept {
-                                return FrictionCone{0.5, 0.4};
-                              }};
+  test::SameCone cone({0.5, 0.4});
+  const FrictionSource sticky{cone};
   const Vec3 half_m(0.05, 0.04, 0.03);
   for (const double radius_m : {0.0, 0.002}) {
     const OwnedBodies bodies({{test::box_soup(half_m), {}}}, radius_m);
@@ -576,9 +577,9 @@ TEST(HapticLoopWithBodies, HoldsBodiesWhileSamplesAreBad) {
   loop.tick(Vec3::Zero(), kTick_s);
   loop.move_body(0, {Quat::Identity(), Vec3(0.0, 0.0, -0.02)});
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(loop.tick(Vec3(nan, 0, 0), kTick_s).force_device_N, Vec3::Zero());
+  EXPECT_EQ(vec3(loop.tick(Vec3(nan, 0, 0), kTick_s).force_device_N), Vec3::Zero());
   const TickRecord& after = loop.tick(Vec3::Zero(), kTick_s);
-  EXPECT_NEAR(after.proxy_m.z(), -0.021, 1e-9);
+  EXPECT_NEAR(vec3(after.proxy_scene_m).z(), -0.021, 1e-9);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@
 #include "tests/helpers/random.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -38,6 +39,7 @@ using test::ProxyKind;
 using test::Random;
 using test::RestJudge;
 using test::RestScene;
+using test::SameCone;
 using test::Violation;
 
 constexpr double kTick_s = 1e-3;
@@ -171,7 +173,7 @@ class MovingScene {
     if (random.index(5) == 0) plane_normal_ = random.unit_vector();
     if (random.index(4) == 0) {
       const double mu_s = random.uniform(0.0, 1.5);
-      cone_ = FrictionCone{mu_s, random.index(2) ? mu_s : mu_s * random.uniform(0.0, 1.0)};
+      cone_ = SameCone({mu_s, random.index(2) ? mu_s : mu_s * random.uniform(0.0, 1.0)});
     }
     goal_ = pick_start();
     god_object_.place(goal_);
@@ -209,11 +211,7 @@ class MovingScene {
  private:
   const ContactBody& placed(std::uint32_t b) const { return god_object_.world().body(b); }
 
-  FrictionSource friction() {
-    return {&*cone_, [](void* cone, const FaceContact&, const Vec3&) noexcept {
-              return *static_cast<const FrictionCone*>(cone);
-            }};
-  }
+  FrictionSource friction() { return FrictionSource{*cone_}; }
 
   Motion some_motion() {
     const double speed = log_uniform(random_, pace_.slowest_m_per_s, pace_.fastest_m_per_s);
@@ -304,7 +302,8 @@ class MovingScene {
     std::printf("  PALPATE_SEED=%llu, tick %d, radius %g m, goal %s%s",
                 static_cast<unsigned long long>(seed_), tick_, radius_m_, hex(goal_).c_str(),
                 accuracy_.iterations > 64 ? ", exact" : "");
-    if (cone_) std::printf(", friction %g, %g", cone_->static_friction, cone_->dynamic_friction);
+    if (cone_)
+      std::printf(", friction %g, %g", cone_->cone.static_friction, cone_->cone.dynamic_friction);
     if (plane_normal_) std::printf(", in the plane across %s", hex(*plane_normal_).c_str());
     std::printf("\n    %s\n", what.c_str());
   }
@@ -334,8 +333,8 @@ class MovingScene {
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       bodies.push_back({&judges_[b], placed(b).T_solver_body});
     }
-    const auto way =
-        rests_.way_on(bodies, {proxy, goal_, plane_normal_, cone_ ? cone_->static_friction : 0.0});
+    const auto way = rests_.way_on(
+        bodies, {proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0});
     if (!way) return;
     ++totals.false_rests;
     totals.worst_gain = std::max(totals.worst_gain, way->gain_m / size_m_);
@@ -356,7 +355,7 @@ class MovingScene {
   std::vector<ExactJudge> judges_;
   std::vector<Motion> motions_;
   std::optional<Vec3> plane_normal_;
-  std::optional<FrictionCone> cone_;
+  std::optional<SameCone> cone_;
   Vec3 goal_ = Vec3::Zero();
   ProxyState felt_;
   std::vector<test::Corners> at_first_;

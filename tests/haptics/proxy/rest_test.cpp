@@ -26,6 +26,7 @@
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -44,6 +45,7 @@ using test::RestClass;
 using test::RestHand;
 using test::RestJudge;
 using test::RestScene;
+using test::SameCone;
 using test::Violation;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -126,7 +128,7 @@ class Feeling {
     }
     if (random.index(4) == 0) {
       const double mu_s = random.uniform(0.0, random.index(3) ? 1.0 : 4.0);
-      cone_ = FrictionCone{mu_s, random.index(2) ? mu_s : mu_s * random.uniform(0.0, 1.0)};
+      cone_ = SameCone({mu_s, random.index(2) ? mu_s : mu_s * random.uniform(0.0, 1.0)});
     }
     god_object_.place(start_);
     felt_.proxy = god_object_.proxy();
@@ -176,11 +178,7 @@ class Feeling {
     }
   }
 
-  FrictionSource friction() {
-    return {&*cone_, [](void* cone, const FaceContact&, const Vec3&) noexcept {
-              return *static_cast<const FrictionCone*>(cone);
-            }};
-  }
+  FrictionSource friction() { return FrictionSource{*cone_}; }
 
   void show(Totals& totals, const std::string& what) const {
     totals.failing_scenes.insert(seed_);
@@ -189,7 +187,8 @@ class Feeling {
     std::printf("  PALPATE_SEED=%llu, tick %d, radius %g m, goal %s, iterations %d%s",
                 static_cast<unsigned long long>(seed_), tick_, radius_m_, hex(goal_).c_str(),
                 felt_.iterations, accuracy_.iterations > 64 ? ", exact" : "");
-    if (cone_) std::printf(", friction %g, %g", cone_->static_friction, cone_->dynamic_friction);
+    if (cone_)
+      std::printf(", friction %g, %g", cone_->cone.static_friction, cone_->cone.dynamic_friction);
     if (plane_normal_) std::printf(", in the plane across %s", hex(*plane_normal_).c_str());
     std::printf("\n    %s\n", what.c_str());
   }
@@ -250,7 +249,7 @@ class Feeling {
 
   void judge_rest(Totals& totals) const {
     if (felt_.capped) return;
-    Rest rest{felt_.proxy, goal_, plane_normal_, cone_ ? cone_->static_friction : 0.0};
+    Rest rest{felt_.proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0};
     if ((goal_ - felt_.proxy).norm() <= rests_.tolerance_m()) return;
     ++totals.judged;
     const test::JudgedBody body{&exact_, {}};
@@ -278,7 +277,7 @@ class Feeling {
   DeviceMotion device_;
   bool is_device_ = false;
   std::optional<Vec3> plane_normal_;
-  std::optional<FrictionCone> cone_;
+  std::optional<SameCone> cone_;
   ProxyState felt_;
   Vec3 goal_ = Vec3::Zero();
   int tick_ = 0;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/haptics/proxy/reference_god_object.h"
 #include "tests/helpers/random.h"
@@ -121,13 +122,14 @@ class Comparison {
   explicit Comparison(const Touch& touch) : touch_(touch) {}
 
   void expect(const TickRecord& felt, const WideVec3& proxy_body) {
-    const WideVec3 goal_body = touch_.to_body(felt.goal_m);
-    const auto error_m = static_cast<double>((touch_.to_body(felt.proxy_m) - proxy_body).norm());
+    const WideVec3 goal_body = touch_.to_body(vec3(felt.goal_scene_m));
+    const auto error_m =
+        static_cast<double>((touch_.to_body(vec3(felt.proxy_scene_m)) - proxy_body).norm());
     largest_error_m_ = std::max(largest_error_m_, error_m);
     ASSERT_LE(error_m, kLargestError_m) << "tick " << felt.tick;
     ASSERT_EQ(felt.faults, kFaultNone) << "tick " << felt.tick;
 
-    const WideVec3 force_N = touch_.to_body_direction(felt.force_device_N);
+    const WideVec3 force_N = touch_.to_body_direction(vec3(felt.force_device_N));
     const WideVec3 exact_N = kStiffness_N_per_m * (proxy_body - goal_body);
     if (last_) {
       const WideVec3 ripple_N = (force_N - last_->felt_N) - (exact_N - last_->exact_N);
@@ -217,11 +219,12 @@ TEST(PointOnAFineSphere, IsTheGodObjectEveryTick) {
     SCOPED_TRACE(testing::Message() << "path " << path);
     Touch touch(fine_sphere(), random.pose(1.0), 0.0);
     Stroke stroke(random, 3e-3, 5e-3);
-    ReferenceGodObject reference(surface, touch.to_body(touch.tick(stroke.start()).goal_m));
+    ReferenceGodObject reference(surface,
+                                 touch.to_body(vec3(touch.tick(stroke.start()).goal_scene_m)));
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(felt.goal_m);
+      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
       const auto held_by = only_face(reference);
       ASSERT_TRUE(reference.move_to(goal));
       ASSERT_TRUE(only_face(reference));
@@ -234,7 +237,7 @@ TEST(PointOnAFineSphere, IsTheGodObjectEveryTick) {
       // Without a walk: on its face until the projection leaves it.
       if (!held_by || !surface.is_over(*held_by, goal)) continue;
       const WideVec3 projection = surface.project(*held_by, goal, 0);
-      ASSERT_LE((touch.to_body(felt.proxy_m) - projection).norm(), kLargestError_m);
+      ASSERT_LE((touch.to_body(vec3(felt.proxy_scene_m)) - projection).norm(), kLargestError_m);
     }
     largest_error_m = std::max(largest_error_m, comparison.largest_error_m());
   }
@@ -253,11 +256,12 @@ TEST(PointInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
     SCOPED_TRACE(testing::Message() << "path " << path);
     Touch touch(fine_sphere(), random.pose(1.0), 0.0);
     Stroke stroke(random, -5e-3, -3e-3);
-    ReferenceGodObject walk(surface, touch.to_body(touch.tick(stroke.start_inside()).goal_m));
+    ReferenceGodObject walk(surface,
+                            touch.to_body(vec3(touch.tick(stroke.start_inside()).goal_scene_m)));
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(felt.goal_m);
+      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
       const auto nearest = nearest_inside_convex(surface, goal, 0, 6e-3L);
       ++held_by[nearest.active.size()];
       ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, nearest.point));
@@ -288,8 +292,8 @@ TEST_P(PointOnABumpySphere, IsALocalMinimumEveryTick) {
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      ReferenceGodObject walk(surface, touch.to_body(felt.proxy_m));
-      ASSERT_TRUE(walk.move_to(touch.to_body(felt.goal_m)));
+      ReferenceGodObject walk(surface, touch.to_body(vec3(felt.proxy_scene_m)));
+      ASSERT_TRUE(walk.move_to(touch.to_body(vec3(felt.goal_scene_m))));
       ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, walk.proxy()));
     }
   }
@@ -316,11 +320,11 @@ TEST(PointAtASaddleVertex, GoesOnAlongTheValley) {
   touch.tick(start);
   const TickRecord& felt = touch.tick(goal);
   const ReferenceSurface surface(fan.positions, fan.triangles, Side::kInside);
-  ReferenceGodObject walk(surface, touch.to_body(felt.proxy_m));
-  ASSERT_TRUE(walk.move_to(touch.to_body(felt.goal_m)));
-  EXPECT_LE((touch.to_body(felt.proxy_m) - walk.proxy()).norm(), kLargestError_m)
+  ReferenceGodObject walk(surface, touch.to_body(vec3(felt.proxy_scene_m)));
+  ASSERT_TRUE(walk.move_to(touch.to_body(vec3(felt.goal_scene_m))));
+  EXPECT_LE((touch.to_body(vec3(felt.proxy_scene_m)) - walk.proxy()).norm(), kLargestError_m)
       << "farther from the goal by "
-      << (felt.proxy_m - goal).norm() -
+      << (vec3(felt.proxy_scene_m) - goal).norm() -
              static_cast<double>((walk.proxy() - goal.cast<Wide>()).norm());
 }
 
@@ -338,7 +342,7 @@ TEST(SphereInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(felt.goal_m);
+      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
       ASSERT_NO_FATAL_FAILURE(comparison.expect(
           felt, nearest_inside_convex(surface, goal, kProxyRadius_m, 6e-3L).point));
     }
@@ -359,7 +363,7 @@ TEST(SphereOnAFineSphere, IsStraightOutFromTheMeshWhereTheGoalIsOutside) {
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(felt.goal_m);
+      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
       const WideVec3 q = nearest_on_surface(surface, goal, kProxyRadius_m);
       const WideVec3 expected = q + static_cast<Wide>(kProxyRadius_m) * (goal - q).normalized();
       ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, expected));
@@ -402,8 +406,8 @@ TEST(SphereOnAFineSphere, StaysOnItsFaceUntilTheProjectionLeavesIt) {
     std::optional<std::uint32_t> face;
     for (int n = 0; n < kTicks; ++n) {
       const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(felt.goal_m);
-      const WideVec3 proxy = touch.to_body(felt.proxy_m);
+      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
+      const WideVec3 proxy = touch.to_body(vec3(felt.proxy_scene_m));
       if (!face || !surface.is_over(*face, goal)) {
         ++changes_of_face;
         const auto places = resting_places(surface, goal, proxy);

@@ -1,10 +1,6 @@
-#include "io/trace_csv.h"
+#include "engine/report/whole_file.h"
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <cmath>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/file.h>
@@ -19,51 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSignificantDigits = 17;  // enough to give every double back
 constexpr std::size_t kBufferBytes = 1u << 20;
-constexpr std::size_t kMaxNumberBytes = 24;  // "-1.2345678901234567e-308"
-constexpr std::size_t kMaxRowBytes =
-    27 * (kMaxNumberBytes + 1) + kMaxFrictionBytes + kMaxFaultBytes + 2;
 constexpr int kMaxNameAttempts = 100;
 constexpr std::string_view kPartEnding = ".part";
-
-char* put(char* out, double value) {
-  if (std::isnan(value)) {  // of either sign
-    std::memcpy(out, "nan", 3);
-    return out + 3;
-  }
-  return std::to_chars(out, out + kMaxNumberBytes, value, std::chars_format::general,
-                       kSignificantDigits)
-      .ptr;
-}
-
-char* put(char* out, std::uint64_t value) {
-  return std::to_chars(out, out + kMaxNumberBytes, value).ptr;
-}
-
-char* put(char* out, std::int64_t value) {
-  return std::to_chars(out, out + kMaxNumberBytes, value).ptr;
-}
-
-char* put(char* out, std::string_view text) {
-  std::memcpy(out, text.data(), text.size());
-  return out + text.size();
-}
-
-char* put(char* out, const Vec3& v) {
-  for (int i = 0; i < 3; ++i) {
-    if (i > 0) *out++ = ',';
-    out = put(out, v[i]);
-  }
-  return out;
-}
-
-template <typename... Values>
-char* put_line(char* out, const Values&... values) {
-  ((out = put(out, values), *out++ = ','), ...);
-  out[-1] = '\n';
-  return out;
-}
 
 Error write_error(const std::string& path, int reason) {
   return {ErrorCode::kFileUnwritable, path, "",
@@ -118,10 +72,10 @@ void remove_leftovers(const std::string& target_path) {
 
 }  // namespace
 
-// The open file and the lines that are not in it yet.
-class TraceWriter::Output {
+// The open file and the text that is not in it yet.
+class WholeFile::Output {
  public:
-  explicit Output(std::string path) : path_(std::move(path)), buffer_(kBufferBytes) {}
+  explicit Output(std::string path) : path_(std::move(path)) {}
   ~Output() {
     if (descriptor_ >= 0) ::close(descriptor_);
     if (!part_path_.empty()) ::unlink(part_path_.c_str());
@@ -147,12 +101,10 @@ class TraceWriter::Output {
     return open_part();
   }
 
-  // Room for one row; to be followed by commit().
-  char* room() {
-    if (buffer_.size() - filled_ < kMaxRowBytes) flush();
-    return buffer_.data() + filled_;
+  void add(std::string_view text) {
+    if (kBufferBytes - buffer_.size() < text.size()) flush();
+    buffer_ += text;
   }
-  void commit(const char* end) { filled_ = static_cast<std::size_t>(end - buffer_.data()); }
 
   int finish() {
     flush();
@@ -186,15 +138,16 @@ class TraceWriter::Output {
 
   void flush() {
     std::size_t written = 0;
-    while (failure_ == 0 && written < filled_) {
-      const ssize_t count = ::write(descriptor_, buffer_.data() + written, filled_ - written);
+    while (failure_ == 0 && written < buffer_.size()) {
+      const ssize_t count =
+          ::write(descriptor_, buffer_.data() + written, buffer_.size() - written);
       if (count >= 0) {
         written += static_cast<std::size_t>(count);
       } else if (errno != EINTR) {
         failure_ = errno;
       }
     }
-    filled_ = 0;
+    buffer_.clear();
   }
 
   std::string path_;         // as the caller named it
@@ -202,44 +155,31 @@ class TraceWriter::Output {
   std::string part_path_;    // where it is until then; empty: written in place
   int descriptor_ = -1;
   int failure_ = 0;  // the first errno of a write
-  std::vector<char> buffer_;
-  std::size_t filled_ = 0;
+  std::string buffer_;
 };
 
-TraceWriter::TraceWriter(std::unique_ptr<Output> output) : output_(std::move(output)) {}
-TraceWriter::TraceWriter(TraceWriter&&) noexcept = default;
-TraceWriter& TraceWriter::operator=(TraceWriter&&) noexcept = default;
-TraceWriter::~TraceWriter() = default;
+WholeFile::WholeFile(std::unique_ptr<Output> output) : output_(std::move(output)) {}
+WholeFile::WholeFile(WholeFile&&) noexcept = default;
+WholeFile& WholeFile::operator=(WholeFile&&) noexcept = default;
+WholeFile::~WholeFile() = default;
 
-Result<TraceWriter> TraceWriter::create(const std::string& path) {
+Result<WholeFile> WholeFile::create(const std::string& path) {
   auto output = std::make_unique<Output>(path);
   if (const int reason = output->open()) return write_error(path, reason);
-  char* out = output->room();
-  std::memcpy(out, kTraceColumns.data(), kTraceColumns.size());
-  out += kTraceColumns.size();
-  *out++ = '\n';
-  output->commit(out);
-  return TraceWriter(std::move(output));
+  return WholeFile(std::move(output));
 }
 
-void TraceWriter::add(const TraceRow& row) {
-  if (!output_) return;
-  const Quat& q = row.T_device_scene.rotation;
-  output_->commit(put_line(
-      output_->room(), row.tick, row.time_s, row.device_m, row.goal_scene_m, row.proxy_scene_m,
-      row.normal_scene, row.force_device_N, std::uint64_t{row.contact}, row.alpha_deg, q.w(), q.x(),
-      q.y(), q.z(), row.T_device_scene.translation_m, row.friction.substr(0, kMaxFrictionBytes),
-      std::string_view(row.faults).substr(0, kMaxFaultBytes), row.step_ns));
-  ++row_count_;
+void WholeFile::add(std::string_view text) {
+  if (output_) output_->add(text);
 }
 
-Result<std::size_t> TraceWriter::finish() {
+std::optional<Error> WholeFile::finish() {
   if (!output_) {
-    return Error{ErrorCode::kInvalidArgument, "", "", "the trace is finished already", ""};
+    return Error{ErrorCode::kInvalidArgument, "", "", "the file is finished already", ""};
   }
   const std::unique_ptr<Output> output = std::move(output_);
   if (const int reason = output->finish()) return write_error(output->path(), reason);
-  return row_count_;
+  return std::nullopt;
 }
 
 }  // namespace palpate

@@ -1,20 +1,24 @@
-#include "io/trace_csv.h"
+#include "engine/session/trace_csv.h"
 
-#include <array>
 #include <bit>
 #include <charconv>
 #include <clocale>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <numbers>
+#include <span>
 #include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include "haptics/effects/effect_program.h"
+#include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -39,9 +43,9 @@ class TraceFile : public testing::Test {
     return std::move(*result);
   }
 
-  std::string write(const std::vector<TraceRow>& rows) {
+  std::string write(const std::vector<TickRecord>& rows) {
     TraceWriter trace = writer();
-    for (const TraceRow& row : rows) trace.add(row);
+    for (const TickRecord& row : rows) trace.add(row);
     const auto count = trace.finish();
     if (!count) ADD_FAILURE() << count.error().to_string();
     return content();
@@ -58,44 +62,58 @@ class TraceFile : public testing::Test {
 };
 
 // The 26 numbers before friction, faults and step_ns, in the order of the columns; tick and contact
-// as doubles.
-std::array<double, 26> values_of(const TraceRow& row) {
-  const Quat& q = row.T_device_scene.rotation;
-  std::array<double, 26> values{static_cast<double>(row.tick), row.time_s};
-  std::size_t i = 2;
-  for (const Vec3& v :
-       {row.device_m, row.goal_scene_m, row.proxy_scene_m, row.normal_scene, row.force_device_N}) {
-    for (const double c : v) values[i++] = c;
-  }
-  values[i++] = row.contact ? 1.0 : 0.0;
-  values[i++] = row.alpha_deg;
-  for (const double c : {q.w(), q.x(), q.y(), q.z()}) values[i++] = c;
-  for (const double c : row.T_device_scene.translation_m) values[i++] = c;
+// as doubles, the angle as it is.
+std::vector<double> values_of(const TickRecord& row) {
+  std::vector<double> values{static_cast<double>(row.tick), row.time_s};
+  const auto append = [&](std::span<const double> numbers) {
+    values.insert(values.end(), numbers.begin(), numbers.end());
+  };
+  append(row.device_m);
+  append(row.goal_scene_m);
+  append(row.proxy_scene_m);
+  append(row.normal_scene);
+  append(row.force_device_N);
+  values.push_back(row.contact);
+  values.push_back(row.alpha_rad);
+  append(row.q_before_wxyz);
+  append(row.o_before_m);
+  return values;
+}
+constexpr std::size_t kAngleColumn = 18;
+
+// Those behind step_ns, likewise, but for effects.
+std::vector<double> later_values_of(const TickRecord& row) {
+  std::vector<double> values;
+  const auto append = [&](std::span<const double> numbers) {
+    values.insert(values.end(), numbers.begin(), numbers.end());
+  };
+  append(row.full_force_device_N);
+  append(row.q_after_wxyz);
+  append(row.o_after_m);
   return values;
 }
 
 // A row whose doubles have any bits: subnormal, huge, negative zero, infinite.
-TraceRow random_row(Random& random, std::uint64_t tick) {
+TickRecord random_row(Random& random, std::uint64_t tick) {
   const auto number = [&random] {
     const double value = std::bit_cast<double>(random.index(~std::uint64_t{0}));
     return std::isnan(value) ? -0.0 : value;
   };
-  const auto vector = [&number] {
-    const double x = number();
-    const double y = number();
-    return Vec3(x, y, number());
-  };
-  TraceRow row;
-  row.tick = tick;
-  row.time_s = number();
-  for (Vec3* v : {&row.device_m, &row.goal_scene_m, &row.proxy_scene_m, &row.normal_scene,
-                  &row.force_device_N, &row.T_device_scene.translation_m}) {
-    *v = vector();
+  TickRecord row;
+  for (const RecordField& field : kRecordFields) {
+    if (field.type != FieldType::kDouble) continue;
+    for (std::size_t k = 0; k < field.count; ++k) {
+      const double value = number();
+      std::memcpy(reinterpret_cast<char*>(&row) + field.offset + k * sizeof value, &value,
+                  sizeof value);
+    }
   }
+  row.tick = tick;
   row.contact = random.index(2) == 1;
-  row.alpha_deg = number();
-  for (double& c : row.T_device_scene.rotation.coeffs()) c = number();
+  row.alpha_rad = random.uniform(0.0, 1.5);  // in degrees in the table
+  row.rotation_rad = random.uniform(0.0, 1.5);
   row.step_ns = static_cast<std::int64_t>(random.index(1u << 30));
+  row.late_ns = static_cast<std::int64_t>(random.index(1u << 30));
   return row;
 }
 
@@ -113,64 +131,85 @@ double number_of(const std::string& field) {
   return value;
 }
 
-TEST_F(TraceFile, HasTheColumnsInTheirOrder) {
-  TraceRow row;
+std::uint64_t bits(double value) {
+  return std::bit_cast<std::uint64_t>(value);
+}
+
+TEST_F(TraceFile, HasTheColumnsInTheirOrderAndNewOnesLast) {
+  TickRecord row;
   row.tick = 1;
   row.time_s = 2;
-  row.device_m = {3, 4, 5};
-  row.goal_scene_m = {6, 7, 8};
-  row.proxy_scene_m = {9, 10, 11};
-  row.normal_scene = {12, 13, 14};
-  row.force_device_N = {15, 16, 17};
-  row.contact = true;
-  row.alpha_deg = 19;
-  row.T_device_scene = {Quat(20, 21, 22, 23), {24, 25, 26}};
-  row.friction = "slides";
-  row.faults = "solver_capped+body_held";
+  put(Vec3(3, 4, 5), row.device_m);
+  put(Vec3(6, 7, 8), row.goal_scene_m);
+  put(Vec3(9, 10, 11), row.proxy_scene_m);
+  put(Vec3(12, 13, 14), row.normal_scene);
+  put(Vec3(15, 16, 17), row.force_device_N);
+  row.contact = 1;
+  row.alpha_rad = std::numbers::pi / 2;
+  put(ScenePose{Quat(20, 21, 22, 23), {24, 25, 26}}, row.q_before_wxyz, row.o_before_m);
+  row.friction = FrictionState::kSlides;
+  row.faults = kFaultSolverCapped | kFaultBodyHeld | 1u << 17;
   row.step_ns = 27;
+  put(Vec3(28, 29, 30), row.full_force_device_N);
+  put(ScenePose{Quat(31, 32, 33, 34), {35, 36, 37}}, row.q_after_wxyz, row.o_after_m);
+  row.rotation_rad = std::numbers::pi;
+  row.effects = 3;
+  row.iterations = 39;
+  row.late_ns = -40;
+  const std::string effects =
+      std::string(compiled_effects()[0].name) + "+" + std::string(compiled_effects()[1].name);
   EXPECT_EQ(write({row}),
             "tick,t,device_x,device_y,device_z,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,"
             "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
-            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns\n"
-            "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,1,19,20,21,22,23,24,25,26,"
-            "slides,solver_capped+body_held,27\n");
+            "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns,"
+            "full_force_x,full_force_y,full_force_z,q_after_w,q_after_x,q_after_y,q_after_z,"
+            "o_after_x,o_after_y,o_after_z,rotation_deg,effects,iterations,late_ns\n"
+            "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,1,90,20,21,22,23,24,25,26,"
+            "slides,solver_capped+body_held+governor_17,27,"
+            "28,29,30,31,32,33,34,35,36,37,180," +
+                effects + ",39,-40\n");
 }
 
 TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
   Random random(7201);
-  std::vector<TraceRow> rows;
+  std::vector<TickRecord> rows;
   for (std::uint64_t i = 0; i < 5000; ++i) rows.push_back(random_row(random, i));
   std::istringstream lines(write(rows));
   std::string line;
   std::getline(lines, line);
-  for (const TraceRow& row : rows) {
+  for (const TickRecord& row : rows) {
     ASSERT_TRUE(std::getline(lines, line));
     const auto fields = split(line);
-    const auto expected = values_of(row);
-    ASSERT_EQ(fields.size(), expected.size() + 3);
+    auto expected = values_of(row);
+    expected[kAngleColumn] = row.alpha_rad * 180.0 / std::numbers::pi;
+    const auto later = later_values_of(row);
+    ASSERT_EQ(fields.size(), expected.size() + 3 + later.size() + 4);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(number_of(fields[i])),
-                std::bit_cast<std::uint64_t>(expected[i]))
-          << fields[i];
+      ASSERT_EQ(bits(number_of(fields[i])), bits(expected[i])) << fields[i];
     }
-    ASSERT_EQ(fields.back(), std::to_string(row.step_ns));
+    ASSERT_EQ(fields[28], std::to_string(row.step_ns));
+    for (std::size_t i = 0; i < later.size(); ++i) {
+      ASSERT_EQ(bits(number_of(fields[29 + i])), bits(later[i])) << fields[29 + i];
+    }
+    ASSERT_EQ(fields.back(), std::to_string(row.late_ns));
   }
   EXPECT_FALSE(std::getline(lines, line));
 }
 
 TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
-  TraceRow row;
+  TickRecord row;
   row.tick = std::numeric_limits<std::uint64_t>::max();
   row.time_s = 0.1;
-  row.device_m = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  row.goal_scene_m = {std::numeric_limits<double>::quiet_NaN(),
-                      -std::numeric_limits<double>::quiet_NaN(), -0.0};
-  row.proxy_scene_m = Vec3::Constant(-std::numeric_limits<double>::min() / 3);
-  row.normal_scene = Vec3::Constant(-std::numeric_limits<double>::max());
-  row.force_device_N = Vec3::Constant(std::numeric_limits<double>::infinity());
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  put(Vec3::Constant(-kInfinity), row.device_m);
+  put(Vec3(kNan, -kNan, -0.0), row.goal_scene_m);
+  put(Vec3::Constant(-std::numeric_limits<double>::min() / 3), row.proxy_scene_m);
+  put(Vec3::Constant(-std::numeric_limits<double>::max()), row.normal_scene);
+  put(Vec3::Constant(kInfinity), row.force_device_N);
   row.step_ns = std::numeric_limits<std::int64_t>::min();
-  const auto fields = split(write({row}).substr(kTraceColumns.size() + 1));
-  ASSERT_EQ(fields.size(), 29u);
+  const auto fields = split(write({row}).substr(trace_columns().size() + 1));
+  ASSERT_EQ(fields.size(), 43u);
   EXPECT_EQ(fields[0], "18446744073709551615");
   EXPECT_EQ(fields[1], "0.10000000000000001");
   EXPECT_EQ(fields[2], "-inf");
@@ -182,25 +221,7 @@ TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
   EXPECT_EQ(fields[14], "inf");
   EXPECT_EQ(fields[26], "none");
   EXPECT_EQ(fields[27], "");
-  EXPECT_EQ(fields[28], "-9223372036854775808\n");
-}
-
-// Whatever a caller puts there, a row stays in the room that is kept for it.
-TEST_F(TraceFile, CutsOffWhatCannotBeNames) {
-  std::vector<TraceRow> rows(3000);
-  const std::string is_long(1000, 'x');
-  for (TraceRow& row : rows) {
-    row.friction = is_long;
-    row.faults = is_long;
-  }
-  std::istringstream lines(write(rows));
-  std::string line;
-  std::getline(lines, line);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    ASSERT_TRUE(std::getline(lines, line));
-    ASSERT_EQ(split(line)[26], std::string(kMaxFrictionBytes, 'x'));
-    ASSERT_EQ(split(line)[27], std::string(kMaxFaultBytes, 'x'));
-  }
+  EXPECT_EQ(fields[28], "-9223372036854775808");
 }
 
 TEST_F(TraceFile, WritesThePointAsDecimalInEveryLocale) {
@@ -208,16 +229,16 @@ TEST_F(TraceFile, WritesThePointAsDecimalInEveryLocale) {
   for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "C.UTF-8"}) {
     if (std::setlocale(LC_ALL, name)) break;
   }
-  TraceRow row;
+  TickRecord row;
   row.time_s = 0.5;
-  EXPECT_TRUE(write({row}).substr(kTraceColumns.size() + 1).starts_with("0,0.5,0,"));
+  EXPECT_TRUE(write({row}).substr(trace_columns().size() + 1).starts_with("0,0.5,0,"));
   std::setlocale(LC_ALL, before.c_str());
 }
 
 TEST_F(TraceFile, HoldsEveryRowOfATraceLargerThanTheBuffer) {
   constexpr std::uint64_t kRows = 20000;
   Random random(7202);
-  std::vector<TraceRow> rows;
+  std::vector<TickRecord> rows;
   for (std::uint64_t i = 0; i < kRows; ++i) rows.push_back(random_row(random, i));
   const std::string text = write(rows);
   ASSERT_GT(text.size(), 4u << 20);
@@ -227,7 +248,7 @@ TEST_F(TraceFile, HoldsEveryRowOfATraceLargerThanTheBuffer) {
   for (std::uint64_t i = 0; i < kRows; ++i) {
     ASSERT_TRUE(std::getline(lines, line));
     ASSERT_TRUE(line.starts_with(std::to_string(i) + ",")) << line;
-    ASSERT_TRUE(line.ends_with("," + std::to_string(rows[i].step_ns))) << line;
+    ASSERT_TRUE(line.ends_with("," + std::to_string(rows[i].late_ns))) << line;
   }
   EXPECT_FALSE(std::getline(lines, line));
 }
@@ -248,7 +269,7 @@ TEST_F(TraceFile, AppearsOnlyWhenFinished) {
   const auto count = moved.finish();
   ASSERT_TRUE(count);
   EXPECT_EQ(*count, 2u);
-  EXPECT_TRUE(content().starts_with(kTraceColumns));
+  EXPECT_TRUE(content().starts_with(trace_columns()));
   EXPECT_EQ(files(), 1);
   moved.add({});
   EXPECT_FALSE(moved.finish());
@@ -261,7 +282,7 @@ TEST_F(TraceFile, TwoWritersOfOneNameDoNotMix) {
   second.add({.tick = 77});
   ASSERT_TRUE(first.finish());
   ASSERT_TRUE(second.finish());
-  EXPECT_TRUE(content().substr(kTraceColumns.size() + 1).starts_with("77,"));
+  EXPECT_TRUE(content().substr(trace_columns().size() + 1).starts_with("77,"));
   EXPECT_EQ(files(), 1);
 }
 
@@ -280,11 +301,11 @@ TEST_F(TraceFile, RemovesWhatAKilledWriterHasLeft) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(files(), 3) << "two unfinished ones, and one that is no writer's";
-  write({TraceRow{}});
+  write({TickRecord{}});
   EXPECT_EQ(files(), 3) << "the trace, that of the living writer, and what is no writer's";
   alive.add({.tick = 5});
   ASSERT_TRUE(alive.finish());
-  EXPECT_TRUE(content().substr(kTraceColumns.size() + 1).starts_with("5,"));
+  EXPECT_TRUE(content().substr(trace_columns().size() + 1).starts_with("5,"));
   EXPECT_EQ(files(), 2);
   EXPECT_TRUE(fs::exists(not_of_a_writer));
 }
@@ -293,9 +314,9 @@ TEST_F(TraceFile, KeepsALinkALink) {
   const fs::path target = folder_ / "elsewhere.csv";
   std::ofstream(target) << "before";
   fs::create_symlink(target, path_);
-  write({TraceRow{}});
+  write({TickRecord{}});
   EXPECT_TRUE(fs::is_symlink(path_));
-  EXPECT_TRUE(content().starts_with(kTraceColumns));
+  EXPECT_TRUE(content().starts_with(trace_columns()));
   EXPECT_EQ(files(), 2);
 }
 

@@ -1,0 +1,43 @@
+#pragma once
+
+// The device that the program assumes where nobody describes another one.
+
+#include <algorithm>
+#include <cstddef>
+
+#include "palpate/device.h"
+
+namespace palpate {
+
+// What a device reaches along each of its axes: the least of the three extents, m.
+inline double workspace_extent_m(const DeviceDescription& device) {
+  double least_m = device.workspace_high_m[0] - device.workspace_low_m[0];
+  for (std::size_t k = 1; k < 3; ++k) {
+    least_m = std::min(least_m, device.workspace_high_m[k] - device.workspace_low_m[k]);
+  }
+  return least_m;
+}
+
+// Makes the workspace a cube about the origin. extent_m: > 0.
+inline void set_workspace_extent(DeviceDescription& device, double extent_m) {
+  device.workspace_low_m.fill(-0.5 * extent_m);
+  device.workspace_high_m.fill(0.5 * extent_m);
+}
+
+// A light desktop device, such as users have: a pantograph or a small parallel arm, driven over
+// cables, with optical encoders. No motor is described: which of its axes push is what a user
+// chooses, and no limit of their force is known.
+inline DeviceDescription light_device() {
+  DeviceDescription device;
+  device.name = "light desktop device";
+  set_workspace_extent(device, 0.4);
+  device.mass_kg = 0.1;
+  device.damping_Ns_per_m = 0.5;
+  device.coulomb_friction_N = 0.02;
+  device.encoder_quantum_m = 20e-6;
+  device.rate_Hz = 1000.0;
+  device.when_host_is_silent = HostSilence::kHoldsForce;
+  return device;
+}
+
+}  // namespace palpate

@@ -1,0 +1,181 @@
+#include "engine/session/trace_csv.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "haptics/effects/effect_program.h"
+
+namespace palpate {
+namespace {
+
+// As traces have always had them; whoever adds a field to the record names it at the end.
+constexpr std::array<std::string_view, kRecordFields.size()> kOrder = {
+    "tick",         "time_s",         "device_m",     "goal_scene_m", "proxy_scene_m",
+    "normal_scene", "force_device_N", "contact",      "alpha_rad",    "q_before_wxyz",
+    "o_before_m",   "friction",       "faults",       "step_ns",      "full_force_device_N",
+    "q_after_wxyz", "o_after_m",      "rotation_rad", "effects",      "iterations",
+    "late_ns"};
+
+// How a field is written.
+enum class Form : std::uint8_t { kNumbers, kDegrees, kFaults, kEffects, kFriction };
+
+struct Column {
+  RecordField field;
+  Form form;
+};
+
+constexpr Form form_of(const RecordField& field) {
+  if (field.unit == "rad") return Form::kDegrees;
+  if (field.name == "faults") return Form::kFaults;
+  if (field.name == "effects") return Form::kEffects;
+  if (field.name == "friction") return Form::kFriction;
+  return Form::kNumbers;
+}
+
+// Does not compile where a name is of no field, or of one that stands there already.
+consteval std::array<Column, kOrder.size()> columns_in_order() {
+  std::array<Column, kOrder.size()> columns{};
+  std::array<bool, kRecordFields.size()> is_taken{};
+  for (std::size_t i = 0; i < kOrder.size(); ++i) {
+    std::size_t f = 0;
+    while (kRecordFields[f].name != kOrder[i] || is_taken[f]) ++f;
+    is_taken[f] = true;
+    columns[i] = {kRecordFields[f], form_of(kRecordFields[f])};
+  }
+  return columns;
+}
+constexpr auto kColumns = columns_in_order();
+
+std::string joined_columns() {
+  std::string text;
+  for (const Column& column : kColumns) {
+    const std::string_view axes = column.field.count == 4 ? "wxyz" : "xyz";
+    for (std::size_t k = 0; k < column.field.count; ++k) {
+      if (!text.empty()) text += ',';
+      text += column.field.column;
+      if (column.field.count > 1) text += {'_', axes[k]};
+    }
+  }
+  return text;
+}
+
+template <typename Number>
+void put_numbers(const char* bytes, std::size_t count, CsvLines& lines) {
+  for (std::size_t k = 0; k < count; ++k) {
+    Number value;
+    std::memcpy(&value, bytes + k * sizeof(Number), sizeof(Number));
+    lines.add(value);
+  }
+}
+
+void put_numbers(const RecordField& field, const char* bytes, CsvLines& lines) {
+  switch (field.type) {
+    case FieldType::kUint64:
+      return put_numbers<std::uint64_t>(bytes, field.count, lines);
+    case FieldType::kInt64:
+      return put_numbers<std::int64_t>(bytes, field.count, lines);
+    case FieldType::kDouble:
+      return put_numbers<double>(bytes, field.count, lines);
+    case FieldType::kUint32:
+      return put_numbers<std::uint32_t>(bytes, field.count, lines);
+    case FieldType::kUint16:
+      return put_numbers<std::uint16_t>(bytes, field.count, lines);
+  }
+}
+
+double in_degrees(const char* bytes) {
+  double angle_rad = 0.0;
+  std::memcpy(&angle_rad, bytes, sizeof angle_rad);
+  return angle_rad * 180.0 / std::numbers::pi;
+}
+
+void join(std::string& names, std::string_view name) {
+  if (!names.empty()) names += '+';
+  names += name;
+}
+
+std::string effect_names(std::uint32_t effects) {
+  std::string names;
+  for (std::size_t i = 0; i < compiled_effects().size(); ++i) {
+    if ((effects >> i & 1u) != 0) join(names, compiled_effects()[i].name);
+  }
+  return names;
+}
+
+void put(const Column& column, const TickRecord& record, CsvLines& lines) {
+  const char* bytes = reinterpret_cast<const char*>(&record) + column.field.offset;
+  switch (column.form) {
+    case Form::kNumbers:
+      return put_numbers(column.field, bytes, lines);
+    case Form::kDegrees:
+      lines.add(in_degrees(bytes));
+      return;
+    case Form::kFaults:
+      lines.add(fault_names(record.faults));
+      return;
+    case Form::kEffects:
+      lines.add(effect_names(record.effects));
+      return;
+    case Form::kFriction:
+      lines.add(friction_name(record.friction));
+      return;
+  }
+}
+
+}  // namespace
+
+const std::string& trace_columns() {
+  static const std::string columns = joined_columns();
+  return columns;
+}
+
+Result<TraceWriter> TraceWriter::create(const std::string& path) {
+  auto file = WholeFile::create(path);
+  if (!file) return file.error();
+  return TraceWriter(std::move(*file));
+}
+
+void TraceWriter::add(const TickRecord& record) {
+  for (const Column& column : kColumns) put(column, record, lines_);
+  lines_.end_line();
+  ++count_;
+  constexpr std::size_t kOftenEnough = 1u << 16;
+  if (lines_.text().size() < kOftenEnough) return;
+  file_.add(lines_.text());
+  lines_.clear();
+}
+
+Result<std::size_t> TraceWriter::finish() {
+  file_.add(lines_.text());
+  lines_.clear();
+  if (auto error = file_.finish()) return *error;
+  return count_;
+}
+
+std::string fault_names(std::uint32_t faults) {
+  std::string names;
+  for (int bit = 0; faults != 0; ++bit, faults >>= 1) {
+    if ((faults & 1u) == 0) continue;
+    join(names, bit < kFaultCount ? std::string(kFaultNames[static_cast<std::size_t>(bit)])
+                                  : "governor_" + std::to_string(bit));
+  }
+  return names;
+}
+
+std::string_view friction_name(FrictionState friction) {
+  switch (friction) {
+    case FrictionState::kSticks:
+      return "sticks";
+    case FrictionState::kSlides:
+      return "slides";
+    case FrictionState::kNone:
+      break;
+  }
+  return "none";
+}
+
+}  // namespace palpate
