@@ -45,10 +45,10 @@ using MaterialValue = std::variant<double, bool, std::string, std::vector<double
 struct MaterialParameter {
   std::string key;  // "stiffness"; "texture.amplitude" for an entry of the object texture
   MaterialValue value;
-  std::string element;  // where it is from: its JSON path, or "--material NAME.key"
+  std::string element;  // where it is from: its JSON path, or "`SceneSettings::overrides` NAME.key"
 };
 
-// A parameter given beside the file, as --material NAME.key=value does. It goes before what the
+// A parameter given beside the file, as SceneSettings::overrides does. It goes before what the
 // file says.
 struct MaterialOverride {
   std::string material;  // MaterialDescription::name, or kDefaultMaterialName

@@ -31,7 +31,7 @@ constexpr double kFastest_Hz = 20000.0;
 std::optional<Error> check_rate(const RunSetup& setup) {
   const double rate_Hz = 1.0 / setup.dt_s;
   if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return std::nullopt;
-  return Error{ErrorCode::kInvalidArgument, "", "--rate",
+  return Error{ErrorCode::kInvalidArgument, "", "rate_Hz",
                std::to_string(rate_Hz) + " Hz given, expected 20 to 20000 Hz",
                "1000 Hz is usual; how fast this machine is, the report says by itself"};
 }
@@ -267,7 +267,8 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
   }
   if (contact_ticks == 0) {
     return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched anything",
-                 "try another --seed, or --fit to bring the scene to the size of a hand's reach"};
+                 "try another `StudyEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
+                 "scene to the size of a hand's reach"};
   }
   std::sort(depths_m.begin(), depths_m.end());
   study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];

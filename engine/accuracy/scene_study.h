@@ -12,7 +12,7 @@
 #include "engine/accuracy/knob.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/scene/scene.h"
-#include "engine/session/run_options.h"
+#include "engine/session/run_setup.h"
 #include "geometry/base/result.h"
 
 namespace palpate {

@@ -1,3 +1,5 @@
+// `accuracy`: what accuracy costs in time.
+
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -12,16 +14,31 @@
 #include "engine/accuracy/study_csv.h"
 #include "engine/accuracy/study_plots.h"
 #include "engine/accuracy/study_report.h"
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
-#include "engine/cli/commands.h"
 #include "engine/cli/effects_report.h"
+#include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/run_options.h"
+#include "engine/cli/scene_options.h"
 #include "engine/report/human_units.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
 
 namespace palpate {
 namespace {
+
+constexpr const char* kSceneOptionsGroup = "Of a SCENE";
+
+struct AccuracyRequest {
+  SceneOptions scene;  // of an empty path: none
+  RunSettings settings;
+  std::vector<std::string> knobs;  // only these; empty: all
+  bool quick = false;
+  std::uint64_t seed = 1;
+  std::string out_dir = "accuracy";
+};
 
 Error invalid(std::string option, std::string problem, std::string hint = "") {
   return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
@@ -96,12 +113,12 @@ std::vector<double> rates_kept_Hz(const SafeRate& safe, double rate_Hz) {
   return rates;
 }
 
-Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& command,
+Result<SceneFindings> find_out(const Scene& scene, const AccuracyRequest& command,
                                const RunSetup& setup, const StudyEffort& effort) {
   SceneFindings findings;
   findings.path = command.scene.path;
   findings.device = setup.device;
-  findings.rate_Hz = command.options.rate_Hz;
+  findings.rate_Hz = command.settings.rate_Hz;
   ProgressBar bar("scene");
   Result<SceneStudy> study =
       study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
@@ -111,7 +128,7 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyCommand& comman
                                         {setup.dt_s, 0}, findings.study.deepest_m);
   if (!verdicts) return verdicts.error();
   findings.verdicts = *verdicts;
-  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.options.rate_Hz)) {
+  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.settings.rate_Hz)) {
     const auto limits =
         stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
                          {1.0 / rate_Hz, 0});
@@ -269,10 +286,8 @@ std::string knobs_text(const std::vector<KnobResult>& results) {
   return table_text(rows);
 }
 
-}  // namespace
-
-int accuracy(const AccuracyCommand& command) {
-  const Result<RunSetup> setup = make_setup(command.options);
+int accuracy(const AccuracyRequest& command) {
+  const Result<RunSetup> setup = make_setup(command.settings);
   if (!setup) return refuse(setup.error());
   if (const auto error = check_device(*setup)) return refuse(*error);
   const StudyEffort effort{command.quick, command.seed};
@@ -286,7 +301,7 @@ int accuracy(const AccuracyCommand& command) {
   std::optional<Scene> scene;
   std::optional<SceneFindings> findings;
   if (!command.scene.path.empty()) {
-    Result<Scene> loaded = load_scene(command.scene, command.options);
+    Result<Scene> loaded = load_scene(command.scene, command.settings);
     if (!loaded) return refuse(loaded.error());
     scene.emplace(std::move(*loaded));
     Result<SceneFindings> found = find_out(*scene, command, *setup, effort);
@@ -315,6 +330,57 @@ int accuracy(const AccuracyCommand& command) {
             << " and a diagram a knob in " << command.out_dir << "/\n";
   return exit_code_after_signals(
       finish_output(scene ? not_understood_lines(*scene) : std::vector<std::string>{}));
+}
+
+class AccuracyCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override;
+  int run(const std::vector<std::string>&) override { return accuracy(request_); }
+
+ private:
+  AccuracyRequest request_;
+};
+
+CLI::App* AccuracyCommand::add_to(CLI::App& program) {
+  CLI::App& app = *program.add_subcommand(
+      "accuracy", "show what accuracy costs in time: a report of every knob, and of a scene");
+  app.footer(help_footer("For example: palpate accuracy your-scene.glb --quick --out report"));
+  add_scene(app, request_.scene, false);
+  app.add_flag("--quick", request_.quick, "within a minute: coarser meshes, shorter paths");
+  app.add_option("--out", request_.out_dir, "folder for report, tables and diagrams")
+      ->capture_default_str();
+  app.add_option("--knob", request_.knobs,
+                 "only this knob, by the name of its diagram; may be repeated")
+      ->expected(1)
+      ->take_all();
+  add_integer(app, "--seed", request_.seed, {}, "of poses, paths and noise");
+  CLI::Option* scene = app.get_option("SCENE");
+  for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material", "--max-memory"}) {
+    app.get_option(name)->needs(scene)->group(kSceneOptionsGroup);
+  }
+  const auto of_scene = [&](const char* name, double& value, const RealRange& range,
+                            const char* what) {
+    add_real(app, name, value, range, what)->needs(scene)->group(kSceneOptionsGroup);
+  };
+  RunSettings& run = request_.settings;
+  of_scene("--rate", run.rate_Hz, {1.0 / kLongestTick_s}, "servo rate, Hz");
+  of_scene("--stiffness", run.stiffness_N_per_m, kZeroOrMore,
+           "coupling spring of surfaces without their own, N/m");
+  of_scene("--damping", run.damping_Ns_per_m, kZeroOrMore,
+           "coupling damper of surfaces without their own, N s/m");
+  of_scene("--radius", run.radius_m, kZeroOrMore, "radius of the proxy, m; 0 is a point");
+  for (CLI::Option* option : add_mechanics(app, run.device)) {
+    option->needs(scene)->group(kSceneOptionsGroup);
+  }
+  of_scene("--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
+           "step of the positions that are read, m; 0 for none");
+  return &app;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_accuracy_command() {
+  return std::make_unique<AccuracyCommand>();
 }
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/cli/effects_report.h"
+#include "engine/cli/option_names.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -34,7 +35,7 @@ Error lost_output() {
 }  // namespace
 
 int refuse(const Error& error) {
-  std::cerr << "palpate: " << printable(error.to_string()) << "\n";
+  std::cerr << "palpate: " << printable(with_option_names(error).to_string()) << "\n";
   return kBadInput;
 }
 
@@ -46,7 +47,7 @@ void print(const nlohmann::ordered_json& json) {
 int finish_output(const std::vector<std::string>& warnings) {
   if (!std::cout.flush()) return refuse(lost_output());
   for (const std::string& warning : warnings) {
-    std::cerr << "palpate: warning: " << printable(warning) << "\n";
+    std::cerr << "palpate: warning: " << printable(with_option_names(warning)) << "\n";
   }
   return 0;
 }

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/cli/option_names.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -47,16 +48,21 @@ std::string list_line(const char* what, const List& list, Item item) {
   return text.empty() ? text : std::string("    ") + what + ": " + text + "\n";
 }
 
+// Where a parameter is from: what goes before the file came by an option.
+std::string source_name(const std::string& source) {
+  return source == "override" ? "--material" : source;
+}
+
 std::string report_text(const MaterialReport& report) {
   return list_line("honoured", report.honoured,
                    [](const HonouredParameter& p) {
-                     return value_line(p.key, p.value, p.unit) + " (" + p.source +
+                     return value_line(p.key, p.value, p.unit) + " (" + source_name(p.source) +
                             (p.is_off ? ", off)" : ")");
                    }) +
          list_line("by default", report.defaulted,
                    [](const DefaultedParameter& p) { return value_line(p.key, p.value, p.unit); }) +
          list_line("not understood", report.not_understood, [](const IgnoredParameter& p) {
-           return value_line(shown(p.key), p.value, "") + " (" + p.why + ")";
+           return value_line(shown(p.key), p.value, "") + " (" + with_option_names(p.why) + ")";
          });
 }
 
@@ -84,8 +90,8 @@ ordered_json declaration_json(const DeclarationReport& declaration) {
     honoured.push_back({{"key", p.key},
                         {"value", value_json(p.value)},
                         {"unit", p.unit},
-                        {"source", p.source},
-                        {"element", p.element},
+                        {"source", source_name(p.source)},
+                        {"element", with_option_names(p.element)},
                         {"off", p.is_off}});
   }
   ordered_json defaulted = ordered_json::array();
@@ -94,8 +100,10 @@ ordered_json declaration_json(const DeclarationReport& declaration) {
   }
   ordered_json not_understood = ordered_json::array();
   for (const IgnoredParameter& p : declaration.report.not_understood) {
-    not_understood.push_back(
-        {{"key", p.key}, {"value", value_json(p.value)}, {"element", p.element}, {"why", p.why}});
+    not_understood.push_back({{"key", p.key},
+                              {"value", value_json(p.value)},
+                              {"element", with_option_names(p.element)},
+                              {"why", with_option_names(p.why)}});
   }
   return {{"effects", declaration.effects},
           {"honoured", std::move(honoured)},
@@ -171,8 +179,8 @@ std::vector<std::string> not_understood_lines(const Scene& scene) {
   std::vector<std::string> lines;
   const auto add = [&](const DeclarationReport& declaration) {
     for (const IgnoredParameter& p : declaration.report.not_understood) {
-      lines.push_back(p.element + ": " + p.key + " of \"" + declaration.name +
-                      "\" is not understood: " + p.why);
+      lines.push_back(with_option_names(p.element) + ": " + p.key + " of \"" + declaration.name +
+                      "\" is not understood: " + with_option_names(p.why));
     }
   };
   const SceneEffectsReport& report = scene.effects();

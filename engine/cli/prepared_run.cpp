@@ -23,7 +23,7 @@ std::optional<Error> check_fits(const PreparedRun& run) {
 
 // The same scene at the size that fits. The one that does not goes first: both together would take
 // twice what the user allows.
-Result<PreparedRun> load_fitted(const RunCommand& command, PreparedRun run) {
+Result<PreparedRun> load_fitted(const RunRequest& command, PreparedRun run) {
   const auto size_m = fitting_size_m(workspace_of(run.setup),
                                      bounds_in_device(run.scene, run.setup.haptics.initial_pose),
                                      run.scene.statistics().extent_m.maxCoeff());
@@ -32,13 +32,13 @@ Result<PreparedRun> load_fitted(const RunCommand& command, PreparedRun run) {
   SceneOptions scene = command.scene;
   scene.fits_workspace = false;
   scene.fit_size_m = size_m;
-  auto fitted = load_scene(scene, command.options);
+  auto fitted = load_scene(scene, command.options.settings);
   if (!fitted) return fitted.error();
   return PreparedRun{std::move(*fitted), std::move(setup)};
 }
 
-std::optional<Error> lay_plane(const RunCommand& command, PreparedRun& run) {
-  if (!run.setup.actuation.is_planar() || command.options.plane_height_m ||
+std::optional<Error> lay_plane(const RunRequest& command, PreparedRun& run) {
+  if (!run.setup.actuation.is_planar() || command.options.settings.plane_height_m ||
       run.scene.objects().empty()) {
     return std::nullopt;
   }
@@ -55,7 +55,7 @@ std::optional<Error> lay_plane(const RunCommand& command, PreparedRun& run) {
 
 }  // namespace
 
-Result<PreparedRun> prepare_run(const RunCommand& command) {
+Result<PreparedRun> prepare_run(const RunRequest& command) {
   auto setup = make_setup(command.options);
   if (!setup) return setup.error();
   if (command.scene.fits_workspace && command.scene.scale) {
@@ -65,7 +65,7 @@ Result<PreparedRun> prepare_run(const RunCommand& command) {
   if (const auto error = check_exploration(command.exploration, setup->dt_s)) return *error;
   SceneOptions as_it_is = command.scene;
   as_it_is.fits_workspace = false;
-  auto scene = load_scene(as_it_is, command.options);
+  auto scene = load_scene(as_it_is, command.options.settings);
   if (!scene) return scene.error();
   PreparedRun run{std::move(*scene), std::move(*setup)};
   auto misfit = check_fits(run);

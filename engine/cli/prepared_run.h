@@ -2,7 +2,7 @@
 
 // What `run` makes of its options before the hand moves.
 
-#include "engine/cli/commands.h"
+#include "engine/cli/run_command.h"
 #include "engine/scene/scene.h"
 #include "geometry/base/result.h"
 
@@ -15,6 +15,6 @@ struct PreparedRun {
 
 // Loads the scene, at the size that fits the workspace if it is to be fitted; refuses one that does
 // not fit; and lays the plane of a planar device through it. An error names the option to change.
-Result<PreparedRun> prepare_run(const RunCommand& command);
+Result<PreparedRun> prepare_run(const RunRequest& command);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/cli/effects_report.h"
+#include "engine/cli/option_names.h"
 #include "engine/scene/scene_contours.h"
 #include "engine/simulation/run_judgement.h"
 #include "geometry/base/printable.h"
@@ -305,7 +306,10 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
     }
   }
   json["comparable"] = is_comparable(run);
-  json["reasons"] = reasons(run);
+  json["reasons"] = nlohmann::ordered_json::array();
+  for (const std::string& reason : reasons(run)) {
+    json["reasons"].push_back(with_option_names(reason));
+  }
   json["interrupted"] = run.interrupted;
   json["missed_deadlines"] = run.missed_deadlines;
   return json;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/cli/command_line.h"
+#include "engine/cli/option_names.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/placed_bounds.h"
@@ -43,21 +44,22 @@ std::string text_in_steps(double x, double step) {
   return text_of(x, static_cast<int>(std::clamp(digits, 3.0, 17.0)));
 }
 
-RunCommand changed(RunCommand command, const Changes& changes) {
+RunRequest changed(RunRequest command, const Changes& changes) {
   RunOptions& options = command.options;
+  RunSettings& settings = options.settings;
   for (const auto& [option, value] : changes) {
     const std::string text = value.value_or("");
     const double number = std::strtod(text.c_str(), nullptr);
-    if (option == "--workspace") set_workspace_extent(command.options.device, number);
+    if (option == "--workspace") set_workspace_extent(settings.device, number);
     if (option == "--seconds") command.exploration.seconds = number;
     if (option == "--plane-height") {
-      options.plane_height_m = value ? std::optional(number) : std::nullopt;
+      settings.plane_height_m = value ? std::optional(number) : std::nullopt;
     }
     if (option == "--place") options.place = text;
-    if (option == "--radius") options.radius_m = number;
+    if (option == "--radius") settings.radius_m = number;
     if (option == "--actuated-axes") options.actuated_axes = text;
-    if (option == "--actuators") options.actuators = std::nullopt;  // only ever left out
-    if (option == "--sensors") options.sensors = static_cast<int>(number);
+    if (option == "--actuators") settings.actuators = std::nullopt;  // only ever left out
+    if (option == "--sensors") settings.sensors = static_cast<int>(number);
     if (option == "--node") command.scene.node = text;
     if (option == "--fit") {
       command.scene.fit_size_m = number;
@@ -71,7 +73,7 @@ RunCommand changed(RunCommand command, const Changes& changes) {
 // Leaves to a trial what the scene and the runs that are there do not take of what the user allows;
 // false if that is all of it.
 bool take_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs,
-                 RunCommand& command) {
+                 RunRequest& command) {
   if (command.scene.max_memory.empty()) return true;  // then it is half of what is free
   std::uint64_t taken = prepared.scene.statistics().memory.total();
   for (const ExplorationRun& run : runs) taken += run.record_bytes();
@@ -83,7 +85,7 @@ bool take_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>&
 }
 
 // Both runs, or the one that was asked for, in simulated time.
-std::optional<std::vector<ExplorationRun>> try_run(RunCommand command, const StopFlag* stop) {
+std::optional<std::vector<ExplorationRun>> try_run(RunRequest command, const StopFlag* stop) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return std::nullopt;
   command.exploration.virtual_time = true;
@@ -111,7 +113,7 @@ double least_way_share(const std::vector<ExplorationRun>& runs) {
 
 class Candidates {
  public:
-  Candidates(const RunCommand& command, const PreparedRun& prepared,
+  Candidates(const RunRequest& command, const PreparedRun& prepared,
              const std::vector<ExplorationRun>& runs)
       : command_(command),
         prepared_(prepared),
@@ -147,10 +149,10 @@ class Candidates {
     constexpr double kWorthIt = 1.3;
     constexpr double kPartToFill = 0.95;
     const Vec3 extent_m = bounds_.high - bounds_.low;
-    const double widest_m = extent_m.head(command_.options.sensors).maxCoeff();
+    const double widest_m = extent_m.head(command_.options.settings.sensors).maxCoeff();
     const double room_m = 4 * PathPlanSettings{}.press_depth_m;
     const double factor =
-        kPartToFill * (workspace_extent_m(command_.options.device) - room_m) / widest_m;
+        kPartToFill * (workspace_extent_m(command_.options.settings.device) - room_m) / widest_m;
     const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
     if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;
     changes_.push_back({{"--fit", text_of(factor * largest_m)}});
@@ -158,7 +160,7 @@ class Candidates {
 
   // A smaller sphere gets to more, and a point to most.
   void add_radii() {
-    const double radius_m = command_.options.radius_m;
+    const double radius_m = command_.options.settings.radius_m;
     if (!(radius_m > 0.0)) return;
     for (const double part : {0.5, 0.1}) {
       changes_.push_back({{"--radius", text_of(part * radius_m)}});
@@ -179,7 +181,8 @@ class Candidates {
   // times, or sixteen.
   void add_workspaces() {
     const double depth_m = PathPlanSettings{}.press_depth_m;
-    const double widest_m = (bounds_.high - bounds_.low).head(command_.options.sensors).maxCoeff();
+    const double widest_m =
+        (bounds_.high - bounds_.low).head(command_.options.settings.sensors).maxCoeff();
     double way_m = std::numeric_limits<double>::infinity();
     for (const ExplorationRun& run : runs_) {
       if (slips_off(run)) way_m = std::min(way_m, way_extent_m(run));
@@ -195,13 +198,13 @@ class Candidates {
 
   // A plane device has no third motor.
   Changes other_sensors() const {
-    if (command_.options.sensors == 2) return {{"--sensors", "3"}};
-    if (command_.options.actuators.value_or(0) <= 2) return {{"--sensors", "2"}};
+    if (command_.options.settings.sensors == 2) return {{"--sensors", "3"}};
+    if (command_.options.settings.actuators.value_or(0) <= 2) return {{"--sensors", "2"}};
     return {{"--sensors", "2"}, {"--actuators", std::nullopt}};
   }
 
   bool is_place_pinned() const {
-    return !command_.options.place.empty() || command_.options.plane_height_m;
+    return !command_.options.place.empty() || command_.options.settings.plane_height_m;
   }
 
   // Without what the user has chosen, one option after the other and then all; and what was left
@@ -210,7 +213,7 @@ class Candidates {
     const RunOptions& options = command_.options;
     Changes all;
     if (!options.place.empty()) all.push_back({"--place", std::nullopt});
-    if (options.plane_height_m) all.push_back({"--plane-height", std::nullopt});
+    if (options.settings.plane_height_m) all.push_back({"--plane-height", std::nullopt});
     if (!options.actuated_axes.empty()) all.push_back({"--actuated-axes", std::nullopt});
     for (const OptionSetting& pin : all) changes_.push_back({pin});
     if (all.size() > 1) changes_.push_back(all);
@@ -248,12 +251,13 @@ class Candidates {
       if (!taken.insert(node).second) continue;
       if (by_extent.size() == 1) return;
       const std::uint32_t number = prepared_.scene.tree()[node].file_index;
-      changes_.push_back({{"--node", "#" + std::to_string(number)},
-                          {"--fit", text_of(0.5 * workspace_extent_m(command_.options.device))}});
+      changes_.push_back(
+          {{"--node", "#" + std::to_string(number)},
+           {"--fit", text_of(0.5 * workspace_extent_m(command_.options.settings.device))}});
     }
   }
 
-  const RunCommand& command_;
+  const RunRequest& command_;
   const PreparedRun& prepared_;
   const std::vector<ExplorationRun>& runs_;
   Box bounds_;
@@ -262,7 +266,7 @@ class Candidates {
 
 }  // namespace
 
-std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
+std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepared,
                              const std::vector<ExplorationRun>& runs, const Progress& progress,
                              const StopFlag* stop) {
   constexpr double kFarther = 0.05;
@@ -274,7 +278,7 @@ std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepa
     if (stop && stop->requested()) break;
     progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
     loaded += triangles;
-    RunCommand candidate = changed(command, candidates[i]);
+    RunRequest candidate = changed(command, candidates[i]);
     if (!take_memory(prepared, runs, candidate)) break;
     const auto tried = try_run(std::move(candidate), stop);
     if (!tried) continue;
@@ -295,7 +299,8 @@ std::string judgement_text(const std::vector<ExplorationRun>& runs,
   for (const ExplorationRun& run : runs) {
     if (run.interrupted) continue;
     for (const std::string& reason : reasons(run)) {
-      found += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") + reason + "\n";
+      found += std::string("  ") + (run.a4 ? "with A4: " : "without A4: ") +
+               with_option_names(reason) + "\n";
     }
   }
   if (found.empty()) return {};

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/cli/commands.h"
 #include "engine/cli/prepared_run.h"
+#include "engine/cli/run_command.h"
 #include "engine/simulation/exploration.h"
 
 namespace palpate {
@@ -25,7 +25,7 @@ struct Advice {
 // was given has to go: --place, --plane-height, --actuated-axes. Returns the first with which the
 // runs are comparable; else the one with which the hand gets farthest, if that is farther than the
 // runs got. Ends when it is asked to stop, with what it has found. Not for the haptic thread.
-std::optional<Advice> advise(const RunCommand& command, const PreparedRun& prepared,
+std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepared,
                              const std::vector<ExplorationRun>& runs, const Progress& progress,
                              const StopFlag* stop = nullptr);
 

@@ -24,7 +24,7 @@ constexpr const char* kOld = "old";                   // in it: what was in plac
 constexpr int kMaxAttempts = 100;
 
 Error folder_error(const std::string& folder, const std::string& problem) {
-  return {ErrorCode::kFileUnwritable, folder, "--out", problem,
+  return {ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`", problem,
           "name a folder that can be written to"};
 }
 

@@ -23,7 +23,9 @@ constexpr EffectKeyName kKeyNames[] = {
 };
 
 constexpr const char* kExtras = "extras.palpate";
-constexpr const char* kCommandLine = "--material";
+constexpr const char* kOverride = "override";
+// How the element of one begins (MaterialParameter).
+constexpr const char* kOverrideElement = "`SceneSettings::overrides`";
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kFrictionMap = "friction";
@@ -45,7 +47,7 @@ std::string quoted(std::string_view text) {
 
 Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
                std::string hint = "") {
-  const bool is_argument = source_of(parameter) == kCommandLine;
+  const bool is_argument = source_of(parameter) == kOverride;
   return {is_argument ? ErrorCode::kInvalidArgument : ErrorCode::kInvalidContent, "",
           parameter.element, owner + ": " + std::move(problem), std::move(hint)};
 }
@@ -103,7 +105,7 @@ class Compiler {
     const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
                                     [&](const auto& k) { return k.key == parameter.key; });
     if (known == std::end(kKeyNames)) {
-      if (source == kCommandLine) return unknown_key(parameter);
+      if (source == kOverride) return unknown_key(parameter);
       result_.report.not_understood.push_back(
           {parameter.key, parameter.value, parameter.element, "no such key is known"});
       return std::nullopt;
@@ -398,7 +400,7 @@ class Compiler {
       const std::string_view name = compiled_effects()[effect].name;
       if (name == "viscosity" || !result_.entry(name)) continue;
       for (const Value& v : values_[effect]) {
-        if (v.source != kExtras && v.source != kCommandLine) continue;
+        if (v.source != kExtras && v.source != kOverride) continue;
         return error_at(owner_, v.given,
                         v.given.key + " is of a surface, but solid is false: there is none");
       }
@@ -465,7 +467,7 @@ std::span<const EffectKeyName> effect_key_names() {
 }
 
 std::string source_of(const MaterialParameter& parameter) {
-  return parameter.element.starts_with(kCommandLine) ? kCommandLine : kExtras;
+  return parameter.element.starts_with(kOverrideElement) ? kOverride : kExtras;
 }
 
 std::string value_text(const MaterialValue& value) {

@@ -22,8 +22,8 @@ struct HonouredParameter {
   MaterialValue value;  // as given, in `unit`
   std::string unit;     // "" for none
   std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material",
-                        // "glTF" or "--material"
-  std::string element;  // JSON path, or "--material NAME.key"
+                        // "glTF" or "override"
+  std::string element;  // JSON path, or "`SceneSettings::overrides` NAME.key"
   bool is_off = false;  // it says that there is no such effect
 };
 

@@ -153,7 +153,7 @@ Result<std::uint64_t> parse_bytes(const std::string& text) {
   const double bytes = failed == std::errc() ? number * bytes_in(std::string(rest, end)) : 0.0;
   constexpr double kTooMany = 0x1p63;
   if (bytes >= 1.0 && bytes < kTooMany) return static_cast<std::uint64_t>(bytes);  // false for NaN
-  return Error{ErrorCode::kInvalidArgument, "", "--max-memory",
+  return Error{ErrorCode::kInvalidArgument, "", "max_memory_bytes",
                "\"" + text + "\" given, expected a number of bytes",
                "such as 500M or 1.5G, of 1000, or 2GiB, of 1024"};
 }
@@ -168,12 +168,13 @@ MemoryLimit default_memory_limit(const MemorySources& sources) {
   look_at_process(sources, least);
   if (least.bytes == kUnlimited) return {};
   return {least.bytes / 2, "half of the " + bytes_text(least.bytes) + " that " + least.of,
-          "--max-memory"};
+          "`SceneSettings::max_memory_bytes`"};
 }
 
 MemoryLimit memory_limit(std::uint64_t max_bytes) {
   if (max_bytes == 0) return default_memory_limit();
-  return {max_bytes, "given by --max-memory", "--max-memory"};
+  return {max_bytes, "given by `SceneSettings::max_memory_bytes`",
+          "`SceneSettings::max_memory_bytes`"};
 }
 
 std::uint64_t memory_bytes(const SceneDescription& description) {

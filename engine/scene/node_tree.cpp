@@ -40,7 +40,7 @@ Result<std::uint32_t> find_node(std::span<const TreeNode> tree, const std::strin
   }
   if (found.empty()) {
     return no_such_node(name, "is none of the " + std::to_string(tree.size()) + " of the scene",
-                        "palpate info SCENE --list shows them");
+                        "`Scene::tree` shows them");
   }
   if (found.size() > 1) {
     return no_such_node(name, "is the name of " + std::to_string(found.size()) + " nodes",

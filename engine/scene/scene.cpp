@@ -270,7 +270,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   SceneDescription description = std::move(given);  // so that what throws gives it back
   Scene scene;
   scene.ledger_ = &ledger;
-  ledger.advise("load a part of it with --node");
+  ledger.advise("load a part of it with `SceneSettings::node`");
   ledger.begin("compiling the scene");
   complete_tree(description);
   if (!settings.node.empty()) {

@@ -46,7 +46,7 @@ void write(const Parameters& parameters, Entry& entry) {
 
 Error limit_error(std::string element, std::string problem) {
   return {ErrorCode::kLimitExceeded, "", std::move(element), std::move(problem),
-          "load a part of it with --node"};
+          "load a part of it with `SceneSettings::node`"};
 }
 
 std::string joined(std::initializer_list<std::string_view> parts) {
@@ -384,7 +384,7 @@ SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies)
         return place_error(body, c, MagnetEffect::kKeys[0].key,
                            "is one magnetic surface too many; expected at most " +
                                std::to_string(kMostMagnets) + " in a scene",
-                           "load a part of it with --node");
+                           "load a part of it with `SceneSettings::node`");
       }
       magnets.push_back({b, c.program_material, magnet_index(body, part)});
       Entry entry = *magnet;
@@ -426,7 +426,8 @@ Error SceneEffects::place_error(const EffectSurface& surface, const Combination&
 // The arguments by which a material has no medium; then it must be solid.
 std::string SceneEffects::without_medium(const Combination& c) const {
   const auto argument = [&](std::string_view key, const char* value) {
-    return "--material \"" + name_of(c) + "." + std::string(key) + "=" + value + "\"";
+    return "`SceneSettings::overrides` \"" + name_of(c) + "." + std::string(key) + "=" + value +
+           "\"";
   };
   const std::string none = argument(ViscosityEffect::kKeys[0].key, "0");
   return c.effects.is_solid ? none : none + " " + argument(kSolidKey, "true");
@@ -578,8 +579,9 @@ std::optional<Error> check_tick_rate(const SceneEffectsReport& report, double ra
       if (p.key != kFrequency || p.is_off || !frequency_Hz || 2.0 * *frequency_Hz < rate_Hz) {
         continue;
       }
-      return parameter_error("material \"" + material.name + "\"", {p.key, p.value, p.element},
-                             "less than half of --rate, " + value_text(rate_Hz / 2.0) + " Hz");
+      return parameter_error(
+          "material \"" + material.name + "\"", {p.key, p.value, p.element},
+          "less than half of `RunSettings::rate_Hz`, " + value_text(rate_Hz / 2.0) + " Hz");
     }
   }
   return std::nullopt;

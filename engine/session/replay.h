@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/scene/scene.h"
-#include "engine/session/run_options.h"
+#include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
 #include "geometry/base/result.h"
 

@@ -156,6 +156,15 @@ Result<std::size_t> TraceWriter::finish() {
   return count_;
 }
 
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records) {
+  Result<TraceWriter> writer = TraceWriter::create(path);
+  if (!writer) return writer.error();
+  for (const TickRecord& record : records) writer->add(record);
+  const Result<std::size_t> written = writer->finish();
+  if (!written) return written.error();
+  return std::nullopt;
+}
+
 std::string fault_names(std::uint32_t faults) {
   std::string names;
   for (int bit = 0; faults != 0; ++bit, faults >>= 1) {

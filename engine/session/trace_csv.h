@@ -3,7 +3,12 @@
 // What a haptic loop did, tick by tick, written as a table.
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "engine/report/csv.h"
 #include "engine/report/whole_file.h"
@@ -38,6 +43,9 @@ class TraceWriter {
   CsvLines lines_;
   std::size_t count_ = 0;
 };
+
+// All of them, as a whole file.
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records);
 
 // The names of the faults of a tick, joined by "+"; empty for none. Those of a governor are
 // "governor_" and the number of the bit.

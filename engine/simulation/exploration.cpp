@@ -75,7 +75,8 @@ Error contour_too_crowded(const std::vector<Polyline>& section, const char* how)
   return {ErrorCode::kLimitExceeded, "", "scene",
           "has " + std::to_string(section.size()) + " curves at the plane, so many of which " +
               how + " that their common contour is not worked out",
-          "load a part of the scene with --node, or use --sensors 3, which needs no contour"};
+          "load a part of the scene with `SceneSettings::node`, or use `RunSettings::sensors` 3, "
+          "which needs no contour"};
 }
 
 // Of a ball what it can touch, not what it would have to be smaller for.
@@ -99,7 +100,7 @@ Error nothing_at_height(const Scene& scene, const ScenePose& pose) {
   const Box bounds = bounds_in_device(scene, pose);
   std::ostringstream range;
   range << "the scene spans " << bounds.low.z() << " to " << bounds.high.z() << " m along A3";
-  return {ErrorCode::kInvalidArgument, "", "--plane-height",
+  return {ErrorCode::kInvalidArgument, "", "plane_height_m",
           "nothing to touch at this height: " + range.str(),
           "choose a height in between, or use 3 sensors"};
 }
@@ -248,14 +249,15 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
     return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
   };
   if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
-    return invalid("--seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
+    return invalid("seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
                    "25 to 30 s are usual");
   }
   const double ticks = settings.seconds / dt_s;
   if (!(ticks >= 1.0 && ticks <= kMostTicks)) {
     std::ostringstream text;
-    text << "times --rate that makes " << ticks << " ticks, expected 1 to " << kMostTicks;
-    return invalid("--seconds", text.str(), "choose a shorter run or another rate");
+    text << "times `RunSettings::rate_Hz` that makes " << ticks << " ticks, expected 1 to "
+         << kMostTicks;
+    return invalid("seconds", text.str(), "choose a shorter run or another rate");
   }
   return std::nullopt;
 }
@@ -266,15 +268,17 @@ namespace {
 std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings, MemoryLedger& ledger) {
   ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
-  ledger.advise("load a part of the scene with --node");
+  ledger.advise("load a part of the scene with `SceneSettings::node`");
   ledger.begin("what comes before the run");
   if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
   ledger.advise("choose a shorter run");
-  ledger.begin("recording the ticks", "--seconds");
+  ledger.begin("recording the ticks", "seconds");
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
   if (!setup.actuation.is_planar()) return std::nullopt;
-  ledger.advise("load a part of the scene with --node, or use --sensors 3, which needs no contour");
+  ledger.advise(
+      "load a part of the scene with `SceneSettings::node`, or use `RunSettings::sensors` 3, which "
+      "needs no contour");
   ledger.begin("cutting the scene for its contour", "scene");
   return ledger.check(scene_cut_bytes(scene));
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/scene/scene.h"
-#include "engine/session/run_options.h"
+#include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
 #include "engine/session/stop_flag.h"
 #include "geometry/base/result.h"

@@ -28,8 +28,9 @@ bool has_contour(const Scene& scene, const RunSetup& setup) {
 }
 
 std::string two_sensors_text(const ActuationModel& actuation) {
-  return actuation.actuators() > 2 ? "use --sensors 2 with two --actuators at most"
-                                   : "use --sensors 2";
+  return actuation.actuators() > 2
+             ? "use `RunSettings::sensors` 2 with two `RunSettings::actuators` at most"
+             : "use `RunSettings::sensors` 2";
 }
 
 }  // namespace
@@ -45,13 +46,14 @@ std::string room_hint(const Scene& scene, const RunSetup& setup,
     if (!size_m || *size_m <= largest_m) continue;
     if (!has_path_at(scene, wanted, *size_m / largest_m)) continue;
     std::ostringstream hint;
-    hint << "scale it up with --fit " << *size_m;
+    hint << "scale it up with `SceneSettings::fit_size_m` " << *size_m;
     return hint.str();
   }
   if (has_contour(scene, setup)) return two_sensors_text(setup.actuation);
-  return scene.objects().size() > 1
-             ? "no size within --workspace has any: choose a part of it with --node"
-             : "no size within --workspace has any: choose a scene with larger faces";
+  return scene.objects().size() > 1 ? "no size within `RunSettings::device.workspace` has any: "
+                                      "choose a part of it with `SceneSettings::node`"
+                                    : "no size within `RunSettings::device.workspace` has any: "
+                                      "choose a scene with larger faces";
 }
 
 }  // namespace palpate

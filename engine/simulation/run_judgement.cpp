@@ -48,7 +48,8 @@ std::string what_keeps_off_text(const ExplorationRun& run) {
   text << "the hand did not get to the rest, which other parts may cover, or which is smaller than "
           "the hand presses deep";
   if (run.proxy_radius_m > 0.0) {
-    text << ", or which a sphere of --radius " << run.proxy_radius_m << " m is too large for";
+    text << ", or which a sphere of `RunSettings::radius_m` " << run.proxy_radius_m
+         << " m is too large for";
   }
   return text.str();
 }

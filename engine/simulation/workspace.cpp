@@ -60,8 +60,8 @@ Error too_small(const Workspace& workspace) {
   std::ostringstream problem;
   problem << workspace.extent_m << " m given, expected " << least_workspace_m(workspace)
           << " m at least: room for the hand on each side of what it presses on";
-  return {ErrorCode::kInvalidArgument, "", "--workspace", problem.str(),
-          "no --fit makes a scene fit a smaller one"};
+  return {ErrorCode::kInvalidArgument, "", "device.workspace", problem.str(),
+          "no `SceneSettings::fit_size_m` makes a scene fit a smaller one"};
 }
 
 }  // namespace
@@ -103,9 +103,10 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
   }
   std::ostringstream hint;
   if (const auto size_m = fitting_size_m(workspace, bounds_device, largest_extent_m)) {
-    hint << "scale it with --fit " << *size_m << ", which --fit auto does";
+    hint << "scale it with `SceneSettings::fit_size_m` " << *size_m
+         << ", which `SceneSettings::fit_size_m` auto does";
   } else {
-    hint << "turn it with --place so that it has an extent along the sensed axes";
+    hint << "turn it with `RunSettings::place` so that it has an extent along the sensed axes";
   }
   return Error{ErrorCode::kInvalidArgument, "", "scene", problem.str(), hint.str()};
 }

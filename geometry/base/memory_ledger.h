@@ -24,7 +24,7 @@ namespace palpate {
 struct MemoryLimit {
   std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
   std::string origin = {};  // "half of the 3.1 GB that the machine has free"
-  std::string option = {};  // "--max-memory", for the hint
+  std::string option = {};  // names the setting, for the hint
 };
 
 // "1.2 GB", of 1000 MB.

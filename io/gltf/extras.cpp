@@ -119,7 +119,7 @@ Result<MaterialParameter> parameter_of(const MaterialOverride& setting) {
     return error;
   };
   MaterialParameter parameter{setting.key, setting.value,
-                              "--material " + setting.material + "." + setting.key};
+                              "`SceneSettings::overrides` " + setting.material + "." + setting.key};
   if (setting.key.empty()) {
     return as_argument(gltf_invalid(parameter.element, "has no key; expected NAME.key=value"));
   }

@@ -38,9 +38,9 @@ class PalpateExtras {
   std::size_t left_ = kMaxGltfParameters;
 };
 
-// The parameter that an override sets. An error (kInvalidArgument, element "--material NAME.key")
-// if its text is JSON, but neither a number, true, false, a text nor a list of numbers; or if the
-// key is empty or too long.
+// The parameter that an override sets. An error (kInvalidArgument, element
+// "`SceneSettings::overrides` NAME.key") if its text is JSON, but neither a number, true, false, a
+// text nor a list of numbers; or if the key is empty or too long.
 Result<MaterialParameter> parameter_of(const MaterialOverride& setting);
 
 // Puts the parameter in place of the one with its key, or where it belongs by its key.

@@ -27,7 +27,7 @@ StudyEffort quick() {
 }
 
 RunSetup setup() {
-  RunOptions options;
+  RunSettings options;
   options.stiffness_N_per_m = 500.0;
   return *make_setup(options);
 }
@@ -105,10 +105,18 @@ TEST(SceneStudy, KnowsTheStiffnessOfEveryMaterial) {
   EXPECT_EQ(stiffness, (std::vector<double>{200.0, 800.0, 1000.0, 3000.0}));
 }
 
+DeviceDescription device_with(double damping_Ns_per_m, double encoder_quantum_m) {
+  DeviceDescription device;
+  device.mass_kg = 0.1;
+  device.damping_Ns_per_m = damping_Ns_per_m;
+  device.encoder_quantum_m = encoder_quantum_m;
+  return device;
+}
+
 // b = 1, B = 0.25, T = 1 ms: passive below 2 (b - B) / T = 1500 N/m; stable below nearly
 // 2 (b + B) / T = 2500 N/m.
 TEST(SceneStudy, FlagsWhatIsPassiveAndWhatIsStable) {
-  const DeviceMechanics device{0.1, 1.0, 0.0, 0.0};
+  const DeviceDescription device = device_with(1.0, 0.0);
   const std::vector<SurfaceCoupling> couplings{
       {"soft", {1400.0, 0.25}}, {"between", {1600.0, 0.25}}, {"hard", {2600.0, 0.25}}};
   const auto verdicts = judge_couplings(couplings, device, {1e-3, 0}, 3e-3);
@@ -126,10 +134,10 @@ TEST(SceneStudy, FlagsWhatIsPassiveAndWhatIsStable) {
 TEST(SceneStudy, BlamesWhatBindsForALimitOfZero) {
   SceneFindings findings;
   const std::vector<SurfaceCoupling> wall{{"wall", {100.0, 0.1}}};
-  findings.verdicts = *judge_couplings(wall, {0.1, 0.5, 20e-6, 0.0}, {1e-3, 0}, 0.0);
+  findings.verdicts = *judge_couplings(wall, device_with(0.5, 20e-6), {1e-3, 0}, 0.0);
   EXPECT_NE(scene_text(findings).find("not passive (passive up to 0)"), std::string::npos)
       << scene_text(findings);
-  findings.verdicts = *judge_couplings(wall, {0.1, 0.05, 0.0, 0.0}, {1e-3, 0}, 0.0);
+  findings.verdicts = *judge_couplings(wall, device_with(0.05, 0.0), {1e-3, 0}, 0.0);
   EXPECT_NE(scene_text(findings).find("with its damper of 0.1 N s/m at no K"), std::string::npos)
       << scene_text(findings);
 }

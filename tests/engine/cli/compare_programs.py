@@ -5,7 +5,7 @@ usage: compare_programs.py BEFORE AFTER MODELS
 
 BEFORE and AFTER are paths of the program, MODELS is the folder of the project's models. Printed text,
 exit codes and the names of files must be equal. In a CSV file the columns that BEFORE wrote must be
-there first and equal to the byte; AFTER may add columns behind them. Columns, keys and lines that tell
+there first and equal to the byte; AFTER may add columns behind them, and keys to an object of JSON. Columns, keys and lines that tell
 measured times are left out. Not a test of the suite: it needs a program built from an older commit.
 """
 
@@ -96,12 +96,29 @@ def table_differences(before, after):
     return []
 
 
+def json_differences(before, after, place=""):
+    """Of two values; keys that are new are told, and are no difference."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        added = [key for key in after if key not in before]
+        if added:
+            print(f"        adds {place or 'JSON'}: {', '.join(added)}")
+        gone = [f"{place}.{key} is gone" for key in before if key not in after]
+        return gone + [text for key in before if key in after
+                       for text in json_differences(before[key], after[key], f"{place}.{key}")]
+    if isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        return [text for i, (b, a) in enumerate(zip(before, after))
+                for text in json_differences(b, a, f"{place}[{i}]")]
+    return [] if before == after else [f"{place}: {before} became {after}"]
+
+
 def differences(before, after):
     found = []
     if before.code != after.code:
         found.append(f"exit code {before.code} became {after.code}")
     for name, text in before.texts.items():
-        if text != after.texts[name]:
+        if text.startswith("{") and after.texts[name].startswith("{"):
+            found += json_differences(json.loads(text), json.loads(after.texts[name]))
+        elif text != after.texts[name]:
             lines = set(text.splitlines()) ^ set(after.texts[name].splitlines())
             found.append(f"{name} differs: {sorted(lines)[:4]}")
     if before.files.keys() != after.files.keys():

@@ -15,7 +15,7 @@ namespace {
 TEST(PathPicture, ThatFindsNoRoomIsToldFromOneThatCannotBeDrawn) {
   const auto scene = Scene::load(std::string(PALPATE_MODELS_DIR) + "/star.glb", {});
   ASSERT_TRUE(scene);
-  RunOptions options;
+  RunSettings options;
   options.sensors = 2;
   options.actuators = 1;
   const auto setup = make_setup(options);

@@ -160,7 +160,7 @@ TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
     const auto files = OutputFiles::create(path, kNames);
     ASSERT_FALSE(files) << path;
     EXPECT_EQ(files.error().path, path);
-    EXPECT_EQ(files.error().element, "--out");
+    EXPECT_EQ(files.error().element, "`OutputFiles::folder`");
     EXPECT_FALSE(files.error().hint.empty());
   }
   EXPECT_EQ(tree(), (Tree{{"file", "mine"}, {"dangling", "-> nowhere"}}));

@@ -49,7 +49,7 @@ TEST(ParseBytes, RefusesWhatIsNoNumberOfBytesByTheOption) {
                            "12iB", "99999999999999999999", "9T9", "0x10", " 5"}) {
     const auto parsed = parse_bytes(text);
     ASSERT_FALSE(parsed) << text;
-    EXPECT_EQ(parsed.error().element, "--max-memory");
+    EXPECT_EQ(parsed.error().element, "max_memory_bytes");
     EXPECT_NE(parsed.error().problem.find(text), std::string::npos);
   }
 }
@@ -274,7 +274,8 @@ TEST(MemoryBudget, IsRefusedByLimitOriginStepNodeAndOption) {
   const auto refused = compile_with(ball(5), 4'000'000);
   ASSERT_FALSE(refused);
   const std::string text = refused.error().to_string();
-  for (const char* part : {"ball.glb", "node \"the ball\"", "indices", "4.00 MB", "--max-memory"}) {
+  for (const char* part :
+       {"ball.glb", "node \"the ball\"", "indices", "4.00 MB", "max_memory_bytes"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
   }
 }

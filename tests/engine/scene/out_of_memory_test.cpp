@@ -176,7 +176,7 @@ TEST_P(OutOfMemory, InManyNodes) {
 }
 
 RunSetup setup_of(int sensors) {
-  RunOptions options;
+  RunSettings options;
   options.sensors = sensors;
   options.default_actuators = sensors;
   auto setup = make_setup(options);

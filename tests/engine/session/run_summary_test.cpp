@@ -230,9 +230,10 @@ TEST(RunJudgement, NamesWhatIsSmallBesideTheHandWhereContactIsLittle) {
 TEST(RunJudgement, NamesTheSphereWhereTheWayIsLittle) {
   ExplorationRun run = run_with(500);
   run.way_share = 0.5;
-  EXPECT_FALSE(mentions(reasons(run), "--radius"));
+  EXPECT_FALSE(mentions(reasons(run), "radius_m"));
   run.proxy_radius_m = 0.01;
-  EXPECT_TRUE(mentions(reasons(run), "a sphere of --radius 0.01 m is too large for"));
+  EXPECT_TRUE(
+      mentions(reasons(run), "a sphere of `RunSettings::radius_m` 0.01 m is too large for"));
 }
 
 TEST(StepTimes, AreThoseOfTheSmallestTickThatTheShareDoesNotExceed) {

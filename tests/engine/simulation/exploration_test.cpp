@@ -38,8 +38,8 @@ const Scene& model(const std::string& name) {
   return found->second;
 }
 
-RunOptions options_of(int sensors, int actuators, const std::string& force = "actuated") {
-  RunOptions options;
+RunSettings options_of(int sensors, int actuators, ForceMode force = ForceMode::kActuated) {
+  RunSettings options;
   options.sensors = sensors;
   options.default_actuators = actuators;
   options.force = force;
@@ -47,7 +47,7 @@ RunOptions options_of(int sensors, int actuators, const std::string& force = "ac
 }
 
 struct Condition {
-  RunOptions options = options_of(2, 1);
+  RunSettings options = options_of(2, 1);
   bool a4 = false;
   double start_deg = 0.0;  // of the scene, about A3
 };
@@ -333,9 +333,9 @@ TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
 
 TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
   for (const bool a4 : {false, true}) {
-    const ExplorationRun none = explored("star", {options_of(2, 1, "none"), a4, 0}, 1);
-    const ExplorationRun actuated = explored("star", {options_of(2, 1, "actuated"), a4, 0}, 1);
-    const ExplorationRun full = explored("star", {options_of(2, 1, "full"), a4, 0}, 1);
+    const ExplorationRun none = explored("star", {options_of(2, 1, ForceMode::kNone), a4, 0}, 1);
+    const ExplorationRun actuated = explored("star", {options_of(2, 1), a4, 0}, 1);
+    const ExplorationRun full = explored("star", {options_of(2, 1, ForceMode::kFull), a4, 0}, 1);
     for (const ExplorationRun* run : {&none, &actuated, &full}) {
       EXPECT_EQ(fault_count(*run), 0u);
       EXPECT_GT(run->summary.contact_ticks, 20000u);
@@ -533,30 +533,30 @@ std::string refused_option(const Condition& condition, ExplorationSettings setti
 TEST(Exploration, RefusesSettingsThatMakeNoRun) {
   Condition outside;
   outside.options.plane_height_m = 0.5;
-  EXPECT_EQ(refused_option(outside, {}), "--plane-height");
+  EXPECT_EQ(refused_option(outside, {}), "plane_height_m");
   ExplorationSettings settings;
   for (const double seconds : {kNan, -1.0, 0.5, 1e12, HUGE_VAL}) {
     settings.seconds = seconds;
-    EXPECT_EQ(refused_option({}, settings), "--seconds") << seconds;
+    EXPECT_EQ(refused_option({}, settings), "seconds") << seconds;
   }
   settings = {};
   for (const double workspace_m : {kNan, 0.0, -1.0}) {
     Condition none;
     set_workspace_extent(none.options.device, workspace_m);
-    EXPECT_EQ(refused_option(none, settings), "--workspace") << workspace_m;
+    EXPECT_EQ(refused_option(none, settings), "device.workspace") << workspace_m;
   }
   for (const double rate_Hz : {1e-12, 0.999, 1e12}) {
     Condition rate;
     rate.options.rate_Hz = rate_Hz;
-    EXPECT_EQ(refused_option(rate, {}), rate_Hz < 1.0 ? "--rate" : "--seconds") << rate_Hz;
+    EXPECT_EQ(refused_option(rate, {}), rate_Hz < 1.0 ? "rate_Hz" : "seconds") << rate_Hz;
   }
   // What a loop would refuse in every tick, explore() does before the first.
   Condition hard;
   hard.options.stiffness_N_per_m = 1e300;
-  EXPECT_EQ(refused_option(hard, {}), "--stiffness");
+  EXPECT_EQ(refused_option(hard, {}), "coupling.stiffness_N_per_m");
   Condition large;
   large.options.radius_m = 1e-3;  // of a scene that was loaded for a point
-  EXPECT_EQ(refused_option(large, {}), "--radius");
+  EXPECT_EQ(refused_option(large, {}), "god_object.radius_m");
 }
 
 // ---- memory ------------------------------------------------------------------------------------
@@ -574,9 +574,9 @@ TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
     return run ? Error{} : run.error();
   };
   const Error before = refused(1000, 1001);
-  EXPECT_NE(before.hint.find("--node"), std::string::npos) << before.to_string();
+  EXPECT_NE(before.hint.find("SceneSettings::node"), std::string::npos) << before.to_string();
   const Error recording = refused(records - 1, 0);
-  EXPECT_EQ(recording.element, "--seconds");
+  EXPECT_EQ(recording.element, "seconds");
   EXPECT_NE(recording.hint.find("shorter run"), std::string::npos) << recording.to_string();
   const Error cutting = refused(records + 1, 0);
   EXPECT_NE(cutting.problem.find("cutting"), std::string::npos) << cutting.to_string();

@@ -191,7 +191,7 @@ TEST(Workspace, HoldsWhatLeavesTheHandItsRoom) {
   EXPECT_TRUE(check_fits({3, 0.4, 0.008, 0.004}, wide(0.1, 0.1), 10.0));
   const auto no_room = check_fits({2, 0.01, 0.008, 0.004}, wide(0.1, 0.1), 10.0);
   ASSERT_TRUE(no_room);
-  EXPECT_EQ(no_room->element, "--workspace") << "no size fits";
+  EXPECT_EQ(no_room->element, "device.workspace") << "no size fits";
 }
 
 // By the text of the error, as a user would.
@@ -232,7 +232,7 @@ TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
   for (const double extent_m : {0.001, 0.016, 0.02, 0.02005}) {
     const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
     ASSERT_TRUE(error);
-    EXPECT_EQ(error->element, "--workspace");
+    EXPECT_EQ(error->element, "device.workspace");
     EXPECT_NE(error->problem.find("0.0201 m at least"), std::string::npos) << error->problem;
   }
   const auto error = check_fits({2, 0.0201, 0.008, 0.004}, box, 0.1);
@@ -244,7 +244,7 @@ TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
 
 // Up to the first tick.
 Result<ExplorationRun> planned(const Scene& scene, int sensors) {
-  RunOptions options;
+  RunSettings options;
   options.sensors = sensors;
   options.default_actuators = 1;
   const auto setup = make_setup(options);
@@ -270,15 +270,16 @@ TEST(RoomForAHand, IsFoundWithWhatTheErrorProposes) {
     if (refused) continue;
     const std::string& hint = refused.error().hint;
     SCOPED_TRACE(hint);
-    if (const std::size_t at = hint.find("--fit "); at != std::string::npos) {
-      const double size_m = std::stod(hint.substr(at + 6));
+    const std::string size = "`SceneSettings::fit_size_m` ";
+    if (const std::size_t at = hint.find(size); at != std::string::npos) {
+      const double size_m = std::stod(hint.substr(at + size.size()));
       EXPECT_LE(size_m, 0.384) << "the workspace";
       EXPECT_TRUE(planned(beam(size_m, slenderness), 3));
-      proposed.insert("--fit");
+      proposed.insert("size");
     } else {
-      ASSERT_NE(hint.find("--sensors 2"), std::string::npos);
+      ASSERT_NE(hint.find("`RunSettings::sensors` 2"), std::string::npos);
       EXPECT_TRUE(planned(beam(length_m, slenderness), 2));
-      proposed.insert("--sensors");
+      proposed.insert("sensors");
     }
   }
   EXPECT_FALSE(proposed.empty());

@@ -1,47 +1,36 @@
-#include "engine/cli/commands.h"
+#include "engine/cli/run_command.h"
 
 #include <algorithm>
 #include <filesystem>
-#include <iomanip>
 #include <iostream>
-#include <locale>
-#include <numbers>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/effects_report.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/option_names.h"
 #include "engine/cli/path_picture.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/report.h"
 #include "engine/cli/run_advice.h"
+#include "engine/report/csv.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
 #include "engine/scene/memory_budget.h"
-#include "engine/scene/node_tree.h"
-#include "engine/scene/scene.h"
-#include "engine/session/replay.h"
-#include "engine/session/run_summary.h"
 #include "engine/session/trace_csv.h"
 #include "engine/simulation/run_judgement.h"
-#include "io/trajectory.h"
 
 namespace palpate {
 namespace {
 
 constexpr int kNotComparable = 3;
-
-std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records) {
-  Result<TraceWriter> writer = TraceWriter::create(path);
-  if (!writer) return writer.error();
-  for (const TickRecord& record : records) writer->add(record);
-  const Result<std::size_t> written = writer->finish();
-  if (!written) return written.error();
-  return std::nullopt;
-}
 
 constexpr const char* kPicture = "paths.svg";
 
@@ -59,15 +48,13 @@ std::vector<std::string> run_file_names() {
 // What the hand followed: a place a line, scene frame.
 std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& files) {
   const bool is_walk = run.contour_scene_m.empty();
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << std::setprecision(17) << "x,y,z\n";
+  CsvLines lines("x,y,z");
   for (const Vec3& p : is_walk ? run.places_scene_m : run.contour_scene_m) {
-    text << p.x() << "," << p.y() << "," << p.z() << "\n";
+    lines.add(p.x()).add(p.y()).add(p.z()).end_line();
   }
   const std::string name =
       std::string(is_walk ? "places-" : "contour-") + (run.a4 ? "on" : "off") + ".csv";
-  const auto written = write_text_file(files.path(name), text.str());
+  const auto written = write_text_file(files.path(name), lines.text());
   if (!written) return written.error();
   return std::nullopt;
 }
@@ -121,7 +108,7 @@ Error with_path(Error error, const std::string& path) {
 }
 
 // What runs the same for every run of a command.
-std::string run_heading(const RunCommand& command, const PreparedRun& prepared) {
+std::string run_heading(const RunRequest& command, const PreparedRun& prepared) {
   const ActuationModel& actuation = prepared.setup.actuation;
   std::ostringstream text;
   text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
@@ -145,7 +132,7 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
   json["reasons"] = nlohmann::ordered_json::array();
   for (const ExplorationRun& r : runs) {
     for (const std::string& reason : reasons(r)) {
-      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + reason);
+      json["reasons"].push_back((r.a4 ? "with A4: " : "without A4: ") + with_option_names(reason));
     }
   }
   json["try"] = advice ? nlohmann::ordered_json(advice->command_line) : nlohmann::ordered_json();
@@ -160,7 +147,7 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
 }
 
 // Without A4 and with it, as asked for, until a signal comes.
-Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
+Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
                                                       const PreparedRun& prepared,
                                                       const OutputFiles& files) {
   const StopFlag& stop = signal_flag();
@@ -188,7 +175,7 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunCommand& command,
 }
 
 // Of runs that ended by themselves and are not comparable.
-std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& prepared,
+std::optional<Advice> find_advice(const RunRequest& command, const PreparedRun& prepared,
                                   const std::vector<ExplorationRun>& runs) {
   if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
   ProgressBar bar("what to try");
@@ -196,47 +183,7 @@ std::optional<Advice> find_advice(const RunCommand& command, const PreparedRun& 
       command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
 }
 
-}  // namespace
-
-int info(const InfoCommand& command) {
-  const Result<Scene> scene = load_scene(command.scene, 0.0);
-  if (!scene) return refuse(scene.error());
-  if (command.json) {
-    print(command.list ? tree_json(*scene) : scene_json(*scene));
-  } else {
-    std::cout << (command.list ? command.scene.path + "\n" + tree_text(scene->tree())
-                               : scene_text(command.scene.path, *scene));
-  }
-  return finish_output();
-}
-
-int replay(const ReplayCommand& command) {
-  const Result<RunSetup> setup = make_setup(command.options);
-  if (!setup) return refuse(setup.error());
-  const Result<std::vector<Vec3>> path = read_trajectory(command.trajectory);
-  if (!path) return refuse(path.error());
-  const Result<Scene> scene = load_scene(command.scene, command.options);
-  if (!scene) return refuse(scene.error());
-  const Result<ReplayResult> result = replay(*scene, *setup, *path, command.repeat);
-  if (!result) return refuse(result.error());
-  // Now there is something to put in order: the file comes whole.
-  const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  if (!command.trace.empty()) {
-    if (const auto error = check_output()) return refuse(*error);
-    if (const auto error = write_trace(command.trace, result->records)) {
-      return refuse(*error);
-    }
-  }
-  if (command.json) {
-    print(summary_json(result->summary, *scene));
-  } else {
-    std::cout << command.scene.path << ", " << command.trajectory << "\n"
-              << summary_text(result->summary, *scene);
-  }
-  return exit_code_after_signals(finish_output(not_understood_lines(*scene)));
-}
-
-int run(const RunCommand& command) {
+int run(const RunRequest& command) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
@@ -252,7 +199,7 @@ int run(const RunCommand& command) {
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
   const std::optional<Advice> advice = find_advice(command, *prepared, runs);
-  const std::string interruption = interruption_line(runs, command.options.a4 == "compare");
+  const std::string interruption = interruption_line(runs, command.a4 == A4Runs::kCompare);
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
     print(runs_json(*prepared, runs, advice));
@@ -263,6 +210,63 @@ int run(const RunCommand& command) {
   }
   const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && !are_comparable(runs) ? kNotComparable : code);
+}
+
+class RunCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override;
+  int run(const std::vector<std::string>& arguments) override {
+    request_.arguments = arguments;
+    return palpate::run(request_);
+  }
+
+ private:
+  std::string quantum_text() const {
+    std::ostringstream text;
+    text << request_.options.settings.device.encoder_quantum_m;
+    return text.str();
+  }
+
+  RunRequest request_;
+};
+
+CLI::App* RunCommand::add_to(CLI::App& program) {
+  RunSettings& settings = request_.options.settings;
+  settings.sensors = 2;
+  settings.default_actuators = 1;
+  CLI::App& app = *program.add_subcommand(
+      "run", "let a simulated hand explore a scene in real time, without and with A4");
+  app.footer(help_footer("For example: palpate run your-scene.glb --fit 0.2 --virtual"));
+  add_scene(app, request_.scene, true);
+  add_place(app, request_.options);
+  add_device(app, request_.options,
+             "step of the device's encoders, m [" + quantum_text() +
+                 "]; to be given for the adaptive estimator");
+  ExplorationSettings& hand = request_.exploration;
+  add_workspace(app, settings.device);
+  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_real(app, "--seconds", hand.seconds, {2.0, 86400.0}, "length of a run, s, 2 to 86400")
+      ->group(kHandGroup);
+  add_integer(app, "--seed", hand.seed, {}, "of the hand's noise and walk")->group(kHandGroup);
+  app.add_flag("--virtual", hand.virtual_time, "in simulated time, as fast as it goes")
+      ->group(kHandGroup);
+  add_touch(app, settings);
+  add_choice<A4Runs>(app, "--a4", request_.a4,
+                     {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}, {"compare", A4Runs::kCompare}},
+                     "compare", "rotate the scene: on, off, or both runs compared")
+      ->group(kA4Group);
+  add_rotation(app, settings);
+  app.add_option("--out", request_.out_dir, "folder for traces and picture")
+      ->capture_default_str()
+      ->group(kOutputGroup);
+  add_output(app, settings, request_.json);
+  return &app;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_run_command() {
+  return std::make_unique<RunCommand>();
 }
 
 }  // namespace palpate

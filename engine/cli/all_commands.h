@@ -1,0 +1,27 @@
+#pragma once
+
+// The subcommands of the program, in the order of its help. A new one is declared and listed here;
+// the rest of it is a file of its own.
+
+#include <memory>
+#include <vector>
+
+#include "engine/cli/command.h"
+
+namespace palpate {
+
+std::unique_ptr<Command> make_run_command();
+std::unique_ptr<Command> make_replay_command();
+std::unique_ptr<Command> make_accuracy_command();
+std::unique_ptr<Command> make_info_command();
+
+inline std::vector<std::unique_ptr<Command>> all_commands() {
+  std::vector<std::unique_ptr<Command>> commands;
+  commands.push_back(make_run_command());
+  commands.push_back(make_replay_command());
+  commands.push_back(make_accuracy_command());
+  commands.push_back(make_info_command());
+  return commands;
+}
+
+}  // namespace palpate

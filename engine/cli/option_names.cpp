@@ -1,0 +1,73 @@
+#include "engine/cli/option_names.h"
+
+#include <string_view>
+
+namespace palpate {
+namespace {
+
+struct OptionName {
+  std::string_view owner;  // the struct
+  std::string_view field;
+  std::string_view option;
+};
+
+constexpr OptionName kOptionNames[] = {
+    {"SceneSettings", "node", "--node"},
+    {"SceneSettings", "scale", "--scale"},
+    {"SceneSettings", "fit_size_m", "--fit"},
+    {"SceneSettings", "pose", "--pose"},
+    {"SceneSettings", "overrides", "--material"},
+    {"SceneSettings", "max_memory_bytes", "--max-memory"},
+    {"RunSettings", "sensors", "--sensors"},
+    {"RunSettings", "actuators", "--actuators"},
+    {"RunSettings", "actuated_axes", "--actuated-axes"},
+    {"RunSettings", "rate_Hz", "--rate"},
+    {"RunSettings", "stiffness_N_per_m", "--stiffness"},
+    {"HapticSettings", "coupling.stiffness_N_per_m", "--stiffness"},
+    {"RunSettings", "damping_Ns_per_m", "--damping"},
+    {"HapticSettings", "coupling.damping_Ns_per_m", "--damping"},
+    {"RunSettings", "radius_m", "--radius"},
+    {"HapticSettings", "god_object.radius_m", "--radius"},
+    {"RunSettings", "work_budget", "--work-budget"},
+    {"RunSettings", "velocity_estimator", "--velocity-estimator"},
+    {"RunSettings", "velocity_window_ticks", "--velocity-window"},
+    {"RunSettings", "encoder_quantum_m", "--encoder-quantum"},
+    {"RunSettings", "plane_height_m", "--plane-height"},
+    {"RunSettings", "place", "--place"},
+    {"HapticSettings", "initial_pose", "--place"},
+    {"RunSettings", "moves", "--move"},
+    {"RunSettings", "device.workspace", "--workspace"},
+    {"ExplorationSettings", "seconds", "--seconds"},
+    {"ExplorationSettings", "seed", "--seed"},
+    {"StudyEffort", "seed", "--seed"},
+    {"OutputFiles", "folder", "--out"},
+    {"Scene", "tree", "palpate info SCENE --list"},
+};
+
+}  // namespace
+
+std::string with_option_names(std::string text) {
+  for (const OptionName& name : kOptionNames) {
+    const std::string field = "`" + std::string(name.owner) + "::" + std::string(name.field) + "`";
+    for (std::size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
+      text.replace(at, field.size(), name.option);
+      at += name.option.size();
+    }
+  }
+  return text;
+}
+
+Error with_option_names(Error error) {
+  for (const OptionName& name : kOptionNames) {
+    if (error.element == name.field) {
+      error.element = name.option;
+      break;
+    }
+  }
+  error.element = with_option_names(std::move(error.element));
+  error.problem = with_option_names(std::move(error.problem));
+  error.hint = with_option_names(std::move(error.hint));
+  return error;
+}
+
+}  // namespace palpate

@@ -1,0 +1,33 @@
+#pragma once
+
+// What `run` is asked for.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/cli/run_options.h"
+#include "engine/cli/scene_options.h"
+#include "engine/simulation/exploration.h"
+
+namespace palpate {
+
+// Which runs are made.
+enum class A4Runs : std::uint8_t { kOn, kOff, kCompare };
+
+struct RunRequest {
+  SceneOptions scene;
+  RunOptions options;
+  A4Runs a4 = A4Runs::kCompare;
+  ExplorationSettings exploration;
+  std::string out_dir = "out";
+  bool json = false;
+  std::vector<std::string> arguments;  // of the program, as they were given
+
+  // Whether a run without A4, or with it, is asked for.
+  bool wants(bool with_a4) const {
+    return a4 == A4Runs::kCompare || (a4 == A4Runs::kOn) == with_a4;
+  }
+};
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#pragma once
+
+// What `run`, `replay` and `accuracy` let a user choose of a run.
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/session/run_setup.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// Numbers and choices are in the settings; what is written as a text is parsed by make_setup().
+struct RunOptions {
+  RunSettings settings;
+  std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
+  std::string place;               // "x y z qw qx qy qz": T_device_scene at the start
+  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each
+};
+
+void add_place(CLI::App& app, RunOptions& options);
+// quantum_help: of --encoder-quantum.
+void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help);
+void add_workspace(CLI::App& app, DeviceDescription& device);
+// --device-mass, --device-damping and --device-friction, without a heading.
+std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
+void add_touch(CLI::App& app, RunSettings& settings);
+// --table1 and --a4-step, which come after --a4.
+void add_rotation(CLI::App& app, RunSettings& settings);
+void add_output(CLI::App& app, RunSettings& settings, bool& json);
+
+// Checks ranges and finiteness; an error names the option, or the field that option_names.h maps.
+Result<RunSetup> make_setup(const RunOptions& options);
+
+// Adds an option that is one of a few words, each of which stands for a value.
+template <typename Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices,
+                        const std::string& usual, const std::string& help) {
+  std::vector<std::string> words;
+  for (const auto& choice : choices) words.push_back(choice.first);
+  const auto read = [&value, choices](const std::string& text) {
+    for (const auto& choice : choices) {
+      if (choice.first == text) value = choice.second;
+    }
+  };
+  return app.add_option_function<std::string>(name, read, help)
+      ->check(CLI::IsMember(std::move(words)))
+      ->default_str(usual);
+}
+
+}  // namespace palpate

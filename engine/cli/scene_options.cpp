@@ -1,0 +1,96 @@
+#include "engine/cli/scene_options.h"
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "engine/cli/command_help.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/setting_texts.h"
+#include "engine/scene/memory_budget.h"
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string option, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
+}
+
+// A size, or "auto".
+CLI::Option* add_fit(CLI::App& app, SceneOptions& scene) {
+  const auto read = [&scene](const std::string& text) {
+    scene.fits_workspace = text == "auto";
+    if (scene.fits_workspace) return;
+    const auto size_m = parse_real("--fit", text, kAboveZero);
+    if (!size_m) throw CLI::ValidationError("--fit", size_m.error().problem + ", or auto");
+    scene.fit_size_m = *size_m;
+  };
+  return app
+      .add_option_function<std::string>(
+          "--fit", read,
+          "scale so that the largest extent becomes this, m; auto (run): so that the scene fits "
+          "the workspace, if it does not")
+      ->type_name("NUMBER");
+}
+
+}  // namespace
+
+void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
+  app.add_option("SCENE", scene.path, "glTF 2.0 file, .gltf or .glb")->required(is_required);
+  app.add_option("--node", scene.node,
+                 "only this node and what is below it, by name or \"#number\" (info --list)")
+      ->group(kSceneGroup);
+  add_real(app, "--scale", scene.scale, kAboveZero, "times the size that the file has")
+      ->group(kSceneGroup);
+  add_fit(app, scene)->group(kSceneGroup);
+  app.add_option(
+         "--pose", scene.pose,
+         "NAME@SECONDS: one animation at one time (\"#number@SECONDS\" as info numbers it); "
+         "otherwise the file's rest pose")
+      ->group(kSceneGroup);
+  app.add_option("--material", scene.materials,
+                 "NAME.key=value: goes before what the file says of this material; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->group(kSceneGroup);
+  app.add_option("--max-memory", scene.max_memory,
+                 "bytes that loading may take, such as 500M or 2GiB [half of what is free]")
+      ->group(kSceneGroup);
+}
+
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
+  SceneSettings settings;
+  settings.proxy_radius_m = proxy_radius_m;
+  settings.node = options.node;
+  settings.pose = options.pose;
+  if (options.scale && options.fit_size_m) {
+    return invalid("--fit", "given together with --scale; expected one of them");
+  }
+  if (options.fits_workspace) {
+    return invalid("--fit", "auto given without a workspace to fit to",
+                   "give the largest extent in metres, such as --fit 0.2");
+  }
+  if (options.scale) settings.scale = *options.scale;
+  if (options.fit_size_m) settings.fit_size_m = *options.fit_size_m;
+  if (!options.max_memory.empty()) {
+    const auto bytes = parse_bytes(options.max_memory);
+    if (!bytes) return bytes.error();
+    settings.max_memory_bytes = *bytes;
+  }
+  auto overrides = parse_overrides(options.materials);
+  if (!overrides) return overrides.error();
+  settings.overrides = std::move(*overrides);
+  return Scene::load(options.path, settings);
+}
+
+Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {
+  auto scene = load_scene(options, run.radius_m);
+  if (!scene) return scene;
+  if (auto error = check_tick_rate(scene->effects(), run.rate_Hz)) {
+    error->path = options.path;
+    return *error;
+  }
+  return scene;
+}
+
+}  // namespace palpate

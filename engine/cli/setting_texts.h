@@ -1,0 +1,26 @@
+#pragma once
+
+// Settings that are written as texts on the command line. An error names the option.
+
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "engine/session/node_motions.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// --actuated-axes "0 0 1; 1 0 0"
+Result<std::vector<Vec3>> parse_axes(const std::string& text);
+
+// --place "x y z qw qx qy qz": T_device_scene; empty: the identity.
+Result<ScenePose> parse_place(const std::string& text);
+
+// --move 'NODE=vx vy vz wx wy wz'
+Result<std::vector<SteadyMotion>> parse_moves(const std::vector<std::string>& texts);
+
+// --material NAME.key=value
+Result<std::vector<MaterialOverride>> parse_overrides(const std::vector<std::string>& texts);
+
+}  // namespace palpate

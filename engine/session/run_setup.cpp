@@ -1,0 +1,133 @@
+#include "engine/session/run_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "haptics/check_settings.h"
+
+namespace palpate {
+namespace {
+
+Error invalid(std::string field, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(field), std::move(problem), std::move(hint)};
+}
+
+Result<ActuationModel> make_actuation(const RunSettings& settings) {
+  const std::vector<Vec3>& axes = settings.actuated_axes;
+  if (axes.empty()) {
+    return ActuationModel::from_counts(
+        settings.sensors,
+        settings.actuators.value_or(std::min(settings.default_actuators, settings.sensors)));
+  }
+  if (settings.actuators && static_cast<std::size_t>(*settings.actuators) != axes.size()) {
+    return invalid("actuators",
+                   std::to_string(*settings.actuators) +
+                       " actuators, but `RunSettings::actuated_axes` gives " +
+                       std::to_string(axes.size()) + " directions",
+                   "leave `RunSettings::actuators` out");
+  }
+  return ActuationModel::from_axes(settings.sensors, axes);
+}
+
+std::optional<Error> check_number(const char* name, double value, bool zero_allowed) {
+  if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
+  std::ostringstream text;
+  text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
+  return invalid(name, text.str());
+}
+
+std::optional<Error> check_numbers(const RunSettings& o) {
+  if (auto e = check_number("rate_Hz", o.rate_Hz, false)) return e;
+  if (!is_time_step(1.0 / o.rate_Hz)) {
+    std::ostringstream text;
+    text << o.rate_Hz << " Hz given, expected at least " << 1.0 / kLongestTick_s;
+    return invalid("rate_Hz", text.str(), "1000 Hz is usual");
+  }
+  if (auto e = check_number("stiffness_N_per_m", o.stiffness_N_per_m, true)) return e;
+  if (auto e = check_number("damping_Ns_per_m", o.damping_Ns_per_m, true)) return e;
+  if (auto e = check_number("radius_m", o.radius_m, true)) return e;
+  if (!std::isfinite(o.plane_height_m.value_or(0.0)))
+    return invalid("plane_height_m", "not a finite number");
+  return std::nullopt;
+}
+
+Result<VelocitySettings> make_velocity(const RunSettings& settings) {
+  VelocitySettings velocity;
+  velocity.method = settings.velocity_estimator;
+  velocity.window_ticks = settings.velocity_window_ticks;
+  if (velocity.window_ticks < 1 || velocity.window_ticks > VelocityEstimator::kMostTicks) {
+    return invalid("velocity_window_ticks", std::to_string(velocity.window_ticks) +
+                                                " ticks given, expected 1 to " +
+                                                std::to_string(VelocityEstimator::kMostTicks));
+  }
+  if (settings.encoder_quantum_m) {
+    velocity.encoder_quantum_m = *settings.encoder_quantum_m;
+    if (auto e = check_number("encoder_quantum_m", velocity.encoder_quantum_m, false)) return *e;
+  } else if (velocity.method == VelocityMethod::kAdaptive) {
+    return invalid("velocity_estimator",
+                   "adaptive given without `RunSettings::encoder_quantum_m`, by which it chooses "
+                   "its window",
+                   "give the step of the device's encoders, such as "
+                   "`RunSettings::encoder_quantum_m` 2e-5");
+  }
+  return velocity;
+}
+
+// What the settings say of sensors, motors, encoders and rate, a description says, too.
+DeviceDescription device_of(const RunSettings& settings, const ActuationModel& actuation) {
+  DeviceDescription device = settings.device;
+  device.sensed_axes = actuation.sensors();
+  device.motor_count = actuation.actuators();
+  for (int i = 0; i < actuation.actuators(); ++i) {
+    const Vec3& axis = actuation.actuated_axis(i);
+    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
+  }
+  if (settings.encoder_quantum_m) device.encoder_quantum_m = *settings.encoder_quantum_m;
+  device.rate_Hz = settings.rate_Hz;
+  return device;
+}
+
+}  // namespace
+
+Result<RunSetup> make_setup(const RunSettings& settings) {
+  if (auto error = check_numbers(settings)) return *error;
+  const auto actuation = make_actuation(settings);
+  if (!actuation) return actuation.error();
+  if (settings.work_budget && *settings.work_budget < 1) {
+    return invalid("work_budget",
+                   std::to_string(*settings.work_budget) + " given, expected at least 1 unit");
+  }
+  const auto velocity = make_velocity(settings);
+  if (!velocity) return velocity.error();
+  RunSetup setup{
+      *actuation, {}, 1.0 / settings.rate_Hz, settings.moves, device_of(settings, *actuation)};
+  setup.haptics.god_object.radius_m = settings.radius_m;
+  setup.haptics.god_object.accuracy = settings.accuracy;
+  if (settings.work_budget) setup.haptics.god_object.accuracy.work_budget = *settings.work_budget;
+  setup.haptics.coupling = {settings.stiffness_N_per_m, settings.damping_Ns_per_m, *velocity};
+  setup.haptics.force = settings.force;
+  setup.haptics.a4.enabled = settings.a4;
+  setup.haptics.a4.table1 = settings.table1;
+  setup.haptics.a4.step = settings.a4_step;
+  setup.haptics.plane_height_m = settings.plane_height_m.value_or(0.0);
+  setup.haptics.initial_pose = settings.place;
+  setup.haptics.measures_effects = settings.effect_times;
+  return setup;
+}
+
+std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
+  const double extent_m = workspace_extent_m(setup.device);
+  if (!(extent_m > 0.0)) {
+    return invalid("device.workspace", std::to_string(extent_m) + " m given, expected > 0");
+  }
+  if (auto error = check_settings(scene.world(), setup.haptics)) return error;
+  if (is_time_step(setup.dt_s)) return std::nullopt;
+  std::ostringstream text;
+  text << setup.dt_s << " s a tick, expected above 0 to " << kLongestTick_s;
+  return invalid("rate_Hz", text.str());
+}
+
+}  // namespace palpate
