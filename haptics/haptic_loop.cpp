@@ -63,11 +63,6 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   return record_;
 }
 
-const TickRecord& HapticLoop::tick_sample(const DeviceSample& sample, double dt_s) noexcept {
-  if (!sample.is_valid) next_faults_ |= kFaultInvalidSample;
-  return tick(Vec3(sample.position_m.data()), dt_s);
-}
-
 // Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
 std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   Vec3 sensed_m = p_device_m;

@@ -17,7 +17,6 @@
 #include "haptics/effects/virtual_coupling.h"
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
-#include "palpate/device.h"
 #include "palpate/record.h"
 
 namespace palpate {
@@ -75,9 +74,9 @@ class HapticLoop {
   // proxy follows with its contacts kept; so it does if that was one wild sample.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
-  // The same of a sample as a device gives it: one that is not valid sets kFaultInvalidSample, and
-  // is bad as what is not finite is.
-  const TickRecord& tick_sample(const DeviceSample& sample, double dt_s) noexcept;
+  // The sample of the next tick is bad, as what is not finite is: its device says that it has not
+  // sensed it. Sets kFaultInvalidSample.
+  void refuse_sample() noexcept { next_faults_ |= kFaultInvalidSample; }
 
   // Where a body of the world is to be from the next good tick on: it moves there in that tick, and
   // pushes the proxy before it (GodObject::move_bodies). A body that cannot get there, because the

@@ -39,8 +39,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns) noexcept {
   const DeviceSample sample = device_.read(dt_s);
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
   if (is_time_step(dt_s)) time_s_ += dt_s;
+  if (!sample.is_valid) loop_.refuse_sample();
   const auto start = std::chrono::steady_clock::now();
-  TickRecord record = loop_.tick_sample(sample, dt_s);
+  TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);
   const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
   record.step_ns = step.count();
   record.late_ns = late_ns;

@@ -110,4 +110,5 @@ def main():
     sys.exit(f"{failures} failed" if failures else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()
