@@ -129,6 +129,8 @@ class HapticLoop {
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>
   Vec3 contact_force_N(double dt_s);
+  // What a proxy touches is its radius away, and a few stand-offs.
+  double touch_m() const { return god_object_.radius_m() + 4 * god_object_.scale().stand_off_m; }
   EffectMotion motion(double dt_s) const;
   void find_velocity(const Vec3& last_goal_m, double dt_s);
 

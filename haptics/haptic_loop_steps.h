@@ -33,11 +33,11 @@ void HapticLoop::step(double dt_s) {
     apply_user_motion();
     record_.effects = 0;
     const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
-    if (effects_->is_far_from_all(god_object_.contact(), goal_solver))
+    if (effects_->is_far_from_all(god_object_.world(), god_object_.proxy(), goal_solver))
       return (this->*feel_bare_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
     feel<kNeeds>(dt_s);
-    effects_->look_around(god_object_.contact());
+    effects_->look_around(god_object_.world(), god_object_.proxy(), touch_m());
   }
 }
 

@@ -36,11 +36,10 @@ EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
   }
 }
 
-void EffectRunner::look_around(const ContactView& contact) noexcept {
+void EffectRunner::look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
   if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
   ticks_to_look_ = kTicksBetweenLooks;
-  const Vec3& proxy = contact.proxy();
-  double reach_m = contact.world().size_m();
+  double reach_m = world.size_m();
   if (program_->places.count != 0) {
     const double left_m = quiet_radius_m_ - (proxy - quiet_centre_).norm();
     if (left_m < 0.5 * quiet_radius_m_) {  // more is to be known by asking again
@@ -53,8 +52,7 @@ void EffectRunner::look_around(const ContactView& contact) noexcept {
   for (const Box& box : boxes_) {
     reach_m = std::min(reach_m, std::sqrt(box.squared_distance(proxy)));
   }
-  // What a proxy touches is its radius away, and a few stand-offs.
-  reach_m -= contact.radius_m() + 4 * contact.stand_off_m();
+  reach_m -= touch_m;
   far_centre_ = proxy;
   far_reach_m_ = std::max(0.0, 0.5 * reach_m);
 }

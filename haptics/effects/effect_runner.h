@@ -53,13 +53,13 @@ class EffectRunner {
   // Whether nothing that has an effect can be met or felt on the way of the proxy to this goal: a
   // tick is then as it is without effects. What look_around() saw tells, for as long as the proxy
   // is not far from there.
-  bool is_far_from_all(const ContactView& contact, const Vec3& goal) const noexcept {
+  bool is_far_from_all(const LiveWorld& world, const Vec3& proxy, const Vec3& goal) const noexcept {
     const double reach_m2 = far_reach_m_ * far_reach_m_;
     return (goal - far_centre_).squaredNorm() < reach_m2 &&
-           (contact.proxy() - goal).squaredNorm() < reach_m2 && contact.world().moving().empty();
+           (proxy - goal).squaredNorm() < reach_m2 && world.moving().empty();
   }
-  // At the end of a tick in which that was not so.
-  void look_around(const ContactView& contact) noexcept;
+  // At the end of a tick in which that was not so. touch_m: how far away a proxy may touch.
+  void look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
 
   void begin_tick() noexcept { felt_ = held_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.

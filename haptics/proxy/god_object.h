@@ -153,9 +153,7 @@ class GodObject {
     return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
   }
   ContactView contact() const {
-    return {
-        *world_,           proxy_, radius_m(), scale().stand_off_m, contacts(), planes_of_contact_,
-        projection_.active};
+    return {*world_, contacts(), planes_of_contact_, projection_.active};
   }
   // The corners of the polyline that the last move_to() committed, from where the proxy was to
   // where it is. Solver frame, metres. Valid until the next call.

@@ -43,21 +43,11 @@ struct ProxyState {
 // What a god-object touches, for whoever makes forces of it. Solver frame. Valid until it moves.
 class ContactView {
  public:
-  ContactView(const LiveWorld& world, const Vec3& proxy, double radius_m, double stand_off_m,
-              std::span<const FaceContact> contacts, std::span<const ContactPlane> planes,
-              const std::array<int, 3>& plane_of_contact)
-      : world_(world),
-        proxy_(proxy),
-        radius_m_(radius_m),
-        stand_off_m_(stand_off_m),
-        contacts_(contacts),
-        planes_(planes),
-        plane_of_contact_(plane_of_contact) {}
+  ContactView(const LiveWorld& world, std::span<const FaceContact> contacts,
+              std::span<const ContactPlane> planes, const std::array<int, 3>& plane_of_contact)
+      : world_(world), contacts_(contacts), planes_(planes), plane_of_contact_(plane_of_contact) {}
 
   const LiveWorld& world() const { return world_; }
-  const Vec3& proxy() const { return proxy_; }
-  double radius_m() const { return radius_m_; }
-  double stand_off_m() const { return stand_off_m_; }
   // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
   // in the plane of motion if there is one.
   std::span<const FaceContact> contacts() const { return contacts_; }
@@ -67,9 +57,6 @@ class ContactView {
 
  private:
   const LiveWorld& world_;
-  const Vec3& proxy_;
-  double radius_m_;
-  double stand_off_m_;
   std::span<const FaceContact> contacts_;
   std::span<const ContactPlane> planes_;
   const std::array<int, 3>& plane_of_contact_;
