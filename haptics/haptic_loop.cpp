@@ -24,12 +24,10 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       god_object_(world, settings.god_object),
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1),
-      T_device_scene_(unit_pose(settings.initial_pose)),
-      R_device_scene_(T_device_scene_.rotation.toRotationMatrix()),
       has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
-  put(T_device_scene_, record_.q_after_wxyz, record_.o_after_m);
+  place_scene(unit_pose(settings.initial_pose));
   step_ = &HapticLoop::step<kNeedsNothing>;
   feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
@@ -64,7 +62,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
 }
 
 // Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
-std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
+inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   Vec3 sensed_m = p_device_m;
   if (actuation_.is_planar()) sensed_m.z() = settings_.plane_height_m;
   put(sensed_m, record_.device_m);
@@ -75,7 +73,7 @@ std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   last_good_sample_.age_s += dt_s;
   if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // that one is coming
   if (!sensed_m.allFinite()) return kFaultNonFiniteSample;
-  const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene_);
+  const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene());
   if (!(sensed_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
   return jumps(sensed_m) ? kFaultJump : kFaultNone;
 }
@@ -142,7 +140,7 @@ std::optional<Vec3> HapticLoop::motion_plane_normal() const {
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
 // proxy stays at the display's centre; that is display_transform(), the contact is the same.
 void HapticLoop::apply_user_motion() {
-  const Vec3 from_origin_m = vec3(record_.device_m) - T_device_scene_.translation_m;
+  const Vec3 from_origin_m = vec3(record_.device_m) - vec3(record_.o_after_m);
   put(R_device_scene_.transpose() * from_origin_m, record_.goal_scene_m);
 }
 
@@ -198,6 +196,11 @@ void HapticLoop::command(const Vec3& force_N) {
   }
 }
 
+void HapticLoop::place_scene(const ScenePose& T_device_scene) {
+  put(T_device_scene, record_.q_after_wxyz, record_.o_after_m);
+  R_device_scene_ = T_device_scene.rotation.toRotationMatrix();
+}
+
 // Action 5: Table 1. Nothing out of contact.
 AxisAngle HapticLoop::find_theoretical_rotation() {
   if (!record_.contact) theoretical_rotation_.reset();
@@ -211,11 +214,10 @@ void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double 
   if (theoretical.angle_rad == 0.0) return;
   const double angle_rad =
       elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
-  T_device_scene_ = turned_about(T_device_scene_, vec3(record_.proxy_scene_m),
-                                 {theoretical.axis_device, angle_rad});
+  const ScenePose turned = turned_about(T_device_scene(), vec3(record_.proxy_scene_m),
+                                        {theoretical.axis_device, angle_rad});
   record_.rotation_rad = angle_rad;
-  R_device_scene_ = T_device_scene_.rotation.toRotationMatrix();
-  put(T_device_scene_, record_.q_after_wxyz, record_.o_after_m);
+  place_scene(turned);
 }
 
 }  // namespace palpate

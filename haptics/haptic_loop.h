@@ -17,6 +17,7 @@
 #include "haptics/effects/virtual_coupling.h"
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
+#include "haptics/record_vectors.h"
 #include "palpate/record.h"
 
 namespace palpate {
@@ -110,7 +111,7 @@ class HapticLoop {
   }
 
   // The pose after the last tick's elementary rotation: what a display should show.
-  const ScenePose& T_device_scene() const { return T_device_scene_; }
+  ScenePose T_device_scene() const { return pose_after(record_); }
 
  private:
   // A tick after action 1. kNeeds: those of the effects that select a step (kStepNeeds). Defined in
@@ -121,8 +122,10 @@ class HapticLoop {
   void step(double dt_s);
   template <std::uint32_t kNeeds>
   void feel(double dt_s);
+  // Each has one caller, whose ticks are too short for a call.
   template <std::uint32_t kNeeds>
-  void detect_collision();
+  [[gnu::always_inline]] void detect_collision();
+  [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   template <std::uint32_t kNeeds>
   void find_contact_normal();
   template <std::uint32_t kNeeds>
@@ -134,7 +137,6 @@ class HapticLoop {
   EffectMotion motion(double dt_s) const;
   void find_velocity(const Vec3& last_goal_m, double dt_s);
 
-  std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   bool jumps(const Vec3& p_device_m);
   void apply_user_motion();
   void move_bodies();
@@ -142,6 +144,7 @@ class HapticLoop {
   void command(const Vec3& force_N);
   void refuse_force();
   void give_no_force();
+  void place_scene(const ScenePose& T_device_scene);
   void end_contact_force();
   AxisAngle find_theoretical_rotation();
   void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
@@ -153,8 +156,7 @@ class HapticLoop {
   VirtualCoupling coupling_;
   TheoreticalRotation theoretical_rotation_;
 
-  ScenePose T_device_scene_;
-  Mat3 R_device_scene_;  // its rotation, ready to be applied
+  Mat3 R_device_scene_;  // of the pose after the last tick, ready to be applied
   Vec3 normal_device_ = Vec3::Zero();
   // A sample that counts, and the time since then.
   struct Sample {

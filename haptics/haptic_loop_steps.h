@@ -54,7 +54,7 @@ void HapticLoop::feel(double dt_s) {
 // Action 3: the god-object follows the device point and stops at surfaces. It starts where the
 // first good sample is.
 template <std::uint32_t kNeeds>
-void HapticLoop::detect_collision() {
+inline void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
   if constexpr (kNeeds != kNeedsNothing) effects_->begin_tick();
   if (!has_proxy_) {
@@ -65,7 +65,7 @@ void HapticLoop::detect_collision() {
   } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
     ConesOfEffects cones(*effects_, god_object_.world());
     const FrictionSource source{cones, vec3(record_.device_m).lpNorm<1>() +
-                                           T_device_scene_.translation_m.lpNorm<1>() +
+                                           vec3(record_.o_after_m).lpNorm<1>() +
                                            world_->anchor_scene_m.lpNorm<1>()};
     proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
   } else {
@@ -90,11 +90,11 @@ void HapticLoop::find_contact_normal() {
     feel_ = effects_->feel_contact(god_object_.contact(), proxy_state_, motion_);
   }
   if (!record_.contact) return;
-  Vec3 normal_scene = proxy_state_.normal;
-  if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = feel_.normal;
-  put(normal_scene, record_.normal_scene);
-  if (normal_scene.isZero(0.0)) return;  // opposite planes: nothing to turn to
-  normal_device_ = R_device_scene_ * normal_scene;
+  const Vec3* normal_scene = &proxy_state_.normal;
+  if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = &feel_.normal;
+  put(*normal_scene, record_.normal_scene);
+  if (normal_scene->isZero(0.0)) return;  // opposite planes: nothing to turn to
+  normal_device_ = R_device_scene_ * *normal_scene;
   record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
 }
 

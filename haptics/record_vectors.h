@@ -2,21 +2,17 @@
 
 // The numbers of a TickRecord as vectors and poses, and back: to the bit.
 
-#include <cstring>
-
 #include "haptics/a4/scene_pose.h"
 #include "palpate/record.h"
 
 namespace palpate {
 
 inline Vec3 vec3(const double (&numbers)[3]) noexcept {
-  Vec3 v;
-  std::memcpy(v.data(), numbers, sizeof numbers);  // two moves, where three numbers are three
-  return v;
+  return {numbers[0], numbers[1], numbers[2]};
 }
 
 inline void put(const Vec3& v, double (&numbers)[3]) noexcept {
-  std::memcpy(numbers, v.data(), sizeof numbers);
+  for (int k = 0; k < 3; ++k) numbers[k] = v[k];
 }
 
 // A pose is a unit quaternion, w first, and an origin.

@@ -36,8 +36,8 @@ EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
   }
 }
 
-void EffectRunner::look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
-  if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
+void EffectRunner::look_for_nearest(const LiveWorld& world, const Vec3& proxy,
+                                    double touch_m) noexcept {
   ticks_to_look_ = kTicksBetweenLooks;
   double reach_m = world.size_m();
   if (program_->places.count != 0) {

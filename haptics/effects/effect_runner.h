@@ -59,7 +59,10 @@ class EffectRunner {
            (proxy - goal).squaredNorm() < reach_m2 && world.moving().empty();
   }
   // At the end of a tick in which that was not so. touch_m: how far away a proxy may touch.
-  void look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
+  void look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
+    if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
+    look_for_nearest(world, proxy, touch_m);
+  }
 
   void begin_tick() noexcept { felt_ = held_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.
@@ -95,6 +98,7 @@ class EffectRunner {
     double share;
   };
 
+  void look_for_nearest(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
   void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
   EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
