@@ -65,7 +65,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
 inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   Vec3 sensed_m = p_device_m;
   if (actuation_.is_planar()) sensed_m.z() = settings_.plane_height_m;
-  put(sensed_m, record_.device_m);
+  view(record_.device_m) = sensed_m;
   if (has_bad_settings_) return kFaultBadSettings;
   if (!is_time_step(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
@@ -140,8 +140,8 @@ std::optional<Vec3> HapticLoop::motion_plane_normal() const {
 // Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
 // proxy stays at the display's centre; that is display_transform(), the contact is the same.
 void HapticLoop::apply_user_motion() {
-  const Vec3 from_origin_m = vec3(record_.device_m) - vec3(record_.o_after_m);
-  put(R_device_scene_.transpose() * from_origin_m, record_.goal_scene_m);
+  const Vec3 from_origin_m = view(record_.device_m) - view(record_.o_after_m);
+  view(record_.goal_scene_m).noalias() = R_device_scene_.transpose() * from_origin_m;
 }
 
 // Of the device point in the scene, by backward difference: what a medium takes with it is then
@@ -149,18 +149,18 @@ void HapticLoop::apply_user_motion() {
 void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
   velocity_m_per_s_.setZero();
   if (last_was_good_) {
-    velocity_m_per_s_ = (vec3(record_.goal_scene_m) - last_goal_m) / dt_s;
+    velocity_m_per_s_ = (view(record_.goal_scene_m) - last_goal_m) / dt_s;
   }
 }
 
 EffectMotion HapticLoop::motion(double dt_s) const {
   return {dt_s, std::max(dt_s, last_dt_s_), static_cast<double>(good_ticks_),
-          world_->to_solver(vec3(record_.goal_scene_m)), velocity_m_per_s_};
+          world_->to_solver(view(record_.goal_scene_m)), velocity_m_per_s_};
 }
 
 void HapticLoop::give_no_force() {
-  put(Vec3::Zero(), record_.full_force_device_N);
-  put(Vec3::Zero(), record_.force_device_N);
+  view(record_.full_force_device_N).setZero();
+  view(record_.force_device_N).setZero();
 }
 
 // The last gate before the device: a force that is none (a dt so small that speeds overflow) is not
@@ -182,16 +182,16 @@ void HapticLoop::end_contact_force() {
 void HapticLoop::command(const Vec3& force_N) {
   if (!std::isfinite(force_N.sum())) return refuse_force();
   const Vec3 full_N = R_device_scene_ * force_N;
-  put(full_N, record_.full_force_device_N);
+  view(record_.full_force_device_N) = full_N;
   switch (settings_.force) {
     case ForceMode::kNone:
-      put(Vec3::Zero(), record_.force_device_N);
+      view(record_.force_device_N).setZero();
       break;
     case ForceMode::kActuated:
-      put(actuation_.actuated_part(full_N), record_.force_device_N);
+      view(record_.force_device_N) = actuation_.actuated_part(full_N);
       break;
     case ForceMode::kFull:
-      put(full_N, record_.force_device_N);
+      view(record_.force_device_N) = full_N;
       break;
   }
 }
@@ -214,7 +214,7 @@ void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double 
   if (theoretical.angle_rad == 0.0) return;
   const double angle_rad =
       elementary_rotation_rad(settings_.a4.profile, settings_.a4.step, theoretical.angle_rad, dt_s);
-  const ScenePose turned = turned_about(T_device_scene(), vec3(record_.proxy_scene_m),
+  const ScenePose turned = turned_about(T_device_scene(), view(record_.proxy_scene_m),
                                         {theoretical.axis_device, angle_rad});
   record_.rotation_rad = angle_rad;
   place_scene(turned);

@@ -29,10 +29,10 @@ void HapticLoop::step(double dt_s) {
     apply_user_motion();  // action 2
     feel<kNeeds>(dt_s);
   } else {
-    const Vec3 last_goal_m = vec3(record_.goal_scene_m);
+    const Vec3 last_goal_m = view(record_.goal_scene_m);
     apply_user_motion();
     record_.effects = 0;
-    const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
+    const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
     if (effects_->is_far_from_all(god_object_.world(), god_object_.proxy(), goal_solver))
       return (this->*feel_bare_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
@@ -55,7 +55,7 @@ void HapticLoop::feel(double dt_s) {
 // first good sample is.
 template <std::uint32_t kNeeds>
 inline void HapticLoop::detect_collision() {
-  const Vec3 goal_solver = world_->to_solver(vec3(record_.goal_scene_m));
+  const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
   if constexpr (kNeeds != kNeedsNothing) effects_->begin_tick();
   if (!has_proxy_) {
     god_object_.place(goal_solver);
@@ -64,16 +64,17 @@ inline void HapticLoop::detect_collision() {
     has_proxy_ = true;
   } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
     ConesOfEffects cones(*effects_, god_object_.world());
-    const FrictionSource source{cones, vec3(record_.device_m).lpNorm<1>() +
-                                           vec3(record_.o_after_m).lpNorm<1>() +
+    const FrictionSource source{cones, view(record_.device_m).lpNorm<1>() +
+                                           view(record_.o_after_m).lpNorm<1>() +
                                            world_->anchor_scene_m.lpNorm<1>()};
     proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
   } else {
     proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
   }
   record_.contact = proxy_state_.in_contact;
-  put(proxy_state_.in_contact ? world_->to_scene(proxy_state_.proxy) : vec3(record_.goal_scene_m),
-      record_.proxy_scene_m);
+  auto proxy_scene_m = view(record_.proxy_scene_m);
+  proxy_scene_m = view(record_.goal_scene_m);
+  if (proxy_state_.in_contact) proxy_scene_m = world_->to_scene(proxy_state_.proxy);
   record_.iterations = static_cast<std::uint32_t>(proxy_state_.iterations);
   record_.friction = proxy_state_.friction;
   if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
@@ -83,7 +84,7 @@ inline void HapticLoop::detect_collision() {
 // pushed.
 template <std::uint32_t kNeeds>
 void HapticLoop::find_contact_normal() {
-  put(Vec3::Zero(), record_.normal_scene);
+  view(record_.normal_scene).setZero();
   record_.alpha_rad = 0.0;
   normal_device_.setZero();
   if constexpr ((kNeeds & kNeedsContact) != 0) {
@@ -92,7 +93,7 @@ void HapticLoop::find_contact_normal() {
   if (!record_.contact) return;
   const Vec3* normal_scene = &proxy_state_.normal;
   if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = &feel_.normal;
-  put(*normal_scene, record_.normal_scene);
+  view(record_.normal_scene) = *normal_scene;
   if (normal_scene->isZero(0.0)) return;  // opposite planes: nothing to turn to
   normal_device_ = R_device_scene_ * *normal_scene;
   record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
@@ -113,7 +114,7 @@ void HapticLoop::render_force(double dt_s) {
   }
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
-                                              vec3(record_.normal_scene), motion_);
+                                              view(record_.normal_scene), motion_);
   }
   if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
   command(force_N);
@@ -121,7 +122,7 @@ void HapticLoop::render_force(double dt_s) {
 
 template <std::uint32_t kNeeds>
 Vec3 HapticLoop::contact_force_N(double dt_s) {
-  const Vec3 lag = proxy_state_.proxy - world_->to_solver(vec3(record_.goal_scene_m));
+  const Vec3 lag = proxy_state_.proxy - world_->to_solver(view(record_.goal_scene_m));
   const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
   if constexpr ((kNeeds & kNeedsContact) != 0) {
     if (!feel_.is_bare) {
@@ -132,7 +133,7 @@ Vec3 HapticLoop::contact_force_N(double dt_s) {
              effects_->contact_force_N(proxy_state_, feel_, motion_);
     }
   }
-  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), vec3(record_.normal_scene));
+  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), view(record_.normal_scene));
 }
 
 }  // namespace palpate

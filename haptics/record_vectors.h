@@ -15,6 +15,14 @@ inline void put(const Vec3& v, double (&numbers)[3]) noexcept {
   for (int k = 0; k < 3; ++k) numbers[k] = v[k];
 }
 
+// The numbers where they are, without a copy: for the loop, which lives on it.
+inline Eigen::Map<const Vec3> view(const double (&numbers)[3]) noexcept {
+  return Eigen::Map<const Vec3>(numbers);
+}
+inline Eigen::Map<Vec3> view(double (&numbers)[3]) noexcept {
+  return Eigen::Map<Vec3>(numbers);
+}
+
 // A pose is a unit quaternion, w first, and an origin.
 inline ScenePose scene_pose(const double (&q_wxyz)[4], const double (&o_m)[3]) noexcept {
   return {Quat(q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3]), vec3(o_m)};
