@@ -12,7 +12,7 @@ palpate_packages=(
   gnuplot-nox python3 valgrind
 )
 
-palpate_fuzz_packages=(clang libclang-rt-14-dev)  # for the preset fuzz alone
+palpate_fuzz_packages=(clang libclang-rt-dev)  # for the preset fuzz alone
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
 

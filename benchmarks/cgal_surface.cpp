@@ -1,11 +1,19 @@
 #include "benchmarks/cgal_surface.h"
 
-#include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
-#include <boost/variant/get.hpp>
+#include <CGAL/version.h>
 #include <vector>
+
+#if CGAL_VERSION_MAJOR >= 6  // Debian 13; 12 has CGAL 5
+#include <CGAL/AABB_traits_3.h>
+#include <CGAL/AABB_triangle_primitive_3.h>
+#include <variant>
+#else
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <boost/variant/get.hpp>
+#endif
 
 namespace palpate::bench {
 namespace {
@@ -14,8 +22,18 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
 using Triangles = std::vector<Kernel::Triangle_3>;
+#if CGAL_VERSION_MAJOR >= 6
+using Primitive = CGAL::AABB_triangle_primitive_3<Kernel, Triangles::const_iterator>;
+using AabbTree = CGAL::AABB_tree<CGAL::AABB_traits_3<Kernel, Primitive>>;
+using std::get_if;
+#else
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using AabbTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+template <typename Held, typename Variant>
+const Held* get_if(const Variant* variant) {
+  return boost::get<Held>(variant);
+}
+#endif
 
 Point to_cgal(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
@@ -56,7 +74,7 @@ Vec3 CgalSurface::closest_point(const Vec3& p, const Vec3& hint) const {
 std::optional<double> CgalSurface::any_hit(const Vec3& p, const Vec3& d) const {
   const auto hit = tree_->tree.any_intersection(Kernel::Segment_3(to_cgal(p), to_cgal(p + d)));
   if (!hit) return std::nullopt;
-  const Point* point = boost::get<Point>(&hit->first);
+  const Point* point = get_if<Point>(&hit->first);
   if (!point) return std::nullopt;  // a segment in the plane of a triangle meets it in a segment
   return (from_cgal(*point) - p).dot(d) / d.squaredNorm();
 }

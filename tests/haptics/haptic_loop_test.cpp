@@ -89,6 +89,11 @@ struct CertificateCase {
   bool a4;
 };
 
+void PrintTo(const CertificateCase& c, std::ostream* out) {
+  *out << c.sensors << " sensors, " << c.actuators << " actuators, proxy radius " << c.radius_m
+       << " m, A4 " << (c.a4 ? "on" : "off");
+}
+
 class EnergyCertificate : public testing::TestWithParam<CertificateCase> {};
 
 // Tick by tick: K/2 |p - g|^2 never grows by more than the hand puts in, in
@@ -265,6 +270,10 @@ struct BadInput {
   double dt_s;
   std::uint32_t fault;
 };
+
+void PrintTo(const BadInput& input, std::ostream* out) {
+  *out << input.sample_m.transpose() << " m after " << input.dt_s << " s";
+}
 
 class BadSample : public testing::TestWithParam<BadInput> {};
 

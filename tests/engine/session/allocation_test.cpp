@@ -349,7 +349,8 @@ struct Stage {
 
 void PrintTo(const Stage& s, std::ostream* out) {
   *out << s.model << " with " << s.sensors << " sensors, " << s.actuators
-       << " actuators, proxy radius " << s.radius_m << " m";
+       << " actuators, proxy radius " << s.radius_m << " m"
+       << (s.table1 == Table1Form::kAsPrinted ? ", Table 1 as printed" : "");
 }
 
 class SilentTick : public testing::TestWithParam<Stage> {};

@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""Checks that no two tests of a build have one name: whoever asks for one by name gets that one.
+
+usage: suite_test.py CTEST BUILD
+"""
+
+import collections
+import re
+import subprocess
+import sys
+
+
+def main():
+    ctest, build = sys.argv[1:]
+    listed = subprocess.run([ctest, "--test-dir", build, "-N"], capture_output=True, text=True,
+                            check=True).stdout
+    names = re.findall(r"^ *Test +#\d+: (.*)$", listed, re.M)
+    twice = [name for name, count in collections.Counter(names).items() if count > 1]
+    for name in twice:
+        print(f"{name}: two tests have this name; give one of them another")
+    if not names:
+        print(f"{build}: has no tests; build it first")
+    return 1 if twice or not names else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
