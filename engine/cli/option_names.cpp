@@ -44,15 +44,20 @@ constexpr OptionName kOptionNames[] = {
     {"Scene", "tree", "palpate info SCENE --list"},
 };
 
+void replace_all(std::string& text, std::string_view field, std::string_view option) {
+  for (std::size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
+    text.replace(at, field.size(), option);
+    at += option.size();
+  }
+}
+
 }  // namespace
 
 std::string with_option_names(std::string text) {
+  replace_all(text, "`fitting_size_m()`", "--fit auto");
   for (const OptionName& name : kOptionNames) {
     const std::string field = "`" + std::string(name.owner) + "::" + std::string(name.field) + "`";
-    for (std::size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
-      text.replace(at, field.size(), name.option);
-      at += name.option.size();
-    }
+    replace_all(text, field, name.option);
   }
   return text;
 }

@@ -22,7 +22,8 @@ HapticSession::~HapticSession() {
 }
 
 std::optional<std::string> HapticSession::start() {
-  is_running_ = true;  // whatever comes now, also out of device_.start(), ends in stop()
+  if (is_running_.exchange(true)) return std::nullopt;
+  // Whatever comes now, also out of device_.start(), ends in stop().
   auto problem = device_.start();
   if (problem) stop();
   return problem;

@@ -72,8 +72,8 @@ class HapticSession {
   HapticSession(const HapticSession&) = delete;
   HapticSession& operator=(const HapticSession&) = delete;
 
-  // Starts the device. What it says if it refuses, one line; it has then been stopped, and ticks do
-  // nothing. To be called once.
+  // Starts the device, unless it is started. What it says if it refuses, one line; it has then been
+  // stopped, and ticks do nothing.
   std::optional<std::string> start();
 
   // One tick; nothing before start() and after stop(). dt_s: since the last one, nominal. late_ns:

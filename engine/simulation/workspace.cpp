@@ -104,7 +104,7 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
   std::ostringstream hint;
   if (const auto size_m = fitting_size_m(workspace, bounds_device, largest_extent_m)) {
     hint << "scale it with `SceneSettings::fit_size_m` " << *size_m
-         << ", which `SceneSettings::fit_size_m` auto does";
+         << ", which `fitting_size_m()` does";
   } else {
     hint << "turn it with `RunSettings::place` so that it has an extent along the sensed axes";
   }

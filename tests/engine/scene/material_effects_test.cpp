@@ -216,15 +216,16 @@ TEST(MaterialEffects, RefuseFrictionThatGrowsWhileSliding) {
 
 TEST(MaterialEffects, TakePhysicsWhereTheMaterialSaysNothing) {
   const PhysicsMaterialDescription physics{0.5, 0.4, 0.3};
-  const MaterialDescription material = material_with(
-      {given("dynamicFriction", 0.2), {"restitution", 0.9, "--material wood.restitution"}});
+  const MaterialDescription material =
+      material_with({given("dynamicFriction", 0.2),
+                     {"restitution", 0.9, "`SceneSettings::overrides` wood.restitution"}});
   const MaterialEffects effects = compiled(MaterialSources{&material, &physics, "/physics/1"});
   const auto friction = parameters_of<FrictionEffect>(effects);
   EXPECT_EQ(friction.static_friction, 0.5);
   EXPECT_EQ(friction.dynamic_friction, 0.2);
   EXPECT_EQ(parameters_of<RestitutionEffect>(effects).restitution, 0.9);
   EXPECT_EQ(told(effects.report.honoured),
-            (Texts{"dynamicFriction=0.2 extras.palpate", "restitution=0.9 --material",
+            (Texts{"dynamicFriction=0.2 extras.palpate", "restitution=0.9 override",
                    "staticFriction=0.5 KHR_physics_rigid_bodies"}));
 }
 
@@ -319,9 +320,9 @@ TEST(MaterialEffects, NameBothSourcesThatContradictEachOther) {
 }
 
 TEST(MaterialEffects, RefuseArgumentsAsSuch) {
-  const Error error = refused({{"stiffness", -1.0, "--material wood.stiffness"}});
+  const Error error = refused({{"stiffness", -1.0, "`SceneSettings::overrides` wood.stiffness"}});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(error.element, "--material wood.stiffness");
+  EXPECT_EQ(error.element, "`SceneSettings::overrides` wood.stiffness");
 }
 
 TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
@@ -391,9 +392,9 @@ TEST(MaterialEffects, TellWhatTheyDoNotUnderstand) {
 }
 
 TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
-  const Error error = refused({{"Stiffness", 3.0, "--material wood.Stiffness"}});
+  const Error error = refused({{"Stiffness", 3.0, "`SceneSettings::overrides` wood.Stiffness"}});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(error.element, "--material wood.Stiffness");
+  EXPECT_EQ(error.element, "`SceneSettings::overrides` wood.Stiffness");
   expect_names(error, {"wood", "\"Stiffness\""});
   for (const EffectKeyName& name : effect_key_names()) {
     EXPECT_NE(error.hint.find(name.key), std::string::npos) << name.key;

@@ -495,10 +495,11 @@ TEST(SceneEffects, RefuseAMediumInWhatIsOpen) {
   const std::vector<MaterialDescription> jelly = {material("jelly", {{"viscosity", 3.0}})};
   expect_refused(described({open}, {node("bowl", 0)}, jelly),
                  {"bowl", "jelly", "open: 3 boundary edges", "/extras/palpate/viscosity",
-                  "close the surface", "--material \"jelly.viscosity=0\""});
+                  "close the surface", "`SceneSettings::overrides` \"jelly.viscosity=0\""});
   const auto fog = material("fog", {{"viscosity", 3.0}, {"solid", false}});
   expect_refused(described({open}, {node("bowl", 0)}, {fog}),
-                 {"--material \"fog.viscosity=0\" --material \"fog.solid=true\""});
+                 {"`SceneSettings::overrides` \"fog.viscosity=0\" `SceneSettings::overrides` "
+                  "\"fog.solid=true\""});
   expect_refused(described({two_faced_box()}, {node("box", 0)}, {jelly[0], material("wood", {})}),
                  {"box", "jelly", "one for all faces"});
   expect_refused(

@@ -221,6 +221,7 @@ TEST(HapticThread, ComputesTheSameAsTheLoopWithoutAThread) {
   thread.start();
   thread.join();
   Rig plain(path);
+  plain.session.start();
   for (std::size_t n = 0; n < path.size(); ++n) plain.session.tick(1.0 / 4000.0);
   ASSERT_EQ(threaded.observer.records.size(), path.size());
   for (std::size_t n = 0; n < path.size(); ++n) {

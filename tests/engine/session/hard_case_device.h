@@ -108,7 +108,7 @@ class JudgedLoop {
     judge_record(now);
     return now;
   }
-  const ScenePose& T_device_scene() const { return loop_.T_device_scene(); }
+  ScenePose T_device_scene() const { return loop_.T_device_scene(); }
   const JudgedProxy& proxy() const { return proxy_; }
   std::string verdict() const { return proxy_.verdict() + verdict_; }
 

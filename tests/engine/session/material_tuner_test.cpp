@@ -170,6 +170,7 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
   StillDevice device;
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
   HapticSession session(loop, device, {.changes = {&tuner}});
+  session.start();
   device.position_m = {0, 0, 1.1};
   session.tick(kTick_s);
   device.position_m = {0, 0, 0.999};

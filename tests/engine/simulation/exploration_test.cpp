@@ -580,7 +580,8 @@ TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
   EXPECT_NE(recording.hint.find("shorter run"), std::string::npos) << recording.to_string();
   const Error cutting = refused(records + 1, 0);
   EXPECT_NE(cutting.problem.find("cutting"), std::string::npos) << cutting.to_string();
-  EXPECT_NE(cutting.hint.find("--sensors 3"), std::string::npos) << cutting.to_string();
+  EXPECT_NE(cutting.hint.find("`RunSettings::sensors` 3"), std::string::npos)
+      << cutting.to_string();
   EXPECT_EQ(cutting.hint.find("shorter run"), std::string::npos) << cutting.to_string();
 }
 

@@ -214,9 +214,10 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
     const double largest_m = scene.statistics().extent_m.maxCoeff();
     const auto error = check_fits(workspace, bounds, largest_m);
     if (!error) continue;
-    const std::size_t at = error->hint.find("--fit ");
+    const std::string option = "`SceneSettings::fit_size_m` ";
+    const std::size_t at = error->hint.find(option);
     ASSERT_NE(at, std::string::npos) << error->to_string();
-    const double factor = std::stod(error->hint.substr(at + 6)) / largest_m;
+    const double factor = std::stod(error->hint.substr(at + option.size())) / largest_m;
     EXPECT_FALSE(
         check_fits(workspace, {factor * bounds.low, factor * bounds.high}, factor * largest_m))
         << error->to_string();

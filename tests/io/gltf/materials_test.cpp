@@ -224,7 +224,7 @@ TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
   EXPECT_EQ(changed[1].value, MaterialValue(false));
   EXPECT_EQ(changed[2].key, "stiffness");
   EXPECT_EQ(changed[2].value, MaterialValue(250.5));
-  EXPECT_EQ(changed[2].element, "--material skin.stiffness");
+  EXPECT_EQ(changed[2].element, "`SceneSettings::overrides` skin.stiffness");
   EXPECT_TRUE(scene->materials[1].parameters.empty());
   EXPECT_EQ(scene->materials[2].parameters.size(), 2u);  // of the same name
   ASSERT_EQ(scene->materials[3].parameters.size(), 1u);
@@ -255,14 +255,14 @@ TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
 
 TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
   const GltfBuilder asset = asset_of({{"name", "a"}});
-  expect_wrong(asset, {"a", "key", "null"}, "--material a.key", "null");
-  expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "--material a.key", "an object");
-  expect_wrong(asset, {"a", "key", "[1, \"2\"]"}, "--material a.key/1", "a number");
-  expect_wrong(asset, {"a", "key", "[1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1]"}, "--material a.key",
-               "17 elements");
-  expect_wrong(asset, {"a", "", "1"}, "--material a.", "NAME.key");
-  expect_wrong(asset, {"a", std::string(33, 'k'), "1"}, "--material a." + std::string(33, 'k'),
-               "33 bytes");
+  expect_wrong(asset, {"a", "key", "null"}, "`SceneSettings::overrides` a.key", "null");
+  expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "`SceneSettings::overrides` a.key", "an object");
+  expect_wrong(asset, {"a", "key", "[1, \"2\"]"}, "`SceneSettings::overrides` a.key/1", "a number");
+  expect_wrong(asset, {"a", "key", "[1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1]"},
+               "`SceneSettings::overrides` a.key", "17 elements");
+  expect_wrong(asset, {"a", "", "1"}, "`SceneSettings::overrides` a.", "NAME.key");
+  expect_wrong(asset, {"a", std::string(33, 'k'), "1"},
+               "`SceneSettings::overrides` a." + std::string(33, 'k'), "33 bytes");
 }
 
 TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
@@ -274,10 +274,11 @@ TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
   }
   asset.json["meshes"][0]["primitives"] = primitives;
   const std::string listed = R"("b", "c", "d", "e", "f", "g", "h", "i" and 2 more)";
-  expect_wrong(asset, {"x", "key", "1"}, "--material x.key", listed);
-  expect_wrong(asset, {"a", "key", "1"}, "--material a.key", listed);  // no triangle has it
-  expect_wrong(asset, {"default", "key", "1"}, "--material default.key", listed);
-  expect_wrong(GltfBuilder::one_triangle(), {"x", "key", "1"}, "--material x.key",
+  expect_wrong(asset, {"x", "key", "1"}, "`SceneSettings::overrides` x.key", listed);
+  expect_wrong(asset, {"a", "key", "1"}, "`SceneSettings::overrides` a.key",
+               listed);  // no triangle has it
+  expect_wrong(asset, {"default", "key", "1"}, "`SceneSettings::overrides` default.key", listed);
+  expect_wrong(GltfBuilder::one_triangle(), {"x", "key", "1"}, "`SceneSettings::overrides` x.key",
                "there are \"default\"");
 }
 
@@ -293,7 +294,8 @@ TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
   EXPECT_EQ(scene->materials[1].name, "default");
   EXPECT_EQ(scene->materials[1].element, "default material");
   ASSERT_EQ(scene->materials[1].parameters.size(), 2u);
-  EXPECT_EQ(scene->materials[1].parameters[1].element, "--material default.stiffness");
+  EXPECT_EQ(scene->materials[1].parameters[1].element,
+            "`SceneSettings::overrides` default.stiffness");
   EXPECT_EQ(runs_of(scene->meshes[0]), (Runs{"0: 1", "1: 0", "2: 1"}));
   EXPECT_EQ(runs_of(scene->meshes[1]), (Runs{"0: 1"}));
 
