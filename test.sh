@@ -32,7 +32,7 @@ case $preset in
     ;;
   tsan)
     build_preset tsan rt_tests
-    set -- -L '^rt' "$@"
+    set -- -L ' rt$' "$@"
     ;;
   *) build_preset "$preset" ;;
 esac
