@@ -8,6 +8,7 @@
 
 #include <Eigen/SVD>
 
+#include "engine/scene/material_parameters.h"
 #include "geometry/index/inside.h"
 #include "haptics/effects/friction.h"
 #include "haptics/effects/magnet.h"
