@@ -24,7 +24,8 @@ std::string quoted_text(std::string_view text);
 // As JSON writes it.
 std::string value_text(const MaterialValue& value);
 
-// A problem with a parameter of `owner` ("material \"wood\""): with an argument if it is an override.
+// A problem with a parameter of `owner` ("material \"wood\""): with an argument, if it is an
+// override.
 Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
                std::string hint = "");
 
