@@ -1,7 +1,7 @@
 #pragma once
 
-// What the file declares about how triangles feel: glTF materials with extras.palpate, together with
-// the haptic materials of haptic_materials.h. Nothing is interpreted here. Thread-safe.
+// What the file declares about how triangles feel: glTF materials with extras.palpate, together
+// with the haptic materials of haptic_materials.h. Nothing is interpreted here. Thread-safe.
 
 #include <cstddef>
 #include <cstdint>
