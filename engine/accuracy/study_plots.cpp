@@ -3,25 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
-#include <sstream>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
+#include "engine/report/diagram_panel.h"
 #include "engine/report/gnuplot.h"
+#include "engine/report/human_units.h"
 #include "engine/report/label_places.h"
 #include "engine/report/plot_axis.h"
 
 namespace palpate {
 namespace {
 
-// Pixels. A panel, and within it the area of data; what is below is for ticks, label and legend.
-constexpr double kPanelWidth = 516.0;
-constexpr PixelBox kArea = {98.0, 34.0, 494.0, 364.0};
-constexpr double kLegendTop = kArea.bottom + 64.0;
-constexpr double kLegendRow = 23.0;
-constexpr double kBottomMargin = 8.0;
+// Pixels.
 constexpr double kTitleHeight = 30.0;  // of the document with both panels
-constexpr int kFontPx = 14;
 constexpr int kSmallFontPx = 12;
 constexpr double kPointRadius = 6.0;
 constexpr double kRingRadius = 9.0;
@@ -32,36 +28,13 @@ constexpr double kSlopeBelow = 0.06;  // of the axis
 
 // Longer ones are cut; the report has them in full.
 constexpr std::size_t kLongestLegend = 56;
-constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
 constexpr std::size_t kLongestLabel = 24;
-constexpr std::size_t kLongestAxisLine = 42;
 constexpr std::size_t kMostNamedLevels = 3;
-
-// Okabe and Ito's colours, which the colour-blind tell apart, and gnuplot's filled points; the open
-// ones come one before.
-constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
-constexpr std::array kFilledPoints = {7, 5, 9, 11, 13, 15};
 
 // Black, open and larger than points: triangle down, square, diamond.
 constexpr std::array kPresetPoints = {10, 4, 12};
 
-const char* colour_of(std::size_t method) {
-  return kColours[method % kColours.size()];
-}
-int point_of(std::size_t method) {
-  return kFilledPoints[(method + method / kColours.size()) % kFilledPoints.size()];
-}
-
 enum class Against { kTime, kLevel };
-
-std::string shortened(const std::string& text, std::size_t longest) {
-  std::size_t characters = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool begins = (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80;
-    if (begins && ++characters > longest) return text.substr(0, i) + "…";
-  }
-  return text;
-}
 
 std::string failures_text(const MethodResult& method) {
   const auto failed = std::count_if(method.levels.begin(), method.levels.end(),
@@ -75,19 +48,6 @@ std::string order_text(const MethodResult& method) {
   std::string text = method.order ? ": order " + order_number(*method.order) : ": no order fitted";
   if (method.expected_order) text += " (theory " + short_number(*method.expected_order) + ")";
   return text;
-}
-
-// A line of the legend and what it draws there.
-struct LegendEntry {
-  std::string title;
-  std::string style;
-};
-
-std::string curve_style(std::size_t method) {
-  std::ostringstream out;
-  out << "linespoints lw 2 pt " << point_of(method) << " ps 0.9 lc rgb '" << colour_of(method)
-      << "'";
-  return out.str();
 }
 
 constexpr const char* kFrontLine = "lw 6 lc rgb '#D0D0D0'";
@@ -106,10 +66,10 @@ std::vector<LegendEntry> legend_of(const KnobResult& result, Against against) {
     const MethodResult& method = result.methods[m];
     const std::string suffix =
         against == Against::kTime ? failures_text(method) : order_text(method);
-    entries.push_back(
-        {shortened(method.name, kLongestLegend - std::min(suffix.size(), kLongestLegend / 2)) +
-             suffix,
-         curve_style(m)});
+    entries.push_back({shortened_label(method.name, kLongestLegend - std::min(suffix.size(),
+                                                                              kLongestLegend / 2)) +
+                           suffix,
+                       curve_style(m)});
     has_expected = has_expected || method.expected_order.has_value();
   }
   if (against == Against::kLevel) {
@@ -128,14 +88,6 @@ std::vector<LegendEntry> legend_of(const KnobResult& result, Against against) {
     entries.push_back({std::string("preset ") + kPresetNames[p], preset_style(p)});
   }
   return entries;
-}
-
-int legend_rows(const std::vector<LegendEntry>& entries) {
-  const bool narrow = std::all_of(entries.begin(), entries.end(), [](const LegendEntry& e) {
-    return text_width_px(e.title, 1.0) <= text_width_px(std::string(kLongestLegendOfTwo, 'x'), 1.0);
-  });
-  const int count = static_cast<int>(entries.size());
-  return narrow ? (count + 1) / 2 : count;
 }
 
 // A level in a diagram. Positions on the axes.
@@ -160,7 +112,7 @@ class Diagram {
   // Errors that are all at the floor tell levels no more apart than a line does: then the second
   // panel has their times.
   bool shows_time(Against against) const { return against == Against::kLevel && !has_errors_; }
-  double height() const { return kLegendTop + rows_ * kLegendRow + kBottomMargin; }
+  double height() const { return panel_height(rows_); }
 
   Dot dot(const LevelResult& level, Against against) const {
     const Spread at_level{level.value, level.value, level.value};
@@ -224,10 +176,10 @@ class Diagram {
     ticks.erase(std::unique(ticks.begin(), ticks.end(), same), ticks.end());
     if (ticks.size() > kMostNamedLevels) return;
     level_.widen();
-    const double px = (kArea.right - kArea.left) / (level_.end() - level_.begin());
+    const double px = (kPanelArea.right - kPanelArea.left) / (level_.end() - level_.begin());
     const auto half_width = [](const PlotAxis::Tick& tick) {
       constexpr double kGap = 6.0;
-      return 0.5 * (text_width_px(tick.label, kFontPx) + kGap);
+      return 0.5 * (text_width_px(tick.label, kPanelFontPx) + kGap);
     };
     for (std::size_t i = 1; i < ticks.size(); ++i) {
       const double room = px * (ticks[i].position - ticks[i - 1].position);
@@ -242,32 +194,19 @@ class Diagram {
   int rows_ = 0;
 };
 
-// Where a panel is on its canvas, pixels.
-struct Placing {
-  double left = 0.0, top = 0.0;
-  double width = 0.0, height = 0.0;  // of the canvas
-
-  // gnuplot's `screen` coordinates of a point of the panel.
-  std::string screen(double x, double y) const {
-    std::ostringstream out;
-    out << "screen " << (left + x) / width << ", screen " << 1.0 - (top + y) / height;
-    return out.str();
-  }
-};
-
 // The script of one panel, part by part.
 class Panel {
  public:
-  Panel(const Diagram& diagram, Against against, const Placing& placing)
-      : diagram_(diagram), against_(against), placing_(placing), places_(kArea) {
-    out_.precision(9);
-    plots_.precision(9);
-  }
+  Panel(const Diagram& diagram, Against against, const PanelPlace& place)
+      : diagram_(diagram),
+        against_(against),
+        panel_(diagram.x(against), diagram.y(against), place,
+               against == Against::kTime ? "$t" : "$l") {}
 
   std::string script() {
-    begin();
+    panel_.put_frame();
     put_axes();
-    put_zero_bands();
+    panel_.put_zero_bands();
     block_data();
     put_floors();
     if (against_ == Against::kTime) {
@@ -281,106 +220,31 @@ class Panel {
     } else {
       put_expected_slopes();
     }
-    put_legend();
-    out_ << "plot NaN notitle" << plots_.str() << "\nunset label\nunset arrow\nunset object\n";
-    return out_.str();
+    panel_.put_legend(legend_of(result(), against_));
+    return panel_.script();
   }
 
  private:
   const KnobResult& result() const { return diagram_.result(); }
   const Knob& knob() const { return result().knob; }
-  const PlotAxis& x() const { return diagram_.x(against_); }
   const PlotAxis& y() const { return diagram_.y(against_); }
-
-  double x_px(double position) const {
-    return kArea.left +
-           (kArea.right - kArea.left) * (position - x().begin()) / (x().end() - x().begin());
-  }
-  double y_px(double position) const {
-    return kArea.bottom -
-           (kArea.bottom - kArea.top) * (position - y().begin()) / (y().end() - y().begin());
-  }
-
-  void begin() {
-    const auto across = [&](double px) { return (placing_.left + px) / placing_.width; };
-    const auto up = [&](double px) { return 1.0 - (placing_.top + px) / placing_.height; };
-    out_ << "set lmargin at screen " << across(kArea.left) << "\nset rmargin at screen "
-         << across(kArea.right) << "\nset tmargin at screen " << up(kArea.top)
-         << "\nset bmargin at screen " << up(kArea.bottom) << "\n"
-         << "set grid lc rgb '#E4E4E4' lw 1\nset border lc rgb '#404040'\nset clip two\n"
-         << "set tics scale 0.7,0.35\nset xtics nomirror\nset ytics nomirror\n";
-  }
-
-  void put_ticks(const char* axis, const PlotAxis& of) {
-    out_ << "set " << axis << " (";
-    const char* separator = "";
-    for (const PlotAxis::Tick& tick : of.ticks()) {
-      out_ << separator << gnuplot_tick(tick.label) << " " << tick.position
-           << (tick.label.empty() ? " 1" : "");
-      separator = ", ";
-    }
-    out_ << ")\n";
-  }
-
-  // gnuplot would put it where the widest tick leaves room, which can be outside of the panel.
-  void put_upright_label() {
-    const Quantity& up = diagram_.shows_time(against_) ? knob().time : knob().error;
-    const std::string text = with_unit(up.name, y().unit());
-    constexpr double kLinePx = 17.0, kRightPx = 34.0;
-    std::vector<std::string> lines = {text};
-    const std::size_t middle = text.rfind(' ', text.size() / 2 + 1);
-    if (text.size() > kLongestAxisLine && middle != std::string::npos) {
-      lines = {text.substr(0, middle), text.substr(middle + 1)};
-    }
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const double px = kRightPx - kLinePx * static_cast<double>(lines.size() - 1 - i);
-      out_ << "set label " << gnuplot_quoted(shortened(lines[i], kLongestAxisLine)) << " at "
-           << placing_.screen(px, 0.5 * (kArea.top + kArea.bottom)) << " center rotate\n";
-    }
-  }
 
   void put_axes() {
     const Quantity& across = against_ == Against::kTime ? knob().time : knob().level;
-    out_ << "set xrange [" << x().begin() << ":" << x().end() << "]\nset yrange [" << y().begin()
-         << ":" << y().end() << "]\n";
-    put_ticks("xtics", x());
-    put_ticks("ytics", y());
-    out_ << "set xlabel "
-         << gnuplot_quoted(with_unit(shortened(across.name, kLongestAxisLine), x().unit()))
-         << " offset 0,0.4\nset title '"
-         << (against_ == Against::kTime      ? "error against time"
-             : diagram_.shows_time(against_) ? "time against level"
-                                             : "error against level")
-         << "' offset 0,-0.4\n";
-    put_upright_label();
-  }
-
-  void put_zero_bands() {
-    const auto band = [&](const std::string& from, const std::string& to) {
-      out_ << "set object rectangle from " << from << " to " << to
-           << " fc rgb '#F0F0F0' fs noborder behind\n";
-    };
-    const auto text = [](double number) {
-      std::ostringstream out;
-      out.precision(9);
-      out << number;
-      return out.str();
-    };
-    if (y().zero_band()) {
-      band("graph 0, graph 0", "graph 1, first " + text(*y().zero_band()));
-    }
-    if (x().zero_band()) {
-      band("graph 0, graph 0", "first " + text(*x().zero_band()) + ", graph 1");
-    }
+    const Quantity& up = diagram_.shows_time(against_) ? knob().time : knob().error;
+    panel_.put_axes(against_ == Against::kTime      ? "error against time"
+                    : diagram_.shows_time(against_) ? "time against level"
+                                                    : "error against level",
+                    across.name, up.name);
   }
 
   // Points, whiskers and curves are not to be written over.
   void block_data() {
     const auto block = [&](const Dot& d, double radius) {
-      const double px = x_px(d.x), py = y_px(d.y);
-      places_.block(PixelBox::about(px, py, radius, radius));
-      places_.block_line(x_px(d.x_low), py, x_px(d.x_high), py);
-      places_.block_line(px, y_px(d.y_low), px, y_px(d.y_high));
+      const double px = panel_.x_px(d.x), py = panel_.y_px(d.y);
+      panel_.places().block(PixelBox::about(px, py, radius, radius));
+      panel_.places().block_line(panel_.x_px(d.x_low), py, panel_.x_px(d.x_high), py);
+      panel_.places().block_line(px, panel_.y_px(d.y_low), px, panel_.y_px(d.y_high));
     };
     diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
       block(diagram_.dot(level, against_), level.on_front ? kRingRadius : kPointRadius);
@@ -390,25 +254,20 @@ class Panel {
         if (!method.levels[l - 1].counts() || !method.levels[l].counts()) continue;
         const Dot a = diagram_.dot(method.levels[l - 1], against_);
         const Dot b = diagram_.dot(method.levels[l], against_);
-        places_.block_line(x_px(a.x), y_px(a.y), x_px(b.x), y_px(b.y));
+        panel_.places().block_line(panel_.x_px(a.x), panel_.y_px(a.y), panel_.x_px(b.x),
+                                   panel_.y_px(b.y));
       }
     }
     if (against_ != Against::kTime) return;
     const std::vector<Dot> front = front_line();
     for (std::size_t i = 1; i < front.size(); ++i) {
-      const double before_px = y_px(front[i - 1].y), corner_px = x_px(front[i].x);
-      places_.block_line(x_px(front[i - 1].x), before_px, corner_px, before_px);
-      places_.block_line(corner_px, before_px, corner_px, y_px(front[i].y));
+      const double before_px = panel_.y_px(front[i - 1].y), corner_px = panel_.x_px(front[i].x);
+      panel_.places().block_line(panel_.x_px(front[i - 1].x), before_px, corner_px, before_px);
+      panel_.places().block_line(corner_px, before_px, corner_px, panel_.y_px(front[i].y));
     }
     for (const LevelResult& preset : result().presets) {
       if (preset.counts()) block(diagram_.dot(preset, against_), kPresetRadius);
     }
-  }
-
-  void put_label(const std::string& text, const PixelBox& box, const char* colour) {
-    out_ << "set label " << gnuplot_quoted(text) << " at "
-         << placing_.screen(0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom))
-         << " center font ',12' textcolor rgb '" << colour << "' front\n";
   }
 
   void put_floors() {
@@ -422,21 +281,21 @@ class Panel {
     for (const double floor : floors) {
       const double position = std::log10(floor);
       if (position < y().begin() || position > y().end()) continue;
-      out_ << "set arrow from graph 0, first " << position << " to graph 1, first " << position
-           << " nohead dt (8,5) lw 1.5 lc rgb '#707070'\n";
-      put_floor_label(y_px(position));
+      panel_.put_line_across(position);
+      put_floor_label(panel_.y_px(position));
     }
   }
 
   void put_floor_label(double line_px) {
     constexpr double kHalfWidth = 17.0, kHalfHeight = 7.0, kGap = 3.0;
     for (const double above : {-1.0, 1.0}) {
-      for (double px = kArea.right - kHalfWidth - kGap; px > kArea.left + kHalfWidth; px -= 12.0) {
+      for (double px = kPanelArea.right - kHalfWidth - kGap; px > kPanelArea.left + kHalfWidth;
+           px -= 12.0) {
         const PixelBox box =
             PixelBox::about(px, line_px + above * (kHalfHeight + kGap), kHalfWidth, kHalfHeight);
-        if (!places_.take(box)) continue;
-        put_label("floor", box, "#505050");
-        places_.block_line(kArea.left, line_px, kArea.right, line_px);
+        if (!panel_.places().take(box)) continue;
+        panel_.put_label("floor", box, "#505050");
+        panel_.places().block_line(kPanelArea.left, line_px, kPanelArea.right, line_px);
         return;
       }
     }
@@ -463,7 +322,7 @@ class Panel {
     std::vector<Wish> wishes;
     diagram_.for_each_level([&](const LevelPlace& place, const LevelResult& level) {
       const std::string text =
-          shortened(level.label, kLongestLabel) + (is_default(place) ? " (default)" : "");
+          shortened_label(level.label, kLongestLabel) + (is_default(place) ? " (default)" : "");
       wishes.push_back(
           {urgency(place, level), diagram_.dot(level, against_), text, level.on_front});
     });
@@ -475,28 +334,11 @@ class Panel {
       const double radius = wish.urgency == 0  ? kRecommendedRadius
                             : wish.is_on_front ? kRingRadius
                                                : kPointRadius;
-      const auto box = places_.take_beside(
-          x_px(wish.dot.x), y_px(wish.dot.y), text_width_px(wish.text, kSmallFontPx),
+      const auto box = panel_.places().take_beside(
+          panel_.x_px(wish.dot.x), panel_.y_px(wish.dot.y), text_width_px(wish.text, kSmallFontPx),
           kSmallFontPx + 2.0, radius + kLabelGap, wish.urgency <= farthest);
-      if (box) put_label(wish.text, *box, "#303030");
+      if (box) panel_.put_label(wish.text, *box, "#303030");
     }
-  }
-
-  // A block of data; `plot` goes into the plot command as "$block PLOT" unless the block is empty.
-  void put_block(const std::string& rows, const std::string& plot) {
-    if (rows.empty()) return;
-    const std::string name =
-        (against_ == Against::kTime ? "$t" : "$l") + std::to_string(++block_count_);
-    out_ << name << " << EOD\n" << rows << "EOD\n";
-    plots_ << ", \\\n  " << name << " " << plot << " notitle";
-  }
-
-  static std::string row(std::initializer_list<double> numbers) {
-    std::ostringstream out;
-    out.precision(9);
-    for (const double number : numbers) out << number << " ";
-    out << "\n";
-    return out.str();
   }
 
   void put_curve(std::size_t m) {
@@ -507,19 +349,20 @@ class Panel {
         continue;
       }
       const Dot d = diagram_.dot(level, against_);
-      line += row({d.x, d.y});
-      whiskers += row({d.x, d.y, d.x_low, d.x_high, d.y_low, d.y_high});
-      (d.is_open ? open : filled) += row({d.x, d.y});
+      line += data_row({d.x, d.y});
+      whiskers += data_row({d.x, d.y, d.x_low, d.x_high, d.y_low, d.y_high});
+      (d.is_open ? open : filled) += data_row({d.x, d.y});
     }
-    const std::string colour = std::string(" lc rgb '") + colour_of(m) + "'";
+    const std::string colour = std::string(" lc rgb '") + curve_colour(m) + "'";
     const std::string width = knob().levels_are_given ? " lw 1" : " lw 2";
     if (filled.empty() && open.empty()) return;
-    put_block(line, "with lines" + width + colour);
-    put_block(whiskers, "with xyerrorbars pt 0 ps 0 lw 1" + colour);
-    put_block(filled, "with points ps 0.9 pt " + std::to_string(point_of(m)) + colour);
+    panel_.put_block(line, "with lines" + width + colour);
+    panel_.put_block(whiskers, "with xyerrorbars pt 0 ps 0 lw 1" + colour);
+    panel_.put_block(filled, "with points ps 0.9 pt " + std::to_string(curve_point(m)) + colour);
     // White beneath, so that the line does not show through.
-    put_block(open, "with points ps 0.9 pt " + std::to_string(point_of(m)) + " lc rgb '#FFFFFF'");
-    put_block(open, "with points ps 0.9 pt " + std::to_string(point_of(m) - 1) + colour);
+    panel_.put_block(
+        open, "with points ps 0.9 pt " + std::to_string(curve_point(m)) + " lc rgb '#FFFFFF'");
+    panel_.put_block(open, "with points ps 0.9 pt " + std::to_string(curve_point(m) - 1) + colour);
   }
 
   // The corners of the Pareto front, from the quickest to the most accurate; none where each level
@@ -537,27 +380,27 @@ class Panel {
 
   void put_front() {
     std::string steps, rings;
-    for (const Dot& d : front_line()) steps += row({d.x, d.y});
+    for (const Dot& d : front_line()) steps += data_row({d.x, d.y});
     diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
       const Dot d = diagram_.dot(level, against_);
-      if (level.on_front) rings += row({d.x, d.y});
+      if (level.on_front) rings += data_row({d.x, d.y});
     });
-    put_block(steps, std::string("with steps ") + kFrontLine);
-    put_block(rings, std::string("with points ") + kFrontRing);
+    panel_.put_block(steps, std::string("with steps ") + kFrontLine);
+    panel_.put_block(rings, std::string("with points ") + kFrontRing);
   }
 
   void put_rings() {
     if (!result().recommended) return;
     const LevelPlace& place = *result().recommended;
     const Dot d = diagram_.dot(result().methods[place.method].levels[place.level], against_);
-    put_block(row({d.x, d.y}), std::string("with points ") + kRecommendedRing);
+    panel_.put_block(data_row({d.x, d.y}), std::string("with points ") + kRecommendedRing);
   }
 
   void put_presets() {
     for (std::size_t p = 0; p < result().presets.size(); ++p) {
       if (!result().presets[p].counts()) continue;
       const Dot d = diagram_.dot(result().presets[p], against_);
-      put_block(row({d.x, d.y}), "with " + preset_style(p));
+      panel_.put_block(data_row({d.x, d.y}), "with " + preset_style(p));
     }
   }
 
@@ -579,40 +422,26 @@ class Panel {
       }
       std::string rows;
       for (const double end : {dots.front().x, dots.back().x}) {
-        rows += row({end, y_mean + *method.expected_order * (end - x_mean)});
+        rows += data_row({end, y_mean + *method.expected_order * (end - x_mean)});
       }
-      put_block(rows, std::string("with ") + kExpectedSlope);
-    }
-  }
-
-  void put_legend() {
-    const std::vector<LegendEntry> entries = legend_of(result(), against_);
-    const int rows = legend_rows(entries);
-    out_ << "set key at " << placing_.screen(kArea.left - 78.0, kLegendTop)
-         << " left top Left reverse vertical maxrows " << rows << " samplen 2.2 spacing 1.1\n";
-    for (const LegendEntry& entry : entries) {
-      plots_ << ", \\\n  keyentry with " << entry.style << " title " << gnuplot_quoted(entry.title);
+      panel_.put_block(rows, std::string("with ") + kExpectedSlope);
     }
   }
 
   const Diagram& diagram_;
   Against against_;
-  Placing placing_;
-  LabelPlaces places_;
-  std::ostringstream out_;    // all before the plot command
-  std::ostringstream plots_;  // what that draws
-  int block_count_ = 0;
+  DiagramPanel panel_;
 };
 
 Result<std::string> drawn(const std::string& script, double width, double height) {
-  return gnuplot_svg(script, static_cast<int>(width), static_cast<int>(height), kFontPx);
+  return gnuplot_svg(script, static_cast<int>(width), static_cast<int>(height), kPanelFontPx);
 }
 
 }  // namespace
 
 Result<WorkPrecisionPanels> work_precision_panels(const KnobResult& result) {
   const Diagram diagram(result);
-  const Placing alone{0.0, 0.0, kPanelWidth, diagram.height()};
+  const PanelPlace alone{0.0, 0.0, kPanelWidth, diagram.height()};
   auto left = drawn(Panel(diagram, Against::kTime, alone).script(), alone.width, alone.height);
   if (!left) return left.error();
   auto right = drawn(Panel(diagram, Against::kLevel, alone).script(), alone.width, alone.height);
@@ -622,7 +451,7 @@ Result<WorkPrecisionPanels> work_precision_panels(const KnobResult& result) {
 
 Result<std::string> work_precision_svg(const KnobResult& result) {
   const Diagram diagram(result);
-  Placing place{0.0, kTitleHeight, 2.0 * kPanelWidth, kTitleHeight + diagram.height()};
+  PanelPlace place{0.0, kTitleHeight, 2.0 * kPanelWidth, kTitleHeight + diagram.height()};
   std::string script = "set multiplot title " + gnuplot_quoted(result.knob.title) +
                        " font ',17'\n" + Panel(diagram, Against::kTime, place).script();
   place.left = kPanelWidth;

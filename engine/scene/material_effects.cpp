@@ -1,12 +1,11 @@
 #include "engine/scene/material_effects.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <set>
 #include <utility>
+
+#include "engine/scene/material_parameters.h"
 
 namespace palpate {
 namespace {
@@ -21,11 +20,6 @@ constexpr EffectKeyName kKeyNames[] = {
     {"magnetForce", "magnet"},           {"magnetRange", "magnet"},
     {"viscosity", "viscosity"},
 };
-
-constexpr const char* kExtras = "extras.palpate";
-constexpr const char* kOverride = "override";
-// How the element of one begins (MaterialParameter).
-constexpr const char* kOverrideElement = "`SceneSettings::overrides`";
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kFrictionMap = "friction";
@@ -34,23 +28,6 @@ constexpr const char* kFile = "glTF";
 constexpr const char* kNormalMap = "normalTexture";
 
 using Role = ParameterKey::Role;
-
-std::string number_text(double x) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-  return {text.data(), end};
-}
-
-std::string quoted(std::string_view text) {
-  return "\"" + std::string(text) + "\"";
-}
-
-Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
-               std::string hint = "") {
-  const bool is_argument = source_of(parameter) == kOverride;
-  return {is_argument ? ErrorCode::kInvalidArgument : ErrorCode::kInvalidContent, "",
-          parameter.element, owner + ": " + std::move(problem), std::move(hint)};
-}
 
 // A parameter of an effect that has a value, given or not.
 struct Value {
@@ -65,7 +42,7 @@ class Compiler {
  public:
   explicit Compiler(const MaterialSources& sources)
       : sources_(sources),
-        owner_("material " + quoted(sources.material->name)),
+        owner_("material " + quoted_text(sources.material->name)),
         values_(compiled_effects().size()) {}
 
   Result<MaterialEffects> compile() {
@@ -105,7 +82,7 @@ class Compiler {
     const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
                                     [&](const auto& k) { return k.key == parameter.key; });
     if (known == std::end(kKeyNames)) {
-      if (source == kOverride) return unknown_key(parameter);
+      if (source == kOverrideSource) return unknown_key(parameter);
       result_.report.not_understood.push_back(
           {parameter.key, parameter.value, parameter.element, "no such key is known"});
       return std::nullopt;
@@ -123,7 +100,7 @@ class Compiler {
   Error unknown_key(const MaterialParameter& parameter) const {
     std::string keys(kSolidKey);
     for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
-    return error_at(owner_, parameter, quoted(parameter.key) + " is no key that is known",
+    return error_at(owner_, parameter, quoted_text(parameter.key) + " is no key that is known",
                     "the keys are " + keys);
   }
 
@@ -400,7 +377,7 @@ class Compiler {
       const std::string_view name = compiled_effects()[effect].name;
       if (name == "viscosity" || !result_.entry(name)) continue;
       for (const Value& v : values_[effect]) {
-        if (v.source != kExtras && v.source != kOverride) continue;
+        if (v.source != kExtrasSource && v.source != kOverrideSource) continue;
         return error_at(owner_, v.given,
                         v.given.key + " is of a surface, but solid is false: there is none");
       }
@@ -464,60 +441,6 @@ std::optional<std::uint16_t> effect_number(std::string_view name) {
 
 std::span<const EffectKeyName> effect_key_names() {
   return kKeyNames;
-}
-
-std::string source_of(const MaterialParameter& parameter) {
-  return parameter.element.starts_with(kOverrideElement) ? kOverride : kExtras;
-}
-
-std::string value_text(const MaterialValue& value) {
-  if (const auto* number = std::get_if<double>(&value)) return number_text(*number);
-  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  if (const auto* text = std::get_if<std::string>(&value)) return quoted(*text);
-  std::string list;
-  for (const double x : std::get<std::vector<double>>(value)) {
-    list += (list.empty() ? "" : ", ") + number_text(x);
-  }
-  return "[" + list + "]";
-}
-
-Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
-                      std::string_view effect) {
-  return {ErrorCode::kUnsupported, "", parameter.element,
-          owner + ": " + parameter.key + " calls for the effect " + std::string(effect) +
-              ", which is not in this build",
-          "build with it in PALPATE_EFFECTS"};
-}
-
-Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
-                      const std::string& expected) {
-  return error_at(owner, parameter,
-                  parameter.key + " is " + value_text(parameter.value) + "; expected " + expected);
-}
-
-std::string expected_text(const ParameterKey& key) {
-  if (key.kind == ParameterKey::Kind::kChoice) {
-    return quoted(key.choices[0]) + " or " + quoted(key.choices[1]);
-  }
-  return std::string("a number ") + (key.least_is_excluded ? "above " : "from ") +
-         number_text(key.least) + (key.least_is_excluded ? " and up to " : " to ") +
-         number_text(key.most) + (key.unit.empty() ? "" : " ") + std::string(key.unit);
-}
-
-Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
-                              const ParameterKey& key) {
-  if (key.kind == ParameterKey::Kind::kChoice) {
-    const auto* text = std::get_if<std::string>(&parameter.value);
-    for (std::size_t i = 0; text && i < key.choices.size(); ++i) {
-      if (*text == key.choices[i]) return static_cast<double>(i);
-    }
-    return parameter_error(owner, parameter, expected_text(key));
-  }
-  const auto* number = std::get_if<double>(&parameter.value);
-  const bool is_in_range = number && *number >= key.least && *number <= key.most &&
-                           !(key.least_is_excluded && *number == key.least);
-  if (!is_in_range) return parameter_error(owner, parameter, expected_text(key));
-  return *number == 0.0 ? 0.0 : *number;  // no minus zero
 }
 
 }  // namespace palpate

@@ -101,25 +101,4 @@ struct EffectKeyName {
 };
 std::span<const EffectKeyName> effect_key_names();
 
-// --- For other parts of a file that have such parameters --------------------------------------
-
-// Where a parameter is from.
-std::string source_of(const MaterialParameter& parameter);
-
-// As JSON writes it.
-std::string value_text(const MaterialValue& value);
-
-// "stiffness is -1; expected a number from 0 to 1e+06 N/m", of `owner` ("material \"wood\"").
-Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
-                      const std::string& expected);
-
-// Of a parameter that calls for an effect which is not in this build.
-Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
-                      std::string_view effect);
-// The number that an effect keeps for a value: of a choice, its place. An Error as above.
-Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
-                              const ParameterKey& key);
-// "a number from 0 to 1e+06 N/m"
-std::string expected_text(const ParameterKey& key);
-
 }  // namespace palpate

@@ -137,6 +137,7 @@ class Scene {
   // As compile(), but it may throw where there is no memory.
   static Result<Scene> compile(SceneDescription&& description, const SceneSettings& settings,
                                MemoryLedger& ledger);
+  void take_declarations(SceneDescription& description);
   std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions);
   std::optional<Error> take_places(const std::vector<NodeDescription>& nodes);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
@@ -156,6 +157,7 @@ class Scene {
   Result<Seams> seams_of(const std::vector<NodeDescription>& nodes) const;
   void report_seams(const Seams& seams);
   void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
+  std::optional<Error> take_attributes(const std::vector<ImageDescription>& images);
   std::optional<Error> compile_effects(SceneEffects& effects);
   template <typename Visit>
   void visit_shapes_and_stretches(const Visit& visit) const;

@@ -1,20 +1,21 @@
 #include "engine/scene/scene_effects.h"
 
 #include <algorithm>
-#include <cstring>
-#include <initializer_list>
+#include <array>
+#include <iterator>
 #include <numbers>
 #include <set>
+#include <string_view>
+#include <tuple>
+#include <variant>
 
-#include <Eigen/SVD>
-
-#include "geometry/index/inside.h"
+#include "engine/scene/entry_parameters.h"
+#include "engine/scene/material_parameters.h"
+#include "engine/scene/merged_report.h"
 #include "haptics/effects/friction.h"
-#include "haptics/effects/magnet.h"
 #include "haptics/effects/shading.h"
 #include "haptics/effects/texture.h"
 #include "haptics/effects/vibration.h"
-#include "haptics/effects/viscosity.h"
 
 namespace palpate {
 namespace {
@@ -30,71 +31,6 @@ bool is_of_place(const Entry& entry) {
   return compiled_effects()[entry.effect].stage == EffectStage::kSurroundings;
 }
 
-// Parameters are kept as bytes.
-template <typename Parameters>
-Parameters read(const Entry& entry) {
-  Parameters parameters;
-  std::memcpy(&parameters, entry.parameters.data(), sizeof parameters);
-  return parameters;
-}
-
-template <typename Parameters>
-void write(const Parameters& parameters, Entry& entry) {
-  entry.parameters.resize(sizeof parameters);
-  std::memcpy(entry.parameters.data(), &parameters, sizeof parameters);
-}
-
-Error limit_error(std::string element, std::string problem) {
-  return {ErrorCode::kLimitExceeded, "", std::move(element), std::move(problem),
-          "load a part of it with `SceneSettings::node`"};
-}
-
-std::string joined(std::initializer_list<std::string_view> parts) {
-  std::string all;
-  for (const std::string_view part : parts) (all += part) += '\0';
-  return all;
-}
-
-// Equal for what is told once.
-std::string identity(const HonouredParameter& p) {
-  return joined({p.key, p.element, value_text(p.value), p.is_off ? "off" : "on"});
-}
-std::string identity(const DefaultedParameter& p) {
-  return joined({p.key, value_text(p.value)});
-}
-std::string identity(const IgnoredParameter& p) {
-  return joined({p.key, p.element, value_text(p.value), p.why});
-}
-
-// Gathers what is told of one material that is felt in several ways, each thing once. There may be
-// as many ways as physics materials, so what is known is looked up.
-class MergedReport {
- public:
-  void append(const MaterialReport& more, MaterialReport& report) {
-    append_new(more.honoured, honoured_, report.honoured);
-    append_new(more.defaulted, defaulted_, report.defaulted);
-    append_new(more.not_understood, not_understood_, report.not_understood);
-  }
-
- private:
-  using Known = std::set<std::string>;
-
-  template <typename T>
-  static void append_new(const std::vector<T>& more, Known& known, std::vector<T>& list) {
-    for (const T& item : more) {
-      if (known.insert(identity(item)).second) list.push_back(item);
-    }
-  }
-
-  Known honoured_, defaulted_, not_understood_;
-};
-
-void append(const std::vector<std::string>& more, std::vector<std::string>& sorted) {
-  std::set<std::string> all(sorted.begin(), sorted.end());
-  all.insert(more.begin(), more.end());
-  sorted.assign(all.begin(), all.end());
-}
-
 std::size_t memory_of(const EffectProgram& program) {
   std::size_t bytes = sizeof program + program.calls.size() * sizeof(EffectCall) +
                       program.materials.size() * sizeof(EffectMaterial) +
@@ -108,23 +44,6 @@ std::size_t memory_of(const EffectProgram& program) {
   return bytes;
 }
 
-AffineMap map_index_solver(const EffectSurface& surface) {
-  const Quat to_body = surface.T_solver_body.rotation.conjugate();
-  AffineMap map{to_body.toRotationMatrix(), -(to_body * surface.T_solver_body.translation_m)};
-  const double units_per_metre = 1.0 / surface.metres_per_unit;
-  map.linear *= units_per_metre;
-  map.translation_m *= units_per_metre;
-  if (const Stretch* stretch = surface.surface.stretch) {
-    for (int k = 0; k < 3; ++k) map.linear.col(k) = stretch->to_index(Vec3(map.linear.col(k)));
-    map.translation_m = stretch->to_index(map.translation_m);
-  }
-  return map;
-}
-
-double largest_stretch(const Mat3& linear) {
-  return Eigen::JacobiSVD<Mat3>(linear).singularValues()[0];
-}
-
 }  // namespace
 
 SceneEffects::SceneEffects(const EffectDeclarations& declarations,
@@ -132,6 +51,11 @@ SceneEffects::SceneEffects(const EffectDeclarations& declarations,
     : declarations_(declarations), meshes_(meshes) {
   no_material_.name = "default";
   no_material_.element = "default material";
+}
+
+Error SceneEffects::limit_error(std::string element, std::string problem) {
+  return {ErrorCode::kLimitExceeded, "", std::move(element), std::move(problem),
+          "load a part of it with `SceneSettings::node`"};
 }
 
 const MaterialDescription& SceneEffects::material_of(const Combination& c) const {
@@ -257,17 +181,17 @@ SceneEffects::MaybeError SceneEffects::set_maps(const Combination& c, HeightMapM
       const bool is_normal_map = material.normal_texture && &reference == &*material.normal_texture;
       const auto map = is_normal_map ? maps.from_normals(reference) : maps.grey(reference);
       if (!map) return failed(map.error());
-      auto parameters = read<TextureEffect::Parameters>(entry);
+      auto parameters = read_parameters<TextureEffect::Parameters>(entry);
       parameters.map = *map;
-      write(parameters, entry);
+      write_parameters(parameters, entry);
     }
     const TextureReference* friction = friction_map(haptic_of(c));
     if (friction && is_of(entry, FrictionEffect::kName)) {
       const auto map = maps.grey(*friction);
       if (!map) return failed(map.error());
-      auto parameters = read<FrictionEffect::Parameters>(entry);
+      auto parameters = read_parameters<FrictionEffect::Parameters>(entry);
       parameters.map = *map;
-      write(parameters, entry);
+      write_parameters(parameters, entry);
     }
   }
   return std::nullopt;
@@ -324,7 +248,8 @@ Result<AttributeNeeds> SceneEffects::needs_of(const PartedSurface& surface,
                           (c.effects.entry(FrictionEffect::kName) && friction_map(haptic_of(c)));
       if (const Entry* shading = c.effects.entry(ShadingEffect::kName)) {
         const double angle_rad =
-            read<ShadingEffect::Parameters>(*shading).crease_angle_deg * std::numbers::pi / 180.0;
+            read_parameters<ShadingEffect::Parameters>(*shading).crease_angle_deg *
+            std::numbers::pi / 180.0;
         needs.crease_angles_rad[part] = angle_rad;
         angles.insert(angle_rad);
       }
@@ -369,175 +294,6 @@ void SceneEffects::add_bodies(const EffectSurfaces& bodies) {
   }
 }
 
-// --- Magnets -------------------------------------------------------------------------------------
-
-SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies) {
-  for (std::uint32_t b = 0; b < bodies.count; ++b) {
-    const EffectSurface body = bodies.at(b);
-    const auto& combinations = outfits_[body.outfit].combinations;
-    for (std::size_t part = 0; part < combinations.size(); ++part) {
-      Combination& c = combinations_[combinations[part]];
-      const Entry* magnet = c.effects.entry(MagnetEffect::kName);
-      if (!magnet) continue;
-      auto& magnets = builder_.program.magnets;
-      if (magnets.size() == kMostMagnets) {
-        return place_error(body, c, MagnetEffect::kKeys[0].key,
-                           "is one magnetic surface too many; expected at most " +
-                               std::to_string(kMostMagnets) + " in a scene",
-                           "load a part of it with `SceneSettings::node`");
-      }
-      magnets.push_back({b, c.program_material, magnet_index(body, part)});
-      Entry entry = *magnet;
-      auto parameters = read<MagnetEffect::Parameters>(entry);
-      parameters.surface = &magnets.back();
-      write(parameters, entry);
-      add_place(entry, &c);
-    }
-  }
-  return std::nullopt;
-}
-
-// Of the faces of one part, shared by all surfaces that share the index of all parts.
-const SurfaceIndex* SceneEffects::magnet_index(const EffectSurface& body, std::size_t part) {
-  if (body.surface.parts->materials().size() == 1) return body.surface.index;
-  const SurfaceIndex*& index = index_of_part_[{body.surface.index, part}];
-  if (!index) {
-    auto& indices = builder_.program.indices;
-    indices.push_back(part_index(body.surface, part));
-    index = &indices.back();
-  }
-  return index;
-}
-
-// --- Media ---------------------------------------------------------------------------------------
-
-Error SceneEffects::place_error(const EffectSurface& surface, const Combination& c,
-                                std::string_view key, const std::string& problem,
-                                const std::string& hint) const {
-  std::string element = material_of(c).element;
-  for (const HonouredParameter& h : c.effects.report.honoured) {
-    if (h.key == key) element = h.element;
-  }
-  return {ErrorCode::kInvalidContent, "", element,
-          "material \"" + name_of(c) + "\", node \"" + std::string(surface.node) + "\": " + problem,
-          hint};
-}
-
-// The arguments by which a material has no medium; then it must be solid.
-std::string SceneEffects::without_medium(const Combination& c) const {
-  const auto argument = [&](std::string_view key, const char* value) {
-    return "`SceneSettings::overrides` \"" + name_of(c) + "." + std::string(key) + "=" + value +
-           "\"";
-  };
-  const std::string none = argument(ViscosityEffect::kKeys[0].key, "0");
-  return c.effects.is_solid ? none : none + " " + argument(kSolidKey, "true");
-}
-
-SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface& surface,
-                                                            const Combination& c) {
-  const std::string_view key = ViscosityEffect::kKeys[0].key;
-  if (surface.surface.parts->materials().size() > 1) {
-    return place_error(surface, c, key,
-                       "its mesh has other materials, too; viscosity needs one for all faces", "");
-  }
-  const SurfaceMesh& mesh = *surface.surface.mesh;
-  const auto known = is_closed_.find(&mesh);
-  const bool closed =
-      known != is_closed_.end() ? known->second : (is_closed_[&mesh] = is_closed(mesh));
-  if (closed) return std::nullopt;
-  const std::size_t boundary = mesh.report().boundary_edges;
-  return place_error(surface, c, key,
-                     boundary > 0
-                         ? "its surface is open: " + std::to_string(boundary) +
-                               " boundary edges; viscosity needs a closed one"
-                         : std::string("its surface does not close: an edge has an odd number of "
-                                       "faces; viscosity needs a closed one"),
-                     "close the surface, or load it without the medium: " + without_medium(c));
-}
-
-SceneEffects::MaybeError SceneEffects::add_body_media(const EffectSurfaces& bodies) {
-  for (std::uint32_t b = 0; b < bodies.count; ++b) {
-    const EffectSurface body = bodies.at(b);
-    for (const std::size_t i : outfits_[body.outfit].combinations) {
-      Combination& c = combinations_[i];
-      const Entry* viscosity = c.effects.entry(ViscosityEffect::kName);
-      if (!viscosity) continue;
-      if (auto error = check_medium_surface(body, c)) return error;
-      MediumRegion region;
-      region.shape = MediumRegion::Shape::kInside;
-      region.body = b;
-      if (auto error = add_medium(*viscosity, region, &c)) return error;
-    }
-  }
-  return std::nullopt;
-}
-
-SceneEffects::MaybeError SceneEffects::add_through_media(const EffectSurfaces& media) {
-  for (std::size_t m = 0; m < media.count; ++m) {
-    const EffectSurface surface = media.at(m);
-    Combination& c = combinations_[outfits_[surface.outfit].combinations.front()];
-    if (auto error = check_medium_surface(surface, c)) return error;
-    MediumRegion region;
-    region.shape = MediumRegion::Shape::kThrough;
-    region.p_region_solver = map_index_solver(surface);
-    region.least_scale = 1.0 / largest_stretch(region.p_region_solver.linear);
-    region.index = surface.surface.index;
-    if (auto error = add_medium(*c.effects.entry(ViscosityEffect::kName), region, &c)) return error;
-  }
-  return std::nullopt;
-}
-
-SceneEffects::MaybeError SceneEffects::add_medium(const Entry& entry, const MediumRegion& region,
-                                                  Combination* owner) {
-  auto& media = builder_.program.media;
-  if (media.size() == kMostMedia) {
-    return limit_error("scene", "has more than " + std::to_string(kMostMedia) +
-                                    " places with a viscosity, the most that are felt");
-  }
-  media.push_back(region);
-  Entry with_region = entry;
-  auto parameters = read<ViscosityEffect::Parameters>(entry);
-  parameters.region = &media.back();
-  write(parameters, with_region);
-  add_place(with_region, owner);
-  return std::nullopt;
-}
-
-// --- Surroundings --------------------------------------------------------------------------------
-
-// Calls in places are counted, so that those of a material can be found again.
-void SceneEffects::add_place(const Entry& entry, Combination* owner) {
-  builder_.add_surroundings(entry);
-  if (owner) owner->places.push_back(place_count_);
-  ++place_count_;
-}
-
-SceneEffects::MaybeError SceneEffects::add_surroundings(const Vec3& anchor_scene_m) {
-  const MaterialDescription& scene = *declarations_.scene_parameters;
-  auto fields = scene_fields(scene);
-  if (!fields) return fields.error();
-  report_.scene = {scene.name, scene.element, {}, std::move(fields->report)};
-  if (fields->gravity) {
-    Entry entry{*effect_number(GravityEffect::kName), {}};
-    write(*fields->gravity, entry);
-    builder_.add_surroundings(entry);
-    report_.scene.effects = {std::string(GravityEffect::kName)};
-    report_.effects = report_.scene.effects;
-  }
-  for (const RegionDescription& region : declarations_.regions) {
-    auto medium = node_medium(region, anchor_scene_m);
-    if (!medium) return medium.error();
-    report_.regions.push_back({region.name, region.element, {}, std::move(medium->report)});
-    if (medium->viscosity_Ns_per_m == 0.0) continue;
-    Entry entry{*effect_number(ViscosityEffect::kName), {}};
-    write(ViscosityEffect::Parameters{medium->viscosity_Ns_per_m, nullptr}, entry);
-    if (auto error = add_medium(entry, medium->region, nullptr)) return error;
-    report_.regions.back().effects = {std::string(ViscosityEffect::kName)};
-    append(report_.regions.back().effects, report_.effects);
-  }
-  return std::nullopt;
-}
-
 // --- Reports -------------------------------------------------------------------------------------
 
 void SceneEffects::report_materials() {
@@ -549,8 +305,8 @@ void SceneEffects::report_materials() {
   for (const Combination& c : combinations_) {
     DeclarationReport& report = c.material ? report_.materials[*c.material] : none;
     merged[&report].append(c.effects.report, report.report);
-    append(c.effects.effect_names(), report.effects);
-    append(c.effects.effect_names(), report_.effects);
+    merge_names(c.effects.effect_names(), report.effects);
+    merge_names(c.effects.effect_names(), report_.effects);
   }
   if (!none.report.empty()) report_.materials.push_back(std::move(none));
 }

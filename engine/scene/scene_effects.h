@@ -121,6 +121,7 @@ class SceneEffects {
   using MaybeError = std::optional<Error>;
   using CombinationKey = std::array<std::optional<std::uint32_t>, 3>;
 
+  static Error limit_error(std::string element, std::string problem);
   CombinationKey existing(CombinationKey key) const;
   Result<std::size_t> combination(const CombinationKey& key);
   const MaterialDescription& material_of(const Combination& c) const;

@@ -7,6 +7,8 @@
 
 #include <Eigen/SVD>
 
+#include "engine/scene/material_parameters.h"
+
 namespace palpate {
 namespace {
 

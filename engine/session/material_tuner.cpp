@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "engine/scene/material_parameters.h"
+
 namespace palpate {
 namespace {
 

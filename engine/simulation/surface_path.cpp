@@ -1,19 +1,17 @@
 #include "engine/simulation/surface_path.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <utility>
 #include <vector>
 
+#include "engine/simulation/scene_faces.h"
+#include "engine/simulation/scene_sight.h"
+
 namespace palpate {
 namespace {
-
-// Of so many faces at most the areas are added up: of every n-th where there are more.
-constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
 
 // Places looked at for a start, and of these how many are tried; headings tried at a turn.
 constexpr int kMostPlaces = 64;
@@ -61,154 +59,9 @@ constexpr double kRightAngle = std::numbers::pi / 2;
 constexpr std::size_t kMostFaces = 20000;
 constexpr std::size_t kMostPieces = 200000;
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : random_(seed) {}
-  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 random_;
-};
-
-// A face of a node, scene frame.
-struct Face {
-  std::uint32_t object = 0;
-  std::uint32_t face = 0;
-  std::array<OpenMesh::HalfedgeHandle, 3> edges;  // edge k from corner k to corner k + 1
-  std::array<Vec3, 3> corners_m;
-  Vec3 winding;  // unit, by which the corners run counter-clockwise; zero if there is no area
-  Vec3 normal;   // outward: the same, or its opposite in a node that is mirrored
-};
-
-class FaceReader {
- public:
-  explicit FaceReader(const Scene& scene) : scene_(scene) {}
-
-  Face read(std::uint32_t object, std::uint32_t face) const {
-    const SceneObject& o = scene_.objects()[object];
-    const OpenMeshSurface& surface = scene_.mesh(o.mesh).surface();
-    const AffineMap deformation = scene_.deformation(object);
-    Face read;
-    read.object = object;
-    read.face = face;
-    auto h = surface.halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
-    for (std::size_t k = 0; k < 3; ++k) {
-      read.edges[k] = h;
-      read.corners_m[k] =
-          o.T_scene_body.point(deformation(surface.point(surface.from_vertex_handle(h))));
-      h = surface.next_halfedge_handle(h);
-    }
-    const Vec3 cross =
-        (read.corners_m[1] - read.corners_m[0]).cross(read.corners_m[2] - read.corners_m[0]);
-    read.winding = cross.stableNormalized();
-    if (!read.winding.allFinite()) read.winding = Vec3::Zero();
-    const bool is_mirrored = deformation.linear.determinant() < 0.0;
-    read.normal = is_mirrored ? Vec3(-read.winding) : read.winding;
-    return read;
-  }
-
-  // Across edge k; nothing at a boundary of the surface.
-  std::optional<Face> across(const Face& face, std::size_t k) const {
-    const OpenMeshSurface& surface = scene_.mesh(scene_.objects()[face.object].mesh).surface();
-    const auto next = surface.opposite_face_handle(face.edges[k]);
-    if (!next.is_valid()) return std::nullopt;
-    const Face found = read(face.object, static_cast<std::uint32_t>(next.idx()));
-    if (found.winding.isZero(0.0)) return std::nullopt;
-    return found;
-  }
-
- private:
-  const Scene& scene_;
-};
-
-// Random faces, uniform by area.
-class FaceSampler {
- public:
-  FaceSampler(const Scene& scene, Random& random) : scene_(scene), faces_(scene), random_(random) {
-    std::size_t count = 0;
-    for (const SceneObject& object : scene.objects()) {
-      first_of_object_.push_back(count);
-      count += scene.mesh(object.mesh).face_count();
-    }
-    step_ = count / kMostWeighed + 1;
-    double area = 0.0;
-    std::uint32_t object = 0;
-    for (std::size_t n = static_cast<std::size_t>(random.uniform() * static_cast<double>(step_));
-         n < count; n += step_) {
-      while (object + 1 < first_of_object_.size() && first_of_object_[object + 1] <= n) ++object;
-      const Face face =
-          faces_.read(object, static_cast<std::uint32_t>(n - first_of_object_[object]));
-      const auto& c = face.corners_m;
-      area += (c[1] - c[0]).cross(c[2] - c[0]).norm();
-      if (area_up_to_.empty()) first_ = n;
-      area_up_to_.push_back(area);
-    }
-  }
-
-  bool is_empty() const { return area_up_to_.empty(); }
-
-  // Of a scene that is not empty.
-  Face draw() {
-    const double at = random_.uniform() * area_up_to_.back();
-    const auto found = std::upper_bound(area_up_to_.begin(), area_up_to_.end(), at);
-    const auto i = std::min<std::size_t>(static_cast<std::size_t>(found - area_up_to_.begin()),
-                                         area_up_to_.size() - 1);
-    const std::size_t n = first_ + i * step_;
-    const auto after = std::upper_bound(first_of_object_.begin(), first_of_object_.end(), n);
-    const auto object = static_cast<std::uint32_t>(after - first_of_object_.begin() - 1);
-    return faces_.read(object, static_cast<std::uint32_t>(n - first_of_object_[object]));
-  }
-
- private:
-  const Scene& scene_;
-  FaceReader faces_;
-  Random& random_;
-  std::vector<std::size_t> first_of_object_;
-  std::vector<double> area_up_to_;
-  std::size_t step_ = 1;
-  std::size_t first_ = 0;
-};
-
-// Looks along segments for any surface of the scene.
-class Looker {
- public:
-  explicit Looker(const ContactWorld& world) : world_(world) {}
-
-  // The part of the segment up to the first surface; infinity if there is none.
-  double first_hit(const Vec3& from_scene, const Vec3& to_scene) const {
-    Look look{&world_, world_.to_solver(from_scene), world_.to_solver(to_scene),
-              std::numeric_limits<double>::infinity()};
-    const auto visit = [](void* state, std::uint32_t body) {
-      static_cast<Look*>(state)->at(body);
-      return true;
-    };
-    if (world_.tree) {
-      world_.tree->visit_along(look.from, look.to - look.from, 0.0, 0, visit, &look);
-    } else {
-      for (std::uint32_t b = 0; b < world_.bodies.size(); ++b) look.at(b);
-    }
-    return look.fraction;
-  }
-
- private:
-  struct Look {
-    const ContactWorld* world;
-    Vec3 from, to;
-    double fraction;
-
-    void at(std::uint32_t b) {
-      const ContactBody& body = world->bodies[b];
-      const Vec3 from_body = body.to_body(from);
-      const auto hit = body.index->first_hit(from_body, body.to_body(to) - from_body);
-      if (hit) fraction = std::min(fraction, hit->fraction);
-    }
-  };
-  const ContactWorld& world_;
-};
-
 // A straight part of the path, in one face.
 struct Piece {
-  Face face;
+  SceneFace face;
   Vec3 from_m, to_m;
   Vec3 heading;     // unit, in the face
   double fold_rad;  // of the edge that it begins at; > 0 if it sticks out
@@ -237,7 +90,7 @@ struct Exit {
   Vec3 along_edge;  // unit
 };
 
-std::optional<Exit> exit_of(const Face& face, const Vec3& from_m, const Vec3& heading) {
+std::optional<Exit> exit_of(const SceneFace& face, const Vec3& from_m, const Vec3& heading) {
   std::optional<Exit> found;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -263,7 +116,7 @@ class PathFinder {
       : scene_(scene),
         settings_(settings),
         faces_(scene),
-        looker_(scene.world()),
+        sight_(scene.world()),
         random_(settings.seed),
         sampler_(scene, random_),
         far_m_(2.0 * scene.statistics().extent_m.norm()) {}
@@ -300,7 +153,7 @@ class PathFinder {
 
  private:
   struct Start {
-    Face face;
+    SceneFace face;
     Vec3 p_m;
     double free_m;
     bool is_wide;
@@ -310,14 +163,14 @@ class PathFinder {
   };
 
   std::optional<Start> draw_start() {
-    const Face face = sampler_.draw();
+    const SceneFace face = sampler_.draw();
     const double root = std::sqrt(random_.uniform());
     const double v = random_.uniform();
     const auto& c = face.corners_m;
     const Vec3 p_m = (1 - root) * c[0] + root * (1 - v) * c[1] + root * v * c[2];
     if (face.winding.isZero(0.0)) return std::nullopt;
     const double free_m =
-        far_m_ * looker_.first_hit(p_m + above(kLookFrom, face.normal), p_m + far_m_ * face.normal);
+        far_m_ * sight_.first_hit(p_m + above(kLookFrom, face.normal), p_m + far_m_ * face.normal);
     if (free_m < 2.0 * settings_.room_m) return std::nullopt;
     const Vec3 u = face.winding.unitOrthogonal();
     return Start{face, p_m, free_m,
@@ -339,7 +192,7 @@ class PathFinder {
   }
 
   // The best of some headings, or the first that is good.
-  Leg best_leg(const Face& face, const Vec3& from_m) {
+  Leg best_leg(const SceneFace& face, const Vec3& from_m) {
     const double wanted_m = std::min(settings_.leg_m, settings_.length_m - done_m_);
     Leg best;
     for (int i = 0; i < kMostHeadings && best.worth_m < kGoodLeg * wanted_m; ++i) {
@@ -351,7 +204,7 @@ class PathFinder {
   }
 
   // Random ones, and along each edge of the face: what is thin leads on along them.
-  Vec3 heading(const Face& face, int i) {
+  Vec3 heading(const SceneFace& face, int i) {
     const int edge = i - (kMostHeadings - kEdgeHeadings);
     if (edge >= 0) {
       const Vec3& from = face.corners_m[static_cast<std::size_t>(edge % 3)];
@@ -388,7 +241,7 @@ class PathFinder {
     }
   }
 
-  Leg go_straight(Face face, Vec3 from_m, Vec3 heading, double wanted_m) const {
+  Leg go_straight(SceneFace face, Vec3 from_m, Vec3 heading, double wanted_m) const {
     Leg leg;
     double fold_rad = 0.0;
     std::optional<Vec3> probe_m;
@@ -435,31 +288,31 @@ class PathFinder {
   }
 
   // Whether there is surface on both sides of the way, or a wall that stands on it.
-  bool is_wide(const Face& face, const Vec3& p_m, const Vec3& heading) const {
+  bool is_wide(const SceneFace& face, const Vec3& p_m, const Vec3& heading) const {
     const double aside_m = kKeepOff * settings_.room_m;
     const Vec3 above_m = p_m + above(kProbeHeight, face.normal);
     for (const double side : {-1.0, 1.0}) {
       const Vec3 beside_m = above_m + side * aside_m * face.normal.cross(heading);
-      if (std::isfinite(looker_.first_hit(above_m, beside_m))) continue;
+      if (std::isfinite(sight_.first_hit(above_m, beside_m))) continue;
       const Vec3 below_m = beside_m - above(kProbeHeight + kKeepOff, face.normal);
-      if (std::isinf(looker_.first_hit(beside_m, below_m))) return false;
+      if (std::isinf(sight_.first_hit(beside_m, below_m))) return false;
     }
     return true;
   }
 
   // Whether there is room above a point of a face, and nothing on the way there.
-  bool look(const Face& face, const Vec3& p_m, std::optional<Vec3>& probe_m) const {
+  bool look(const SceneFace& face, const Vec3& p_m, std::optional<Vec3>& probe_m) const {
     const Vec3 here_m = p_m + above(kProbeHeight, face.normal);
     if (probe_m && (here_m - *probe_m).norm() < kLookAgain * settings_.room_m) return true;
-    if (probe_m && std::isfinite(looker_.first_hit(*probe_m, here_m))) return false;
+    if (probe_m && std::isfinite(sight_.first_hit(*probe_m, here_m))) return false;
     probe_m = here_m;
     return std::isinf(
-        looker_.first_hit(p_m + above(kLookFrom, face.normal), p_m + above(1.0, face.normal)));
+        sight_.first_hit(p_m + above(kLookFrom, face.normal), p_m + above(1.0, face.normal)));
   }
 
   // Turns the heading over an edge. False where a hand does not go.
-  bool cross(const Face& face, const Face& next, const Exit& exit, Vec3& heading, double& fold_rad,
-             std::optional<Vec3>& probe_m) const {
+  bool cross(const SceneFace& face, const SceneFace& next, const Exit& exit, Vec3& heading,
+             double& fold_rad, std::optional<Vec3>& probe_m) const {
     const Vec3 outward = exit.along_edge.cross(face.winding);
     const Vec3 onward = exit.along_edge.cross(next.winding);
     const double along = heading.dot(exit.along_edge);
@@ -473,7 +326,7 @@ class PathFinder {
     // Around an edge that sticks out, not through it.
     for (const Vec3& normal : {face.normal, next.normal}) {
       const Vec3 here_m = exit.p_m + above(kProbeHeight, normal);
-      if (std::isfinite(looker_.first_hit(*probe_m, here_m))) return false;
+      if (std::isfinite(sight_.first_hit(*probe_m, here_m))) return false;
       probe_m = here_m;
     }
     return true;
@@ -533,10 +386,10 @@ class PathFinder {
 
   const Scene& scene_;
   SurfacePathSettings settings_;
-  FaceReader faces_;
-  Looker looker_;
-  Random random_;
-  FaceSampler sampler_;
+  SceneFaceReader faces_;
+  SceneSight sight_;
+  UniformRandom random_;
+  SceneFaceSampler sampler_;
   double far_m_;
   std::vector<Piece> pieces_;
   double done_m_ = 0.0;  // of the length of the path

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "haptics/proxy/body_push.h"
 #include "haptics/proxy/check_god_object_settings.h"
 #include "haptics/proxy/god_object_ways.h"
 
@@ -29,14 +28,6 @@ constexpr double kMostGrowth = 16.0;
 // A step goes into the world's bounds and then straight on or round a feature; an iteration takes
 // one, and one more if it is a way out.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
-
-// How often bodies that are held back try again in one tick: a chain of so many, each in the way of
-// the next, moves as one.
-constexpr int kMostPushPasses = 4;
-
-bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
-  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
-}
 
 // The height of a point over a plane through another, of the distance between the two: 1 rounding
 // for their difference, 3 for the product and 4 for the length of the normal.
@@ -65,11 +56,6 @@ GodObject::GodObject(GodObject&&) noexcept = default;
 GodObject& GodObject::operator=(GodObject&&) noexcept = default;
 GodObject::~GodObject() = default;
 
-bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
-  return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&
-         std::isfinite(T_solver_body.translation_m.squaredNorm());
-}
-
 ProxyState GodObject::refused() const {
   ProxyState state;
   state.proxy = proxy_;
@@ -81,110 +67,6 @@ ProxyState GodObject::refused() const {
 // of the order of the scene, as the stand-off assumes.
 void GodObject::take_bounds() {
   bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
-}
-
-bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
-  if (!is_motion(body, T_solver_body)) return false;
-  if (!world_->place(body, unit_pose(T_solver_body))) return false;
-  world_->take_bounds(body);
-  tracer_.forget_candidates();
-  around_->of.reset();
-  take_bounds();
-  return true;
-}
-
-std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
-                                   const std::optional<Vec3>& motion_plane_normal) noexcept {
-  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
-  tracer_.begin_tick();
-  bodies_have_moved_ = true;
-  if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
-  tracer_.begin_errand(SegmentTracer::Errand::kPush);
-  const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
-  const bool are_done = has_turn && push_all(motions, motion_plane_normal);
-  take_bounds();
-  if (are_done) first_motion_ = 0;
-  return count_not_there(motions);
-}
-
-// False if there is no work left for all of them: then the next one that is to move is the first in
-// the next tick.
-bool GodObject::push_all(std::span<const BodyMotion> motions,
-                         const std::optional<Vec3>& motion_plane_normal) noexcept {
-  std::size_t held = motions.size();
-  // One that another was in the way of may get on once that one has moved.
-  for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
-    const std::size_t held_before = std::exchange(held, std::size_t{0});
-    const std::size_t first = first_motion_;
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      const BodyMotion& motion = motions[(first + i) % motions.size()];
-      if (2 * tracer_.work().used() > tracer_.work().budget()) return false;
-      tracer_.begin_step();
-      held += move_body(motion, motion_plane_normal) ? 0 : 1;
-      first_motion_ = (first + i + 1) % motions.size();
-      if (!tracer_.is_cut_short()) continue;
-      last_push_ = motion;
-      return false;
-    }
-    if (held == held_before) break;
-  }
-  return true;
-}
-
-// Goes on with the push that the last tick was cut short in: to where the body was to be then. True
-// if it has done anything.
-bool GodObject::finishes_push(std::span<const BodyMotion> motions,
-                              const std::optional<Vec3>& motion_plane_normal) noexcept {
-  const BodyMotion push = *last_push_;
-  last_push_.reset();
-  const bool still_moves = std::any_of(motions.begin(), motions.end(),
-                                       [&](const BodyMotion& m) { return m.body == push.body; });
-  if (!still_moves) return false;
-  tracer_.repeat_step();
-  move_body(push, motion_plane_normal);
-  if (tracer_.is_cut_short()) last_push_ = push;
-  return true;
-}
-
-// How many bodies are not where they are to be.
-std::size_t GodObject::count_not_there(std::span<const BodyMotion> motions) const {
-  const auto is_there = [&](const BodyMotion& motion) {
-    return is_motion(motion.body, motion.T_solver_body) &&
-           is_same_pose(world_->body(motion.body).T_solver_body, unit_pose(motion.T_solver_body));
-  };
-  const auto there = std::count_if(motions.begin(), motions.end(), is_there);
-  return motions.size() - static_cast<std::size_t>(there);
-}
-
-bool GodObject::move_body(const BodyMotion& motion,
-                          const std::optional<Vec3>& motion_plane_normal) noexcept {
-  if (!is_motion(motion.body, motion.T_solver_body)) return false;
-  const RigidTransform before = world_->body(motion.body).T_solver_body;
-  const RigidTransform after = unit_pose(motion.T_solver_body);
-  if (is_same_pose(before, after)) return true;
-  const Vec3 proxy_before = proxy_;
-  const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
-  if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
-  world_->take_bounds(motion.body);
-  tracer_.forget_moving();
-  around_->of.reset();
-  if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;
-  for (int i = 0; i < last_count_; ++i) {
-    FaceContact& contact = last_contacts_[i];
-    if (contact.face.body != motion.body) continue;
-    settled_ = confirmed_ = repeats_step_ = false;
-    contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
-  }
-  return true;
-}
-
-// A face that holds the proxy sideways takes it along, also one that it slides on: seen from the
-// face, the hand moves, and what friction leaves of that is for the next step.
-bool GodObject::is_carried_by(std::uint32_t body) const {
-  for (std::size_t i = 0; i < contacts().size(); ++i) {
-    if (last_holds_[i] && contacts()[i].face.body == body) return true;
-  }
-  return false;
 }
 
 bool GodObject::place(const Vec3& p) noexcept {

@@ -1,12 +1,10 @@
 #include "haptics/proxy/segment_tracer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
+#include <array>
 
-#include "geometry/index/pack_queries.h"
 #include "haptics/proxy/float_trace.h"
+#include "haptics/proxy/segment_search.h"
 
 namespace palpate {
 namespace {
@@ -23,13 +21,6 @@ constexpr int kMostRefills = 4;
 constexpr double kShortStep = 0.125;
 constexpr double kFirstLook = 0.01;
 constexpr double kFartherLook = 16.0;
-
-// Packs that are asked in one go.
-constexpr std::size_t kPacksAtOnce = 16;
-
-// Of a segment that is searched for something before a hit, at least so much is searched: what is
-// at the very start counts, too.
-constexpr double kLeastPart = 0x1p-20;
 
 // A tick notes its traces when it has done so much of its work: most never do, and what they did
 // before is soon done again.
@@ -68,210 +59,6 @@ SolverScale scale_for(const LiveWorld& world, double radius_m, const Accuracy& a
 }
 
 }  // namespace
-
-// One query in flight.
-struct SegmentTracer::Search {
-  SegmentTracer& tracer;
-  Vec3 p, q;  // solver frame
-  // Hits beyond do not count. What is searched is the part of the step up to here.
-  StepFraction limit;
-  std::optional<TraceHit> best;
-
-  // Of the body entered.
-  std::uint32_t body = 0;
-  const ContactBody* placed = nullptr;
-  const SolverCorners* corners = nullptr;  // if they are what decides
-  Vec3 p_body, q_body;
-  Vec3 p_index, d_index;  // the part searched, rounded: for what only sorts out
-  double sorted_within;   // of that, index frame: what is farther from the step does not matter
-
-  bool is_resumed = false;
-  bool has_begun = false;  // something has been examined for good, so that it can be cut short
-
-  // No aggregate: that would be cleared as a whole first, which takes as long as a pack.
-  Search(SegmentTracer& by, const Vec3& from, const Vec3& to, StepFraction up_to)
-      : tracer(by), p(from), q(to), limit(up_to) {}
-
-  // Searches only what is before the best hit so far.
-  void shorten() {
-    if (!best) return;
-    limit = std::min(limit, StepFraction(std::max(best->meet_fraction.value(), kLeastPart)));
-  }
-
-  void enter_body(std::uint32_t id) {
-    if (placed && body == id) return;
-    body = id;
-    placed = &tracer.world_->body(id);
-    corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
-    p_body = placed->to_body(p);
-    q_body = placed->to_body(q);
-    // A step that is shorter than the rounding of its ends in the body is a step all the same.
-    enter_index(corners ? placed->way_to_body(q - p) : Vec3(q_body - p_body));
-  }
-
-  // Enters a body with a step given in its own frame.
-  void enter_body_at(std::uint32_t id, const Vec3& from_body, const Vec3& to_body) {
-    body = id;
-    placed = &tracer.world_->body(id);
-    p_body = from_body;
-    q_body = to_body;
-    corners = nullptr;
-    enter_index(q_body - p_body);
-  }
-
-  void enter_index(const Vec3& d_body) {
-    double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
-    // As much farther as the body's corners and its index may be apart.
-    if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
-    p_index = p_body;
-    d_index = limit.value() * d_body;
-    sorted_within = placed->length_to_body(within_m);
-    if (!placed->stretch) [[likely]]
-      return;
-    p_index = placed->to_index(p_index);
-    d_index = placed->to_index(d_index);
-    sorted_within = placed->reach_index(within_m, p_body);
-  }
-
-  // For queries of whole segments, whose float margins cover a point's clearance.
-  double sweep_radius() const {
-    const bool is_covered = tracer.radius_m_ == 0.0 && !corners && !placed->stretch;
-    return is_covered ? 0.0 : sorted_within;
-  }
-
-  bool misses_body() const { return !placed->index->may_meet(p_index, d_index, sweep_radius()); }
-
-  bool must_stop() const { return has_begun && tracer.work_.is_spent(); }
-
-  // Packs of the body entered. False if it has to stop before the last of them, in `unexamined`.
-  bool consider_packs(std::span<const std::uint32_t> packs, std::uint32_t& unexamined) {
-    while (!packs.empty()) {
-      unexamined = packs.front();
-      if (must_stop()) return false;
-      const auto some = packs.first(std::min(packs.size(), packs_at_once()));
-      packs = packs.subspan(some.size());
-      if (!(tracer.radius_m_ == 0.0 ? consider_for_point(some) : consider_for_sphere(some))) {
-        return false;
-      }
-      has_begun = true;
-    }
-    return true;
-  }
-
-  // One where a search goes on: so that it gets on however little it may do.
-  std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
-
-  bool consider_for_point(std::span<const std::uint32_t> packs) {
-    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
-    std::array<PackLanes, kPacksAtOnce> doubtful;
-    const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_index, d_index,
-                                               sorted_within, doubtful.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      if (i > 0 && tracer.work_.is_spent()) return false;  // never where there is one
-      for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
-        consider_lane(doubtful[i].pack, take_lane(lanes));
-      }
-    }
-    return true;
-  }
-
-  // First what the sphere touches where it is: as a rule that stops it, and tells the rest apart.
-  bool consider_for_sphere(std::span<const std::uint32_t> packs) {
-    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
-    std::array<PackApproach, kPacksAtOnce> doubtful;
-    const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_index, d_index,
-                                             sorted_within, doubtful.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      if (i > 0 && tracer.work_.is_spent()) return false;
-      PackApproach& in = doubtful[i];
-      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
-        const int lane = take_lane(lanes);
-        if (!in.is_in_reach_at_start(lane)) continue;
-        in.lanes &= ~(1u << lane);
-        consider_lane(in.pack, lane);
-      }
-    }
-    float needed_up = needed_rounded_up();
-    for (std::size_t i = 0; i < count; ++i) {
-      if (i > 0 && tracer.work_.is_spent()) return false;
-      const PackApproach& in = doubtful[i];
-      for (std::uint32_t lanes = in.lanes; lanes != 0;) {
-        const int lane = take_lane(lanes);
-        if (!in.may_be_in_reach_by(needed_up, lane)) continue;
-        consider_lane(in.pack, lane);
-        needed_up = needed_rounded_up();
-      }
-    }
-    return true;
-  }
-
-  void consider_lane(std::uint32_t pack, int lane) {
-    const FaceRef face{body, SurfaceIndex::slot(pack, lane)};
-    tracer.doubtful_.add(face);
-    consider(face);
-  }
-
-  // A triangle of the body entered.
-  void consider(const FaceRef& face) {
-    TriangleHit hit;
-    TriangleWork work;
-    const bool is_met = meets(face.slot, hit, work);
-    tracer.work_.add(work::kTriangle + work.signs.by_pairs * work::kSignByPairs +
-                     work.signs.by_expansions * work::kSignByExpansions +
-                     work.nearest_points * work::kNearestPoint);
-    if (is_met) keep_earlier(hit, face);
-  }
-
-  bool meets(std::uint32_t slot, TriangleHit& hit, TriangleWork& work) const {
-    const SolverScale& scale = tracer.scale_;
-    const double stop = placed->length_to_body(scale.stop_m);
-    if (tracer.is_in_float_ && !placed->stretch) {
-      const auto lane = static_cast<int>(slot % TrianglePack::kLanes);
-      const TrianglePack& pack = placed->index->pack(slot / TrianglePack::kLanes);
-      return trace_point_in_float(pack, lane, p_body, q_body, stop, hit);
-    }
-    const TriangleGeometry& t = tracer.made_.of(*placed, {body, slot});
-    if (corners) {
-      const Vec3 normal = placed->direction_to_solver(t.normal);
-      return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
-                         hit, work);
-    }
-    if (tracer.radius_m_ == 0.0) {
-      return trace_point(t, p_body, q_body, {stop, placed->length_to_body(scale.clearance_m)}, hit,
-                         work);
-    }
-    return trace_sphere(t, p_body, q_body, placed->length_to_body(tracer.radius_m_), stop,
-                        best ? std::min(best->meet_fraction, limit) : limit, hit, work);
-  }
-
-  // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
-  // Embree, does not show.
-  void keep_earlier(const TriangleHit& hit, const FaceRef& face) {
-    if (hit.meet_fraction > limit) return;
-    if (best && hit.meet_fraction > best->meet_fraction) return;
-    if (best && hit.meet_fraction == best->meet_fraction && face > best->contact.face) return;
-    Vec3 normal = hit.normal;
-    Vec3 feature_point = hit.feature_point;
-    double clearance_m = hit.clearance_m;
-    if (!corners) {
-      normal = placed->direction_to_solver(normal);
-      if (!placed->is_identity) normal.normalize();
-      feature_point = placed->to_solver(feature_point);
-      clearance_m = placed->length_to_solver(clearance_m);
-    }
-    best = TraceHit{
-        {face, normal, clearance_m, hit.feature, feature_point}, hit.fraction, hit.meet_fraction};
-  }
-
-  // How far along the part searched a triangle can still matter.
-  double needed() const {
-    return best ? std::max(best->meet_fraction.value() / limit.value(), kLeastPart) : 1.0;
-  }
-  float needed_rounded_up() const {
-    const double needed = best ? best->meet_fraction.value() / limit.value() : 1.0;
-    return static_cast<float>(needed) * (1 + 2 * std::numeric_limits<float>::epsilon());
-  }
-};
 
 SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy)
     : world_(&world),

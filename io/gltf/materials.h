@@ -1,8 +1,7 @@
 #pragma once
 
-// What the file declares about how surfaces feel, and which triangles it is said of: glTF materials
-// with extras.palpate, KHR_physics_rigid_bodies (draft) and MPEG_haptic_material (ISO/IEC
-// 23090-14). Nothing is interpreted here. Thread-safe.
+// What the file declares about how triangles feel: glTF materials with extras.palpate, together
+// with the haptic materials of haptic_materials.h. Nothing is interpreted here. Thread-safe.
 
 #include <cstddef>
 #include <cstdint>
@@ -94,20 +93,7 @@ class GltfMaterials {
   std::vector<std::string> warnings_;
 };
 
-// Reads the physics materials, all of them, into a scene whose tree and nodes have been read, and
-// binds them: a node has that of its own collider; else that of a collider whose geometry names the
-// node or, nearest first, an ancestor (the geometry of a node includes its children). Where such
-// colliders disagree, the first in depth-first order wins, with a note. Colliders outside the scene
-// and triggers say nothing. An error if a declaration is not as its convention asks. The JSON is
-// as check_sections() has left it.
-std::optional<Error> read_physics_materials(const nlohmann::json& root, SceneDescription& scene);
-
 // Names the variants of KHR_materials_variants, which are not read.
 void note_variants(const nlohmann::json& root, std::vector<std::string>& notes);
-
-// The haptic material of a mesh of the file: index into the list of the extension, which the asset
-// has under its name or its older one, MPEG_material_haptic.
-Result<std::optional<std::uint32_t>> haptic_material_of_mesh(const nlohmann::json& root,
-                                                             std::size_t mesh);
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include "io/gltf/attributes.h"
 #include "io/gltf/draco.h"
 #include "io/gltf/error.h"
+#include "io/gltf/haptic_materials.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/morph.h"
 #include "io/gltf/tinygltf.h"

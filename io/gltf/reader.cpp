@@ -32,6 +32,7 @@
 #include "io/gltf/model.h"
 #include "io/gltf/morph.h"
 #include "io/gltf/nodes.h"
+#include "io/gltf/physics_materials.h"
 #include "io/gltf/prescan.h"
 #include "io/gltf/primitives.h"
 #include "io/gltf/skin.h"

@@ -1,0 +1,89 @@
+#include "engine/scene/material_parameters.h"
+
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+// How the element of one begins (MaterialParameter).
+constexpr const char* kOverrideElement = "`SceneSettings::overrides`";
+
+std::string number_text(double x) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+  return {text.data(), end};
+}
+
+}  // namespace
+
+std::string source_of(const MaterialParameter& parameter) {
+  return parameter.element.starts_with(kOverrideElement) ? kOverrideSource : kExtrasSource;
+}
+
+std::string quoted_text(std::string_view text) {
+  return "\"" + std::string(text) + "\"";
+}
+
+std::string value_text(const MaterialValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return number_text(*number);
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* text = std::get_if<std::string>(&value)) return quoted_text(*text);
+  std::string list;
+  for (const double x : std::get<std::vector<double>>(value)) {
+    list += (list.empty() ? "" : ", ") + number_text(x);
+  }
+  return "[" + list + "]";
+}
+
+Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
+               std::string hint) {
+  const bool is_argument = source_of(parameter) == kOverrideSource;
+  return {is_argument ? ErrorCode::kInvalidArgument : ErrorCode::kInvalidContent, "",
+          parameter.element, owner + ": " + std::move(problem), std::move(hint)};
+}
+
+Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
+                      std::string_view effect) {
+  return {ErrorCode::kUnsupported, "", parameter.element,
+          owner + ": " + parameter.key + " calls for the effect " + std::string(effect) +
+              ", which is not in this build",
+          "build with it in PALPATE_EFFECTS"};
+}
+
+Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
+                      const std::string& expected) {
+  return error_at(owner, parameter,
+                  parameter.key + " is " + value_text(parameter.value) + "; expected " + expected);
+}
+
+std::string expected_text(const ParameterKey& key) {
+  if (key.kind == ParameterKey::Kind::kChoice) {
+    return quoted_text(key.choices[0]) + " or " + quoted_text(key.choices[1]);
+  }
+  return std::string("a number ") + (key.least_is_excluded ? "above " : "from ") +
+         number_text(key.least) + (key.least_is_excluded ? " and up to " : " to ") +
+         number_text(key.most) + (key.unit.empty() ? "" : " ") + std::string(key.unit);
+}
+
+Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
+                              const ParameterKey& key) {
+  if (key.kind == ParameterKey::Kind::kChoice) {
+    const auto* text = std::get_if<std::string>(&parameter.value);
+    for (std::size_t i = 0; text && i < key.choices.size(); ++i) {
+      if (*text == key.choices[i]) return static_cast<double>(i);
+    }
+    return parameter_error(owner, parameter, expected_text(key));
+  }
+  const auto* number = std::get_if<double>(&parameter.value);
+  const bool is_in_range = number && *number >= key.least && *number <= key.most &&
+                           !(key.least_is_excluded && *number == key.least);
+  if (!is_in_range) return parameter_error(owner, parameter, expected_text(key));
+  return *number == 0.0 ? 0.0 : *number;  // no minus zero
+}
+
+}  // namespace palpate

@@ -1,0 +1,247 @@
+// How the nodes of a scene become the bodies of its world: see scene.h.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "engine/scene/memory_budget.h"
+#include "engine/scene/scene.h"
+
+namespace palpate {
+namespace {
+
+// So many bodies are asked one by one; more are found by a tree.
+constexpr std::size_t kFewBodies = 8;
+
+// That indices are built for. Of a proxy.
+double sweep_radius_m(double size_m, double proxy_radius_m) {
+  const double stand_off_m = SolverScale::of(size_m, proxy_radius_m).stand_off_m;
+  return proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off_m : 0.0;
+}
+
+}  // namespace
+
+// Counts what the nodes take that are placed, whatever their surfaces.
+std::optional<Error> Scene::take_places(const std::vector<NodeDescription>& nodes) {
+  constexpr std::uint64_t kKept = sizeof(SceneObject) + sizeof(IndexUse) + sizeof(std::size_t) +
+                                  sizeof(std::uint32_t) + sizeof(ContactBody);
+  MemoryNeed need;
+  for (const NodeDescription& node : nodes) need.kept += kKept + text_bytes(node.name);
+  need.peak = need.kept + nodes.size() * sizeof(NodePlacement);
+  if (nodes.size() > kFewBodies) need = need + BoxTree::memory_need(nodes.size());
+  ledger_->begin("placing nodes", std::to_string(nodes.size()) + " nodes");
+  return ledger_->take(need);
+}
+
+// Leaves the nodes that have a surface to touch, and returns how each is placed.
+std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
+  std::vector<NodePlacement> placements;
+  placements.reserve(nodes.size());
+  std::erase_if(nodes, [&](const NodeDescription& node) {
+    if (welded_[node.mesh].face_count() == 0) return true;
+    const auto placement = split_linear(node.linear_scene_mesh);
+    if (!placement || !node.translation_m.allFinite()) {
+      statistics_.warnings.push_back(
+          node.name +
+          ": left out, its transform stretches it by so much more in one "
+          "direction than in another that no surface is left");
+      return true;
+    }
+    placements.push_back(*placement);
+    return false;
+  });
+  return placements;
+}
+
+std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nodes,
+                                         const std::vector<NodePlacement>& placements,
+                                         std::span<const Box> boxes, double proxy_radius_m,
+                                         SceneEffects& effects) {
+  const double size_m = statistics_.extent_m.maxCoeff();
+  IndexSharing sharing(welded_, boxes, sweep_radius_m(size_m, proxy_radius_m), size_m);
+  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.look_at(nodes[i].mesh, placements[i]);
+  objects_.reserve(nodes.size());
+  use_of_object_.reserve(nodes.size());
+  std::vector<IndexUse> uses;
+  uses.reserve(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    uses.push_back(sharing.use(nodes[i].mesh, placements[i]));
+  }
+  shapes_ = sharing.take_shapes();
+  world_.stretches = std::make_shared<const std::vector<Stretch>>(sharing.take_stretches());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const NodeDescription& node = nodes[i];
+    const auto outfit = effects.outfit(node.name, node.mesh, node.physics_material);
+    if (!outfit) return outfit.error();
+    const Vec3 middle_m = -uses[i].metres_per_unit * map_body_mesh(uses[i]).translation_m;
+    const Quat& rotation = placements[i].rotation;
+    const RigidTransform T_scene_body{rotation, node.translation_m + rotation * middle_m};
+    statistics_.instanced_triangles += welded_[node.mesh].face_count();
+    if (!effects.is_solid(*outfit)) {
+      media_.push_back({node.name, uses[i], *outfit, T_scene_body});
+      continue;
+    }
+    objects_.push_back({node.name, node.mesh, node.tree_node, T_scene_body, node.physics_material});
+    use_of_object_.push_back(uses[i]);
+    outfit_of_object_.push_back(*outfit);
+    node_of_object_.push_back(static_cast<std::uint32_t>(i));
+  }
+  statistics_.instances = objects_.size() + media_.size();
+  statistics_.indices = shapes_.size();
+  return std::nullopt;
+}
+
+AffineMap Scene::map_body_mesh(const IndexUse& use) const {
+  const AffineMap& map = shapes_[use.shape].map_index_mesh;
+  if (use.stretch == IndexUse::kNoStretch) return map;
+  const Mat3& linear = (*world_.stretches)[use.stretch].linear_body_index();
+  return {linear * map.linear, linear * map.translation_m};
+}
+
+AffineMap Scene::map_body_mesh(std::size_t object) const {
+  return map_body_mesh(use_of_object_[object]);
+}
+
+AffineMap Scene::deformation(std::size_t object) const {
+  const double metres_per_unit = use_of_object_[object].metres_per_unit;
+  const AffineMap map = map_body_mesh(object);
+  return {metres_per_unit * map.linear, metres_per_unit * map.translation_m};
+}
+
+std::optional<Error> Scene::build_world(const Box& bounds_scene,
+                                        const std::vector<NodeDescription>& nodes,
+                                        double proxy_radius_m) {
+  world_.size_m = statistics_.extent_m.maxCoeff();
+  // A single body is solved in its own frame: no transform, no rounding.
+  world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
+                                               : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
+  world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
+  auto found = seams_of(nodes);
+  if (!found) return found.error();
+  Seams seams = std::move(*found);
+  report_seams(seams);
+  if (auto error = take_surfaces(seams)) return error;
+  if (proxy_radius_m == 0.0) widen_sweeps(seams);
+  build_meshes_and_indices();
+  add_bodies();
+  if (!seams.bodies.empty()) add_corners(seams, nodes);
+  node_of_object_ = {};
+  statistics_.memory.places =
+      objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
+      use_of_object_.capacity() * sizeof(IndexUse) +
+      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(IndexShape) +
+      world_.stretches->capacity() * sizeof(Stretch) +
+      (world_.seams ? world_.seams->memory_bytes() : 0);
+  for (const SceneObject& object : objects_) statistics_.memory.places += text_bytes(object.name);
+  for (const TreeNode& node : tree_) statistics_.memory.places += text_bytes(node.name);
+  if (world_.bodies.size() <= kFewBodies) return std::nullopt;
+  std::vector<Box> boxes;
+  boxes.reserve(world_.bodies.size());
+  for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
+  world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, proxy_radius_m));
+  statistics_.memory.places += world_.tree->memory_bytes();
+  return std::nullopt;
+}
+
+void Scene::add_bodies() {
+  world_.bodies.reserve(objects_.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const RigidTransform& T_scene_body = objects_[i].T_scene_body;
+    const IndexUse& use = use_of_object_[i];
+    ContactBody& body = world_.bodies.emplace_back();
+    body.index = indices_[use.shape].get();
+    body.place({T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
+    body.metres_per_unit = use.metres_per_unit;
+    body.units_per_metre = 1.0 / use.metres_per_unit;
+    if (use.stretch != IndexUse::kNoStretch) body.stretch = &(*world_.stretches)[use.stretch];
+  }
+}
+
+// For a point: as far as what sorts out looks beyond the clearance for bodies that meet others
+// along seams, and for stretched ones. Of one that is next to nothing beside the scene, that is
+// far: such a body is not searched with Embree (SegmentTracer).
+void Scene::widen_sweeps(const Seams& seams) {
+  constexpr double kMostSweep = 0x1p-10;  // of the size of the mesh
+  const double reach_m = SolverScale::of(world_.size_m, 0.0).stand_off_m;
+  const auto widen = [&](const IndexUse& use, double sweep_radius) {
+    double& widest = shapes_[use.shape].sweep_radius;
+    if (sweep_radius <= kMostSweep) widest = std::max(widest, sweep_radius);
+  };
+  for (const SeamBody& body : seams.bodies) {
+    const IndexUse& use = use_of_object_[body.surface];
+    widen(use, reach_m / std::abs(use.metres_per_unit));
+  }
+  // Steps that begin farther away are rare.
+  const Vec3 far_m = Vec3::Constant(world_.size_m);
+  for (const IndexUse& use : use_of_object_) {
+    if (use.stretch == IndexUse::kNoStretch) continue;
+    widen(use, (*world_.stretches)[use.stretch].reach_index(reach_m, far_m));
+  }
+}
+
+Result<Seams> Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
+  ledger_->begin("joining nodes that meet", std::to_string(objects_.size()) + " nodes");
+  if (auto error = ledger_->check(objects_.size() * sizeof(SeamSurface))) return *error;
+  std::vector<SeamSurface> surfaces;
+  surfaces.reserve(objects_.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const IndexUse& use = use_of_object_[i];
+    surfaces.push_back({&nodes[node_of_object_[i]], use.metres_per_unit * map_body_mesh(use).linear,
+                        objects_[i].T_scene_body.rotation});
+  }
+  return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m, *ledger_);
+}
+
+void Scene::report_seams(const Seams& seams) {
+  statistics_.seam_vertices = seams.vertices;
+  statistics_.seam_places = seams.places;
+  statistics_.seam_nodes = seams.bodies.size();
+  if (!seams.bodies.empty()) {
+    statistics_.notes.push_back(
+        "seams: " + std::to_string(seams.vertices) + " vertices of " +
+        std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
+        " places and are joined, so that no point passes there; open stay nodes that have moved, "
+        "a vertex on the edge of another node, and gaps that are in the file");
+  }
+  const auto warn = [&](const std::vector<std::uint32_t>& surfaces, const char* problem) {
+    if (surfaces.empty()) return;
+    const std::size_t others = surfaces.size() - 1;
+    statistics_.warnings.push_back(
+        objects_[surfaces.front()].name +
+        (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") + problem);
+  };
+  warn(seams.too_far,
+       ": too far from the origin of the scene, or of the mesh, to tell which vertices meet those "
+       "of other nodes; a point may pass between nodes there. Move the scene to its origin");
+  warn(seams.crowded,
+       ": too small beside the scene to tell which vertices meet those of other nodes; a point may "
+       "pass between nodes there. Leave out what makes the scene so large");
+}
+
+// Of the bodies that meet others, for a point. Their indices exist.
+void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes) {
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);
+  const auto made = std::make_shared<SeamedBodies>();
+  for (const SeamBody& body : seams.bodies) {
+    const std::size_t shape = use_of_object_[body.surface].shape;
+    if (slots_of_shape[shape] != kNone) continue;
+    slots_of_shape[shape] = made->slots.size();
+    made->slots.push_back(vertices_of_slots(*indices_[shape], meshes_[shapes_[shape].mesh]));
+  }
+  made->bodies.reserve(seams.bodies.size());
+  for (SeamBody& body : seams.bodies) {
+    const std::size_t shape = use_of_object_[body.surface].shape;
+    const NodeDescription& node = nodes[node_of_object_[body.surface]];
+    body.joined.shrink_to_fit();
+    made->bodies.push_back(std::make_unique<SolverCorners>(
+        meshes_[shapes_[shape].mesh].welded_positions(), made->slots[slots_of_shape[shape]],
+        node.linear_scene_mesh, world_.to_solver(node.translation_m), std::move(body.joined)));
+    world_.bodies[body.surface].corners = made->bodies.back().get();
+  }
+  world_.seams = made;
+}
+
+}  // namespace palpate
