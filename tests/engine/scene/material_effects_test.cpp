@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/scene/material_parameters.h"
 #include "engine/scene/surroundings.h"
 #include "haptics/effects/friction.h"
 #include "haptics/effects/magnet.h"
