@@ -37,6 +37,7 @@ constexpr OptionName kOptionNames[] = {
     {"HapticSettings", "initial_pose", "--place"},
     {"RunSettings", "moves", "--move"},
     {"RunSettings", "device.workspace", "--workspace"},
+    {"RunSettings", "device.damping_Ns_per_m", "--device-damping"},
     {"ExplorationSettings", "seconds", "--seconds"},
     {"ExplorationSettings", "seed", "--seed"},
     {"StudyEffort", "seed", "--seed"},
@@ -63,8 +64,12 @@ std::string with_option_names(std::string text) {
 }
 
 Error with_option_names(Error error) {
+  // Of what a file holds, elements are places in it, which may have these names.
+  const bool is_of_settings = error.code == ErrorCode::kInvalidArgument ||
+                              error.code == ErrorCode::kOutOfMemory ||
+                              error.code == ErrorCode::kLimitExceeded;
   for (const OptionName& name : kOptionNames) {
-    if (error.element == name.field) {
+    if (is_of_settings && error.element == name.field) {
       error.element = name.option;
       break;
     }

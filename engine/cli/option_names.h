@@ -9,7 +9,7 @@
 namespace palpate {
 
 // The library names a field in a text as `Struct::field`, in backquotes. The same text with the
-// option in its place.
+// option in its place; so is a name in a file that is written so.
 std::string with_option_names(std::string text);
 
 // An error whose element is a field has the option in its place; its texts are as above.

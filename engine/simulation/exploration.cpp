@@ -289,6 +289,10 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const StopFlag* stop, MemoryLedger& ledger) {
   if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
   if (const auto error = check_setup(scene, setup)) return *error;
+  PlantSettings plant;
+  plant.device = setup.device;
+  plant.seed = settings.seed;
+  if (const auto error = check_plant(plant, setup.dt_s)) return *error;
   if (scene.objects().empty()) {
     return Error{ErrorCode::kEmptyScene, "", "scene",
                  "has media and no surface that a hand could follow", "replay a path through it"};
@@ -298,9 +302,6 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                                          : plan_walk(scene, setup, settings);
   if (!hand) return hand.error();
   const ScenePose& pose = setup.haptics.initial_pose;
-  PlantSettings plant;
-  plant.device = setup.device;
-  plant.seed = settings.seed;
   SimulatedDevice device(plant, *hand->plan, pose.point(hand->start_scene_m), pose,
                          setup.actuation.is_planar());
   HapticLoop loop(scene.world(), setup.actuation, setup.haptics);

@@ -55,7 +55,7 @@ struct ExplorationRun {
 inline constexpr double kNearWay_m = 2e-3;
 inline constexpr double kNearWayShare = 0.01;
 
-// Settings that explore() would refuse; the error names the option.
+// Settings that explore() would refuse; the error names the field.
 std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s);
 
 // Called now and then from the calling thread with the share of the run that is done.

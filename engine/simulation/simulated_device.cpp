@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "haptics/record_vectors.h"
 
@@ -24,15 +25,35 @@ SimulatedDevice::SimulatedDevice(const PlantSettings& settings, HandPlan& plan,
       plan_(plan),
       planar_(planar),
       random_(settings.seed),
-      position_m_(start_device_m),
-      T_device_scene_(T_device_scene) {}
+      position_m_(start_device_m) {
+  put(T_device_scene, last_.q_after_wxyz, last_.o_after_m);
+}
+
+// Semi-implicit Euler of m x'' = -k x - c x' in steps of h has the characteristic polynomial
+// z^2 - (2 - c h / m - k h^2 / m) z + 1 - c h / m, whose roots are within the unit circle as long
+// as 2 c h / m + k h^2 / m < 4 (Jury).
+std::optional<Error> check_plant(const PlantSettings& settings, double dt_s) {
+  const double h_s = dt_s / settings.substeps;
+  const double mass_kg = settings.device.mass_kg + settings.hand.mass_kg;
+  const double damping = settings.device.damping_Ns_per_m + settings.hand.damping_Ns_per_m;
+  const double growth = (2.0 * damping + settings.hand.stiffness_N_per_m * h_s) * (h_s / mass_kg);
+  if (growth < 4.0) return std::nullopt;
+  std::ostringstream text;
+  text << settings.device.damping_Ns_per_m
+       << " N s/m given, which a simulated hand does not follow "
+       << "in steps of " << h_s << " s with a mass of " << mass_kg << " kg";
+  return Error{ErrorCode::kInvalidArgument, "", "device.damping_Ns_per_m", text.str(),
+               "choose less damping, more mass or a higher `RunSettings::rate_Hz`"};
+}
 
 DeviceSample SimulatedDevice::read(double dt_s) noexcept {
   // The first sample is the rest position: the proxy starts there.
   if (samples_++ > 0) move_hand(dt_s);
   const double quantum_m = settings_.device.encoder_quantum_m;
   Vec3 sensed_m = position_m_;
-  if (quantum_m != 0.0) sensed_m = (position_m_ / quantum_m).array().round() * quantum_m;
+  // Steps that are smaller than a number can count round nothing.
+  const Vec3 steps = quantum_m > 0.0 ? Vec3(position_m_ / quantum_m) : Vec3(Vec3::Zero());
+  if (quantum_m > 0.0 && steps.allFinite()) sensed_m = steps.array().round() * quantum_m;
   DeviceSample sample;
   sample.position_m = {sensed_m.x(), sensed_m.y(), sensed_m.z()};
   sample.sequence = samples_;
@@ -40,7 +61,7 @@ DeviceSample SimulatedDevice::read(double dt_s) noexcept {
 }
 
 void SimulatedDevice::move_hand(double dt_s) {
-  HandTarget target = plan_.target(time_s_, T_device_scene_, last_);
+  HandTarget target = plan_.target(time_s_, pose_after(last_), last_);
   target.position_m += intention_noise(dt_s);
   if (planar_) {
     target.position_m.z() = position_m_.z();
@@ -76,7 +97,6 @@ void SimulatedDevice::substep(const HandTarget& target, double dt_s) {
 
 void SimulatedDevice::on_tick(const TickRecord& record) noexcept {
   last_ = record;
-  T_device_scene_ = pose_after(record);
 }
 
 }  // namespace palpate

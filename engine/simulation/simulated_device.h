@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "engine/devices/light_device.h"
 #include "engine/devices/stability_limits.h"  // HandImpedance
 #include "engine/session/haptic_session.h"
+#include "geometry/base/result.h"
 #include "geometry/base/types.h"
 
 namespace palpate {
@@ -39,6 +41,10 @@ struct PlantSettings {
   std::uint64_t seed = 1;
 };
 
+// An error if a hand that moves in steps of a tick over substeps overshoots more with each of them,
+// so that its place becomes no number. It names the field of RunSettings. dt_s: of a tick.
+std::optional<Error> check_plant(const PlantSettings& settings, double dt_s);
+
 // Deterministic: one seed and one plan give one motion.
 class SimulatedDevice final : public Device, public TickObserver {
  public:
@@ -68,7 +74,6 @@ class SimulatedDevice final : public Device, public TickObserver {
   Vec3 velocity_m_per_s_ = Vec3::Zero();
   Vec3 noise_m_ = Vec3::Zero();
   Vec3 force_N_ = Vec3::Zero();
-  ScenePose T_device_scene_;
   TickRecord last_;
 };
 

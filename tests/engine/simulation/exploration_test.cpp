@@ -550,6 +550,9 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
     rate.options.rate_Hz = rate_Hz;
     EXPECT_EQ(refused_option(rate, {}), rate_Hz < 1.0 ? "rate_Hz" : "seconds") << rate_Hz;
   }
+  Condition damped;
+  damped.options.device.damping_Ns_per_m = 1e5;
+  EXPECT_EQ(refused_option(damped, {}), "device.damping_Ns_per_m");
   // What a loop would refuse in every tick, explore() does before the first.
   Condition hard;
   hard.options.stiffness_N_per_m = 1e300;
