@@ -35,14 +35,16 @@ SimulatedDevice::SimulatedDevice(const PlantSettings& settings, HandPlan& plan,
 std::optional<Error> check_plant(const PlantSettings& settings, double dt_s) {
   const double h_s = dt_s / settings.substeps;
   const double mass_kg = settings.device.mass_kg + settings.hand.mass_kg;
-  const double damping = settings.device.damping_Ns_per_m + settings.hand.damping_Ns_per_m;
-  const double growth = (2.0 * damping + settings.hand.stiffness_N_per_m * h_s) * (h_s / mass_kg);
-  if (growth < 4.0) return std::nullopt;
+  const auto is_followed = [&](double damping_Ns_per_m) {
+    return (2.0 * damping_Ns_per_m + settings.hand.stiffness_N_per_m * h_s) * (h_s / mass_kg) < 4.0;
+  };
+  const double of_hand = settings.hand.damping_Ns_per_m;
+  if (is_followed(settings.device.damping_Ns_per_m + of_hand)) return std::nullopt;
+  const char* field = is_followed(of_hand) ? "device.damping_Ns_per_m" : "rate_Hz";
   std::ostringstream text;
-  text << settings.device.damping_Ns_per_m
-       << " N s/m given, which a simulated hand does not follow "
-       << "in steps of " << h_s << " s with a mass of " << mass_kg << " kg";
-  return Error{ErrorCode::kInvalidArgument, "", "device.damping_Ns_per_m", text.str(),
+  text << "a simulated hand does not follow a damping of " << settings.device.damping_Ns_per_m
+       << " N s/m in steps of " << h_s << " s with a mass of " << mass_kg << " kg";
+  return Error{ErrorCode::kInvalidArgument, "", field, text.str(),
                "choose less damping, more mass or a higher `RunSettings::rate_Hz`"};
 }
 
