@@ -41,6 +41,18 @@ class SpentElements {
   std::vector<Json> elements_;
 };
 
+// Newer versions of tinygltf (Debian 13) tell warnings from errors, and ask how strict they are to
+// be about Draco streams, which draco.h decodes instead.
+template <typename Text>
+bool parse_mesh(tinygltf::Mesh& mesh, tinygltf::Model& model, Text& problem, const Json& element) {
+  if constexpr (requires { tinygltf::ParseMesh(&mesh, &model, &problem, element, kKeepText); }) {
+    return tinygltf::ParseMesh(&mesh, &model, &problem, element, kKeepText);
+  } else {
+    Text warning;
+    return tinygltf::ParseMesh(&mesh, &model, &problem, &warning, element, kKeepText, {});
+  }
+}
+
 // Reads the elements one after the other. tinygltf drops without a word what it cannot parse; after
 // the checks nothing should be.
 class ModelReader : public GltfElements {
@@ -101,7 +113,7 @@ class ModelReader : public GltfElements {
 
   bool read_mesh(const Json& element) {
     tinygltf::Mesh& mesh = result_.model.meshes.emplace_back();
-    return tinygltf::ParseMesh(&mesh, &result_.model, &problem_, element, kKeepText) &&
+    return parse_mesh(mesh, result_.model, problem_, element) &&
            mesh.primitives.size() == element["primitives"].size();
   }
 
