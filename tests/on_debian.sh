@@ -49,11 +49,15 @@ grep -ls Acquire /etc/apt/apt.conf.d/* | xargs -r cp -t "$root/etc/apt/apt.conf.
 mkdir -p "$root/palpate"
 git ls-files -z | tar --null --files-from=- -cf - | tar -C "$root/palpate" -xf -
 
+# Pseudo-terminals, for the tests of what a terminal shows, and shared memory.
+mounts="mkdir -p /dev/pts /dev/shm && mount -t devpts -o newinstance,ptmxmode=0666 none /dev/pts &&
+  ln -sf pts/ptmx /dev/ptmx && mount -t tmpfs none /dev/shm"
+
 # With namespaces of its own, so that what it mounts and starts ends with it.
 run_inside() {
   unshare --mount --pid --fork --mount-proc="$root/proc" \
     chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-    bash -c "mount -t devtmpfs none /dev 2>/dev/null; cd /palpate && $1"
+    bash -c "$mounts && cd /palpate && $1"
 }
 
 run_inside "apt-get update -q >/dev/null"

@@ -49,9 +49,11 @@ def configure(cmake, project, build, programs):
         f"--trace-redirect={trace}")
     for line in trace.read_text().splitlines():
         call = json.loads(line)
-        if "cmd" in call:
-            file = pathlib.Path(call["file"]).relative_to(project)
-            yield file, call["line"], call["cmd"].lower(), call["args"]
+        if "cmd" not in call:
+            continue
+        file = pathlib.Path(call["file"])
+        if file.is_relative_to(project):  # not one that CMake makes to try a compiler
+            yield file.relative_to(project), call["line"], call["cmd"].lower(), call["args"]
 
 
 def check_finds(calls):

@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -153,7 +154,7 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-const PaperObject& object_called(const std::vector<PaperObject>& objects, const std::string& name) {
+const PaperObject& object_called(const std::vector<PaperObject>& objects, std::string_view name) {
   const auto found = std::find_if(objects.begin(), objects.end(),
                                   [&](const PaperObject& o) { return o.name == name; });
   EXPECT_NE(found, objects.end()) << name;

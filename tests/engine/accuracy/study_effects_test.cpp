@@ -142,7 +142,8 @@ TEST(Effects, AddTheForceOfTheirModel) {
   expect_all_count(result);
   ASSERT_EQ(result.methods.size(), studied_effects().size() + 2);
   for (const std::string_view effect : studied_effects()) {
-    const MethodResult& left_out = test::method_of(result, "all but " + std::string(effect));
+    const std::string name = "all but " + std::string(effect);
+    const MethodResult& left_out = test::method_of(result, name);
     for (const LevelResult& level : left_out.levels) {
       EXPECT_FALSE(level.at_floor) << left_out.name << ", " << level.label;
     }

@@ -3,6 +3,7 @@
 // Knobs by name, measured, for the tests of them.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& na
 }
 
 // Likewise of its methods.
-inline const MethodResult& method_of(const KnobResult& result, const std::string& name) {
+inline const MethodResult& method_of(const KnobResult& result, std::string_view name) {
   for (const MethodResult& m : result.methods) {
     if (m.name == name) return m;
   }

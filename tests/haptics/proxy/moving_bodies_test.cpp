@@ -328,7 +328,7 @@ TEST(MovingBodies, NeverPassTheHandWhateverTheyDo) {
     while (!is_free(start)) start = random.in_box(0.3);
     hand.god_object().place(start);
     Vec3 goal = start;
-    Vec3 aim_body;
+    Vec3 aim_body = Vec3::Zero();
     std::uint32_t aimed_body = 0;
     for (int n = 0; n < 200; ++n) {
       for (std::uint32_t b = 0; b < 2; ++b) {  // the third rests
