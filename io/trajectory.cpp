@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "io/open_error.h"
+
 namespace palpate {
 namespace {
 
@@ -294,21 +296,16 @@ class TrajectoryReader {
   std::vector<Vec3> positions_m_;
 };
 
-Error open_error(const std::string& path, int reason) {
-  const bool missing = reason == ENOENT || reason == ENOTDIR;
-  return {missing ? ErrorCode::kFileNotFound : ErrorCode::kFileUnreadable, path, "",
-          "cannot be opened: " + std::error_code(reason, std::generic_category()).message(),
-          "give a text file of device positions"};
-}
+constexpr const char* kExpectedFile = "give a text file of device positions";
 
 }  // namespace
 
 Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return open_error(path, EISDIR);
+  if (std::filesystem::is_directory(path, ignored)) return open_error(path, EISDIR, kExpectedFile);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) return open_error(path, errno != 0 ? errno : EIO);
+  if (!file) return open_error(path, errno != 0 ? errno : EIO, kExpectedFile);
   TrajectoryReader reader(path);
   std::vector<char> line(kMaxLineBytes);
   while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {

@@ -12,11 +12,7 @@
 namespace palpate {
 namespace {
 
-double to_float(double x) {
-  return static_cast<double>(static_cast<float>(x));
-}
-
-Vec3 to_float(const Vec3& p) {
+Vec3 to_floats(const Vec3& p) {
   return {to_float(p.x()), to_float(p.y()), to_float(p.z())};
 }
 
@@ -233,7 +229,7 @@ std::vector<Triangle> clip_ears(const Contour& contour) {
 TriangleMesh icosphere(int subdivisions, double radius_m) {
   assert(radius_m > 0.0);
   TriangleMesh mesh = unit_icosphere(subdivisions);
-  for (Vec3& p : mesh.positions_m) p = to_float(Vec3(radius_m * p));
+  for (Vec3& p : mesh.positions_m) p = to_floats(Vec3(radius_m * p));
   return mesh;
 }
 
@@ -242,7 +238,7 @@ TriangleMesh bumpy_sphere(int subdivisions, double radius_m, double bump_height_
   TriangleMesh mesh = unit_icosphere(subdivisions);
   for (Vec3& p : mesh.positions_m) {
     const double bump = chebyshev(waves, p.x()) * chebyshev(waves, p.y()) * chebyshev(waves, p.z());
-    p = to_float(Vec3((radius_m + bump_height_m * bump) * p));
+    p = to_floats(Vec3((radius_m + bump_height_m * bump) * p));
   }
   return mesh;
 }
@@ -253,7 +249,7 @@ TriangleMesh box(const Vec3& size_m) {
   for (unsigned corner = 0; corner < 8; ++corner) {  // bit k set: the high side of axis k
     const auto side = [&](unsigned axis) { return (corner >> axis & 1u) != 0 ? 0.5 : -0.5; };
     const Vec3 p(side(0) * size_m.x(), side(1) * size_m.y(), side(2) * size_m.z());
-    mesh.positions_m.push_back(to_float(p));
+    mesh.positions_m.push_back(to_floats(p));
   }
   for (unsigned axis = 0; axis < 3; ++axis) {
     const std::uint32_t u = 1u << (axis + 1) % 3;  // u, v and the axis: a right-handed frame
@@ -281,7 +277,7 @@ TriangleMesh torus(double major_radius_m, double minor_radius_m, int subdivision
       const double from_axis_m = major_radius_m + minor_radius_m * tube[j].x();
       const Vec3 p(from_axis_m * ring[i].x(), from_axis_m * ring[i].y(),
                    minor_radius_m * tube[j].y());
-      mesh.positions_m.push_back(to_float(p));
+      mesh.positions_m.push_back(to_floats(p));
       mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});
       mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
     }

@@ -27,6 +27,11 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
 };
 
+// To the nearest float.
+inline double to_float(double x) {
+  return static_cast<double>(static_cast<float>(x));
+}
+
 // An icosahedron, each triangle of it split in four `subdivisions` times, with its vertices pushed
 // out to the sphere: 20 * 4^subdivisions triangles (5: 20,480; 6: 81,920; 7: 327,680; 8: 1,310,720;
 // 9: 5,242,880). Requires 0 <= subdivisions <= 12 and radius_m > 0.

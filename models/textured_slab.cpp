@@ -5,13 +5,6 @@
 #include <utility>
 
 namespace palpate {
-namespace {
-
-double to_float(double x) {
-  return static_cast<double>(static_cast<float>(x));
-}
-
-}  // namespace
 
 TexturedMesh textured_slab(const Vec3& size_m, double tile_m) {
   assert(size_m.minCoeff() > 0.0 && tile_m > 0.0);

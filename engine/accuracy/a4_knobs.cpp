@@ -24,7 +24,7 @@ constexpr double kMostStart_rad = 89.0 * kDeg;
 constexpr CouplingSettings kCoupling{1000.0, 2.0};
 constexpr double kPress_m = 5e-3;
 
-constexpr std::array kRates_Hz = {60, 120, 250, 500, 1000, 2000, 5000, 10000};
+constexpr std::array kA4Rates_Hz = {60, 120, 250, 500, 1000, 2000, 5000, 10000};
 constexpr std::size_t kDefaultRate = 4;
 
 // How long Figure 3's profile S takes from one angle down to another: the knee's speed above the
@@ -72,7 +72,7 @@ std::size_t ticks_to_align(double start_rad, double dt_s) {
 double time_roundoff_s() {
   constexpr double kRoundings = 16.0;
   const double most_ticks =
-      static_cast<double>(ticks_to_align(kMostStart_rad, 1.0 / kRates_Hz.back()));
+      static_cast<double>(ticks_to_align(kMostStart_rad, 1.0 / kA4Rates_Hz.back()));
   const double off_rad = most_ticks * kRoundings * std::numeric_limits<double>::epsilon();
   return off_rad / RotationProfile{}.speed_rad_per_s(kAligned_rad);
 }
@@ -105,15 +105,15 @@ Sample align(StepRule rule, double dt_s, const Accuracy& accuracy, std::uint64_t
   return sample;
 }
 
-std::string label(int rate_Hz) {
+std::string rate_label(int rate_Hz) {
   return rate_Hz < 1000 ? std::to_string(rate_Hz) + " Hz" : std::to_string(rate_Hz / 1000) + " kHz";
 }
 
 Method method(std::string name, StepRule rule, std::optional<double> order, double floor_s) {
   Method curve{std::move(name), {}, order, floor_s};
-  for (const int rate_Hz : kRates_Hz) {
+  for (const int rate_Hz : kA4Rates_Hz) {
     const double dt_s = 1.0 / rate_Hz;
-    curve.levels.push_back({dt_s, label(rate_Hz), [=](std::uint64_t seed) {
+    curve.levels.push_back({dt_s, rate_label(rate_Hz), [=](std::uint64_t seed) {
                               return align(rule, dt_s, Accuracy{}, seed);
                             }});
   }
@@ -143,7 +143,7 @@ Knob step_knob() {
   knob.default_method = 1;
   knob.default_level = kDefaultRate;
   knob.run_preset = [](std::uint64_t seed, const Accuracy& preset) {
-    return align(StepRule::kExact, 1.0 / kRates_Hz[kDefaultRate], preset, seed);
+    return align(StepRule::kExact, 1.0 / kA4Rates_Hz[kDefaultRate], preset, seed);
   };
   knob.enough = 10e-3;
   knob.enough_because =

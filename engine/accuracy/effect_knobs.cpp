@@ -78,9 +78,8 @@ Knob texture_knob(const StudyEffort& effort) {
 
 // ---- effects -----------------------------------------------------------------------------------
 
-constexpr double kRadius_m = 0.1;
+constexpr double kTappedRadius_m = 0.1;
 constexpr HeightSwing kTaps{-3e-3, 1e-3, 0.25};
-constexpr CouplingSettings kCoupling{1000.0, 2.0};
 
 // Passes with and without the effects, in turn, of which the shortest count: whatever else the
 // machine does makes a pass longer.
@@ -102,7 +101,7 @@ class EffectScenes {
     const std::string key = effect_case.name;
     auto place = scenes_.find(key);
     if (place == scenes_.end()) {
-      place = scenes_.emplace(key, effect_scene(subdivisions_, kRadius_m, effect_case)).first;
+      place = scenes_.emplace(key, effect_scene(subdivisions_, kTappedRadius_m, effect_case)).first;
     }
     return place->second;
   }
@@ -175,7 +174,7 @@ class TappedSphere {
   }
   std::vector<Vec3> path(std::uint64_t seed) const {
     const Quat turn = SeededRandom(seed).rotation();
-    std::vector<Vec3> path_m = path_over_sphere(kRadius_m, kTaps, ticks_);
+    std::vector<Vec3> path_m = path_over_sphere(kTappedRadius_m, kTaps, ticks_);
     for (Vec3& p_m : path_m) p_m = turn * p_m;
     return path_m;
   }
@@ -184,8 +183,8 @@ class TappedSphere {
     const auto keep = [&](const TickRecord& record) {
       if (forces) forces->emplace(record.tick, vec3(record.force_device_N));
     };
-    return run_path(scene.world(), PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m,
-                    kSpherePathPeriod_s, 0, keep);
+    return run_path(scene.world(), PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}),
+                    path_m, kSpherePathPeriod_s, 0, keep);
   }
   static const Forces& forces_of(std::map<std::uint64_t, Forces>& kept, std::uint64_t seed,
                                  const Scene& scene, const std::vector<Vec3>& path_m) {
@@ -219,7 +218,7 @@ constexpr std::size_t kUsualSphere = 2;  // 20 thousand triangles
 constexpr const char* kForceFloor =
     "the rounding of a file's coordinates to single precision, times K";
 constexpr double force_floor_N() {
-  return kCoupling.stiffness_N_per_m * 0x1p-24 * kRadius_m;
+  return kStudyCoupling.stiffness_N_per_m * 0x1p-24 * kTappedRadius_m;
 }
 
 // What is simulated, from everything to nothing.

@@ -103,29 +103,26 @@ double times_better(double better, double worse) {
   return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
 }
 
-LevelPlace default_place(const KnobResult& result) {
-  return {result.knob.default_method, result.knob.default_level};
-}
-
 const LevelResult& at(const KnobResult& result, const LevelPlace& place) {
   return result.methods[place.method].levels[place.level];
 }
 
 void judge_default(KnobResult& result) {
-  const LevelResult& mine = at(result, default_place(result));
+  const LevelResult& mine = at(result, result.default_place());
   if (!mine.counts()) {
     result.default_behind = std::numeric_limits<double>::infinity();
     result.better_than_default = "any: the default fails, " + mine.failure;
     return;
   }
-  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
-    if (!is_better(rival, mine)) return;
-    const double behind = std::max(times_better(rival.time.median, mine.time.median),
-                                   times_better(rival.error.median, mine.error.median));
-    if (behind <= result.default_behind) return;
-    result.default_behind = behind;
-    result.better_than_default = result.methods[p.method].name + ", " + rival.label;
-  });
+  for_each_rival(
+      result, result.default_place(), [&](const LevelPlace& p, const LevelResult& rival) {
+        if (!is_better(rival, mine)) return;
+        const double behind = std::max(times_better(rival.time.median, mine.time.median),
+                                       times_better(rival.error.median, mine.error.median));
+        if (behind <= result.default_behind) return;
+        result.default_behind = behind;
+        result.better_than_default = result.methods[p.method].name + ", " + rival.label;
+      });
 }
 
 // The quickest level whose error is small enough; of those that are about as quick, the default, or
@@ -133,7 +130,7 @@ void judge_default(KnobResult& result) {
 std::optional<LevelPlace> recommend(const KnobResult& result) {
   const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
   double least_time = std::numeric_limits<double>::infinity();
-  for_each_rival(result, default_place(result), [&](const LevelPlace&, const LevelResult& rival) {
+  for_each_rival(result, result.default_place(), [&](const LevelPlace&, const LevelResult& rival) {
     if (will_do(rival)) least_time = std::min(least_time, rival.time.median);
   });
   // With none that will do, all are.
@@ -141,19 +138,18 @@ std::optional<LevelPlace> recommend(const KnobResult& result) {
     return !std::isfinite(least_time) ||
            (will_do(a) && a.time.median <= KnobResult::kNearFront * least_time);
   };
-  const LevelResult& usual = at(result, default_place(result));
+  const LevelResult& usual = at(result, result.default_place());
   if (usual.counts() && std::isfinite(least_time) && is_candidate(usual)) {
-    return default_place(result);
+    return result.default_place();
   }
   std::optional<LevelPlace> best;
-  for_each_rival(result, default_place(result), [&](const LevelPlace& p, const LevelResult& rival) {
-    if (!is_candidate(rival)) return;
-    if (!best || rival.error.median < at(result, *best).error.median) best = p;
-  });
+  for_each_rival(result, result.default_place(),
+                 [&](const LevelPlace& p, const LevelResult& rival) {
+                   if (!is_candidate(rival)) return;
+                   if (!best || rival.error.median < at(result, *best).error.median) best = p;
+                 });
   return best;
 }
-
-constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
 
 // How far on the next level is in the order of a repeat: by another number each, so that none
 // always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
@@ -171,7 +167,7 @@ class Round {
     for (std::size_t m = 0; m < knob.methods.size(); ++m) {
       for (std::size_t l = 0; l < knob.methods[m].levels.size(); ++l) places_.push_back({m, l});
     }
-    gathered_.resize(places_.size() + kPresets.size());
+    gathered_.resize(places_.size() + kAccuracyPresets.size());
   }
 
   std::size_t size() const { return gathered_.size(); }
@@ -181,7 +177,7 @@ class Round {
       const LevelPlace& p = places_[i];
       gathered_[i].add(checked(knob_.methods[p.method].levels[p.level].run(seed)));
     } else {
-      gathered_[i].add(checked(knob_.run_preset(seed, kPresets[i - places_.size()])));
+      gathered_[i].add(checked(knob_.run_preset(seed, kAccuracyPresets[i - places_.size()])));
     }
   }
 
@@ -200,7 +196,7 @@ class Round {
       result.methods.push_back(std::move(m));
     }
     const double floor = knob_.methods[knob_.default_method].floor;
-    for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
       result.presets[p] = gathered_[i++].result(static_cast<double>(p), kPresetNames[p], floor);
     }
     return result;

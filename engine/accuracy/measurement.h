@@ -37,6 +37,7 @@ struct LevelResult {
   bool on_front = false;
 
   bool counts() const { return failures == 0; }
+  bool was_measured() const { return repeats > failures; }
 };
 
 struct MethodResult {
@@ -63,10 +64,13 @@ struct KnobResult {
   double default_behind = 1.0;
   std::string better_than_default;  // that level
 
+  LevelPlace default_place() const { return {knob.default_method, knob.default_level}; }
   bool default_is_near_front() const { return default_behind <= kNearFront; }
   static constexpr double kNearFront = 1.1;
 };
 
+inline constexpr std::array kAccuracyPresets = {Accuracy::fast(), Accuracy::balanced(),
+                                                Accuracy::exact()};
 inline constexpr std::array<const char*, 3> kPresetNames = {"fast", "balanced", "exact"};
 
 // Called with the share that is done.

@@ -15,10 +15,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius_m = 0.1;
+constexpr double kMeshedRadius_m = 0.1;
 constexpr double kTube_m = 0.04;
-constexpr CouplingSettings kCoupling{1000.0, 2.0};
-constexpr double kPeriod_s = 1e-3;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // A smooth surface and one of its meshes.
@@ -32,19 +30,20 @@ struct Meshed {
 
 Meshed meshed_sphere(int subdivisions, double most_radius_m = 0.0) {
   // The edges of a sphere are halved by each subdivision, to a part in a thousand from here on.
-  const TriangleMesh coarse = icosphere(std::min(subdivisions, 6), kRadius_m);
-  return {smooth_sphere(kRadius_m), 2.0 * kRadius_m,
+  const TriangleMesh coarse = icosphere(std::min(subdivisions, 6), kMeshedRadius_m);
+  return {smooth_sphere(kMeshedRadius_m), 2.0 * kMeshedRadius_m,
           mean_edge_m(coarse) / std::exp2(std::max(0, subdivisions - 6)),
-          std::size_t{20} << (2 * subdivisions),
-          LazyScene([=] { return mesh_scene(icosphere(subdivisions, kRadius_m), most_radius_m); })};
+          std::size_t{20} << (2 * subdivisions), LazyScene([=] {
+            return mesh_scene(icosphere(subdivisions, kMeshedRadius_m), most_radius_m);
+          })};
 }
 
 Meshed meshed_torus(int subdivisions) {
-  const TriangleMesh coarse = torus(kRadius_m, kTube_m, std::min(subdivisions, 5));
-  return {smooth_torus(kRadius_m, kTube_m), 2.0 * (kRadius_m + kTube_m),
+  const TriangleMesh coarse = torus(kMeshedRadius_m, kTube_m, std::min(subdivisions, 5));
+  return {smooth_torus(kMeshedRadius_m, kTube_m), 2.0 * (kMeshedRadius_m + kTube_m),
           mean_edge_m(coarse) / std::exp2(std::max(0, subdivisions - 5)),
           std::size_t{64} << (2 * subdivisions),
-          LazyScene([=] { return mesh_scene(torus(kRadius_m, kTube_m, subdivisions)); })};
+          LazyScene([=] { return mesh_scene(torus(kMeshedRadius_m, kTube_m, subdivisions)); })};
 }
 
 // What the faceted surface feels like beside the smooth one.
@@ -70,8 +69,8 @@ Felt feel(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
     const Vec3& n = vec3(record.normal_scene);
     felt.angle_deg.add(kDegrees * std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
   };
-  felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kCoupling, god_object),
-                       path.device_m, kPeriod_s, path.lead_in, visit);
+  felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kStudyCoupling, god_object),
+                       path.device_m, kStudyPeriod_s, path.lead_in, visit);
   return felt;
 }
 
@@ -108,7 +107,7 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   constexpr int kUsual = 5;            // 20 thousand triangles
   std::optional<Meshed> default_mesh;  // presets run on the same one: a copy has caches of its own
   const auto add = [&](const char* name, Meshed (*make)(int), int first, int last) {
-    Method method{name, {}, is_depth ? 2.0 : 1.0, is_depth ? float_floor_m(kRadius_m) : 0.0};
+    Method method{name, {}, is_depth ? 2.0 : 1.0, is_depth ? float_floor_m(kMeshedRadius_m) : 0.0};
     for (int s = first; s <= last; ++s) {
       const Meshed meshed = make(s);
       if (knob.methods.empty() && s == kUsual) {

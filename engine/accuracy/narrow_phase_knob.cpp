@@ -12,17 +12,15 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius_m = 0.1;
+constexpr double kSphereRadius_m = 0.1;
 constexpr int kSubdivisions = 5;
-constexpr CouplingSettings kCoupling{1000.0, 2.0};
-constexpr double kPeriod_s = 1e-3;
 
 // How a file puts a mesh somewhere.
 enum class PlacedBy { kNode, kVertices };
 
 // The sphere in a distance along all three axes, as a file in single precision has it.
 std::shared_ptr<const Scene> sphere_at(const Vec3& place_m, PlacedBy placed_by) {
-  TriangleMesh mesh = icosphere(kSubdivisions, kRadius_m);
+  TriangleMesh mesh = icosphere(kSubdivisions, kSphereRadius_m);
   if (placed_by == PlacedBy::kNode) return mesh_scene(std::move(mesh), 0.0, place_m);
   for (Vec3& p : mesh.positions_m) p = (p + place_m).cast<float>().cast<double>();
   return mesh_scene(std::move(mesh));
@@ -33,8 +31,8 @@ std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m
                              PassCost& cost) {
   for (Vec3& p : path_m) p += place_m;
   std::vector<Vec3> proxies_m;
-  cost = run_path(world, PassSetup::fully_actuated(kCoupling, {0.0, accuracy}), path_m, kPeriod_s,
-                  lead_in, [&](const TickRecord& record) {
+  cost = run_path(world, PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}), path_m,
+                  kStudyPeriod_s, lead_in, [&](const TickRecord& record) {
                     proxies_m.emplace_back(vec3(record.proxy_scene_m) - place_m);
                   });
   return proxies_m;
@@ -53,7 +51,8 @@ class Displaced {
     SeededRandom random(seed);
     PressSettings press;
     press.ticks = ticks_;
-    const PressedPath path = pressed_path(smooth_sphere(kRadius_m), 2.0 * kRadius_m, press, random);
+    const PressedPath path =
+        pressed_path(smooth_sphere(kSphereRadius_m), 2.0 * kSphereRadius_m, press, random);
     PassCost cost;
     const std::vector<Vec3> expected = proxies_of(here.world(), path.device_m, Vec3::Zero(),
                                                   path.lead_in, Accuracy::exact(), cost);
@@ -108,7 +107,7 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
                          Way{"float, by the node", NarrowPhase::kFloat, PlacedBy::kNode},
                          Way{"double, by the vertices", NarrowPhase::kDouble, PlacedBy::kVertices},
                          Way{"float, by the vertices", NarrowPhase::kFloat, PlacedBy::kVertices}}) {
-    Method method{way.name, {}, {}, float_floor_m(kRadius_m)};
+    Method method{way.name, {}, {}, float_floor_m(kSphereRadius_m)};
     // What single precision rounds vertices to grows with their coordinates; beside that the
     // stand-off of the float arithmetic is a constant.
     const bool is_rounding_alone =

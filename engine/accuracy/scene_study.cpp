@@ -19,7 +19,6 @@ namespace palpate {
 namespace {
 
 constexpr int kHands = 3;
-constexpr std::array kPresets = {Accuracy::fast(), Accuracy::balanced(), Accuracy::exact()};
 constexpr std::array kRates_Hz = {1000.0, 2000.0, 4000.0, 8000.0, 16000.0, 32000.0};
 constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // where even the first is not kept
 constexpr int kTrials = 3;                            // of a rate; most of them must keep it
@@ -274,21 +273,21 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
   study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
   study.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
 
-  std::array<PresetTally, kPresets.size()> tallies;
+  std::array<PresetTally, kAccuracyPresets.size()> tallies;
   study.repeats = StudyEffort::kRepeats;
   for (int repeat = 0; repeat < study.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
-    for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
       // Another preset begins each time, and not always the same one on the same hand.
       const auto r = static_cast<std::size_t>(repeat);
-      const std::size_t turn = (p + r + r / hands.size()) % kPresets.size();
-      const auto run = replay(scene, with(setup, kPresets[turn]), hand.path_m, 1);
+      const std::size_t turn = (p + r + r / hands.size()) % kAccuracyPresets.size();
+      const auto run = replay(scene, with(setup, kAccuracyPresets[turn]), hand.path_m, 1);
       if (!run) return run.error();
       tallies[turn].add(*run, hand);
     }
     if (progress) progress(0.8 * static_cast<double>(repeat + 1) / study.repeats);
   }
-  for (std::size_t p = 0; p < kPresets.size(); ++p) {
+  for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
     study.presets[p] = tallies[p].finish(kPresetNames[p]);
   }
   study.safe_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();

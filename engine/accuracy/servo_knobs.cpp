@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRates_Hz[] = {250, 500, 1000, 2000, 4000, 10000, 20000};
+constexpr double kServoRates_Hz[] = {250, 500, 1000, 2000, 4000, 10000, 20000};
 constexpr std::size_t kUsualRate = 2;  // 1 kHz
 
 const Quantity kTimePerContact{"computing for a second of contact", "us"};
@@ -33,7 +33,7 @@ std::string rate_text(double rate_Hz) {
 // Level value: the effective period.
 Method bounces_at_rates(const std::string& name, double half_width, double left_out) {
   Method method{name, {}, 1.0};
-  for (const double rate_Hz : kRates_Hz) {
+  for (const double rate_Hz : kServoRates_Hz) {
     const TickPeriods periods{1.0 / rate_Hz, half_width, left_out};
     method.levels.push_back({periods.effective_s(), rate_text(rate_Hz), [=](std::uint64_t seed) {
                                return bounces({}, periods, Accuracy{}, seed);
@@ -51,7 +51,7 @@ Knob bounce_knob() {
   knob.reference = "no gain: a spring gives back what it was given";
   knob.default_level = kUsualRate;
   knob.run_preset = [](std::uint64_t seed, const Accuracy& preset) {
-    return bounces({}, {1.0 / kRates_Hz[kUsualRate]}, preset, seed);
+    return bounces({}, {1.0 / kServoRates_Hz[kUsualRate]}, preset, seed);
   };
   // What viscous damping takes of the energy in the time of a bounce.
   const BounceSetup setup;
@@ -103,7 +103,7 @@ Knob pressed_knob() {
       "the hand pushes twice as hard from one moment to the next.";
   knob.reference = "the continuous-time solution, by the matrix exponential";
   Method held{"held force", {}, 1.0};
-  for (const double rate_Hz : kRates_Hz) {
+  for (const double rate_Hz : kServoRates_Hz) {
     held.levels.push_back({1.0 / rate_Hz, rate_text(rate_Hz), [=](std::uint64_t seed) {
                              return press({}, 1.0 / rate_Hz, Accuracy{}, seed);
                            }});
@@ -111,7 +111,7 @@ Knob pressed_knob() {
   knob.methods = {std::move(held)};
   knob.default_level = kUsualRate;
   knob.run_preset = [](std::uint64_t seed, const Accuracy& preset) {
-    return press({}, 1.0 / kRates_Hz[kUsualRate], preset, seed);
+    return press({}, 1.0 / kServoRates_Hz[kUsualRate], preset, seed);
   };
   knob.enough = 0.07;
   knob.enough_because = "people tell forces apart that differ by about 7 %";

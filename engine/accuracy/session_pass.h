@@ -15,6 +15,10 @@
 
 namespace palpate {
 
+// The coupling and the tick that the knobs are studied with, unless they are what is studied.
+inline constexpr CouplingSettings kStudyCoupling{1000.0, 2.0};
+inline constexpr double kStudyPeriod_s = 1e-3;
+
 // What a session runs with, beside the world.
 struct PassSetup {
   ActuationModel actuation;  // PassSetup::fully_actuated() for most

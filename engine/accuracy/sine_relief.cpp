@@ -22,7 +22,7 @@ constexpr double kThicknessInWaves = 4.0;
 
 constexpr double kMeanDepthInHeights = 4.0;
 constexpr double kDepthSwingInHeights = 1.0;
-constexpr std::size_t kLeadIn = 10;
+constexpr std::size_t kReliefLeadIn = 10;
 
 double steps_of(ImageDepth depth) {
   return depth == ImageDepth::k8Bit ? 255.0 : 65535.0;
@@ -76,8 +76,8 @@ std::vector<Vec3> slide(const SineRelief& relief, SeededRandom& random) {
   const double top_m = 0.5 * kThicknessInWaves * relief.wave_m;
   const std::size_t ticks = relief.waves * relief.ticks_per_wave;
   std::vector<Vec3> path_m;
-  for (std::size_t n = 0; n < kLeadIn + ticks; ++n) {
-    const double share = static_cast<double>(n) / static_cast<double>(kLeadIn + ticks);
+  for (std::size_t n = 0; n < kReliefLeadIn + ticks; ++n) {
+    const double share = static_cast<double>(n) / static_cast<double>(kReliefLeadIn + ticks);
     const double depth = kMeanDepthInHeights + kDepthSwingInHeights * std::sin(9.0 * share);
     Vec3 p_m = start_m + static_cast<double>(n) * step_m * Vec3(1.0, aside, 0.0);
     p_m.z() = top_m + (n == 0 ? 1.0 : -depth) * relief.height_m;
@@ -109,7 +109,7 @@ Sample feel_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth
   RootMeanSquare off;
   const PassCost cost =
       run_path(scene->world(), PassSetup::fully_actuated({K, 0.0}, {0.0, accuracy}), path_m,
-               relief.period_s, kLeadIn, [&](const TickRecord& record) {
+               relief.period_s, kReliefLeadIn, [&](const TickRecord& record) {
                  const Vec3& p_m = vec3(record.goal_scene_m);
                  const double x = 2.0 * std::numbers::pi * p_m.x() / relief.wave_m + phase;
                  const double height_m = 0.5 * relief.height_m * (std::sin(x) - 1.0);

@@ -14,11 +14,9 @@ namespace palpate {
 namespace {
 
 // Valleys in which the proxy meets several faces a tick.
-constexpr double kRadius_m = 0.1;
+constexpr double kBumpyRadius_m = 0.1;
 constexpr double kBump_m = 3e-3;
 constexpr int kWaves = 7;
-constexpr CouplingSettings kCoupling{1000.0, 2.0};
-constexpr double kPeriod_s = 1e-3;
 
 constexpr const char* kCouplingText = "K = 1000 N/m, B = 2 N s/m, 1 kHz";
 
@@ -27,7 +25,7 @@ class Bumps {
  public:
   explicit Bumps(const StudyEffort& effort)
       : scene_([subdivisions = effort.quick ? 7 : 8] {
-          return mesh_scene(bumpy_sphere(subdivisions, kRadius_m, kBump_m, kWaves));
+          return mesh_scene(bumpy_sphere(subdivisions, kBumpyRadius_m, kBump_m, kWaves));
         }),
         ticks_(effort.quick ? 500 : 2000) {}
 
@@ -54,12 +52,12 @@ class Bumps {
     press.least_depth_m = 1e-3;
     press.most_depth_m = 3e-3;
     press.ticks = ticks_;
-    return pressed_path(smooth_bumpy_sphere(kRadius_m, kBump_m, kWaves), 2.0 * kRadius_m, press,
-                        random);
+    return pressed_path(smooth_bumpy_sphere(kBumpyRadius_m, kBump_m, kWaves), 2.0 * kBumpyRadius_m,
+                        press, random);
   }
   PassCost pass(const PressedPath& path, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path.device_m, kPeriod_s, path.lead_in, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path.device_m, kStudyPeriod_s, path.lead_in, visit);
   }
   std::vector<Vec3> proxies(const PressedPath& path) const {
     std::vector<Vec3> proxies_m;
@@ -104,7 +102,7 @@ Knob common(const char* name, const char* title, const Bumps& bumps) {
 Knob iterations_knob(const Bumps& bumps) {
   Knob knob = common("solver_iterations", "Solver: most steps a tick", bumps);
   knob.level = {"most steps", ""};
-  Method capped{"capped", {}, {}, float_floor_m(kRadius_m)};
+  Method capped{"capped", {}, {}, float_floor_m(kBumpyRadius_m)};
   for (const int most : {1, 2, 3, 4, 6, 8, 16, 32, 64, 128}) {
     if (most == Accuracy::balanced().iterations) knob.default_level = capped.levels.size();
     Accuracy accuracy = Accuracy::balanced();
@@ -124,7 +122,7 @@ Knob tolerance_knob(const Bumps& bumps) {
       " A stand-off is the hair's breadth that the proxy keeps from surfaces; the solver stops "
       "when a step is shorter than that many of them.";
   knob.level = {"shortest step, in stand-offs", ""};
-  Method method{"tolerance", {}, {}, float_floor_m(kRadius_m)};
+  Method method{"tolerance", {}, {}, float_floor_m(kBumpyRadius_m)};
   struct Rung {
     double tolerance;
     const char* label;
@@ -166,7 +164,7 @@ Knob candidates_knob(const Bumps& bumps) {
     const char* label;
   };
   for (const bool reuses : {true, false}) {
-    Method method{reuses ? "kept" : "sought anew each tick", {}, {}, float_floor_m(kRadius_m)};
+    Method method{reuses ? "kept" : "sought anew each tick", {}, {}, float_floor_m(kBumpyRadius_m)};
     Accuracy accuracy = Accuracy::balanced();
     accuracy.reuse_candidates = reuses;
     for (const Rung& rung :

@@ -28,13 +28,9 @@ class Line {
   CsvLines& lines_;
 };
 
-bool was_measured(const LevelResult& level) {
-  return level.repeats > level.failures;
-}
-
 // From error_median to failure.
 void put_measured(Line& line, const Knob& knob, const LevelResult& level, double floor) {
-  if (was_measured(level)) {
+  if (level.was_measured()) {
     line << level.error.median << level.error.low << level.error.high << knob.error.unit
          << level.raw_error << floor << level.at_floor << level.time.median << level.time.low
          << level.time.high << knob.time.unit << level.iterations;

@@ -51,10 +51,6 @@ std::string anchor_of(std::size_t chapter) {
 
 // Numbers
 
-bool was_measured(const LevelResult& level) {
-  return level.repeats > level.failures;
-}
-
 std::string error_text(const Knob& knob, double error) {
   return html_escaped(human(error, knob.error.unit));
 }
@@ -97,10 +93,6 @@ std::string place_name(const KnobResult& result, const LevelPlace& place) {
   return html_escaped(result.methods[place.method].name + ", " + level);
 }
 
-LevelPlace default_place(const KnobResult& result) {
-  return {result.knob.default_method, result.knob.default_level};
-}
-
 // Summary
 
 std::string order_summary(const KnobResult& result) {
@@ -138,7 +130,7 @@ std::string summary_row(const KnobResult& result, std::size_t chapter) {
   for (const LevelResult& preset : result.presets) {
     row += number_cell(preset_summary(result, preset));
   }
-  return row + cell(place_name(result, default_place(result))) + cell(verdict_summary(result)) +
+  return row + cell(place_name(result, result.default_place())) + cell(verdict_summary(result)) +
          "</tr>\n";
 }
 
@@ -234,7 +226,7 @@ std::string marks(const KnobResult& result, const LevelPlace& place) {
   };
   std::string text;
   if (result.recommended && is(*result.recommended)) text += mark("best", "recommended");
-  if (is(default_place(result))) text += mark("default", "default");
+  if (is(result.default_place())) text += mark("default", "default");
   if (level.on_front) text += mark("front", "front");
   if (level.at_floor) text += mark("floor", "floor");
   if (!level.counts()) {
@@ -245,7 +237,7 @@ std::string marks(const KnobResult& result, const LevelPlace& place) {
 }
 
 std::string measured_cells(const Knob& knob, const LevelResult& level) {
-  if (!was_measured(level)) return number_cell("-") + number_cell("-") + number_cell("-");
+  if (!level.was_measured()) return number_cell("-") + number_cell("-") + number_cell("-");
   return number_cell((level.at_floor ? "\u2264 " : "") +
                      spread_text(level.error, knob.error.unit)) +
          number_cell(spread_text(level.time, knob.time.unit)) +
@@ -368,7 +360,7 @@ std::string recommendation(const KnobResult& result) {
 }
 
 std::string default_verdict(const KnobResult& result) {
-  std::string text = place_name(result, default_place(result)) + ", ";
+  std::string text = place_name(result, result.default_place()) + ", ";
   if (result.default_behind <= 1.0) return paragraph("Default", text + "on the front.");
   text +=
       (result.default_is_near_front() ? "near the front: " : "not on the front: ") +

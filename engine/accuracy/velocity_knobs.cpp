@@ -30,7 +30,7 @@ constexpr double kQuantum_m = 20e-6;  // of the encoders
 constexpr std::array kWindows_ticks = {1, 2, 4, 8, 16, 32};
 
 // A tick above the sheet, and then until the longest window of any estimator is full.
-constexpr std::size_t kLeadIn = 2 + VelocityEstimator::kMostTicks;
+constexpr std::size_t kTicksUntilFull = 2 + VelocityEstimator::kMostTicks;
 
 // Where a hand is below the sheet, and how fast it goes deeper.
 struct Press {
@@ -38,11 +38,11 @@ struct Press {
   double speed_m_per_s;
   Eigen::Vector2d along_m = Eigen::Vector2d::Zero();  // the sheet
 };
-using Hand = std::function<Press(double time_s)>;
+using HandMotion = std::function<Press(double time_s)>;
 
 // What distinguishes the three knobs. `seconds`: how long the hand presses.
 struct Workload {
-  Hand (*hand)(SeededRandom& random, double seconds);
+  HandMotion (*hand)(SeededRandom& random, double seconds);
   double quantum_m;  // to which positions are rounded; 0: not at all
   double (*error)(std::span<const double> off_m_per_s);
 };
@@ -61,7 +61,7 @@ double size_of_mean(std::span<const double> values) {
 
 // Slow and steady. Meanwhile it stirs, five quanta a tick: what each encoder rounds off is then as
 // good as random from tick to tick, however slowly the hand presses. The damper feels none of it.
-Hand steady_hand(SeededRandom& random, double) {
+HandMotion steady_hand(SeededRandom& random, double) {
   constexpr double kStir_m = 5e-3;
   constexpr double kStir_Hz = 3.0;
   const double speed_m_per_s = random.uniform(4e-3, 6e-3);
@@ -76,7 +76,7 @@ Hand steady_hand(SeededRandom& random, double) {
 constexpr double kAcceleration_m_per_s2 = 0.5;
 
 // Comes out and goes in again, its speed zero in the middle.
-Hand accelerating_hand(SeededRandom& random, double seconds) {
+HandMotion accelerating_hand(SeededRandom& random, double seconds) {
   const double least_m = random.uniform(1e-3, 2e-3);
   return [=](double time_s) {
     const double from_middle_s = time_s - 0.5 * seconds;
@@ -86,7 +86,7 @@ Hand accelerating_hand(SeededRandom& random, double seconds) {
 }
 
 // 10 mm to either side, twice a second: 1.1 m/s² rms.
-Hand swinging_hand(SeededRandom& random, double) {
+HandMotion swinging_hand(SeededRandom& random, double) {
   constexpr double kSwing_m = 10e-3;
   constexpr double kSwing_rad_per_s = 2.0 * kPi * 2.0;
   const double phase = random.uniform(0.0, 2.0 * kPi);
@@ -113,10 +113,11 @@ Sample feel(const Workload& workload, std::size_t ticks, const Estimate& estimat
   SeededRandom random(seed);
   const Vec3 normal = random.unit_vector();
   const FlatSheet sheet(normal, random);
-  const Hand hand = workload.hand(random, static_cast<double>(kLeadIn + ticks) * kTick_s);
+  const HandMotion hand =
+      workload.hand(random, static_cast<double>(kTicksUntilFull + ticks) * kTick_s);
   std::vector<Vec3> path_m{sheet.below(-1e-3)};
   std::vector<double> speeds_m_per_s{0.0};
-  for (std::size_t n = 1; n < kLeadIn + ticks; ++n) {
+  for (std::size_t n = 1; n < kTicksUntilFull + ticks; ++n) {
     const Press press = hand(static_cast<double>(n) * kTick_s);
     path_m.push_back(sensed(sheet.below(press.depth_m, press.along_m), workload.quantum_m));
     speeds_m_per_s.push_back(press.speed_m_per_s);
@@ -125,8 +126,8 @@ Sample feel(const Workload& workload, std::size_t ticks, const Estimate& estimat
       {kStiffness_N_per_m, kDamping_Ns_per_m, estimate.velocity}, {0.0, estimate.accuracy});
   std::vector<double> off_m_per_s;
   bool is_clamped = false;
-  const PassCost cost =
-      run_path(sheet.world(), setup, path_m, kTick_s, kLeadIn, [&](const TickRecord& record) {
+  const PassCost cost = run_path(
+      sheet.world(), setup, path_m, kTick_s, kTicksUntilFull, [&](const TickRecord& record) {
         const double force_N = vec3(record.force_device_N).dot(normal);
         const double lag_m = (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).dot(normal);
         const double felt_m_per_s = (force_N - kStiffness_N_per_m * lag_m) / kDamping_Ns_per_m;
@@ -140,7 +141,7 @@ Sample feel(const Workload& workload, std::size_t ticks, const Estimate& estimat
   return sample;
 }
 
-std::string label(int window_ticks) {
+std::string window_label(int window_ticks) {
   return std::to_string(window_ticks) + (window_ticks == 1 ? " tick" : " ticks");
 }
 
@@ -153,9 +154,9 @@ std::vector<Method> methods(const Workload& workload, std::size_t ticks,
     for (const int window : kWindows_ticks) {
       if (window == 1 && how != VelocityMethod::kDifference) continue;  // all the same
       const Estimate estimate{{how, window, kQuantum_m}, {}};
-      curve.levels.push_back({static_cast<double>(window), label(window), [=](std::uint64_t seed) {
-                                return feel(workload, ticks, estimate, seed);
-                              }});
+      curve.levels.push_back(
+          {static_cast<double>(window), window_label(window),
+           [=](std::uint64_t seed) { return feel(workload, ticks, estimate, seed); }});
     }
     return curve;
   };

@@ -18,13 +18,11 @@ namespace palpate {
 namespace {
 
 // A flat cone, pressed around its tip: the more triangles meet there, the more each tick crosses.
-constexpr double kRadius_m = 0.05;
+constexpr double kConeRadius_m = 0.05;
 constexpr double kSlope = 0.5;
 constexpr double kAround_m = 2e-3;
 constexpr double kSpeed_m_per_s = 0.1;
-constexpr CouplingSettings kCoupling{1000.0, 2.0};
-constexpr double kPeriod_s = 1e-3;
-constexpr std::size_t kLeadIn = 20;
+constexpr std::size_t kPressTicks = 20;
 constexpr WorkUnits kUnbounded = WorkUnits{1} << 50;
 
 TriangleMesh cone(int triangles) {
@@ -32,7 +30,8 @@ TriangleMesh cone(int triangles) {
   mesh.positions_m.push_back(Vec3::Zero());
   for (int i = 0; i < triangles; ++i) {
     const double angle_rad = 2.0 * std::numbers::pi * i / triangles;
-    mesh.positions_m.push_back(kRadius_m * Vec3(std::cos(angle_rad), std::sin(angle_rad), -kSlope));
+    mesh.positions_m.push_back(kConeRadius_m *
+                               Vec3(std::cos(angle_rad), std::sin(angle_rad), -kSlope));
     const auto corner = static_cast<std::uint32_t>(i);
     mesh.triangles.push_back(
         {0, corner + 1, (corner + 1) % static_cast<std::uint32_t>(triangles) + 1});
@@ -61,8 +60,8 @@ class Cones {
 
  private:
   PassCost pass(std::uint64_t seed, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path_of(seed), kPeriod_s, kLeadIn, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path_of(seed), kStudyPeriod_s, kPressTicks, visit);
   }
   std::vector<Vec3> proxies(std::uint64_t seed) const {
     Accuracy unbounded = Accuracy::balanced();
@@ -79,12 +78,13 @@ class Cones {
     const double start_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double swing_hz = random.uniform(2.0, 4.0);
     std::vector<Vec3> path_m;
-    for (std::size_t n = 0; n < kLeadIn + ticks_; ++n) {
-      const double time_s = kPeriod_s * static_cast<double>(n);
+    for (std::size_t n = 0; n < kPressTicks + ticks_; ++n) {
+      const double time_s = kStudyPeriod_s * static_cast<double>(n);
       const double angle_rad = start_rad + kSpeed_m_per_s / kAround_m * time_s;
       const double away_m =
           kAround_m * (1.0 + 0.9 * std::sin(2.0 * std::numbers::pi * swing_hz * time_s));
-      const double share = std::min(1.0, static_cast<double>(n) / static_cast<double>(kLeadIn - 1));
+      const double share =
+          std::min(1.0, static_cast<double>(n) / static_cast<double>(kPressTicks - 1));
       const double depth_m = 2e-3 + 1e-3 * std::cos(2.0 * std::numbers::pi * time_s);
       const double z_m = (1.0 - share) * 5e-3 - kSlope * away_m - share * depth_m;
       path_m.push_back({away_m * std::cos(angle_rad), away_m * std::sin(angle_rad), z_m});
@@ -131,7 +131,7 @@ Knob work_budget_knob(const StudyEffort& effort) {
         return cones.run(seed, preset);
       };
     }
-    Method method{tip.name, {}, {}, float_floor_m(kRadius_m)};
+    Method method{tip.name, {}, {}, float_floor_m(kConeRadius_m)};
     for (const WorkUnits budget :
          {200, 500, 1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 200'000}) {
       if (budget == Accuracy::balanced().work_budget) knob.default_level = method.levels.size();

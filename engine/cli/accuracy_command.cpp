@@ -40,10 +40,6 @@ struct AccuracyRequest {
   std::string out_dir = "accuracy";
 };
 
-Error invalid(std::string option, std::string problem, std::string hint = "") {
-  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
-}
-
 // The knob of a scene's own mesh.
 constexpr const char* kSceneKnob = "scene_resolution";
 
@@ -64,7 +60,7 @@ Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
     const bool is_known =
         (has_scene && name == kSceneKnob) ||
         std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
-    if (!is_known) return invalid("--knob", "\"" + name + "\" is none of " + known);
+    if (!is_known) return invalid_argument("--knob", "\"" + name + "\" is none of " + known);
   }
   for (Knob& knob : all) {
     if (is_chosen(names, knob.name)) chosen.push_back(std::move(knob));
@@ -241,16 +237,15 @@ std::string place_text(const KnobResult& result, const LevelPlace& place) {
 using Row = std::vector<std::string>;
 
 Row row_of(const KnobResult& result) {
-  const LevelPlace usual{result.knob.default_method, result.knob.default_level};
+  const LevelPlace usual = result.default_place();
   const LevelResult& level = result.methods[usual.method].levels[usual.level];
   // Of no repeat that counts there are no figures.
-  const bool was_measured = level.repeats > level.failures;
   return {result.knob.name,
           place_text(result, usual),
-          was_measured ? (level.at_floor ? "\u2264 " : "") +
-                             human(level.error.median, result.knob.error.unit)
-                       : "failed",
-          was_measured ? human(level.time.median, result.knob.time.unit) : "-",
+          level.was_measured() ? (level.at_floor ? "\u2264 " : "") +
+                                     human(level.error.median, result.knob.error.unit)
+                               : "failed",
+          level.was_measured() ? human(level.time.median, result.knob.time.unit) : "-",
           result.default_is_near_front() ? "yes" : "no, see report",
           result.recommended ? place_text(result, *result.recommended) : "none",
           order_text(result)};

@@ -12,10 +12,6 @@
 namespace palpate {
 namespace {
 
-Error invalid(std::string option, std::string problem, std::string hint = "") {
-  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
-}
-
 // A size, or "auto".
 CLI::Option* add_fit(CLI::App& app, SceneOptions& scene) {
   const auto read = [&scene](const std::string& text) {
@@ -64,11 +60,11 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   settings.node = options.node;
   settings.pose = options.pose;
   if (options.scale && options.fit_size_m) {
-    return invalid("--fit", "given together with --scale; expected one of them");
+    return invalid_argument("--fit", "given together with --scale; expected one of them");
   }
   if (options.fits_workspace) {
-    return invalid("--fit", "auto given without a workspace to fit to",
-                   "give the largest extent in metres, such as --fit 0.2");
+    return invalid_argument("--fit", "auto given without a workspace to fit to",
+                            "give the largest extent in metres, such as --fit 0.2");
   }
   if (options.scale) settings.scale = *options.scale;
   if (options.fit_size_m) settings.fit_size_m = *options.fit_size_m;

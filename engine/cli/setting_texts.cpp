@@ -9,10 +9,6 @@
 namespace palpate {
 namespace {
 
-Error invalid(std::string option, std::string problem, std::string hint = "") {
-  return {ErrorCode::kInvalidArgument, "", std::move(option), std::move(problem), std::move(hint)};
-}
-
 // Finite numbers separated by blanks or commas; nothing if anything else is there.
 std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   std::string blanks = text;
@@ -38,14 +34,14 @@ Result<SteadyMotion> parse_move(const std::string& text) {
   const auto n =
       equals == std::string::npos ? std::nullopt : parse_numbers(text.substr(equals + 1));
   if (!n || n->size() != 6 || equals == 0) {
-    return invalid("--move", "\"" + text + "\" is not NODE=\"vx vy vz wx wy wz\"",
-                   "metres and radians a second along the axes of the scene");
+    return invalid_argument("--move", "\"" + text + "\" is not NODE=\"vx vy vz wx wy wz\"",
+                            "metres and radians a second along the axes of the scene");
   }
   const SteadyMotion motion{
       text.substr(0, equals), {(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
   if (!std::isfinite(motion.velocity_m_per_s.norm()) ||
       !std::isfinite(motion.turn_rad_per_s.norm())) {
-    return invalid("--move", "\"" + text + "\" is too fast to be a motion");
+    return invalid_argument("--move", "\"" + text + "\" is too fast to be a motion");
   }
   return motion;
 }
@@ -59,8 +55,8 @@ Result<std::vector<Vec3>> parse_axes(const std::string& text) {
     const auto numbers = parse_numbers(part);
     if (numbers && numbers->empty()) continue;  // after a closing semicolon
     if (!numbers || numbers->size() != 3) {
-      return invalid("--actuated-axes", "\"" + part + "\" is not three numbers",
-                     "write for example \"0 0 1; 1 0 0\"");
+      return invalid_argument("--actuated-axes", "\"" + part + "\" is not three numbers",
+                              "write for example \"0 0 1; 1 0 0\"");
     }
     axes.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
   }
@@ -72,15 +68,17 @@ Result<ScenePose> parse_place(const std::string& text) {
   if (text.empty()) return pose;
   const auto n = parse_numbers(text);
   if (!n || n->size() != 7) {
-    return invalid("--place", "\"" + text + "\" is not seven numbers \"x y z qw qx qy qz\"",
-                   "metres and a quaternion, identity is \"0 0 0 1 0 0 0\"");
+    return invalid_argument("--place",
+                            "\"" + text + "\" is not seven numbers \"x y z qw qx qy qz\"",
+                            "metres and a quaternion, identity is \"0 0 0 1 0 0 0\"");
   }
   const Quat q((*n)[3], (*n)[4], (*n)[5], (*n)[6]);
   const double norm = q.norm();
   // Typed with six digits or more, a unit quaternion has this length; what has not is a mistake.
   constexpr double kTypedUnit = 1e-4;
   if (!(std::abs(norm - 1.0) <= kTypedUnit)) {
-    return invalid("--place", "the quaternion has length " + std::to_string(norm) + ", expected 1");
+    return invalid_argument("--place",
+                            "the quaternion has length " + std::to_string(norm) + ", expected 1");
   }
   pose.rotation = norm == 1.0 ? q : Quat(q.normalized());
   pose.translation_m = {(*n)[0], (*n)[1], (*n)[2]};
@@ -108,8 +106,8 @@ Result<std::vector<MaterialOverride>> parse_overrides(const std::vector<std::str
     const bool is_whole =
         dot != std::string::npos && dot > 0 && dot + 1 < equals && equals + 1 < text.size();
     if (!is_whole) {
-      return invalid("--material", "\"" + text + "\" is not NAME.key=value",
-                     "for example wood.stiffness=800");
+      return invalid_argument("--material", "\"" + text + "\" is not NAME.key=value",
+                              "for example wood.stiffness=800");
     }
     overrides.push_back(
         {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)});

@@ -14,23 +14,6 @@
 #include <utility>
 
 namespace palpate {
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::string_view kHiddenPrefix = ".palpate-unfinished-";
-constexpr std::string_view kHiddenRandom = "XXXXXX";  // as mkdtemp() asks for it
-constexpr const char* kOld = "old";                   // in it: what was in place before
-constexpr int kMaxAttempts = 100;
-
-Error folder_error(const std::string& folder, const std::string& problem) {
-  return {ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`", problem,
-          "name a folder that can be written to"};
-}
-
-std::string text_of(int reason) {
-  return std::error_code(reason, std::generic_category()).message();
-}
 
 // An open folder. A lock on it says that whoever made the folder is alive; it ends with the
 // process.
@@ -38,7 +21,7 @@ class FolderLock {
  public:
   enum class Outcome { kLocked, kHeldByAnother, kNotSupported };
 
-  explicit FolderLock(const fs::path& folder)
+  explicit FolderLock(const std::filesystem::path& folder)
       : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)) {}
   ~FolderLock() {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -57,7 +40,7 @@ class FolderLock {
   }
 
   // Whether it still has its name: another command may have removed it before it was locked.
-  bool is_at(const fs::path& folder) const {
+  bool is_at(const std::filesystem::path& folder) const {
     struct stat here = {};
     struct stat there = {};
     return ::fstat(descriptor_, &here) == 0 && ::lstat(folder.c_str(), &there) == 0 &&
@@ -67,6 +50,24 @@ class FolderLock {
  private:
   int descriptor_;
 };
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kHiddenPrefix = ".palpate-unfinished-";
+constexpr std::string_view kHiddenRandom = "XXXXXX";  // as mkdtemp() asks for it
+constexpr const char* kOld = "old";                   // in it: what was in place before
+constexpr int kMaxAttempts = 100;
+
+Error folder_error(const std::string& folder, const std::string& problem) {
+  return {ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`", problem,
+          "name a folder that can be written to"};
+}
+
+std::string text_of(int reason) {
+  return std::error_code(reason, std::generic_category()).message();
+}
 
 bool is_hidden_name(std::string_view name) {
   if (!name.starts_with(kHiddenPrefix)) return false;

@@ -5,17 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "engine/report/write_error.h"
+
 namespace palpate {
-namespace {
-
-Error write_error(const std::string& path, int reason) {
-  return {ErrorCode::kFileUnwritable, path, "",
-          "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
-          "check the folder, its permissions and the space left"};
-}
-
-}  // namespace
-
 Result<std::string> write_text_file(const std::string& path, std::string_view text) {
   errno = 0;
   std::FILE* const file = std::fopen(path.c_str(), "wb");

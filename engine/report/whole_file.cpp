@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/report/write_error.h"
+
 namespace palpate {
 namespace {
 
@@ -18,12 +20,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferBytes = 1u << 20;
 constexpr int kMaxNameAttempts = 100;
 constexpr std::string_view kPartEnding = ".part";
-
-Error write_error(const std::string& path, int reason) {
-  return {ErrorCode::kFileUnwritable, path, "",
-          "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
-          "check the folder, its permissions and the space left"};
-}
 
 // A file under its temporary name is locked by its writer, for as long as that lives.
 enum class PartLock { kMine, kAnothers, kNotSupported };

@@ -14,6 +14,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "geometry/base/memory_breakdown.h"
+
 namespace palpate {
 namespace {
 
@@ -137,11 +139,6 @@ void look_at_process(const MemorySources& sources, FreeMemory& least) {
   };
   look(RLIMIT_AS, all, "the process has left of its addresses (ulimit -v)");
   look(RLIMIT_DATA, data, "the process has left for data (ulimit -d)");
-}
-
-template <typename T>
-std::uint64_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
 }
 
 }  // namespace

@@ -17,13 +17,8 @@ constexpr double kSmallestExtent_m = 1e-60;
 // Vertices looked at for the extent of a scene, of all nodes together: a second or less.
 constexpr std::size_t kMostExactVertices = std::size_t{1} << 27;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-Box empty_box() {
-  return {Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
-}
-
 Box bounding_box(std::span<const Vec3> positions, const Mat3& linear) {
-  Box box = empty_box();
+  Box box = Box::empty();
   for (const Vec3& p : positions) {
     const Vec3 q = linear * p;
     box = box.united({q, q});
@@ -52,7 +47,7 @@ std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes) {
 
 Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
                     const std::vector<NodeDescription>& nodes) {
-  Box bounds = empty_box();
+  Box bounds = Box::empty();
   std::size_t left = kMostExactVertices;
   for (const NodeDescription& node : nodes) {
     const WeldedSurface& mesh = meshes[node.mesh];

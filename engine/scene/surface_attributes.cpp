@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "geometry/base/memory_breakdown.h"
 #include "geometry/index/crease_normals.h"
 #include "geometry/mesh/height_from_normals.h"
 
@@ -100,11 +101,6 @@ MapWrap map_wrap(TextureWrap wrap) {
       break;
   }
   return MapWrap::kRepeat;
-}
-
-template <typename T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
 }
 
 }  // namespace

@@ -11,10 +11,6 @@
 namespace palpate {
 namespace {
 
-Error invalid(std::string field, std::string problem, std::string hint = "") {
-  return {ErrorCode::kInvalidArgument, "", std::move(field), std::move(problem), std::move(hint)};
-}
-
 Result<ActuationModel> make_actuation(const RunSettings& settings) {
   const std::vector<Vec3>& axes = settings.actuated_axes;
   if (axes.empty()) {
@@ -23,11 +19,11 @@ Result<ActuationModel> make_actuation(const RunSettings& settings) {
         settings.actuators.value_or(std::min(settings.default_actuators, settings.sensors)));
   }
   if (settings.actuators && static_cast<std::size_t>(*settings.actuators) != axes.size()) {
-    return invalid("actuators",
-                   std::to_string(*settings.actuators) +
-                       " actuators, but `RunSettings::actuated_axes` gives " +
-                       std::to_string(axes.size()) + " directions",
-                   "leave `RunSettings::actuators` out");
+    return invalid_argument("actuators",
+                            std::to_string(*settings.actuators) +
+                                " actuators, but `RunSettings::actuated_axes` gives " +
+                                std::to_string(axes.size()) + " directions",
+                            "leave `RunSettings::actuators` out");
   }
   return ActuationModel::from_axes(settings.sensors, axes);
 }
@@ -36,7 +32,7 @@ std::optional<Error> check_number(const char* name, double value, bool zero_allo
   if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
   std::ostringstream text;
   text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
-  return invalid(name, text.str());
+  return invalid_argument(name, text.str());
 }
 
 std::optional<Error> check_numbers(const RunSettings& o) {
@@ -44,13 +40,13 @@ std::optional<Error> check_numbers(const RunSettings& o) {
   if (!is_time_step(1.0 / o.rate_Hz)) {
     std::ostringstream text;
     text << o.rate_Hz << " Hz given, expected at least " << 1.0 / kLongestTick_s;
-    return invalid("rate_Hz", text.str(), "1000 Hz is usual");
+    return invalid_argument("rate_Hz", text.str(), "1000 Hz is usual");
   }
   if (auto e = check_number("stiffness_N_per_m", o.stiffness_N_per_m, true)) return e;
   if (auto e = check_number("damping_Ns_per_m", o.damping_Ns_per_m, true)) return e;
   if (auto e = check_number("radius_m", o.radius_m, true)) return e;
   if (!std::isfinite(o.plane_height_m.value_or(0.0)))
-    return invalid("plane_height_m", "not a finite number");
+    return invalid_argument("plane_height_m", "not a finite number");
   return std::nullopt;
 }
 
@@ -59,19 +55,20 @@ Result<VelocitySettings> make_velocity(const RunSettings& settings) {
   velocity.method = settings.velocity_estimator;
   velocity.window_ticks = settings.velocity_window_ticks;
   if (velocity.window_ticks < 1 || velocity.window_ticks > VelocityEstimator::kMostTicks) {
-    return invalid("velocity_window_ticks", std::to_string(velocity.window_ticks) +
-                                                " ticks given, expected 1 to " +
-                                                std::to_string(VelocityEstimator::kMostTicks));
+    return invalid_argument("velocity_window_ticks",
+                            std::to_string(velocity.window_ticks) + " ticks given, expected 1 to " +
+                                std::to_string(VelocityEstimator::kMostTicks));
   }
   if (settings.encoder_quantum_m) {
     velocity.encoder_quantum_m = *settings.encoder_quantum_m;
     if (auto e = check_number("encoder_quantum_m", velocity.encoder_quantum_m, false)) return *e;
   } else if (velocity.method == VelocityMethod::kAdaptive) {
-    return invalid("velocity_estimator",
-                   "adaptive given without `RunSettings::encoder_quantum_m`, by which it chooses "
-                   "its window",
-                   "give the step of the device's encoders, such as "
-                   "`RunSettings::encoder_quantum_m` 2e-5");
+    return invalid_argument(
+        "velocity_estimator",
+        "adaptive given without `RunSettings::encoder_quantum_m`, by which it chooses "
+        "its window",
+        "give the step of the device's encoders, such as "
+        "`RunSettings::encoder_quantum_m` 2e-5");
   }
   return velocity;
 }
@@ -97,8 +94,8 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
   if (settings.work_budget && *settings.work_budget < 1) {
-    return invalid("work_budget",
-                   std::to_string(*settings.work_budget) + " given, expected at least 1 unit");
+    return invalid_argument(
+        "work_budget", std::to_string(*settings.work_budget) + " given, expected at least 1 unit");
   }
   const auto velocity = make_velocity(settings);
   if (!velocity) return velocity.error();
@@ -121,13 +118,14 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
   const double extent_m = workspace_extent_m(setup.device);
   if (!(extent_m > 0.0)) {
-    return invalid("device.workspace", std::to_string(extent_m) + " m given, expected > 0");
+    return invalid_argument("device.workspace",
+                            std::to_string(extent_m) + " m given, expected > 0");
   }
   if (auto error = check_settings(scene.world(), setup.haptics)) return error;
   if (is_time_step(setup.dt_s)) return std::nullopt;
   std::ostringstream text;
   text << setup.dt_s << " s a tick, expected above 0 to " << kLongestTick_s;
-  return invalid("rate_Hz", text.str());
+  return invalid_argument("rate_Hz", text.str());
 }
 
 }  // namespace palpate

@@ -10,9 +10,6 @@
 namespace palpate {
 namespace {
 
-// A curve that turns by more turns back: which way round, its points alone do not tell.
-constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
-
 // So much of the room in front of a contour is behind the hand, too.
 constexpr double kRoomBehind = 2.0;
 

@@ -11,10 +11,6 @@ namespace {
 // the finest mesh costs no more than others.
 constexpr double kFinest = 1.0 / 16;
 
-// Walls turned by more face against each other: whether over an edge or in a slit, the two
-// directions alone do not tell.
-constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
-
 double distance_to_segment_m(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
   const double length2 = along.squaredNorm();

@@ -2,11 +2,16 @@
 
 // What a hand follows: a path over the surfaces of a scene.
 
+#include <numbers>
 #include <vector>
 
 #include "geometry/base/types.h"
 
 namespace palpate {
+
+// A path that turns by more turns back, and walls turned by more face against each other: which way
+// round, over an edge or in a slit, their directions alone do not tell.
+inline constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
 
 // Straight legs, each along a wall that the hand presses on. Scene frame.
 struct HandPath {

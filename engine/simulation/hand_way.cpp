@@ -9,9 +9,6 @@ namespace {
 
 constexpr double kSharpCornerRad = std::numbers::pi / 4;
 
-// Walls turned by more face against each other.
-constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
-
 // How far beyond an edge the hand is on the new wall, in press depths, and by how much farther at
 // most it goes along a path that crosses the edge aslant.
 constexpr double kBeyondEdge = 2.0;

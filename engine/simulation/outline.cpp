@@ -11,11 +11,11 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoChain = 0xffffffffu;
 
 // An end is compared with so many beginnings on either side of it, so that a crowd of loose ends
 // takes no more than O(n).
-constexpr std::size_t kMostCompared = 64;
+constexpr std::size_t kMostGapsCompared = 64;
 
 // Which open outline goes on where one ends.
 class GapJoiner {
@@ -23,12 +23,12 @@ class GapJoiner {
   GapJoiner(std::vector<Outline> open, double small_m)
       : open_(std::move(open)),
         small_m_(small_m),
-        next_(open_.size(), kNone),
+        next_(open_.size(), kNoChain),
         has_previous_(open_.size(), false) {}
 
   std::vector<Outline> run() {
     for (const Gap& gap : gaps()) {
-      if (next_[gap.from] != kNone || has_previous_[gap.to]) continue;
+      if (next_[gap.from] != kNoChain || has_previous_[gap.to]) continue;
       next_[gap.from] = gap.to;
       has_previous_[gap.to] = true;
     }
@@ -66,8 +66,8 @@ class GapJoiner {
           std::lower_bound(by_x.begin(), by_x.end(), end.x(),
                            [&](std::uint32_t k, double x) { return begin_of(k).x() < x; });
       const auto here = static_cast<std::size_t>(from_here - by_x.begin());
-      const std::size_t first = here - std::min(here, kMostCompared);
-      const std::size_t last = std::min(by_x.size(), here + kMostCompared);
+      const std::size_t first = here - std::min(here, kMostGapsCompared);
+      const std::size_t last = std::min(by_x.size(), here + kMostGapsCompared);
       for (std::size_t n = first; n < last; ++n) {
         const double width_m = (begin_of(by_x[n]) - end).norm();
         // One alone stays open: how far it would go round is not known.
@@ -82,7 +82,7 @@ class GapJoiner {
   Outline joined_from(std::uint32_t first, bool closed, std::vector<bool>& is_done) const {
     Outline whole{{{}, closed}, true};
     std::vector<Vec3>& points_m = whole.curve.points_m;
-    for (std::uint32_t i = first; i != kNone && !is_done[i]; i = next_[i]) {
+    for (std::uint32_t i = first; i != kNoChain && !is_done[i]; i = next_[i]) {
       is_done[i] = true;
       const Outline& part = open_[i];
       points_m.insert(points_m.end(), part.curve.points_m.begin(), part.curve.points_m.end());

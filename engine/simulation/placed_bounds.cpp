@@ -7,12 +7,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Box empty_box() {
-  return {Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
-}
-
 // p_device = linear * p_mesh + translation_m of a mesh in its place.
 AffineMap map_device_mesh(const Scene& scene, std::size_t i, const ScenePose& T_device_scene) {
   const SceneObject& object = scene.objects()[i];
@@ -24,7 +18,7 @@ AffineMap map_device_mesh(const Scene& scene, std::size_t i, const ScenePose& T_
 }
 
 Box box_of(const SurfaceMesh& mesh, const AffineMap& map) {
-  Box box = empty_box();
+  Box box = Box::empty();
   for (const Vec3& p : mesh.welded_positions()) {
     const Vec3 q = map(p);
     box = box.united({q, q});
@@ -42,7 +36,7 @@ Box box_around(const Box& box, const AffineMap& map) {
 
 Box bounds_in_device(const Scene& scene, const ScenePose& T_device_scene) {
   std::vector<std::optional<Box>> boxes_mesh;
-  Box bounds = empty_box();
+  Box bounds = Box::empty();
   for (std::size_t i = 0; i < scene.objects().size(); ++i) {
     const SceneObject& object = scene.objects()[i];
     if (object.mesh >= boxes_mesh.size()) boxes_mesh.resize(object.mesh + 1);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "geometry/base/types.h"
 
 namespace palpate {
@@ -7,6 +9,12 @@ namespace palpate {
 // An axis-aligned box, metres, in a frame that its owner names.
 struct Box {
   Vec3 low, high;
+
+  // Holds nothing: united with a box, it is that box.
+  static Box empty() {
+    const double infinity = std::numeric_limits<double>::infinity();
+    return {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+  }
   double squared_distance(const Vec3& p) const {
     return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
   }

@@ -6,8 +6,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace palpate {
+
+// What it keeps, with the room for more.
+template <typename T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
 
 // Bytes that making something takes, told before it is made.
 struct MemoryNeed {

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // A block that begins with its own size.
-struct Part {
+struct ReservedBlock {
   std::atomic<std::size_t*> block = nullptr;
 
   void fill(std::size_t bytes) {
@@ -27,8 +27,8 @@ struct Part {
   }
 };
 
-Part for_unwinding;
-Part for_going_on;
+ReservedBlock for_unwinding;
+ReservedBlock for_going_on;
 std::mutex of_reserves;
 std::size_t reserves = 0;
 std::atomic<std::new_handler> handler_before = nullptr;

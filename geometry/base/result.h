@@ -45,6 +45,11 @@ struct Error {
   }
 };
 
+// Of what a caller gave: the argument, setting or option is the element.
+inline Error invalid_argument(std::string element, std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", std::move(element), std::move(problem), std::move(hint)};
+}
+
 // A value of type T, or the Error that kept it from being made.
 template <typename T>
 class [[nodiscard]] Result {

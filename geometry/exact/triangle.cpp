@@ -17,7 +17,7 @@ constexpr double kDirectionRoundoff = 4 * kUnitRoundoff;
 constexpr double kEdgeRoundoff = 8 * kUnitRoundoff;
 
 // One edge as seen from the query point.
-struct Edge {
+struct SeenEdge {
   Vec3 along;        // to - from
   Vec3 p_from;       // p - from
   Vec3 p_to;         // p - to
@@ -26,7 +26,7 @@ struct Edge {
   double side;       // of p, times the edge's length: < 0 beyond the edge, outside the triangle
 
   // Everything is measured from the nearer end, so that rounding stays small next to it.
-  Edge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
+  SeenEdge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
       : along(to - from),
         p_from(p - from),
         p_to(p - to),
@@ -47,7 +47,7 @@ TrianglePoint at(const Vec3& apart, const Vec3& p, double error_m, TriangleFeatu
   return {p - apart, distance, apart / distance, kDirectionRoundoff + error_m / distance, feature};
 }
 
-TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
+TrianglePoint on_edge(const SeenEdge& e, const Vec3& p, const Vec3& normal) {
   const bool near_from = e.is_nearer_from();
   const double t = (near_from ? e.past_from : e.past_to) / e.along.squaredNorm();
   return at((near_from ? e.p_from : e.p_to) - t * e.along, p, e.roundoff_m(),
@@ -56,10 +56,10 @@ TrianglePoint on_edge(const Edge& e, const Vec3& p, const Vec3& normal) {
 
 // Over the face the direction is the normal's, unless p is so close to being beyond an edge that
 // rounding cannot tell.
-TrianglePoint on_face(const TriangleGeometry& t, const Edge (&edges)[3], const Vec3& p) {
+TrianglePoint on_face(const TriangleGeometry& t, const SeenEdge (&edges)[3], const Vec3& p) {
   const double height = t.normal.dot(edges[0].p_from);
   double error_m = 0.0;
-  for (const Edge& e : edges) {
+  for (const SeenEdge& e : edges) {
     if (e.side <= e.roundoff_m() * norm1(e.along)) error_m = std::max(error_m, e.roundoff_m());
   }
   const double distance = std::abs(height);
@@ -74,7 +74,7 @@ TrianglePoint on_vertex(const Vec3& from_vertex, const Vec3& p, const Vec3& norm
 }  // namespace
 
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept {
-  const Edge edges[3] = {{t, t.a, t.b, p}, {t, t.b, t.c, p}, {t, t.c, t.a, p}};
+  const SeenEdge edges[3] = {{t, t.a, t.b, p}, {t, t.b, t.c, p}, {t, t.c, t.a, p}};
   if (!edges[0].is_outside() && !edges[1].is_outside() && !edges[2].is_outside()) {
     return on_face(t, edges, p);
   }
@@ -87,14 +87,14 @@ TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p
   // distances: those of a vertex and of the edge beside it agree to the last bit where their
   // directions are still far apart.
   for (std::size_t i = 0; i < 3; ++i) {
-    const Edge& in = edges[(i + 2) % 3];
-    const Edge& out = edges[i];
+    const SeenEdge& in = edges[(i + 2) % 3];
+    const SeenEdge& out = edges[i];
     if (out.is_outside() && out.is_beside()) consider(on_edge(out, p, t.normal));
     if (in.past_to >= 0.0 && out.past_from <= 0.0) consider(on_vertex(out.p_from, p, t.normal));
   }
   if (nearest.distance < kNone) return nearest;
   // Rounding has put p between all regions.
-  for (const Edge& edge : edges) {
+  for (const SeenEdge& edge : edges) {
     if (edge.is_beside()) consider(on_edge(edge, p, t.normal));
     consider(on_vertex(edge.p_from, p, t.normal));
   }

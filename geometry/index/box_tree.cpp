@@ -12,8 +12,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kLanes = TrianglePack::kLanes;
-
 // Boxes that are found at once, to be sorted; where there are more, they are searched in order.
 constexpr std::size_t kFoundAtOnce = 256;
 
@@ -51,15 +49,16 @@ void visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups, const Or
     const auto numbers = std::span(found.numbers).first(found.count);
     std::sort(numbers.begin(), numbers.end());
     for (const std::uint32_t number : numbers) {
-      const bool passes = test(groups[number / kLanes]) >> (number % kLanes) & 1u;
+      const bool passes = test(groups[number / kBoxLanes]) >> (number % kBoxLanes) & 1u;
       if (number >= first && passes && !visitor(state, number)) return;
     }
     return;
   }
-  for (auto group = ordered.next(first / kLanes, test); group;
+  for (auto group = ordered.next(first / kBoxLanes, test); group;
        group = ordered.next(*group + 1, test)) {
     for (std::uint32_t lanes = test(groups[*group]); lanes != 0;) {
-      const std::uint32_t number = *group * kLanes + static_cast<std::uint32_t>(take_lane(lanes));
+      const std::uint32_t number =
+          *group * kBoxLanes + static_cast<std::uint32_t>(take_lane(lanes));
       if (number >= first && !visitor(state, number)) return;
     }
   }
@@ -75,13 +74,13 @@ Box around(const std::vector<Box>& boxes) {
 // In float, rounded outwards, sixteen to a group.
 std::vector<BoxPack> groups_of(const std::vector<Box>& boxes, double margin) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  std::vector<BoxPack> groups((boxes.size() + kLanes - 1) / kLanes);
-  for (std::size_t i = 0; i < groups.size() * kLanes; ++i) {
-    BoxPack& group = groups[i / kLanes];
+  std::vector<BoxPack> groups((boxes.size() + kBoxLanes - 1) / kBoxLanes);
+  for (std::size_t i = 0; i < groups.size() * kBoxLanes; ++i) {
+    BoxPack& group = groups[i / kBoxLanes];
     for (int k = 0; k < 3; ++k) {
       const bool is_there = i < boxes.size();
-      group.low[k][i % kLanes] = is_there ? round_down(boxes[i].low[k] - margin) : kInfinity;
-      group.high[k][i % kLanes] = is_there ? round_up(boxes[i].high[k] + margin) : -kInfinity;
+      group.low[k][i % kBoxLanes] = is_there ? round_down(boxes[i].low[k] - margin) : kInfinity;
+      group.high[k][i % kBoxLanes] = is_there ? round_up(boxes[i].high[k] + margin) : -kInfinity;
     }
   }
   return groups;
@@ -108,7 +107,7 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, double sweep_radius_m)
 BoxTree::~BoxTree() = default;
 
 MemoryNeed BoxTree::memory_need(std::uint64_t boxes) {
-  const std::uint64_t groups = (boxes + kLanes - 1) / kLanes;
+  const std::uint64_t groups = (boxes + kBoxLanes - 1) / kBoxLanes;
   const MemoryNeed tree = EmbreeBoxes::memory_need(boxes);
   const std::uint64_t kept =
       sizeof(BoxTree) + tree.kept + groups * sizeof(BoxPack) + OrderedBoxes::memory_need(groups);

@@ -13,10 +13,10 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kLanes = TrianglePack::kLanes;
-constexpr std::size_t kCluster = kLanes * kLanes;
+constexpr std::size_t kPackFaces = TrianglePack::kLanes;
+constexpr std::size_t kCluster = kPackFaces * kPackFaces;
 
-constexpr std::size_t kWorthAThread = 20000;  // a millisecond of work
+constexpr std::size_t kCentresWorthAThread = 20000;  // a millisecond of work
 // So many places along an axis are told apart at once.
 constexpr int kBins = 128;
 // A part of this extent beside its distance from where its centres are measured from is measured
@@ -156,7 +156,7 @@ class Orderer {
     int exponent = 0;
     std::frexp((box.high - box.low).maxCoeff(), &exponent);
     const double scale = std::ldexp(1.0, std::min(-exponent, 1000));
-    run_ranges(part.size, kWorthAThread, [&](std::size_t begin, std::size_t end) {
+    run_ranges(part.size, kCentresWorthAThread, [&](std::size_t begin, std::size_t end) {
       for (Centre* c = part.centres + begin; c != part.centres + end; ++c) {
         const Vec3 place = (centre(c->face) - middle) * scale;
         for (int k = 0; k < 3; ++k) c->place[k] = static_cast<float>(place[k]);
@@ -165,11 +165,11 @@ class Orderer {
   }
 
   void split(Part part) const {
-    if (part.size <= kLanes) {
+    if (part.size <= kPackFaces) {
       for (std::size_t i = 0; i < part.size; ++i) part.order[i] = part.centres[i].face;
       return;
     }
-    const std::size_t whole = part.size > kCluster ? kCluster : kLanes;
+    const std::size_t whole = part.size > kCluster ? kCluster : kPackFaces;
     const std::size_t middle = (part.size + whole - 1) / whole / 2 * whole;
     partition(part, middle, kMostRefinements);
     Part low = part.from(0, middle);
@@ -180,7 +180,7 @@ class Orderer {
     }
     const auto split_low = [&] { split(low); };
     const auto split_high = [&] { split(high); };
-    if (part.size >= kWorthAThread) return run_both(split_low, split_high);
+    if (part.size >= kCentresWorthAThread) return run_both(split_low, split_high);
     split_low();
     split_high();
   }
@@ -196,7 +196,7 @@ class Orderer {
     const Vec3 first = centre(part.centres->face);
     Box all{first, first};
     std::mutex mutex;
-    run_ranges(part.size, kWorthAThread, [&](std::size_t begin, std::size_t end) {
+    run_ranges(part.size, kCentresWorthAThread, [&](std::size_t begin, std::size_t end) {
       Box box{first, first};
       for (const Centre* c = part.centres + begin; c != part.centres + end; ++c) {
         const Vec3 p = centre(c->face);
@@ -219,7 +219,7 @@ class Orderer {
     if (part.is_point) return median.select(part);
     const MedianSplit::Range range = median.select_bins(part);
     std::swap(part.centres, part.spare);
-    if (range.size() <= std::max(kLanes, part.size / kFullBin) || refinements == 0) {
+    if (range.size() <= std::max(kPackFaces, part.size / kFullBin) || refinements == 0) {
       return median.select_in(part, range);
     }
     if (range.begin < middle) partition_bin(part, range, middle, refinements - 1);

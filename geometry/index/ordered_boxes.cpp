@@ -6,12 +6,10 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kLanes = TrianglePack::kLanes;
-
 // The boxes around groups, sixteen to a pack.
 std::vector<BoxPack> boxes_around(std::span<const BoxPack> groups) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  std::vector<BoxPack> around((groups.size() + kLanes - 1) / kLanes);
+  std::vector<BoxPack> around((groups.size() + kBoxLanes - 1) / kBoxLanes);
   for (BoxPack& pack : around) {
     for (int k = 0; k < 3; ++k) {
       std::fill(std::begin(pack.low[k]), std::end(pack.low[k]), kInfinity);
@@ -19,12 +17,12 @@ std::vector<BoxPack> boxes_around(std::span<const BoxPack> groups) {
     }
   }
   for (std::size_t group = 0; group < groups.size(); ++group) {
-    BoxPack& pack = around[group / kLanes];
+    BoxPack& pack = around[group / kBoxLanes];
     for (int k = 0; k < 3; ++k) {
       const auto& low = groups[group].low[k];
       const auto& high = groups[group].high[k];
-      pack.low[k][group % kLanes] = *std::min_element(std::begin(low), std::end(low));
-      pack.high[k][group % kLanes] = *std::max_element(std::begin(high), std::end(high));
+      pack.low[k][group % kBoxLanes] = *std::min_element(std::begin(low), std::end(low));
+      pack.high[k][group % kBoxLanes] = *std::max_element(std::begin(high), std::end(high));
     }
   }
   return around;
@@ -43,7 +41,7 @@ OrderedBoxes::OrderedBoxes(std::span<const BoxPack> groups) {
 std::uint64_t OrderedBoxes::memory_need(std::uint64_t groups) {
   std::uint64_t boxes = 0;
   while (groups > 0) {
-    groups = (groups + kLanes - 1) / kLanes;
+    groups = (groups + kBoxLanes - 1) / kBoxLanes;
     boxes += groups;
     if (groups == 1) break;
   }

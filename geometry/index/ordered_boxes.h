@@ -12,6 +12,8 @@
 
 namespace palpate {
 
+inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // of a BoxPack
+
 // How what is near a point is searched for. Embree is fast where few boxes are near, but can't be
 // stopped where very many hold the point; in order of their numbers, a search ends at once.
 enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };

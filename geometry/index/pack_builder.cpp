@@ -16,9 +16,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kLanes = TrianglePack::kLanes;
+constexpr std::size_t kSlots = TrianglePack::kLanes;
 
-constexpr std::size_t kWorthAThread = 1000;  // packs: a millisecond of work
+constexpr std::size_t kPacksWorthAThread = 1000;  // a millisecond of work
 // Faces whose packs take so much more than what is free by then that it counts: 20 MB.
 constexpr std::size_t kLarge = 100000;
 
@@ -74,7 +74,7 @@ double scale_for(double reach) {
   return std::ldexp(1.0, std::min(-exponent, kMostExponent));
 }
 
-float per_squared_length(const float (&from)[3][kLanes], const float (&to)[3][kLanes],
+float per_squared_length(const float (&from)[3][kSlots], const float (&to)[3][kSlots],
                          std::size_t lane) {
   float squared = 0.0f;
   for (int k = 0; k < 3; ++k) {
@@ -95,7 +95,7 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
   pack.centre_roundoff = static_cast<float>(4 * std::numeric_limits<double>::epsilon() *
                                             centre.lpNorm<1>() * per_metre);
   pack.count = count;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+  for (std::size_t lane = 0; lane < kSlots; ++lane) {
     const TriangleGeometry& t = triangles[lane];
     for (int k = 0; k < 3; ++k) {
       pack.a[k][lane] = static_cast<float>((t.a[k] - centre[k]) * per_metre);
@@ -116,14 +116,14 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
 // Fills pack `id`, of which the first `count` faces are there. Lanes past them repeat the last.
 void write_pack(const TriangleMaker& maker, std::size_t id, std::size_t count,
                 PackedSurface& surface) {
-  std::uint32_t* const faces = &surface.faces[id * kLanes];
-  TriangleGeometry* const triangles = &surface.triangles[id * kLanes];
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+  std::uint32_t* const faces = &surface.faces[id * kSlots];
+  TriangleGeometry* const triangles = &surface.triangles[id * kSlots];
+  for (std::size_t lane = 0; lane < kSlots; ++lane) {
     const bool is_own = lane < count;
     if (!is_own) faces[lane] = faces[lane - 1];
     triangles[lane] = is_own ? maker.triangle(faces[lane]) : triangles[lane - 1];
   }
-  const std::span lanes(triangles, kLanes);
+  const std::span lanes(triangles, kSlots);
   surface.boxes[id] = box_around(lanes);
   surface.packs[id] = to_local(lanes, surface.boxes[id], static_cast<int>(count));
 }
@@ -132,17 +132,17 @@ void write_pack(const TriangleMaker& maker, std::size_t id, std::size_t count,
 
 PackedSurface pack_surface(const MappedFaces& faces) {
   const std::size_t face_count = faces.faces.size();
-  const std::size_t pack_count = (face_count + kLanes - 1) / kLanes;
+  const std::size_t pack_count = (face_count + kSlots - 1) / kSlots;
   PackedSurface surface{FixedArray<TrianglePack>(pack_count), FixedArray<Box>(pack_count),
-                        FixedArray<TriangleGeometry>(pack_count * kLanes),
-                        FixedArray<std::uint32_t>(pack_count * kLanes)};
+                        FixedArray<TriangleGeometry>(pack_count * kSlots),
+                        FixedArray<std::uint32_t>(pack_count * kSlots)};
   // First the order of all, so that what that takes and what comes of it never share the memory.
   order_faces(faces, {surface.faces.data(), face_count});
   if (face_count >= kLarge) give_back_free_memory();
   const TriangleMaker maker(faces);
-  run_ranges(pack_count, kWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(pack_count, kPacksWorthAThread, [&](std::size_t begin, std::size_t end) {
     for (std::size_t id = begin; id < end; ++id) {
-      write_pack(maker, id, std::min(kLanes, face_count - id * kLanes), surface);
+      write_pack(maker, id, std::min(kSlots, face_count - id * kSlots), surface);
     }
   });
   return surface;

@@ -8,12 +8,12 @@
 namespace palpate {
 namespace {
 
-using Edge = std::pair<std::uint32_t, std::uint32_t>;  // vertices, the lower one first
+using VertexPair = std::pair<std::uint32_t, std::uint32_t>;  // vertices, the lower one first
 
 // An edge for every half-edge that has no aligned mate: where three faces meet, or two that are
 // misoriented, an edge is there once for each.
-std::vector<Edge> unmatched_edges(const WeldedSurface& surface) {
-  std::vector<Edge> edges;
+std::vector<VertexPair> unmatched_edges(const WeldedSurface& surface) {
+  std::vector<VertexPair> edges;
   for (std::uint32_t h = 0; h < surface.mates().aligned.size(); ++h) {
     if (surface.mates().aligned[h] != kNoHalfEdge) continue;
     const Triangle& face = surface.faces()[h / 3];
@@ -28,7 +28,7 @@ std::vector<Edge> unmatched_edges(const WeldedSurface& surface) {
 std::vector<std::uint32_t> boundary_vertices(const WeldedSurface& surface) {
   std::vector<std::uint32_t> vertices;
   if (surface.report().boundary_edges == 0) return vertices;
-  const std::vector<Edge> edges = unmatched_edges(surface);
+  const std::vector<VertexPair> edges = unmatched_edges(surface);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const bool is_alone =
         (i == 0 || edges[i - 1] != edges[i]) && (i + 1 == edges.size() || edges[i + 1] != edges[i]);

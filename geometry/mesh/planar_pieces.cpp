@@ -31,7 +31,7 @@ constexpr std::uint64_t kMostPairs = 10'000'000;
 constexpr std::uint64_t kMostVertices = 1'000'000;
 constexpr std::uint64_t kMostPerSegment = 32;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 double squared(double x) {
   return x * x;
@@ -97,24 +97,25 @@ class PieceCutter {
     const std::int64_t column = cell_of(p.x);
     const std::int64_t row = cell_of(p.y);
     std::int64_t nearest = kCellsPerMerged * kCellsPerMerged;
-    std::uint32_t found = kNone;
+    std::uint32_t found = kNoVertex;
     for (std::int64_t c = column - 1; c <= column + 1; ++c) {
       for (std::int64_t r = row - 1; r <= row + 1; ++r) {
         const auto bucket = first_in_bucket_.find(bucket_of(c, r));
         if (bucket == first_in_bucket_.end()) continue;
-        for (std::uint32_t v = bucket->second; v != kNone; v = next_in_bucket_[v]) {
+        for (std::uint32_t v = bucket->second; v != kNoVertex; v = next_in_bucket_[v]) {
           const std::int64_t distance = dot(at(v) - p, at(v) - p);
-          if (distance > nearest || (distance == nearest && found != kNone && v > found)) continue;
+          if (distance > nearest || (distance == nearest && found != kNoVertex && v > found))
+            continue;
           nearest = distance;
           found = v;
         }
       }
     }
-    if (found != kNone) return found;
+    if (found != kNoVertex) return found;
     const auto added = static_cast<std::uint32_t>(result_.vertices.size());
     result_.vertices.push_back({p, segment, share});
     const auto [bucket, is_first] = first_in_bucket_.emplace(bucket_of(column, row), added);
-    next_in_bucket_.push_back(is_first ? kNone : bucket->second);
+    next_in_bucket_.push_back(is_first ? kNoVertex : bucket->second);
     bucket->second = added;
     return added;
   }

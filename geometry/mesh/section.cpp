@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoCut = 0xffffffffu;
 constexpr double kMergeRelativeToCoordinates = 32 * 0x1p-53;
 
 using EdgeKey = std::uint64_t;  // its two vertices, the lower one in the high half
@@ -85,7 +85,7 @@ class Section {
 
   // Finds which segment goes on where one ends.
   void link_cuts() {
-    next_.assign(cuts_.size(), kNone);
+    next_.assign(cuts_.size(), kNoCut);
     has_previous_.assign(cuts_.size(), false);
     std::vector<CutEnd> ends;
     ends.reserve(2 * cuts_.size());
@@ -136,7 +136,7 @@ class Section {
       for (Iterator it = begin; it != end; ++it) {
         if (it->leaves) {
           if (round == 0) open.push_back(it->cut);
-        } else if (!open.empty() && next_[it->cut] == kNone) {
+        } else if (!open.empty() && next_[it->cut] == kNoCut) {
           link(it->cut, open.back());
           open.pop_back();
         }
@@ -164,7 +164,7 @@ class Section {
                  std::vector<Polyline>& curves) const {
     std::vector<Vec3> points_m;
     std::uint32_t last = first;
-    for (std::uint32_t c = first; c != kNone && !done[c]; c = next_[c]) {
+    for (std::uint32_t c = first; c != kNoCut && !done[c]; c = next_[c]) {
       points_m.push_back(crossing_m(cuts_[c].from));
       done[c] = true;
       last = c;

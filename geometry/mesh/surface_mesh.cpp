@@ -18,11 +18,6 @@ std::size_t adjacency_bytes(std::size_t vertices, std::size_t edges, std::size_t
          edges * (sizeof(Items::Edge) + 3 * kTraits) + faces * (sizeof(Items::Face) + kTraits);
 }
 
-template <typename T>
-std::size_t bytes_of(const std::vector<T>& vector) {
-  return vector.capacity() * sizeof(T);
-}
-
 }  // namespace
 
 SurfaceMesh::SurfaceMesh(WeldedSurface& welded)

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kWorthAThread = 20000;  // positions: a millisecond of work
+constexpr std::size_t kPositionsWorthAThread = 20000;  // a millisecond of work
 
 // The finalizer of SplitMix64 (Steele, Lea, Flood 2014): every bit of the result depends on every
 // bit of the argument, which matters because coordinates on a grid differ in few bits.
@@ -39,7 +39,7 @@ std::uint32_t hash(const Vec3& p) {
 
 FixedArray<std::uint32_t> hashes_of(const std::vector<Vec3>& positions_m) {
   FixedArray<std::uint32_t> hashes(positions_m.size());
-  run_ranges(hashes.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(hashes.size(), kPositionsWorthAThread, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) hashes[i] = hash(positions_m[i]);
   });
   return hashes;
@@ -99,7 +99,7 @@ class PartWelder {
 }  // namespace
 
 std::uint64_t weld_memory(std::uint64_t positions) {
-  const std::uint64_t parts = positions < kWorthAThread ? 1 : pass_count();
+  const std::uint64_t parts = positions < kPositionsWorthAThread ? 1 : pass_count();
   // What a part of the hashes has more than its share: by chance, seldom four times as much.
   const double share = static_cast<double>(positions) / static_cast<double>(parts);
   const auto most = static_cast<std::uint64_t>(share + 4 * std::sqrt(share) + 1);
@@ -116,7 +116,7 @@ Weld weld_equal_positions(std::vector<Vec3> positions_m) {
   weld.vertex_of.resize(positions_m.size());
   {
     const FixedArray<std::uint32_t> hashes = hashes_of(positions_m);
-    const std::size_t parts = positions_m.size() < kWorthAThread ? 1 : pass_count();
+    const std::size_t parts = positions_m.size() < kPositionsWorthAThread ? 1 : pass_count();
     run_each(0, parts, [&](std::size_t part) {
       PartWelder(positions_m, hashes, part, parts).find_first(weld.vertex_of);
     });

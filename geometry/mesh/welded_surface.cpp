@@ -15,13 +15,13 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kWorthAThread = 50000;  // faces: a millisecond of work
+constexpr std::size_t kFacesWorthAThread = 50000;  // a millisecond of work
 
 // Puts triangles in welded vertices. Returns those that have no area, rising.
 std::vector<std::uint32_t> weld_triangles(const Weld& weld, std::vector<Triangle>& triangles) {
   std::vector<std::uint32_t> dropped;
   std::mutex mutex;
-  run_ranges(triangles.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(triangles.size(), kFacesWorthAThread, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> without_area;
     for (std::size_t t = begin; t < end; ++t) {
       Triangle& face = triangles[t];
@@ -82,7 +82,7 @@ std::vector<std::uint32_t> find_duplicates(std::span<const Triangle> faces,
 FixedArray<std::uint8_t> used_vertices(std::span<const Triangle> faces, std::size_t vertex_count) {
   FixedArray<std::uint8_t> is_used(vertex_count);
   std::fill(is_used.data(), is_used.data() + vertex_count, std::uint8_t{0});
-  run_ranges(faces.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(faces.size(), kFacesWorthAThread, [&](std::size_t begin, std::size_t end) {
     for (const Triangle& face : faces.subspan(begin, end - begin)) {
       for (const std::uint32_t v : face) {
         std::atomic_ref(is_used[v]).store(1, std::memory_order_relaxed);

@@ -13,10 +13,6 @@ namespace {
 // that of two Gram-Schmidt passes.
 constexpr double kSpanRoundoff = 64 * std::numeric_limits<double>::epsilon();
 
-Error invalid(std::string element, std::string problem, std::string hint) {
-  return {ErrorCode::kInvalidArgument, "", std::move(element), std::move(problem), std::move(hint)};
-}
-
 std::string describe(std::size_t i, const Vec3& axis) {
   std::ostringstream text;
   text << "actuated axis " << i + 1 << " (" << axis.x() << " " << axis.y() << " " << axis.z()
@@ -27,11 +23,11 @@ std::string describe(std::size_t i, const Vec3& axis) {
 std::optional<Error> check_sensors(int sensors) {
   if (sensors == 2 || sensors == 3) return std::nullopt;
   if (sensors == 1) {
-    return invalid("sensors", "1 sensed axis leaves no axis to rotate about",
-                   "Table 1 begins with 2 sensors; use 2 or 3");
+    return invalid_argument("sensors", "1 sensed axis leaves no axis to rotate about",
+                            "Table 1 begins with 2 sensors; use 2 or 3");
   }
-  return invalid("sensors", std::to_string(sensors) + " sensors, expected 2 or 3",
-                 "count position axes only: a 6-DOF device senses a point with 3");
+  return invalid_argument("sensors", std::to_string(sensors) + " sensors, expected 2 or 3",
+                          "count position axes only: a 6-DOF device senses a point with 3");
 }
 
 // What is wrong with an axis, by its number.
@@ -45,17 +41,17 @@ Error error_of(const BadAxis& bad, const Vec3& axis) {
   const std::string name = describe(bad.axis, axis);
   switch (bad.problem) {
     case BadAxis::Problem::kNoDirection:
-      return invalid(name, "expected a finite direction of non-zero length", "");
+      return invalid_argument(name, "expected a finite direction of non-zero length", "");
     case BadAxis::Problem::kLeavesPlane:
-      return invalid(name, "leaves the sensed plane A1 A2 of a 2-sensor device",
-                     "set its third component to 0, or use 3 sensors");
+      return invalid_argument(name, "leaves the sensed plane A1 A2 of a 2-sensor device",
+                              "set its third component to 0, or use 3 sensors");
     case BadAxis::Problem::kTooMany:
-      return invalid(name, "more actuated axes than sensors", "give fewer axes");
+      return invalid_argument(name, "more actuated axes than sensors", "give fewer axes");
     case BadAxis::Problem::kDependent:
       break;
   }
-  return invalid(name, "depends linearly on the axes before it",
-                 "leave it out: it adds nothing that can be pushed");
+  return invalid_argument(name, "depends linearly on the axes before it",
+                          "leave it out: it adds nothing that can be pushed");
 }
 
 // By Gram and Schmidt, twice: the second pass removes the rounding of the first. Axes that are not
@@ -86,10 +82,11 @@ std::optional<BadAxis> orthonormal_basis(int sensors, std::span<const Vec3> axes
 Result<ActuationModel> ActuationModel::from_counts(int sensors, int actuators) {
   if (const auto error = check_sensors(sensors)) return *error;
   if (actuators < 0) {
-    return invalid("actuators", std::to_string(actuators) + " actuators, expected 0 or more", "");
+    return invalid_argument("actuators",
+                            std::to_string(actuators) + " actuators, expected 0 or more", "");
   }
   if (actuators > sensors) {
-    return invalid(
+    return invalid_argument(
         "actuators",
         std::to_string(actuators) + " actuators but only " + std::to_string(sensors) + " sensors",
         "an actuated axis must be sensed, so use at most as many actuators as sensors");

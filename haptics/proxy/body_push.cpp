@@ -10,7 +10,7 @@ namespace {
 
 // A push that is stopped is shortened at most so often; then the proxy keeps its very place on the
 // body.
-constexpr int kMaxShortenings = 8;
+constexpr int kMostShortenedPushes = 8;
 
 // The push may be so many times as long as the way of the body where it meets the proxy: planes
 // that close at less than a degree, about, hold the proxy.
@@ -65,14 +65,14 @@ class PushedProxy {
   std::optional<Vec3> carried() {
     Vec3 along_body = placed_.to_body(proxy_) - start_body_;
     double fraction = 1.0;
-    for (int shortened = 0; shortened <= kMaxShortenings + 1; ++shortened) {
+    for (int shortened = 0; shortened <= kMostShortenedPushes + 1; ++shortened) {
       const Vec3 target = placed_.to_solver(start_body_ + fraction * along_body);
       const auto hit = tracer_.trace_in_body(body_, start_body_, placed_.to_body(target));
       if (!hit) {
         if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
         return target;
       }
-      fraction *= shortened < kMaxShortenings ? hit->fraction.value() : 0.0;
+      fraction *= shortened < kMostShortenedPushes ? hit->fraction.value() : 0.0;
     }
     return std::nullopt;
   }

@@ -22,7 +22,7 @@ constexpr double kLead = 0.5;
 constexpr std::size_t kMostBodies = 256;
 
 // A refill that finds more packs than there is room for tries half the ball, so often.
-constexpr int kMostHalvings = 4;
+constexpr int kMostRadiusHalvings = 4;
 
 // Rounding to float, away from the inside of a box. Two ulp, of which the conversion takes one
 // half; what underflows is pushed beyond the smallest number that did not.
@@ -62,7 +62,7 @@ bool CandidateCache::refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) n
   const Vec3 direction = length > 0.0 ? Vec3(ahead / length) : Vec3(Vec3::Zero());
   double radius = usual_ball_m_;
   auto search = NearSearch::kWithEmbree;
-  for (int halving = 0; halving <= kMostHalvings; ++halving, radius *= 0.5) {
+  for (int halving = 0; halving <= kMostRadiusHalvings; ++halving, radius *= 0.5) {
     if (fill_ball(p + kLead * radius * direction, radius, search, work)) return true;
     search = NearSearch::kInOrder;
   }

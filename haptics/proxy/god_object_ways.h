@@ -37,7 +37,7 @@ constexpr std::size_t kMostAround = 256;
 constexpr int kMostBends = 8;
 
 // How often a way between one that is blocked and one that is not is halved: to a 4,000th.
-constexpr int kMostHalvings = 12;
+constexpr int kMostWayHalvings = 12;
 
 // A few faces.
 struct GodObject::Faces {
@@ -326,7 +326,7 @@ bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
 // Between a way that is blocked and one that is not, or does not lead on.
 template <typename Friction>
 bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
-  for (int i = 0; i < kMostHalvings; ++i) {
+  for (int i = 0; i < kMostWayHalvings; ++i) {
     const Vec3 direction = (blocked + free).normalized();
     const Vec3 middle = direction.dot(goal_ - proxy_) * direction;
     if (!may_gain_by(middle)) {

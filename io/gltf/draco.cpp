@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kExtension = "KHR_draco_mesh_compression";
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 std::size_t component_count(const tinygltf::Accessor& accessor) {
   return static_cast<std::size_t>(
@@ -129,10 +129,10 @@ class DracoReader {
         primitive_(asset.model.meshes[mesh].primitives[primitive]),
         json_(asset.json["meshes"][mesh]["primitives"][primitive]),
         primitive_element_(gltf_element("meshes", mesh, "primitives/" + std::to_string(primitive))),
-        element_(primitive_element_ + "/extensions/" + kExtension) {}
+        element_(primitive_element_ + "/extensions/" + kDraco) {}
 
   Result<std::optional<DracoPrimitive>> run(const DracoRoom& room) {
-    const auto extension = find_extension(json_, primitive_element_, kExtension);
+    const auto extension = find_extension(json_, primitive_element_, kDraco);
     if (!extension) return extension.error();
     if (*extension == nullptr) return std::optional<DracoPrimitive>();
     if (primitive_.mode == TINYGLTF_MODE_TRIANGLE_FAN) {

@@ -13,6 +13,7 @@
 
 #include "geometry/base/parallel.h"
 #include "io/gltf/error.h"
+#include "io/open_error.h"
 
 namespace palpate {
 namespace {
@@ -37,13 +38,6 @@ class FileHandle {
 Error file_error(ErrorCode code, const std::string& path, std::string problem,
                  std::string hint = {}) {
   return {code, path, {}, std::move(problem), std::move(hint)};
-}
-
-Error open_error(const std::string& path, int reason) {
-  const bool missing = reason == ENOENT || reason == ENOTDIR;
-  return file_error(missing ? ErrorCode::kFileNotFound : ErrorCode::kFileUnreadable, path,
-                    std::string("cannot be opened: ") +
-                        std::error_code(reason, std::generic_category()).message());
 }
 
 // Reads a part of the file; returns the byte past which that could not be done, if there is one.
@@ -152,8 +146,8 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {
   const std::string hint = "keep the files of an asset in its own folder, named relative to it";
   if (has_scheme(uri)) {
-    return gltf_error(ErrorCode::kUnsupported, {},
-                      "the URI " + in_quotes(uri) + " is not relative", hint);
+    return gltf_error(ErrorCode::kUnsupported, {}, "the URI " + in_quotes(uri) + " is not relative",
+                      hint);
   }
   const auto decoded = percent_decoded(uri);
   if (!decoded || decoded->find('\0') != std::string::npos) {

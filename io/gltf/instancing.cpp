@@ -14,13 +14,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kExtension = "EXT_mesh_gpu_instancing";
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 
 // The extension's table of attributes.
-constexpr GltfNumberFormat kTranslations{"VEC3", kGltfFloats, "translations of instances"};
-constexpr GltfNumberFormat kRotations{"VEC4", kGltfFloats | kGltfNormalizedSigned,
-                                      "rotations of instances"};
-constexpr GltfNumberFormat kScales{"VEC3", kGltfFloats, "scales of instances"};
+constexpr GltfNumberFormat kInstanceTranslations{"VEC3", kGltfFloats, "translations of instances"};
+constexpr GltfNumberFormat kInstanceRotations{"VEC4", kGltfFloats | kGltfNormalizedSigned,
+                                              "rotations of instances"};
+constexpr GltfNumberFormat kInstanceScales{"VEC3", kGltfFloats, "scales of instances"};
 
 // Reads one of the three lists into numbers, if the file gives it; the first one sets the count.
 std::optional<Error> read_list(const GltfAsset& asset, const Json& attributes,
@@ -68,10 +68,10 @@ AffineTransform GltfInstances::T_node_instance(std::size_t index) const {
 Result<std::optional<GltfInstances>> read_instances(const GltfAsset& asset, std::size_t node,
                                                     std::size_t max_count) {
   const std::string parent = gltf_element("nodes", node);
-  const auto extension = find_extension(asset.json["nodes"][node], parent, kExtension);
+  const auto extension = find_extension(asset.json["nodes"][node], parent, kInstancing);
   if (!extension) return extension.error();
   if (!*extension) return std::optional<GltfInstances>();
-  const std::string element = parent + "/extensions/" + kExtension + "/attributes";
+  const std::string element = parent + "/extensions/" + kInstancing + "/attributes";
   const auto attributes = (*extension)->find("attributes");
   if (attributes == (*extension)->end() || !attributes->is_object()) {
     return gltf_invalid(element, "is missing, or not an object");
@@ -82,9 +82,10 @@ Result<std::optional<GltfInstances>> read_instances(const GltfAsset& asset, std:
     return read_list(asset, *attributes, element, name, format, max_count, instances.count,
                      numbers);
   };
-  if (auto error = read("TRANSLATION", kTranslations, instances.translations_m)) return *error;
-  if (auto error = read("ROTATION", kRotations, instances.rotations)) return *error;
-  if (auto error = read("SCALE", kScales, instances.scales)) return *error;
+  if (auto error = read("TRANSLATION", kInstanceTranslations, instances.translations_m))
+    return *error;
+  if (auto error = read("ROTATION", kInstanceRotations, instances.rotations)) return *error;
+  if (auto error = read("SCALE", kInstanceScales, instances.scales)) return *error;
   if (instances.count == 0) {
     return gltf_invalid(element, "has none of TRANSLATION, ROTATION and SCALE");
   }

@@ -26,21 +26,21 @@ using Eigen::Vector4d;
 constexpr unsigned kFloatsOrNormalized =
     kGltfFloats | kGltfNormalizedSigned | kGltfNormalizedUnsigned;
 constexpr GltfNumberFormat kTimes{"SCALAR", kGltfFloats, "times of keyframes"};
-constexpr GltfNumberFormat kTranslations{"VEC3", kGltfFloats, "animated translations"};
-constexpr GltfNumberFormat kRotations{"VEC4", kFloatsOrNormalized, "animated rotations"};
-constexpr GltfNumberFormat kScales{"VEC3", kGltfFloats, "animated scales"};
-constexpr GltfNumberFormat kWeights{"SCALAR", kFloatsOrNormalized, "animated weights"};
+constexpr GltfNumberFormat kKeyedTranslations{"VEC3", kGltfFloats, "animated translations"};
+constexpr GltfNumberFormat kKeyedRotations{"VEC4", kFloatsOrNormalized, "animated rotations"};
+constexpr GltfNumberFormat kKeyedScales{"VEC3", kGltfFloats, "animated scales"};
+constexpr GltfNumberFormat kKeyedWeights{"SCALAR", kFloatsOrNormalized, "animated weights"};
 
 const GltfNumberFormat& format_of(GltfPath path) {
   switch (path) {
     case GltfPath::kTranslation:
-      return kTranslations;
+      return kKeyedTranslations;
     case GltfPath::kRotation:
-      return kRotations;
+      return kKeyedRotations;
     case GltfPath::kScale:
-      return kScales;
+      return kKeyedScales;
     default:
-      return kWeights;
+      return kKeyedWeights;
   }
 }
 

@@ -20,8 +20,8 @@ using Json = nlohmann::json;
 
 constexpr GltfNumberFormat kInverseBindMatrices{"MAT4", kGltfFloats, "inverse bind matrices"};
 constexpr GltfNumberFormat kJoints{"VEC4", kGltfUnsigned, "joints of vertices"};
-constexpr GltfNumberFormat kWeights{"VEC4", kGltfFloats | kGltfNormalizedUnsigned,
-                                    "weights of joints"};
+constexpr GltfNumberFormat kJointWeights{"VEC4", kGltfFloats | kGltfNormalizedUnsigned,
+                                         "weights of joints"};
 constexpr std::size_t kJointsPerSet = 4;
 
 // What rounding of stored weights can add to their sum: half a step for each integer; a float is
@@ -269,8 +269,8 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
     auto joint_numbers =
         attribute_numbers(asset, compressed, joints_name, *joints, kJoints, positions.size());
     if (!joint_numbers) return joint_numbers.error();
-    auto weight_numbers =
-        attribute_numbers(asset, compressed, weights_name, *weights, kWeights, positions.size());
+    auto weight_numbers = attribute_numbers(asset, compressed, weights_name, *weights,
+                                            kJointWeights, positions.size());
     if (!weight_numbers) return weight_numbers.error();
     rounding += rounding_of(asset.model.accessors[*weights].componentType);
     const InfluenceSet set{element + "/attributes/" + joints_name, std::move(*joint_numbers),
