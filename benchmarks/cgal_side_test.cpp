@@ -7,23 +7,23 @@
 namespace palpate::bench {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using ExactKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-Kernel::Point_3 to_cgal(const Vec3& p) {
+ExactKernel::Point_3 to_exact(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
 }  // namespace
 
 struct CgalSideTest::Inputs {
-  std::vector<std::array<Kernel::Point_3, 4>> points;
+  std::vector<std::array<ExactKernel::Point_3, 4>> points;
 };
 
 CgalSideTest::CgalSideTest(std::span<const SideInput> inputs)
     : inputs_(std::make_unique<Inputs>()) {
   for (const SideInput& in : inputs) {
     inputs_->points.push_back(
-        {to_cgal(in.p), to_cgal(in.p + in.d), to_cgal(in.from), to_cgal(in.to)});
+        {to_exact(in.p), to_exact(in.p + in.d), to_exact(in.from), to_exact(in.to)});
   }
 }
 

@@ -21,7 +21,7 @@ namespace palpate::bench {
 namespace {
 
 // Larger ones tell nothing new: an effect's time does not go by the size of the mesh.
-constexpr int kMostSubdivisions = 8;
+constexpr int kMostTimedSubdivisions = 8;
 
 // Passes over the path with and without the effect, in turn: the shortest of each count.
 constexpr int kPairs = 8;
@@ -119,7 +119,7 @@ void run(benchmark::State& state, const EffectCase& effect_case, int subdivision
 }  // namespace
 
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts) {
-  if (subdivisions > kMostSubdivisions) return;
+  if (subdivisions > kMostTimedSubdivisions) return;
   for (const EffectCase& effect_case : effect_cases()) {
     const std::string name = "tick_sliding_with_" + effect_case.name;
     benchmark::RegisterBenchmark(

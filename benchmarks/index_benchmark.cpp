@@ -54,7 +54,7 @@ struct Setting {
   Samples samples() const { return {path_m.size(), caches}; }
 };
 
-void closest_point(benchmark::State& state, const Setting& at) {
+void indexed_closest_point(benchmark::State& state, const Setting& at) {
   const SurfaceIndex& index = at.index();
   std::optional<SurfacePoint> nearest;
   Vec3 p;
@@ -231,14 +231,14 @@ constexpr IndexCase kCgalCases[] = {
     {"cgal_closest_point", cgal_closest_point, kNear, Caches::kWarm, nullptr, nullptr},
     {"cgal_first_hit", cgal_first_hit, kNear, Caches::kWarm, nullptr, nullptr},
 };
-constexpr IndexCase kCases[] = {
+constexpr IndexCase kIndexCases[] = {
     {"stock_closest_point", stock_closest_point, kNear, Caches::kWarm, nullptr, nullptr},
     {"stock_closest_point_evicted", stock_closest_point, kNear, Caches::kEvicted, nullptr, nullptr},
     {"stock_first_hit", stock_first_hit, kNear, Caches::kWarm, nullptr, nullptr},
-    {"closest_point", closest_point, kNear, Caches::kWarm, "stock_closest_point",
+    {"closest_point", indexed_closest_point, kNear, Caches::kWarm, "stock_closest_point",
      "cgal_closest_point"},
-    {"closest_point_evicted", closest_point, kNear, Caches::kEvicted, "stock_closest_point_evicted",
-     nullptr},
+    {"closest_point_evicted", indexed_closest_point, kNear, Caches::kEvicted,
+     "stock_closest_point_evicted", nullptr},
     {"first_hit", first_hit, kNear, Caches::kWarm, "stock_first_hit", "cgal_first_hit"},
     {"packs_near", packs_near, kOnSurface, Caches::kWarm, nullptr, nullptr},
 };
@@ -278,7 +278,7 @@ void register_index_benchmarks(int subdivisions, const SampleCounts& counts) {
   if (kHaveCgal) {
     for (const IndexCase& index_case : kCgalCases) add(index_case, subdivisions, counts);
   }
-  for (const IndexCase& index_case : kCases) add(index_case, subdivisions, counts);
+  for (const IndexCase& index_case : kIndexCases) add(index_case, subdivisions, counts);
 }
 
 }  // namespace palpate::bench

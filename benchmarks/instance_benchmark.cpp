@@ -16,6 +16,7 @@
 #include <benchmark/benchmark.h>
 #include <nlohmann/json.hpp>
 
+#include "benchmarks/loads.h"
 #include "benchmarks/medians.h"
 #include "benchmarks/percentiles.h"
 #include "benchmarks/registration.h"
@@ -33,7 +34,6 @@ constexpr double kRadius_m = 5e-3;
 constexpr double kSpacing_m = 12e-3;
 constexpr std::size_t kCrowd = 10'000;
 constexpr int kAlongOneSide = 22;
-constexpr int kLoads = 5;  // of which the median counts
 
 // From the middle of a cubic lattice outwards as it comes: the first is at the origin.
 std::vector<Vec3> places(std::size_t count) {

@@ -20,6 +20,7 @@
 #include <benchmark/benchmark.h>
 #include <nlohmann/json.hpp>
 
+#include "benchmarks/loads.h"
 #include "benchmarks/registration.h"
 #include "benchmarks/sphere.h"
 #include "benchmarks/stock_embree.h"
@@ -27,8 +28,6 @@
 
 namespace palpate::bench {
 namespace {
-
-constexpr int kLoads = 5;  // of which the median counts
 
 // Outside the sphere, near its surface.
 const Vec3 kQuery_m(0.0, 0.0, 1.01 * kSphereRadius_m);
@@ -208,7 +207,7 @@ struct LoadCase {
 };
 
 // Parts before the whole.
-constexpr LoadCase kCases[] = {
+constexpr LoadCase kLoadCases[] = {
     {"read_file", read_file},
     {"openmesh_add_face", openmesh_add_face},
     {"embree_build", embree_build},
@@ -218,7 +217,7 @@ constexpr LoadCase kCases[] = {
 }  // namespace
 
 void register_load_benchmarks(int subdivisions) {
-  for (const LoadCase& load_case : kCases) {
+  for (const LoadCase& load_case : kLoadCases) {
     const std::string row = row_name(load_case.name, subdivisions);
     benchmark::RegisterBenchmark(row.c_str(),
                                  [=, &load_case](benchmark::State& state) {

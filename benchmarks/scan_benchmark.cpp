@@ -33,7 +33,7 @@ struct ScanCase {
   double proxy_radius_m;
   Caches caches;
 };
-constexpr ScanCase kCases[] = {
+constexpr ScanCase kScanCases[] = {
     {"scan_point", 0.0, Caches::kWarm},
     {"scan_point_evicted", 0.0, Caches::kEvicted},
     {"scan_sphere_0.1mm", 1e-4, Caches::kWarm},
@@ -94,7 +94,7 @@ void run(benchmark::State& state, const ScanSize& size, const ScanCase& scan_cas
 void register_scan_benchmarks(int subdivisions, const SampleCounts& counts) {
   for (const ScanSize& size : kSizes) {
     if (size.subdivisions != subdivisions) continue;
-    for (const ScanCase& scan_case : kCases) {
+    for (const ScanCase& scan_case : kScanCases) {
       benchmark::RegisterBenchmark((std::string(scan_case.name) + "/" + size.name).c_str(),
                                    [&size, &scan_case, counts](benchmark::State& state) {
                                      run(state, size, scan_case, counts);

@@ -15,7 +15,7 @@ using boost::multiprecision::cpp_rational;
 
 constexpr double kFromOrigin_m = 0.1;
 constexpr double kEdge_m = 3e-4;
-constexpr double kStep_m = 1e-3;
+constexpr double kTracedStep_m = 1e-3;
 
 class Random {
  public:
@@ -138,7 +138,7 @@ Integers random_integers(Random& random) {
 std::vector<SideInput> easy_side_inputs(std::size_t count) {
   return make_inputs(count, 1, [](Random& random) {
     const Edge edge = random_edge(random);
-    return through(edge.from + random.in_box(kStep_m), random.in_box(kStep_m), edge);
+    return through(edge.from + random.in_box(kTracedStep_m), random.in_box(kTracedStep_m), edge);
   });
 }
 
@@ -146,7 +146,7 @@ std::vector<SideInput> near_side_inputs(std::size_t count) {
   return make_inputs(count, 2, [](Random& random) -> std::optional<SideInput> {
     const Edge edge = random.coin() ? random_edge(random) : random_edge_across_plane(random);
     const Vec3 target = edge.from + random.uniform(0.0, 1.0) * (edge.to - edge.from);
-    const Vec3 p = target + random.in_box(kStep_m);
+    const Vec3 p = target + random.in_box(kTracedStep_m);
     const auto input = through(p, random.uniform(1.0, 2.0) * (target - p), edge);
     if (!input || filter_decides(*input) || true_side(*input) == 0) return std::nullopt;
     return input;
@@ -159,8 +159,8 @@ std::vector<SideInput> exact_side_inputs(std::size_t count) {
     const Edge edge = across ? random_edge_across_plane(random) : random_edge(random);
     const double eighths = across ? 0.5 : std::ldexp(static_cast<double>(random.integer(3)), -3);
     const Vec3 target = edge.from + eighths * (edge.to - edge.from);
-    Vec3 half = random.in_box(0.5 * kStep_m);
-    if (across) half.x() *= kStep_m;  // small, so that p keeps bits that from - p must round
+    Vec3 half = random.in_box(0.5 * kTracedStep_m);
+    if (across) half.x() *= kTracedStep_m;  // small, so that p keeps bits that from - p must round
     // Half of the step before the target and half of it behind.
     const auto behind = through(target, half, edge);
     if (!behind || target - behind->d + behind->d != target) return std::nullopt;

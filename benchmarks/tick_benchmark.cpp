@@ -66,7 +66,7 @@ DevicePath teleports(const TickCase&, const SampleCounts& counts) {
 }
 
 // The sphere proxy last: its index is another one.
-constexpr TickCase kCases[] = {
+constexpr TickCase kTickCases[] = {
     {.name = "tick_free", .path = along_sphere<kFree>, .contact = kNever},
     {.name = "tick_sliding",
      .path = along_sphere<kSliding>,
@@ -163,7 +163,7 @@ void run(benchmark::State& state, const TickCase& tick_case, int subdivisions,
 }  // namespace
 
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts) {
-  for (const TickCase& tick_case : kCases) {
+  for (const TickCase& tick_case : kTickCases) {
     const std::size_t samples = tick_case.path(tick_case, counts).timed_m.size();
     benchmark::RegisterBenchmark(
         row_name(tick_case.name, subdivisions).c_str(),

@@ -1,13 +1,13 @@
 #include "haptics/haptic_loop.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "haptics/record_vectors.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -15,6 +15,8 @@ namespace palpate {
 namespace {
 
 using test::box_soup;
+using test::kInfinity;
+using test::kNan;
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
@@ -297,8 +299,6 @@ TEST_P(BadSample, GivesZeroForceAndItsFaultBitAndTheNextOneCarriesOn) {
   EXPECT_EQ(vec3(next.force_device_N), vec3(expected.force_device_N));
 }
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Vec3 kPressed_m(-0.002, 0, 0);
 INSTANTIATE_TEST_SUITE_P(All, BadSample,
                          testing::Values(BadInput{{kNan, 0, 0}, kDt, kFaultNonFiniteSample},

@@ -17,12 +17,14 @@
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
 using test::box_soup;
+using test::kTick_s;
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
@@ -30,7 +32,6 @@ using test::Soup;
 using Wide = long double;
 using WideVec3 = Eigen::Matrix<Wide, 3, 1>;
 
-constexpr double kDt_s = 1e-3;
 constexpr int kTicks = 5000;
 constexpr int kLeastContactTicks = kTicks / 100;  // whatever the seed
 
@@ -119,7 +120,7 @@ Scenario soup_scenario(Random& random) {
   }
   const Vec3 phase = random.in_box(std::numbers::pi);
   for (int n = 0; n < kTicks; ++n) {
-    const double t = n * kDt_s;
+    const double t = n * kTick_s;
     scenario.path_m.push_back(0.1 * Vec3(std::sin(1.31 * t + phase.x()),
                                          std::sin(1.73 * t + phase.y()),
                                          std::sin(2.11 * t + phase.z())));
@@ -153,7 +154,7 @@ std::vector<TickRecord> feel(const Scenario& scenario, const Placing& placing,
   const OwnedWorld world(soup, placing.T_scene_body, settings.god_object.radius_m);
   HapticLoop loop(world.world(), actuation, settings);
   std::vector<TickRecord> records;
-  for (const Vec3& p : scenario.path_m) records.push_back(loop.tick(placing.scene(p), kDt_s));
+  for (const Vec3& p : scenario.path_m) records.push_back(loop.tick(placing.scene(p), kTick_s));
   return records;
 }
 

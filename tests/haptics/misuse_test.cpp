@@ -13,29 +13,29 @@
 #include "haptics/check_settings.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
 using test::box_soup;
+using test::kInfinity;
+using test::kNan;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::OwnedWorld;
 using test::Random;
+using test::three_axes;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDt_s = 1e-3;
 constexpr double kRadius_m = 1e-3;
 const Vec3 kHalf_m(0.05, 0.04, 0.03);
-
-ActuationModel three_axes() {
-  return ActuationModel::from_counts(3, 3).value();
-}
 
 HapticSettings good_settings(double radius_m = 0.0) {
   HapticSettings s;
@@ -196,8 +196,8 @@ TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
         farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
     // Pressed on the upper face of the box, then dragged through it as far as samples go.
     const auto device = [&](const Vec3& p) { return settings.initial_pose.point(pose.point(p)); };
-    ASSERT_EQ(loop.tick(device({0, 0, 0.05}), kDt_s).faults, kFaultNone);
-    ASSERT_TRUE(loop.tick(device({0, 0, 0.02}), kDt_s).contact);
+    ASSERT_EQ(loop.tick(device({0, 0, 0.05}), kTick_s).faults, kFaultNone);
+    ASSERT_TRUE(loop.tick(device({0, 0, 0.02}), kTick_s).contact);
     const Vec3 down = settings.initial_pose.direction(pose.direction(-Vec3::UnitZ()));
     loop.tick(0.99 * farthest_m * down, kShortestTick_s);  // a jump, believed the second time
     const TickRecord& far = loop.tick(0.99 * farthest_m * down, kShortestTick_s);
@@ -227,7 +227,7 @@ TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
       if (n % 7 == 0) loop.move_body(0, {Quat::Identity(), random.in_box(0.01)});
       Vec3 sample = random.in_box(0.1);
       if (n % 5 == 0) sample.x() = kNan;
-      const TickRecord& record = loop.tick(sample, n % 11 == 0 ? kInfinity : kDt_s);
+      const TickRecord& record = loop.tick(sample, n % 11 == 0 ? kInfinity : kTick_s);
       ASSERT_NE(record.faults & kFaultBadSettings, 0u) << bad.field;
       ASSERT_EQ(vec3(record.force_device_N), Vec3(Vec3::Zero()));
       ASSERT_EQ(vec3(record.full_force_device_N), Vec3(Vec3::Zero()));

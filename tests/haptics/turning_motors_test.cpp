@@ -9,15 +9,15 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
+using test::kTick_s;
 using test::OwnedWorld;
 using test::Random;
-
-constexpr double kTick_s = 1e-3;
 
 bool same_bits(const TickRecord& a, const TickRecord& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;

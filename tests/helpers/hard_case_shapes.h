@@ -9,16 +9,13 @@
 
 #include "models/paper_objects.h"
 #include "models/primitives.h"
+#include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate::test {
 
 inline constexpr double kDeg = std::numbers::pi / 180.0;  // rad
-
-inline Soup soup_of(const TriangleMesh& mesh) {
-  return {mesh.positions_m, mesh.triangles};
-}
 
 // One of the paper's four objects as the models have it.
 inline Soup paper_object_soup(const PaperObject& object) {

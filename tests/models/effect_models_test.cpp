@@ -35,7 +35,6 @@ namespace {
 using Json = nlohmann::json;
 using test::Random;
 
-constexpr double kPi = std::numbers::pi;
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 
@@ -120,7 +119,8 @@ std::vector<double> edge_angles_deg(const TriangleMesh& mesh) {
   for (const auto& [edge, normal] : normals) {
     const auto other = normals.find({edge.second, edge.first});
     if (other == normals.end()) return {};
-    angles_deg.push_back(std::acos(std::min(normal.dot(other->second), 1.0)) * 180.0 / kPi);
+    angles_deg.push_back(std::acos(std::min(normal.dot(other->second), 1.0)) * 180.0 /
+                         std::numbers::pi);
   }
   return angles_deg;
 }
@@ -495,7 +495,7 @@ TEST(EffectModels, CarryASineOfTwoMillimetresToHalfAUnit) {
   ASSERT_EQ(pixels.size(), 64u * 64u);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double u = (static_cast<double>(i % 64) + 0.5) / 64.0;
-    const double value = 65535.0 * (0.5 + 0.5 * std::sin(2.0 * kPi * 4.0 * u));
+    const double value = 65535.0 * (0.5 + 0.5 * std::sin(2.0 * std::numbers::pi * 4.0 * u));
     ASSERT_LE(std::abs(pixels[i] - value), 0.5) << i;
     // Far from a tie: a sine that errs in its last bits gives the same pixel.
     ASSERT_LT(std::abs(pixels[i] - value), 0.5 - 1e-6) << i;
@@ -517,7 +517,8 @@ TEST(EffectModels, CarryNormalsOfUnitLengthThatAreThoseOfBumpsOfTheDeclaredHeigh
   const double half_unit = 1.0 / 255.0;  // components go from -1 to 1 in 255 steps
   const double image_m = 0.016;
   const auto height_m = [&](double u, double v) {
-    return 0.00015 * (1.0 + std::sin(8.0 * kPi * u) * std::sin(8.0 * kPi * v));
+    return 0.00015 *
+           (1.0 + std::sin(8.0 * std::numbers::pi * u) * std::sin(8.0 * std::numbers::pi * v));
   };
   for (std::size_t i = 0; i < 64u * 64u; ++i) {
     Vec3 normal;
@@ -535,11 +536,11 @@ TEST(EffectModels, CarryNormalsOfUnitLengthThatAreThoseOfBumpsOfTheDeclaredHeigh
 }
 
 TEST(BumpNormalMap, IsFarFromATieInEveryPixel) {
-  const double steepest = kPi * 4.0 * 0.0003 / 0.016;
+  const double steepest = std::numbers::pi * 4.0 * 0.0003 / 0.016;
   for (int i = 0; i < 16; ++i) {
     for (int j = 0; j < 16; ++j) {
-      const double u_rad = 2.0 * kPi * (i + 0.5) / 16.0;
-      const double v_rad = 2.0 * kPi * (j + 0.5) / 16.0;
+      const double u_rad = 2.0 * std::numbers::pi * (i + 0.5) / 16.0;
+      const double v_rad = 2.0 * std::numbers::pi * (j + 0.5) / 16.0;
       const Vec3 normal = Vec3(-steepest * std::cos(u_rad) * std::sin(v_rad),
                                steepest * std::sin(u_rad) * std::cos(v_rad), 1.0)
                               .normalized();

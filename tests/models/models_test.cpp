@@ -28,7 +28,6 @@ namespace {
 
 using test::Random;
 
-constexpr double kPi = std::numbers::pi;
 // Coordinates are rounded to 2^-24 of themselves, a volume multiplies three of them.
 constexpr double kFloatVolumeTolerance = 4.0 * 0x1p-24;
 
@@ -94,8 +93,9 @@ double area_m2(const Contour& contour_m) {
 
 double torus_volume_m3(double major_m, double minor_m, double ring, double tube) {
   // A wedge of the polygonal ring is a wedge of revolution scaled by cos(half)/cos(angle) across.
-  const double section_m2 = tube / 2.0 * std::sin(2.0 * kPi / tube) * minor_m * minor_m;
-  return ring * std::sin(2.0 * kPi / ring) * major_m * section_m2;
+  const double section_m2 =
+      tube / 2.0 * std::sin(2.0 * std::numbers::pi / tube) * minor_m * minor_m;
+  return ring * std::sin(2.0 * std::numbers::pi / ring) * major_m * section_m2;
 }
 
 // ---- a reader that knows nothing of the writer
@@ -204,7 +204,7 @@ double free_path_m(const Contour& contour, std::size_t self, const Point2& origi
 // that end of the axis which it was turned to before, unless it points away from it by 2 deg.
 double mean_aligned_angle_rad(const Contour& contour, double orientation_rad) {
   const double step_s = 0.001;
-  const double degree = kPi / 180.0;
+  const double degree = std::numbers::pi / 180.0;
   const std::size_t n = contour.size();
   double length_m = 0.0;
   for (std::size_t i = 0; i < n; ++i) length_m += wall_vector(contour, i).norm();
@@ -223,7 +223,7 @@ double mean_aligned_angle_rad(const Contour& contour, double orientation_rad) {
       const double signed_rad =
           std::atan2(sign * std::sin(normal_rad), sign * std::cos(normal_rad));
       const double angle_rad = std::abs(signed_rad);
-      sum_rad += std::min(angle_rad, kPi - angle_rad);
+      sum_rad += std::min(angle_rad, std::numbers::pi - angle_rad);
       const double speed_rad_per_s =
           angle_rad > 30.0 * degree ? 90.0 * degree : 5.0 * degree + 85.0 / 30.0 * angle_rad;
       turned_rad -= std::copysign(std::min(angle_rad, speed_rad_per_s * step_s), signed_rad);
@@ -236,7 +236,8 @@ double mean_aligned_angle_rad(const Contour& contour, double orientation_rad) {
 Contour random_contour(Random& random, std::size_t corners) {
   Contour contour;
   for (std::size_t i = 0; i < corners; ++i) {
-    const double angle = 2.0 * kPi * (static_cast<double>(i) + random.uniform(0.1, 0.9)) /
+    const double angle = 2.0 * std::numbers::pi *
+                         (static_cast<double>(i) + random.uniform(0.1, 0.9)) /
                          static_cast<double>(corners);
     const double radius_m = random.uniform(0.02, 0.2);
     contour.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle));
@@ -382,9 +383,11 @@ TEST(PaperObjects, MeetAFixedLineAtMoreThan42DegreesOnAverageInEveryOrientation)
   for (const PaperObject& object : paper_objects()) {
     for (int orientation_deg = 0; orientation_deg < 180; ++orientation_deg) {
       const double mean_rad =
-          mean_contact_angle_rad(object.contour_m, orientation_deg * kPi / 180.0);
-      EXPECT_GT(mean_rad * 180.0 / kPi, 42.0) << object.name << " at " << orientation_deg;
-      EXPECT_LT(mean_rad * 180.0 / kPi, 48.0) << object.name << " at " << orientation_deg;
+          mean_contact_angle_rad(object.contour_m, orientation_deg * std::numbers::pi / 180.0);
+      EXPECT_GT(mean_rad * 180.0 / std::numbers::pi, 42.0)
+          << object.name << " at " << orientation_deg;
+      EXPECT_LT(mean_rad * 180.0 / std::numbers::pi, 48.0)
+          << object.name << " at " << orientation_deg;
     }
   }
 }
@@ -397,7 +400,8 @@ TEST(PaperObjects, MeetTheAxisAtASmallAngleWhileTheyAreAligned) {
     const PaperObject object = paper_objects()[i];
     for (int orientation_deg = 0; orientation_deg < 360; orientation_deg += 5) {
       const double mean_deg =
-          mean_aligned_angle_rad(object.contour_m, orientation_deg * kPi / 180.0) * 180.0 / kPi;
+          mean_aligned_angle_rad(object.contour_m, orientation_deg * std::numbers::pi / 180.0) *
+          180.0 / std::numbers::pi;
       EXPECT_GT(mean_deg, range_deg[i][0]) << object.name << " at " << orientation_deg;
       EXPECT_LT(mean_deg, range_deg[i][1]) << object.name << " at " << orientation_deg;
     }
@@ -449,8 +453,9 @@ TEST(MeanContactAngle, IsTheAngleOfTheWallsOfAThinStrip) {
   // A strip 1 m by 1 um along x: its long walls' normals lie along y.
   const Contour strip = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1e-6}, {0.0, 1e-6}};
   for (const double angle_rad : {0.0, 0.3, -0.3, 1.2, 2.0, 10.0}) {
-    const double folded_rad = std::abs(std::remainder(angle_rad, kPi));
-    EXPECT_NEAR(mean_contact_angle_rad(strip, angle_rad), kPi / 2.0 - folded_rad, 1e-5);
+    const double folded_rad = std::abs(std::remainder(angle_rad, std::numbers::pi));
+    EXPECT_NEAR(mean_contact_angle_rad(strip, angle_rad), std::numbers::pi / 2.0 - folded_rad,
+                1e-5);
   }
 }
 
@@ -470,13 +475,13 @@ TEST(Icosphere, QuartersTrianglesAtEveryLevelAndStaysClosed) {
 TEST(Icosphere, IsAnIcosahedronAtLevelZero) {
   Random random(2);
   const double radius_m = 0.37;
-  const double edge_m = radius_m / std::sin(0.4 * kPi);
+  const double edge_m = radius_m / std::sin(0.4 * std::numbers::pi);
   const double volume_m3 = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * std::pow(edge_m, 3.0);
   expect_volume(icosphere(0, radius_m), volume_m3, random);
 }
 
 TEST(Icosphere, ApproachesTheVolumeOfTheSphereFromBelowInSecondOrder) {
-  const double sphere_m3 = 4.0 / 3.0 * kPi;
+  const double sphere_m3 = 4.0 / 3.0 * std::numbers::pi;
   double coarser_error = 0.0;
   for (int level = 2; level <= 6; ++level) {
     const double error = 1.0 - signed_volume_m3(icosphere(level, 1.0), {}) / sphere_m3;

@@ -19,7 +19,7 @@
 namespace palpate {
 namespace {
 
-StudyEffort quick() {
+StudyEffort scene_effort() {
   StudyEffort effort;
   effort.quick = true;
   effort.seed = 3;
@@ -40,7 +40,7 @@ Scene loaded(const std::string& model) {
 
 TEST(SceneStudy, TellsTimesErrorsAndTheRateOfAScene) {
   const auto scene = mesh_scene(bumpy_sphere(5, 0.1, 3e-3, 7));
-  const auto study = study_scene(*scene, setup(), quick(), nullptr);
+  const auto study = study_scene(*scene, setup(), scene_effort(), nullptr);
   ASSERT_TRUE(study.ok()) << study.error().to_string();
   EXPECT_GT(study->contact_share, 0.3);
   EXPECT_GE(study->repeats, 20);
@@ -70,10 +70,10 @@ TEST(SceneStudy, TellsTimesErrorsAndTheRateOfAScene) {
 TEST(SceneStudy, FindsTheErrorOfFewerTriangles) {
   const auto scene = mesh_scene(icosphere(5, 0.1));
   std::string why;
-  const auto knob = simplification_knob(*scene, setup(), quick(), why);
+  const auto knob = simplification_knob(*scene, setup(), scene_effort(), why);
   ASSERT_TRUE(knob.has_value()) << why;
   ASSERT_GE(knob->methods[0].levels.size(), 4u);
-  const KnobResult result = measure(*knob, quick(), nullptr);
+  const KnobResult result = measure(*knob, scene_effort(), nullptr);
   const auto& levels = result.methods[0].levels;
   EXPECT_TRUE(levels.back().at_floor) << "all triangles";
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
@@ -87,7 +87,7 @@ TEST(SceneStudy, FindsTheErrorOfFewerTriangles) {
 TEST(SceneStudy, SaysWhyAMeshIsNotSimplified) {
   const auto scene = mesh_scene(box(Vec3(0.1, 0.1, 0.1)));
   std::string why;
-  EXPECT_FALSE(simplification_knob(*scene, setup(), quick(), why).has_value());
+  EXPECT_FALSE(simplification_knob(*scene, setup(), scene_effort(), why).has_value());
   EXPECT_EQ(why, "it has 12 triangles; from 256 to 2000000 are simplified");
 }
 

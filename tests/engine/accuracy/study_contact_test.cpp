@@ -14,18 +14,18 @@
 namespace palpate {
 namespace {
 
-StudyEffort quick() {
+StudyEffort contact_effort() {
   StudyEffort effort;
   effort.quick = true;
   effort.seed = 7;
   return effort;
 }
 
-KnobResult measured(const std::vector<Knob>& knobs, const std::string& name) {
-  return test::measured(knobs, name, quick());
+KnobResult measured_contact(const std::vector<Knob>& knobs, const std::string& name) {
+  return test::measured(knobs, name, contact_effort());
 }
 
-void expect_orders(const KnobResult& result) {
+void expect_known_orders(const KnobResult& result) {
   for (const MethodResult& method : result.methods) {
     if (!method.expected_order) continue;
     ASSERT_TRUE(method.order.has_value()) << result.knob.name << ", " << method.name;
@@ -46,9 +46,9 @@ void expect_no_failure(const KnobResult& result) {
 // The largest error of a sphere of edges h is h^2 / (6 R), the root mean square is less than that
 // and more than a third of it: it is 0.48 of it on an equilateral triangle.
 TEST(MeshKnobs, DepthIsOfSecondOrder) {
-  const KnobResult result = measured(mesh_knobs(quick()), "mesh_depth");
+  const KnobResult result = measured_contact(mesh_knobs(contact_effort()), "mesh_depth");
   expect_no_failure(result);
-  expect_orders(result);
+  expect_known_orders(result);
   for (const LevelResult& level : result.methods[0].levels) {
     const double most_m = level.value * level.value / (6.0 * 0.1);
     EXPECT_LT(level.error.median, most_m) << level.label;
@@ -58,9 +58,9 @@ TEST(MeshKnobs, DepthIsOfSecondOrder) {
 
 // Likewise h / (sqrt(3) R).
 TEST(MeshKnobs, DirectionIsOfFirstOrder) {
-  const KnobResult result = measured(mesh_knobs(quick()), "mesh_angle");
+  const KnobResult result = measured_contact(mesh_knobs(contact_effort()), "mesh_angle");
   expect_no_failure(result);
-  expect_orders(result);
+  expect_known_orders(result);
   for (const LevelResult& level : result.methods[0].levels) {
     const double most_deg = level.value / (std::sqrt(3.0) * 0.1) * 180.0 / 3.14159265358979;
     EXPECT_LT(level.error.median, most_deg) << level.label;
@@ -69,7 +69,7 @@ TEST(MeshKnobs, DirectionIsOfFirstOrder) {
 }
 
 TEST(MeshKnobs, SphereProxiesFeelTheMeshAsPointsDo) {
-  const KnobResult result = measured(mesh_knobs(quick()), "proxy_radius");
+  const KnobResult result = measured_contact(mesh_knobs(contact_effort()), "proxy_radius");
   expect_no_failure(result);
   for (const MethodResult& method : result.methods) {
     for (std::size_t l = 0; l < method.levels.size(); ++l) {
@@ -81,7 +81,7 @@ TEST(MeshKnobs, SphereProxiesFeelTheMeshAsPointsDo) {
 
 // A capped proxy is feasible and late: with more steps it is nowhere farther from the answer.
 TEST(SolverKnobs, MoreStepsAreNoLessExact) {
-  const KnobResult result = measured(solver_knobs(quick()), "solver_iterations");
+  const KnobResult result = measured_contact(solver_knobs(contact_effort()), "solver_iterations");
   expect_no_failure(result);
   const auto& levels = result.methods[0].levels;
   for (std::size_t l = 1; l < levels.size(); ++l) {
@@ -92,7 +92,7 @@ TEST(SolverKnobs, MoreStepsAreNoLessExact) {
 }
 
 TEST(SolverKnobs, AFinerToleranceIsNoLessExact) {
-  const KnobResult result = measured(solver_knobs(quick()), "solver_tolerance");
+  const KnobResult result = measured_contact(solver_knobs(contact_effort()), "solver_tolerance");
   expect_no_failure(result);
   const auto& levels = result.methods[0].levels;
   for (std::size_t l = 1; l < levels.size(); ++l) {
@@ -103,7 +103,7 @@ TEST(SolverKnobs, AFinerToleranceIsNoLessExact) {
 }
 
 TEST(SolverKnobs, KeptCandidatesChangeNothing) {
-  const KnobResult result = measured(solver_knobs(quick()), "candidate_reuse");
+  const KnobResult result = measured_contact(solver_knobs(contact_effort()), "candidate_reuse");
   expect_no_failure(result);
   for (std::size_t l = 0; l < result.methods[0].levels.size(); ++l) {
     EXPECT_EQ(result.methods[0].levels[l].raw_error, result.methods[1].levels[l].raw_error);
@@ -114,7 +114,7 @@ TEST(SolverKnobs, KeptCandidatesChangeNothing) {
 // By its node a mesh is as exact a kilometre away as at the origin; by its vertices the file has
 // lost the digits: half a step of single precision there is at most 2^-24 times the coordinate.
 TEST(NarrowPhaseKnob, ErrsByTheFilesRoundingAlone) {
-  const KnobResult result = measure(narrow_phase_knob(quick()), quick(), nullptr);
+  const KnobResult result = measure(narrow_phase_knob(contact_effort()), contact_effort(), nullptr);
   ASSERT_EQ(result.methods.size(), 4u);
   for (const LevelResult& level : result.methods[0].levels) {
     EXPECT_EQ(level.failures, 0);
@@ -129,7 +129,8 @@ TEST(NarrowPhaseKnob, ErrsByTheFilesRoundingAlone) {
 }
 
 TEST(CertificationKnob, FindsTheBottomOfEveryGroove) {
-  const KnobResult result = measure(certification_knob(quick()), quick(), nullptr);
+  const KnobResult result =
+      measure(certification_knob(contact_effort()), contact_effort(), nullptr);
   for (const LevelResult& level : result.methods[0].levels) {
     EXPECT_EQ(level.failures, 0) << level.label << ": " << level.failure;
     EXPECT_TRUE(level.at_floor) << level.label;
@@ -139,7 +140,7 @@ TEST(CertificationKnob, FindsTheBottomOfEveryGroove) {
 // What a tick leaves undone, the next ones do: with more work the proxy lags less, and the default
 // is enough for an easy scene.
 TEST(WorkBudgetKnob, MoreWorkIsNoLessExact) {
-  const KnobResult result = measure(work_budget_knob(quick()), quick(), nullptr);
+  const KnobResult result = measure(work_budget_knob(contact_effort()), contact_effort(), nullptr);
   expect_no_failure(result);
   ASSERT_EQ(result.methods.size(), 2u);
   const auto& hard = result.methods[0].levels;

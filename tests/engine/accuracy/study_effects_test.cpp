@@ -23,15 +23,14 @@
 namespace palpate {
 namespace {
 
+using test::kEffort;
 using test::Random;
 
-const StudyEffort kEffort{.quick = true, .seed = 1};
-
-KnobResult measured(const std::string& name) {
-  return test::measured(effect_knobs(kEffort), name, kEffort);
+KnobResult measured_effect(const std::string& name) {
+  return test::measured(effect_knobs(kEffort), name);
 }
 
-void expect_all_count(const KnobResult& result) {
+void expect_levels_and_presets_count(const KnobResult& result) {
   for (const MethodResult& m : result.methods) {
     for (const LevelResult& level : m.levels) {
       EXPECT_TRUE(level.counts()) << m.name << ", " << level.label << ": " << level.failure;
@@ -90,8 +89,8 @@ double rounding_error(ImageDepth depth) {
 }
 
 TEST(TextureSampling, ErrsAsTheSplineThroughTheTexels) {
-  const KnobResult result = measured("texture_sampling");
-  expect_all_count(result);
+  const KnobResult result = measured_effect("texture_sampling");
+  expect_levels_and_presets_count(result);
   for (const auto& [name, depth] :
        {std::pair("16 bits", ImageDepth::k16Bit), {"8 bits", ImageDepth::k8Bit}}) {
     const MethodResult& m = test::method_of(result, name);
@@ -111,7 +110,7 @@ TEST(TextureSampling, ErrsAsTheSplineThroughTheTexels) {
 // Third order in theory; with few texels a wave the fourth is as large.
 TEST(TextureSampling, IsOfThirdOrderWhereTexelsAreMany) {
   EXPECT_NEAR(std::log2(spline_error(256) / spline_error(512)), 3.0, 0.01);
-  const KnobResult result = measured("texture_sampling");
+  const KnobResult result = measured_effect("texture_sampling");
   const MethodResult& m = test::method_of(result, "16 bits");
   ASSERT_TRUE(m.order.has_value());
   double last = 10.0;
@@ -125,7 +124,7 @@ TEST(TextureSampling, IsOfThirdOrderWhereTexelsAreMany) {
 }
 
 TEST(TextureSampling, IsTheSameUnderEveryPreset) {
-  const KnobResult result = measured("texture_sampling");
+  const KnobResult result = measured_effect("texture_sampling");
   const LevelResult& usual = result.methods[0].levels[result.knob.default_level];
   for (const LevelResult& preset : result.presets) {
     EXPECT_NEAR(preset.raw_error, usual.raw_error, 1e-3 * usual.raw_error);
@@ -138,8 +137,8 @@ constexpr double kRadius_m = 0.1;
 constexpr double kSpeed_m_per_s = kSpherePathSpeed_m_per_s;
 
 TEST(Effects, AddTheForceOfTheirModel) {
-  const KnobResult result = measured("effects");
-  expect_all_count(result);
+  const KnobResult result = measured_effect("effects");
+  expect_levels_and_presets_count(result);
   ASSERT_EQ(result.methods.size(), studied_effects().size() + 2);
   for (const std::string_view effect : studied_effects()) {
     const std::string name = "all but " + std::string(effect);
@@ -158,7 +157,7 @@ TEST(Effects, AddTheForceOfTheirModel) {
 }
 
 TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
-  const KnobResult result = measured("effects");
+  const KnobResult result = measured_effect("effects");
   const MethodResult& all = test::method_of(result, "all");
   const MethodResult& none = result.methods.back();
   for (std::size_t l = 0; l < all.levels.size(); ++l) {
@@ -173,8 +172,8 @@ TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
 }
 
 TEST(Effects, AloneChangeTheForceByTheirModel) {
-  const KnobResult result = measured("effect_costs");
-  expect_all_count(result);
+  const KnobResult result = measured_effect("effect_costs");
+  expect_levels_and_presets_count(result);
   ASSERT_EQ(result.methods.size(), studied_effects().size() + 1);
   const auto changed_N = [&](const std::string& effect) {
     return test::method_of(result, effect).levels.back().error.median;

@@ -12,9 +12,15 @@
 
 namespace palpate::test {
 
+// Coarse meshes and short paths, and one seed for all.
+inline constexpr StudyEffort kEffort{.quick = true, .seed = 1};
+
+// Of a fitted order, to that of theory.
+inline constexpr double kOrderTolerance = 0.15;
+
 // Of the knobs the one of that name; a failure if there is none.
 inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& name,
-                           const StudyEffort& effort) {
+                           const StudyEffort& effort = kEffort) {
   for (const Knob& knob : knobs) {
     if (knob.name == name) return measure(knob, effort, nullptr);
   }

@@ -24,13 +24,12 @@
 namespace palpate {
 namespace {
 
+using test::kEffort;
+using test::kOrderTolerance;
 using test::Random;
 
-constexpr StudyEffort kEffort{true, 1};
-constexpr double kOrderTolerance = 0.15;
-
-KnobResult measured(const std::string& name) {
-  return test::measured(servo_knobs(kEffort), name, kEffort);
+KnobResult measured_servo(const std::string& name) {
+  return test::measured(servo_knobs(kEffort), name);
 }
 
 // Every method has the order that theory gives it, over at least four levels; every preset runs.
@@ -44,7 +43,7 @@ void expect_orders(const KnobResult& result) {
   for (const LevelResult& preset : result.presets) EXPECT_TRUE(preset.counts()) << preset.failure;
 }
 
-void expect_all_count(const KnobResult& result) {
+void expect_levels_count(const KnobResult& result) {
   for (const MethodResult& method : result.methods) {
     for (const LevelResult& level : method.levels) {
       EXPECT_TRUE(level.counts()) << method.name << ", " << level.label << ": " << level.failure;
@@ -84,9 +83,9 @@ TEST(ServoKnobs, GiveTheSameErrorsAgain) {
 }
 
 TEST(ServoRate, GainsHalfPiTimesTheFrequencyTimesThePeriod) {
-  const KnobResult result = measured("servo_rate");
+  const KnobResult result = measured_servo("servo_rate");
   expect_orders(result);
-  expect_all_count(result);
+  expect_levels_count(result);
   double last_off = 1.0;
   for (const LevelResult& level : result.methods[0].levels) {
     const double ratio = level.error.median / BounceSetup().gain_to_first_order(level.value);
@@ -98,9 +97,9 @@ TEST(ServoRate, GainsHalfPiTimesTheFrequencyTimesThePeriod) {
 }
 
 TEST(ServoJitter, GainsAsEvenTicksOfTheEffectivePeriod) {
-  const KnobResult result = measured("jitter");
+  const KnobResult result = measured_servo("jitter");
   expect_orders(result);
-  expect_all_count(result);
+  expect_levels_count(result);
   ASSERT_EQ(result.methods.size(), 4u);
   for (const MethodResult& method : result.methods) {
     for (const LevelResult& level : method.levels) {
@@ -132,7 +131,7 @@ TEST(ServoJitter, DrawsPeriodsOfItsMeanAndEffectiveLength) {
 }
 
 TEST(ServoPressed, DeviatesToFirstOrderAndListsWhatIsUnstable) {
-  const KnobResult result = measured("servo_pressed");
+  const KnobResult result = measured_servo("servo_pressed");
   expect_orders(result);
   const PressedContact contact;
   ASSERT_EQ(result.methods[0].levels.size(), 7u);
@@ -170,9 +169,9 @@ TEST(ServoPressed, IsComparedWithTheExactPath) {
 }
 
 TEST(ServoSubsteps, GoRoundAtTheRadiusOfTheDiscreteLaw) {
-  const KnobResult result = measured("substeps");
+  const KnobResult result = measured_servo("substeps");
   expect_orders(result);
-  expect_all_count(result);
+  expect_levels_count(result);
   const FrictionCircle circle;
   // The stand-off of the proxy, which is some of the depth; and of what it began with, what is left
   // after half a turn.
@@ -196,9 +195,9 @@ TEST(ServoSubsteps, SolvesTheDiscreteLaw) {
 }
 
 TEST(ServoIntegrator, HasTheOrdersOfItsMethods) {
-  const KnobResult result = measured("integrator");
+  const KnobResult result = measured_servo("integrator");
   expect_orders(result);
-  expect_all_count(result);
+  expect_levels_count(result);
   ASSERT_EQ(result.methods.size(), 2u);
   EXPECT_EQ(*result.methods[0].expected_order, 1.0);
   EXPECT_EQ(*result.methods[1].expected_order, 4.0);

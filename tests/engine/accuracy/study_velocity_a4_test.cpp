@@ -17,7 +17,9 @@
 namespace palpate {
 namespace {
 
-const StudyEffort kEffort{.quick = true, .seed = 1};
+using test::kEffort;
+using test::kOrderTolerance;
+using test::measured;
 
 // Of the workloads, as their sentences say.
 constexpr double kTick_s = 1e-3;
@@ -34,12 +36,6 @@ constexpr double kNoiseScatter = 0.05;
 double line_fit_scatter(double w) {
   const double one_repeat = 1.0 / std::sqrt(2.0 * 500.0 / w);
   return kNoiseScatter + 2.0 * 1.25 * one_repeat / std::sqrt(1.0 * StudyEffort::kRepeats);
-}
-
-constexpr double kOrderTolerance = 0.15;
-
-KnobResult measured(const std::vector<Knob>& knobs, const std::string& name) {
-  return test::measured(knobs, name, kEffort);
 }
 
 // Every repeat of every level and preset counts, and orders are those of theory where it has one.

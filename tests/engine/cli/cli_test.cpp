@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <regex>
 #include <spawn.h>
@@ -24,6 +23,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/session/trace_csv.h"
+#include "tests/engine/cli/program_outcome.h"
 #include "tests/helpers/gltf_builder.h"
 
 extern char** environ;
@@ -32,17 +32,14 @@ namespace palpate {
 namespace {
 
 using nlohmann::json;
+using test::content_of;
 using test::GltfBuilder;
+using test::Outcome;
 using test::TemporaryFolder;
 
 constexpr const char* kStar = PALPATE_MODELS_DIR "/star.glb";
 constexpr const char* kLock = PALPATE_MODELS_DIR "/lock.glb";
 constexpr const char* kCube = PALPATE_MODELS_DIR "/cube.glb";
-
-std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -50,12 +47,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
-
-struct Outcome {
-  int exit_code = -1;  // -1: ended by a signal
-  std::string out;
-  std::string err;
-};
 
 class CommandLine : public testing::Test {
  protected:

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -18,6 +17,7 @@
 
 #include "geometry/base/printable.h"
 #include "models/primitives.h"
+#include "tests/engine/cli/program_outcome.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/io/gltf/reading.h"
 
@@ -26,7 +26,9 @@ namespace {
 
 using nlohmann::json;
 using test::add_floats;
+using test::content_of;
 using test::GltfBuilder;
+using test::Outcome;
 using test::TemporaryFolder;
 
 // A line of its own in what is printed can only come from an end of line in a name.
@@ -48,23 +50,12 @@ const std::array<std::string, 7> kNames = {
         }(),
     "\x1b[31m\u009b<script>\u202e&\"'\n<img \x7f"};
 
-std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // In single quotes of a shell.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
 
 class PrintedNames : public testing::TestWithParam<std::size_t> {
  protected:

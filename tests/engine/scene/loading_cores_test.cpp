@@ -16,9 +16,12 @@
 #include "geometry/mesh/welded_surface.h"
 #include "models/primitives.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
+
+using test::Soup;
 
 class Cores : public testing::Test {
  protected:
@@ -88,11 +91,6 @@ TEST_F(Cores, ErrorsReachTheCallerFromEveryThread) {
 }
 
 // ---- The same from any number of cores
-
-struct Soup {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-};
 
 // Everything that cleaning knows: repeated positions and their negative zeros, positions that
 // nobody uses, triangles without area, triangles twice, edges of many faces, of either orientation.

@@ -42,15 +42,15 @@ HapticMaterialDescription haptic_with(const std::vector<std::string>& properties
   return haptic;
 }
 
-MaterialEffects compiled(const MaterialSources& sources) {
+MaterialEffects compiled_material(const MaterialSources& sources) {
   auto effects = material_effects(sources);
   EXPECT_TRUE(effects) << effects.error().to_string();
   return effects ? std::move(*effects) : MaterialEffects{};
 }
 
-MaterialEffects compiled(std::vector<MaterialParameter> parameters) {
+MaterialEffects compiled_material(std::vector<MaterialParameter> parameters) {
   const MaterialDescription material = material_with(std::move(parameters));
-  return compiled(MaterialSources{&material});
+  return compiled_material(MaterialSources{&material});
 }
 
 Error refused(const MaterialSources& sources) {
@@ -105,7 +105,7 @@ std::vector<std::string> told(const std::vector<IgnoredParameter>& list) {
 using Texts = std::vector<std::string>;
 
 TEST(MaterialEffects, OfNothingAreNone) {
-  const MaterialEffects effects = compiled(std::vector<MaterialParameter>{});
+  const MaterialEffects effects = compiled_material(std::vector<MaterialParameter>{});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_TRUE(effects.is_solid);
   EXPECT_TRUE(effects.report.empty());
@@ -150,8 +150,10 @@ TEST(MaterialEffects, TakeChoicesByName) {
                                           given("vibrationAmplitude", 0.2),
                                           given("vibrationWhen", std::move(when))};
   };
-  EXPECT_EQ(parameters_of<VibrationEffect>(compiled(hum(std::string("contact")))).when, 0.0);
-  EXPECT_EQ(parameters_of<VibrationEffect>(compiled(hum(std::string("sliding")))).when, 1.0);
+  EXPECT_EQ(parameters_of<VibrationEffect>(compiled_material(hum(std::string("contact")))).when,
+            0.0);
+  EXPECT_EQ(parameters_of<VibrationEffect>(compiled_material(hum(std::string("sliding")))).when,
+            1.0);
   for (const MaterialValue& wrong :
        {MaterialValue(std::string("never")), MaterialValue(1.0), MaterialValue(true)}) {
     expect_names(refused(hum(wrong)),
@@ -160,18 +162,20 @@ TEST(MaterialEffects, TakeChoicesByName) {
 }
 
 TEST(MaterialEffects, AreCalledForByWhatIsNotZero) {
-  const MaterialEffects off = compiled({given("magnetForce", 0.0), given("magnetRange", 0.1),
-                                        given("restitution", 0.0), given("viscosity", -0.0)});
+  const MaterialEffects off =
+      compiled_material({given("magnetForce", 0.0), given("magnetRange", 0.1),
+                         given("restitution", 0.0), given("viscosity", -0.0)});
   EXPECT_TRUE(off.entries.empty());
   EXPECT_EQ(told(off.report.honoured),
             (Texts{"magnetForce=0 extras.palpate off", "magnetRange=0.1 extras.palpate off",
                    "restitution=0 extras.palpate off", "viscosity=-0 extras.palpate off"}));
   EXPECT_TRUE(off.report.defaulted.empty());
   // Those without such a key are called for by being given.
-  EXPECT_EQ(compiled({given("stiffness", 0.0), given("damping", 0.0)}).effect_names(),
+  EXPECT_EQ(compiled_material({given("stiffness", 0.0), given("damping", 0.0)}).effect_names(),
             (Texts{"damping", "stiffness"}));
-  EXPECT_EQ(compiled({given("magnetForce", 2.0), given("magnetRange", 0.1)}).effect_names(),
-            Texts{"magnet"});
+  EXPECT_EQ(
+      compiled_material({given("magnetForce", 2.0), given("magnetRange", 0.1)}).effect_names(),
+      Texts{"magnet"});
 }
 
 TEST(MaterialEffects, RefuseHalfADeclaration) {
@@ -188,17 +192,17 @@ TEST(MaterialEffects, RefuseHalfADeclaration) {
 }
 
 TEST(MaterialEffects, TellEveryDefault) {
-  const MaterialEffects tap = compiled({given("restitution", 0.5)});
+  const MaterialEffects tap = compiled_material({given("restitution", 0.5)});
   EXPECT_EQ(told(tap.report.defaulted), (Texts{"impactDuration=0.005s", "impactMass=0.05kg"}));
   EXPECT_EQ(parameters_of<RestitutionEffect>(tap).mass_kg, 0.05);
   const MaterialEffects hum =
-      compiled({given("vibrationFrequency", 50.0), given("vibrationAmplitude", 0.2)});
+      compiled_material({given("vibrationFrequency", 50.0), given("vibrationAmplitude", 0.2)});
   EXPECT_EQ(told(hum.report.defaulted), Texts{"vibrationWhen=\"contact\""});
 }
 
 TEST(MaterialEffects, OneCoefficientOfFrictionIsTheOtherToo) {
   for (const char* key : {"staticFriction", "dynamicFriction"}) {
-    const MaterialEffects effects = compiled({given(key, 0.3)});
+    const MaterialEffects effects = compiled_material({given(key, 0.3)});
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, 0.3);
     EXPECT_EQ(friction.dynamic_friction, 0.3);
@@ -206,7 +210,7 @@ TEST(MaterialEffects, OneCoefficientOfFrictionIsTheOtherToo) {
     ASSERT_EQ(effects.report.defaulted.size(), 1u);
     EXPECT_NE(effects.report.defaulted[0].key, key);
   }
-  EXPECT_TRUE(compiled({given("staticFriction", 0.0)}).entries.empty());
+  EXPECT_TRUE(compiled_material({given("staticFriction", 0.0)}).entries.empty());
 }
 
 TEST(MaterialEffects, RefuseFrictionThatGrowsWhileSliding) {
@@ -220,7 +224,8 @@ TEST(MaterialEffects, TakePhysicsWhereTheMaterialSaysNothing) {
   const MaterialDescription material =
       material_with({given("dynamicFriction", 0.2),
                      {"restitution", 0.9, "`SceneSettings::overrides` wood.restitution"}});
-  const MaterialEffects effects = compiled(MaterialSources{&material, &physics, "/physics/1"});
+  const MaterialEffects effects =
+      compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   const auto friction = parameters_of<FrictionEffect>(effects);
   EXPECT_EQ(friction.static_friction, 0.5);
   EXPECT_EQ(friction.dynamic_friction, 0.2);
@@ -233,7 +238,8 @@ TEST(MaterialEffects, TakePhysicsWhereTheMaterialSaysNothing) {
 TEST(MaterialEffects, TakeNoRestitutionFromPhysicsThatHasNone) {
   const PhysicsMaterialDescription physics{0.0, 0.0, 0.0};
   const MaterialDescription material = material_with({});
-  const MaterialEffects effects = compiled(MaterialSources{&material, &physics, "/physics/1"});
+  const MaterialEffects effects =
+      compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_EQ(told(effects.report.honoured),
             (Texts{"dynamicFriction=0 KHR_physics_rigid_bodies off",
@@ -293,7 +299,8 @@ TEST(MaterialEffects, UnwrittenPhysicsFollowsWhatIsWritten) {
   };
   for (const auto& c : cases) {
     const MaterialDescription material = material_with(c.parameters);
-    const MaterialEffects effects = compiled(MaterialSources{&material, &c.physics, "/physics/1"});
+    const MaterialEffects effects =
+        compiled_material(MaterialSources{&material, &c.physics, "/physics/1"});
     SCOPED_TRACE(testing::PrintToString(told(effects.report.honoured)));
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, c.still);
@@ -306,7 +313,8 @@ TEST(MaterialEffects, UnwrittenPhysicsFollowsWhatIsWritten) {
 TEST(MaterialEffects, NoStaticFrictionSwitchesUnwrittenPhysicsOff) {
   const PhysicsMaterialDescription physics;
   const MaterialDescription material = material_with({given("staticFriction", 0.0)});
-  const MaterialEffects effects = compiled(MaterialSources{&material, &physics, "/physics/1"});
+  const MaterialEffects effects =
+      compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_EQ(told(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
   EXPECT_EQ(told(effects.report.defaulted), Texts{"dynamicFriction=0"});
@@ -331,7 +339,7 @@ TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
       haptic_with({"vibrotactileTexture", "friction", "stiffness", "friction"});
   const MaterialDescription material = material_with({});
   const MaterialEffects effects =
-      compiled(MaterialSources{&material, nullptr, "", &haptic, /*scale=*/10.0});
+      compiled_material(MaterialSources{&material, nullptr, "", &haptic, /*scale=*/10.0});
   EXPECT_EQ(effects.effect_names(), (Texts{"friction", "texture"}));
   EXPECT_EQ(parameters_of<TextureEffect>(effects).height_m, 10.0 * kDefaultTextureHeight_m);
   EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kMapFriction);
@@ -348,19 +356,20 @@ TEST(MaterialEffects, CarveATextureOnlyWithAMap) {
                {"wood", "textureHeight", "without a map", "normalTexture"});
   MaterialDescription material = material_with({given("textureHeight", 0.001)});
   material.normal_texture = TextureReference{};
-  const MaterialEffects carved = compiled(MaterialSources{&material});
+  const MaterialEffects carved = compiled_material(MaterialSources{&material});
   EXPECT_EQ(carved.effect_names(), Texts{"texture"});
   EXPECT_EQ(told(carved.report.honoured),
             (Texts{"normalTexture=\"texture 0\" glTF", "textureHeight=0.001 extras.palpate"}));
   EXPECT_EQ(carved.report.honoured.back().element, "/materials/2/normalTexture");
-  EXPECT_TRUE(compiled({given("textureHeight", 0.0)}).entries.empty());
+  EXPECT_TRUE(compiled_material({given("textureHeight", 0.0)}).entries.empty());
 }
 
 TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
   const HapticMaterialDescription haptic = haptic_with({"vibrotactileTexture", "friction"});
   const MaterialDescription material =
       material_with({given("staticFriction", 0.0), given("textureHeight", 0.0)});
-  const MaterialEffects effects = compiled(MaterialSources{&material, nullptr, "", &haptic});
+  const MaterialEffects effects =
+      compiled_material(MaterialSources{&material, nullptr, "", &haptic});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_EQ(told(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material off",
@@ -370,7 +379,8 @@ TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
   // A physics material without friction, too.
   const PhysicsMaterialDescription physics{0.0};
   const MaterialDescription plain = material_with({});
-  const auto off = told(compiled({&plain, &physics, "/physics/1", &haptic}).report.honoured);
+  const auto off =
+      told(compiled_material({&plain, &physics, "/physics/1", &haptic}).report.honoured);
   ASSERT_FALSE(off.empty());
   EXPECT_EQ(off.front(), "friction=\"texture 1\" MPEG_haptic_material off");
 }
@@ -378,14 +388,15 @@ TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
 TEST(MaterialEffects, MultiplyOnlyLengthsByTheScale) {
   const MaterialDescription material = material_with(
       {given("magnetForce", 2.0), given("magnetRange", 0.1), given("stiffness", 300.0)});
-  const MaterialEffects effects = compiled(MaterialSources{&material, nullptr, "", nullptr, 0.5});
+  const MaterialEffects effects =
+      compiled_material(MaterialSources{&material, nullptr, "", nullptr, 0.5});
   EXPECT_EQ(parameters_of<MagnetEffect>(effects).force_N, 2.0);
   EXPECT_EQ(parameters_of<MagnetEffect>(effects).range_m, 0.05);
 }
 
 TEST(MaterialEffects, TellWhatTheyDoNotUnderstand) {
   const MaterialEffects effects =
-      compiled({given("Stiffness", 3.0), given("texture.amplitude", true)});
+      compiled_material({given("Stiffness", 3.0), given("texture.amplitude", true)});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_EQ(told(effects.report.not_understood),
             (Texts{std::string("Stiffness ") + kExtras + "/Stiffness",
@@ -403,10 +414,11 @@ TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
 }
 
 TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
-  const MaterialEffects medium = compiled({given("solid", false), given("viscosity", 2.0)});
+  const MaterialEffects medium =
+      compiled_material({given("solid", false), given("viscosity", 2.0)});
   EXPECT_FALSE(medium.is_solid);
   EXPECT_EQ(medium.effect_names(), Texts{"viscosity"});
-  EXPECT_TRUE(compiled({given("solid", true)}).is_solid);
+  EXPECT_TRUE(compiled_material({given("solid", true)}).is_solid);
   expect_names(refused({given("solid", false)}), {"wood", "/solid", "nothing to feel"});
   expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"nothing to feel"});
   expect_names(refused({given("solid", 1.0)}), {"/solid", "true or false"});
@@ -416,7 +428,8 @@ TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
   const PhysicsMaterialDescription physics{0.6, 0.6};
   const MaterialDescription material =
       material_with({given("solid", false), given("viscosity", 2.0)});
-  const MaterialEffects beside = compiled(MaterialSources{&material, &physics, "/physics/1"});
+  const MaterialEffects beside =
+      compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_EQ(beside.effect_names(), Texts{"viscosity"});
   EXPECT_EQ(told(beside.report.not_understood),
             (Texts{"dynamicFriction /physics/1/dynamicFriction",

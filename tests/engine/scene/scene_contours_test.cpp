@@ -36,8 +36,8 @@ NodeDescription node_of(std::uint32_t mesh, const Mat3& linear, const Vec3& tran
   return node;
 }
 
-Scene compiled(std::vector<MeshDescription> meshes, std::vector<NodeDescription> nodes,
-               const SceneSettings& settings = {}) {
+Scene compiled_parts(std::vector<MeshDescription> meshes, std::vector<NodeDescription> nodes,
+                     const SceneSettings& settings = {}) {
   SceneDescription description;
   description.meshes = std::move(meshes);
   description.nodes = std::move(nodes);
@@ -84,7 +84,7 @@ double outline_m(const Vec3& size_m, const Mat3& linear, int axis) {
 }
 
 // Turns, stretches, shears, and mirrors every second time.
-Mat3 random_linear(Random& random) {
+Mat3 random_stretch(Random& random) {
   Mat3 stretch = Mat3::Identity();
   stretch(0, 1) = random.uniform(-1, 1);
   const Vec3 scales(random.index(2) == 0 ? -1.0 : 1.0, random.uniform(0.3, 3), 1.0);
@@ -96,9 +96,9 @@ TEST(SceneContours, OfABoxInAnyPoseAreItsOutlines) {
   Random random(41);
   for (int round = 0; round < 100; ++round) {
     const Vec3 size_m(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1));
-    const Mat3 linear = random_linear(random);
+    const Mat3 linear = random_stretch(random);
     const Vec3 place_m = random.in_box(10.0);
-    const Scene scene = compiled({mesh_of(box(size_m))}, {node_of(0, linear, place_m)});
+    const Scene scene = compiled_parts({mesh_of(box(size_m))}, {node_of(0, linear, place_m)});
     const auto contours = contours_of(scene);
     // The corners of a model are floats.
     const Vec3 stored_m = size_m.cast<float>().cast<double>();
@@ -116,8 +116,9 @@ TEST(SceneContours, OfASphereAreItsGreatCircles) {
   Random random(42);
   for (const double radius_m : {1e-6, 0.1, 1e4}) {
     const Mat3 rotation = random.rotation().toRotationMatrix();
-    const Scene scene = compiled({mesh_of(icosphere(5, radius_m))},
-                                 {node_of(0, rotation, 3.0 * radius_m * random.unit_vector())});
+    const Scene scene =
+        compiled_parts({mesh_of(icosphere(5, radius_m))},
+                       {node_of(0, rotation, 3.0 * radius_m * random.unit_vector())});
     const double circle_m = 2.0 * std::numbers::pi * radius_m;
     for (const SceneContour& c : contours_of(scene)) {
       EXPECT_EQ(c.curves, 1u);
@@ -132,7 +133,7 @@ TEST(SceneContours, OfASphereAreItsGreatCircles) {
 // Rings of its vertices lie in the plane, one outside and one inside.
 TEST(SceneContours, OfATorusAreThePolygonsOfItsVertices) {
   const Scene scene =
-      compiled({mesh_of(torus(1.0, 0.25, 2))}, {node_of(0, Mat3::Identity(), Vec3::Zero())});
+      compiled_parts({mesh_of(torus(1.0, 0.25, 2))}, {node_of(0, Mat3::Identity(), Vec3::Zero())});
   const SceneContour across_z = contours_of(scene)[2];
   EXPECT_EQ(across_z.offset_m, 0.0);
   EXPECT_EQ(across_z.curves, 2u);
@@ -145,10 +146,10 @@ TEST(SceneContours, OfATorusAreThePolygonsOfItsVertices) {
 
 TEST(SceneContours, GrowWithTheScene) {
   const std::vector<NodeDescription> nodes = {node_of(0, Mat3::Identity(), Vec3(1, 2, 3))};
-  const auto once = contours_of(compiled({mesh_of(box(Vec3(1, 2, 4)))}, nodes));
+  const auto once = contours_of(compiled_parts({mesh_of(box(Vec3(1, 2, 4)))}, nodes));
   SceneSettings fit;
   fit.fit_size_m = 0.5;
-  const auto fitted = contours_of(compiled({mesh_of(box(Vec3(1, 2, 4)))}, nodes, fit));
+  const auto fitted = contours_of(compiled_parts({mesh_of(box(Vec3(1, 2, 4)))}, nodes, fit));
   const std::array<double, 3> lengths = {12.0, 10.0, 6.0};
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(once[axis].longest_m, lengths[axis], kRoundoff * 12.0);
@@ -161,7 +162,8 @@ TEST(SceneContours, AreOpenOfAnOpenMeshAndNoneWhereNothingIsCut) {
   // A wall in the plane y = 0, which the plane across y leaves on one side.
   const MeshDescription wall = {
       "wall", {{0, 0, 0}, {3, 0, 0}, {3, 0, 1}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
-  const auto contours = contours_of(compiled({wall}, {node_of(0, Mat3::Identity(), Vec3::Zero())}));
+  const auto contours =
+      contours_of(compiled_parts({wall}, {node_of(0, Mat3::Identity(), Vec3::Zero())}));
   EXPECT_EQ(contours[0].curves, 1u);
   EXPECT_FALSE(contours[0].is_closed);
   EXPECT_NEAR(contours[0].longest_m, 1.0, kRoundoff);
@@ -174,9 +176,9 @@ TEST(SceneContours, CountAllNodesAndTellTheLongest) {
   // Three boxes in a row along x, the last one mirrored and twice as large.
   const Mat3 mirrored = Vec3(-2, 2, 2).asDiagonal();
   const Scene scene =
-      compiled({mesh_of(box(Vec3(1, 1, 1)))},
-               {node_of(0, Mat3::Identity(), Vec3(0, 0, 0)),
-                node_of(0, Mat3::Identity(), Vec3(4, 0, 0)), node_of(0, mirrored, Vec3(10, 0, 0))});
+      compiled_parts({mesh_of(box(Vec3(1, 1, 1)))}, {node_of(0, Mat3::Identity(), Vec3(0, 0, 0)),
+                                                     node_of(0, Mat3::Identity(), Vec3(4, 0, 0)),
+                                                     node_of(0, mirrored, Vec3(10, 0, 0))});
   const auto contours = contours_of(scene);
   EXPECT_EQ(contours[0].curves, 0u);  // at x = 5.25
   for (const int axis : {1, 2}) {
@@ -192,13 +194,13 @@ TEST(SceneContours, AreThoseOfTheWholeSceneCutAtOnce) {
   for (int round = 0; round < 20; ++round) {
     std::vector<NodeDescription> nodes;
     for (std::size_t n = 1 + random.index(12); n > 0; --n) {
-      nodes.push_back(node_of(static_cast<std::uint32_t>(random.index(3)), random_linear(random),
+      nodes.push_back(node_of(static_cast<std::uint32_t>(random.index(3)), random_stretch(random),
                               random.in_box(2.0)));
     }
     nodes.push_back(node_of(0, Mat3::Identity(), Vec3::Zero()));
     nodes.push_back(node_of(1, Mat3::Identity(), Vec3::Zero()));
     nodes.push_back(node_of(2, Mat3::Identity(), Vec3::Zero()));
-    const Scene scene = compiled(
+    const Scene scene = compiled_parts(
         {mesh_of(torus(1.0, 0.3, 2)), mesh_of(icosphere(3, 1.0)), mesh_of(box(Vec3(1, 2, 3)))},
         nodes);
     std::vector<Vec3> positions_m;
@@ -219,7 +221,7 @@ TEST(SceneContours, AreThoseOfTheWholeSceneCutAtOnce) {
 
 TEST(SceneContours, AreNotLookedForAmongTooManyFaces) {
   const std::vector<NodeDescription> nodes(10, node_of(0, Mat3::Identity(), Vec3::Zero()));
-  const Scene scene = compiled({mesh_of(icosphere(2, 1.0))}, nodes);
+  const Scene scene = compiled_parts({mesh_of(icosphere(2, 1.0))}, nodes);
   EXPECT_FALSE(scene_contours(scene, 3 * 10 * 320 - 1));
   EXPECT_TRUE(scene_contours(scene, 3 * 10 * 320));
 }

@@ -22,15 +22,17 @@
 #include "haptics/effects/viscosity.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
+using test::compiled;
+using test::kTick_s;
 using test::Random;
-
-constexpr double kTick_s = 1e-3;
 
 MeshDescription box_mesh(const Vec3& half_extent_m, std::optional<std::uint32_t> material) {
   test::Soup soup = test::box_soup(half_extent_m);
@@ -61,12 +63,6 @@ SceneDescription described(std::vector<MeshDescription> meshes, std::vector<Node
   scene.nodes = std::move(nodes);
   scene.materials = std::move(materials);
   return scene;
-}
-
-Scene compiled(SceneDescription description, const SceneSettings& settings = {}) {
-  auto scene = Scene::compile(std::move(description), settings);
-  EXPECT_TRUE(scene) << scene.error().to_string();
-  return std::move(*scene);
 }
 
 void expect_refused(SceneDescription description, const std::vector<std::string>& names) {
@@ -185,7 +181,7 @@ MeshDescription patched_mesh(Random& random, std::uint32_t materials) {
   return mesh;
 }
 
-Mat3 random_linear(Random& random, bool is_mirrored) {
+Mat3 random_shear(Random& random, bool is_mirrored) {
   Mat3 linear = random.rotation().toRotationMatrix();
   linear.col(0) *= (is_mirrored ? -1.0 : 1.0) * random.uniform(0.5, 2.0);
   linear(0, 1) += 0.3;
@@ -210,8 +206,8 @@ TEST(SceneEffects, SlotsKnowTheirMaterialAndCornersTheirCoordinates) {
     mesh.haptic_material = 0;
     SceneDescription description =
         described({mesh},
-                  {node("a", 0, Vec3(1, 2, 3), random_linear(random, false)),
-                   node("b", 0, Vec3(-3, 2, 1), random_linear(random, true))},
+                  {node("a", 0, Vec3(1, 2, 3), random_shear(random, false)),
+                   node("b", 0, Vec3(-3, 2, 1), random_shear(random, true))},
                   {material("x", {{"stiffness", 1.0}}), material("y", {{"stiffness", 2.0}}),
                    material("z", {})});
     description.images = {{1, 1, {1, 2, 3}}};
@@ -259,7 +255,7 @@ TEST(SceneEffects, PartsAreShadedByTheirOwnCreaseAngles) {
   const MeshDescription mesh = patched_mesh(random, 3);
   const double angles_deg[] = {180.0, 30.0};
   const Scene scene =
-      compiled(described({mesh}, {node("a", 0, Vec3::Zero(), random_linear(random, true))},
+      compiled(described({mesh}, {node("a", 0, Vec3::Zero(), random_shear(random, true))},
                          {material("x", {{"creaseAngle", angles_deg[0]}}),
                           material("y", {{"creaseAngle", angles_deg[1]}}), material("z", {})}));
   const SurfaceIndex& index = *scene.world().bodies[0].index;

@@ -14,6 +14,7 @@
 #include "engine/scene/node_placement.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
@@ -22,10 +23,10 @@ namespace palpate {
 namespace {
 
 using test::GltfBuilder;
+using test::kEpsilon;
 using test::Random;
 using test::TemporaryFolder;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kFeltPerSize = 1e-12;
 
 // A convex solid of eight triangles, front sides out, around the origin; float vertices, as in a

@@ -14,6 +14,7 @@
 #include "haptics/proxy/god_object.h"
 #include "haptics/proxy/live_world.h"
 #include "tests/engine/scene/seam_bodies.h"
+#include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
@@ -21,16 +22,11 @@
 namespace palpate {
 namespace {
 
+using test::compiled;
 using test::in_soak_or_else;
 using test::Random;
 using test::SeamBody;
 using test::SeamJudge;
-
-Scene compiled(SceneDescription description, const SceneSettings& settings = {}) {
-  Result<Scene> scene = Scene::compile(std::move(description), settings);
-  EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().to_string());
-  return std::move(*scene);
-}
 
 Scene scene_of(SeamBody& body, const SceneSettings& settings = {}) {
   if (!body.is_gltf) return compiled(body.description, settings);
@@ -281,8 +277,8 @@ NodeDescription node_at(const Vec3& translation_m, std::uint32_t mesh = 0,
   return node;
 }
 
-SceneDescription description_of(std::vector<MeshDescription> meshes,
-                                std::vector<NodeDescription> nodes) {
+SceneDescription described_by_number(std::vector<MeshDescription> meshes,
+                                     std::vector<NodeDescription> nodes) {
   SceneDescription description;
   description.path = "made.glb";
   description.meshes = std::move(meshes);
@@ -306,30 +302,30 @@ void expect_left_alone(const Scene& scene) {
 }
 
 TEST(Seams, LeaveASceneOfOneBodyAlone) {
-  expect_left_alone(compiled(description_of({square()}, {node_at({3, 4, 5})})));
-  expect_left_alone(compiled(description_of({closed_box(1.0)}, {node_at({3, 4, 5})})));
+  expect_left_alone(compiled(described_by_number({square()}, {node_at({3, 4, 5})})));
+  expect_left_alone(compiled(described_by_number({closed_box(1.0)}, {node_at({3, 4, 5})})));
 }
 
 TEST(Seams, LeaveClosedBodiesAloneWhereverTheyAre) {
   for (const double apart_m : {0.0, 2.0, 5.0}) {
     expect_left_alone(compiled(
-        description_of({closed_box(1.0)}, {node_at({0, 0, 0}), node_at({apart_m, 0, 0})})));
+        described_by_number({closed_box(1.0)}, {node_at({0, 0, 0}), node_at({apart_m, 0, 0})})));
   }
 }
 
 TEST(Seams, LeaveOpenBodiesAloneThatAreApart) {
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 100; ++i) nodes.push_back(node_at({1.5 * (i % 10), 1.5 * (i / 10), 0}));
-  expect_left_alone(compiled(description_of({square()}, nodes)));
+  expect_left_alone(compiled(described_by_number({square()}, nodes)));
 }
 
 TEST(Seams, StayOpenWhereTheFileHasAGapOrAVertexOnAnEdge) {
   const double float_apart = 0x1p-24;
   expect_left_alone(compiled(
-      description_of({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})})));
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})})));
   // The corners of the second lie in the middle of the first one's edges.
   expect_left_alone(
-      compiled(description_of({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})})));
+      compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})})));
 }
 
 // The corner of a tile of a row that is turned by a random angle about a random axis.
@@ -339,7 +335,7 @@ TEST(Seams, JoinVerticesThatOnlyRoundingKeepsApart) {
     const Mat3 turn = random.rotation().toRotationMatrix();
     const Mat3 mirrored = turn * Vec3(-1, 1, 1).asDiagonal();
     const Vec3 origin_m = random.in_box(5.0);
-    const Scene scene = compiled(description_of(
+    const Scene scene = compiled(described_by_number(
         {square()}, {node_at(origin_m, 0, turn), node_at(origin_m + turn.col(0), 0, turn),
                      node_at(origin_m + 3.0 * turn.col(0), 0, mirrored)}));
     EXPECT_EQ(scene.statistics().seam_places, 4u);
@@ -362,9 +358,9 @@ TEST(Seams, AreTheSameForEverySizeOfTheScene) {
     SceneSettings settings;
     settings.scale = scale;
     const Mat3 turn = Quat(0.5, 0.1, -0.7, 0.2).normalized().toRotationMatrix();
-    const Scene scene = compiled(
-        description_of({square()}, {node_at({0, 0, 0}, 0, turn), node_at(turn.col(0), 0, turn)}),
-        settings);
+    const Scene scene = compiled(described_by_number({square()}, {node_at({0, 0, 0}, 0, turn),
+                                                                  node_at(turn.col(0), 0, turn)}),
+                                 settings);
     EXPECT_EQ(scene.statistics().seam_places, 2u);
   }
 }
@@ -374,7 +370,7 @@ TEST(Seams, NeverJoinTwoVerticesOfOneBody) {
   const double near = 1e-15;
   test::Soup soup;
   soup.add_quad({0, 0, 0}, {1, 0, 0}, {1, near, 0}, {0, 1, 0});
-  const Scene scene = compiled(description_of(
+  const Scene scene = compiled(described_by_number(
       {mesh_of(soup), square()}, {node_at({0, 0, 0}), node_at({1, 0, 0}, 1), node_at({1, -1, 0}, 1),
                                   node_at({1, 0, 0}, 0, Vec3(-1, 1, 1).asDiagonal())}));
   EXPECT_GT(scene.statistics().seam_vertices, 0u);
@@ -393,7 +389,7 @@ TEST(Seams, DoNotGrowAlongAChain) {
   const double step = 5e-15;
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 20; ++i) nodes.push_back(node_at({0, 0, step * i}));
-  const Scene scene = compiled(description_of({square()}, nodes));
+  const Scene scene = compiled(described_by_number({square()}, nodes));
   EXPECT_GT(scene.statistics().seam_places, 4u);
   EXPECT_LE(farthest_apart_m(scene.world()),
             kMostApartPerStandOff * SolverScale::of(scene.world().size_m, 0.0).stand_off_m);
@@ -407,25 +403,25 @@ std::string only_warning(const Scene& scene) {
 TEST(Seams, AreNotSoughtInASceneTooFarFromItsOriginAndThatIsTold) {
   const Vec3 far_m(1e5, 0, 0);
   const Scene scene =
-      compiled(description_of({square()}, {node_at(far_m), node_at(far_m + Vec3::UnitX())}));
+      compiled(described_by_number({square()}, {node_at(far_m), node_at(far_m + Vec3::UnitX())}));
   EXPECT_EQ(scene.world().seams, nullptr);
   EXPECT_NE(only_warning(scene).find("node 0 and 1 more nodes: too far from the origin"),
             std::string::npos);
   // So are vertices far from the origin of their mesh.
   MeshDescription far_square = square();
   for (Vec3& p : far_square.positions) p += far_m;
-  const Scene other =
-      compiled(description_of({far_square}, {node_at(-far_m), node_at(Vec3::UnitX() - far_m)}));
+  const Scene other = compiled(
+      described_by_number({far_square}, {node_at(-far_m), node_at(Vec3::UnitX() - far_m)}));
   EXPECT_EQ(other.world().seams, nullptr);
   EXPECT_NE(only_warning(other).find("too far from the origin"), std::string::npos);
   // And a long way out and back.
   SceneDescription there_and_back =
-      description_of({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})});
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})});
   for (NodeDescription& node : there_and_back.nodes) node.product = {2, 1.0, Vec3::Ones(), 2e5};
   EXPECT_NE(only_warning(compiled(there_and_back)).find("too far from the origin"),
             std::string::npos);
   // But not where there is nothing to be joined.
-  EXPECT_TRUE(compiled(description_of({square()}, {node_at(far_m), node_at(2 * far_m)}))
+  EXPECT_TRUE(compiled(described_by_number({square()}, {node_at(far_m), node_at(2 * far_m)}))
                   .statistics()
                   .warnings.empty());
 }
@@ -443,7 +439,7 @@ TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
   grass.positions.front() *= 1e24;
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 300; ++i) nodes.push_back(node_at({0.01 * i, 0, 0}));
-  const Scene scene = compiled(description_of({grass}, nodes));
+  const Scene scene = compiled(described_by_number({grass}, nodes));
   EXPECT_EQ(scene.world().seams, nullptr);
   const std::string warning = only_warning(scene);
   EXPECT_NE(warning.find("more nodes: too small beside the scene to tell"), std::string::npos)
@@ -451,7 +447,7 @@ TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
 }
 
 TEST(Seams, AreKeptTenSizesFromTheOriginBelowAChainOfNodes) {
-  SceneDescription description = description_of(
+  SceneDescription description = described_by_number(
       {square()}, {node_at({20, 20, 20}), node_at({21, 20, 20}), node_at({20, 21, 20})});
   for (NodeDescription& node : description.nodes) node.product = {5, 1.0, Vec3::Ones(), 36.0};
   const Scene scene = compiled(description);
@@ -461,7 +457,7 @@ TEST(Seams, AreKeptTenSizesFromTheOriginBelowAChainOfNodes) {
 
 TEST(Seams, AreLostByABodyThatMoves) {
   const Scene scene =
-      compiled(description_of({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})}));
+      compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})}));
   LiveWorld live(scene.world());
   ASSERT_NE(live.body(0).corners, nullptr);
   ASSERT_TRUE(live.place(0, live.body(0).T_solver_body));

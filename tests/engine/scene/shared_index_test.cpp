@@ -21,6 +21,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/exact_judge.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
@@ -33,14 +34,13 @@ using test::ExactJudge;
 using test::HardKind;
 using test::HardScene;
 using test::in_soak_or_else;
+using test::kEpsilon;
 using test::Random;
 using test::Soup;
 
 using Wide = long double;
 using Wide3 = Eigen::Matrix<Wide, 3, 1>;
 using Wide33 = Eigen::Matrix<Wide, 3, 3>;
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // What the proxy may be beside the exact answer, of the size of the scene.
 constexpr double kExactPerSize = 1e-9;
@@ -111,7 +111,7 @@ SceneDescription baked(const SceneDescription& description) {
   return alone;
 }
 
-NodeDescription node_at(std::uint32_t mesh, const Mat3& linear, const Vec3& translation_m) {
+NodeDescription node_of_mesh(std::uint32_t mesh, const Mat3& linear, const Vec3& translation_m) {
   NodeDescription node;
   node.name = "node " + std::to_string(mesh);
   node.mesh = mesh;
@@ -121,7 +121,7 @@ NodeDescription node_at(std::uint32_t mesh, const Mat3& linear, const Vec3& tran
   return node;
 }
 
-Scene compiled(SceneDescription description, double proxy_radius_m = 0.0) {
+Scene compiled_for_proxy(SceneDescription description, double proxy_radius_m = 0.0) {
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   auto scene = Scene::compile(std::move(description), settings);
@@ -150,17 +150,17 @@ HardNodes hard_nodes(HardKind kind, MapKind map_kind, Random& random) {
   for (const Vec3& p : mesh.positions) reach = std::max(reach, p.norm());
   made.description.path = "made.glb";
   made.description.meshes.push_back(std::move(mesh));
-  made.description.nodes.push_back(node_at(0, linear, Vec3::Zero()));
+  made.description.nodes.push_back(node_of_mesh(0, linear, Vec3::Zero()));
   for (int i = 0; i < 2; ++i) {
     const Mat3 other = 2e-3 / reach * random_map(MapKind::kAny, 90.0, random);
-    made.description.nodes.push_back(node_at(0, other, Vec3(0.4, 0.2 * i, 0)));
+    made.description.nodes.push_back(node_of_mesh(0, other, Vec3(0.4, 0.2 * i, 0)));
   }
   return made;
 }
 
 struct Judged {
   Judged(const HardNodes& nodes, double radius_m)
-      : scene(compiled(nodes.description, radius_m)),
+      : scene(compiled_for_proxy(nodes.description, radius_m)),
         triangles(exact_triangles(nodes.description, nodes.description.nodes[0], scene.world())),
         judge(triangles) {}
 
@@ -209,7 +209,7 @@ TEST(SharedIndex, DecidesOnTheTrianglesThatTheFileMeans) {
     Random random(seed);
     const auto kind = test::kAllHardKinds[random.index(std::size(test::kAllHardKinds))];
     const HardNodes nodes = hard_nodes(kind, MapKind::kAny, random);
-    const Scene scene = compiled(nodes.description);
+    const Scene scene = compiled_for_proxy(nodes.description);
     EXPECT_EQ(scene.statistics().indices, 1u);
     for (std::size_t n = 0; n < nodes.description.nodes.size(); ++n) {
       const auto triangles =
@@ -229,9 +229,9 @@ TEST(SharedIndex, TurnsTheNormalsOfStretchesByTheInverseTranspose) {
         {"mesh", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {1, 2, 3}}});
     for (int i = 0; i < 4; ++i) {
       description.nodes.push_back(
-          node_at(0, random_map(MapKind::kAny, 99.0, random), random.in_box(3.0)));
+          node_of_mesh(0, random_map(MapKind::kAny, 99.0, random), random.in_box(3.0)));
     }
-    const Scene scene = compiled(description);
+    const Scene scene = compiled_for_proxy(description);
     for (std::size_t n = 0; n < description.nodes.size(); ++n) {
       const ContactBody& body = scene.world().bodies[n];
       const Wide33 linear = description.nodes[n].linear_scene_mesh.cast<Wide>();
@@ -365,12 +365,12 @@ SceneDescription pebbles(MapKind kind, double most_ratio, Random& random) {
     const double scale = std::pow(10.0, random.uniform(-1.5, 0.0));
     const Mat3 linear = scale * random_map(kind, most_ratio, random);
     const Vec3 place(3.0 * (i % 3), 3.0 * (i / 3 % 2), 3.0 * (i / 6));
-    description.nodes.push_back(node_at(0, linear, place - linear * Vec3(5, -3, 2)));
+    description.nodes.push_back(node_of_mesh(0, linear, place - linear * Vec3(5, -3, 2)));
   }
   return description;
 }
 
-MaterialDescription material(std::vector<std::pair<std::string, double>> parameters) {
+MaterialDescription felt_material(std::vector<std::pair<std::string, double>> parameters) {
   MaterialDescription m{"felt", "/materials/0", {}, std::nullopt};
   for (const auto& [key, value] : parameters) {
     m.parameters.push_back({key, value, "/materials/0/extras/palpate/" + key});
@@ -475,8 +475,8 @@ void expect_as_alone(MapKind kind, double most_ratio, double radius_m,
       description.materials = {*felt};
       description.meshes[0].material_runs = {{0, 0u}};
     }
-    const Scene shared = compiled(description, radius_m);
-    const Scene alone = compiled(baked(description), radius_m);
+    const Scene shared = compiled_for_proxy(description, radius_m);
+    const Scene alone = compiled_for_proxy(baked(description), radius_m);
     const Differences d = compare(description, shared, alone, radius_m, ticks, random);
     EXPECT_LE(d.proxy, kExactPerSize) << "seed " << seed;
     EXPECT_LE(d.force, 1e-5) << "seed " << seed;
@@ -501,14 +501,14 @@ TEST(SharedIndex, IsFeltByASphereAsAnIndexOfItsOwn) {
 }
 
 TEST(SharedIndex, AttractsAsAnIndexOfItsOwn) {
-  const auto magnet = material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
+  const auto magnet = felt_material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, magnet, 5, 400);
   expect_as_alone(MapKind::kAny, 99.0, 0.0, magnet, 20, 400);
 }
 
 TEST(SharedIndex, IsShadedAndRubsAsAnIndexOfItsOwn) {
   const auto smooth =
-      material({{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
+      felt_material({{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, smooth, 5, 400);
   expect_as_alone(MapKind::kAny, 20.0, 0.0, smooth, 20, 400);
 }
@@ -519,7 +519,7 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
     Random random(seed);
     SceneDescription description =
         pebbles(seed % 4 ? MapKind::kAny : MapKind::kUniform, 20.0, random);
-    description.materials = {material({{"textureHeight", 0.002}})};
+    description.materials = {felt_material({{"textureHeight", 0.002}})};
     description.meshes[0].material_runs = {{0, 0u}};
     ImageDescription image{16, 16, {}};
     for (int i = 0; i < 3 * 16 * 16; ++i) {
@@ -531,8 +531,8 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
     description.haptic_materials = {
         {"felt", {{"vibrotactileTexture", "Other", texture, "/maps/0"}}}};
     description.meshes[0].haptic_material = 0;
-    const Scene shared = compiled(description);
-    const Scene alone = compiled(baked(description));
+    const Scene shared = compiled_for_proxy(description);
+    const Scene alone = compiled_for_proxy(baked(description));
     ASSERT_FALSE(shared.world().effects->maps.empty());
     const Differences d = compare(description, shared, alone, 0.0, 400, random);
     EXPECT_LE(d.force, 1e-5) << "seed " << seed;
@@ -541,7 +541,7 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
 }
 
 TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
-  MaterialDescription medium = material({{"viscosity", 2.0}});
+  MaterialDescription medium = felt_material({{"viscosity", 2.0}});
   medium.parameters.push_back({"solid", false, "/materials/0/extras/palpate/solid"});
   std::sort(medium.parameters.begin(), medium.parameters.end(),
             [](const auto& a, const auto& b) { return a.key < b.key; });
@@ -551,9 +551,9 @@ TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
     description.meshes.push_back(pebble(random));  // one that can be touched, far away
     description.materials = {medium};
     description.meshes[0].material_runs = {{0, 0u}};
-    description.nodes.push_back(node_at(1, 0.01 * Mat3::Identity(), Vec3(9, 9, 9)));
-    const Scene shared = compiled(description);
-    const Scene alone = compiled(baked(description));
+    description.nodes.push_back(node_of_mesh(1, 0.01 * Mat3::Identity(), Vec3(9, 9, 9)));
+    const Scene shared = compiled_for_proxy(description);
+    const Scene alone = compiled_for_proxy(baked(description));
     EXPECT_EQ(shared.statistics().indices, 2u);
     description.nodes.pop_back();
     const Differences d = compare(description, shared, alone, 0.0, 1000, random);
@@ -569,8 +569,8 @@ TEST(SharedIndex, MovesAsAnIndexOfItsOwn) {
     for (std::size_t n = 0; n < description.nodes.size(); ++n) {
       description.nodes[n].name = "n" + std::to_string(n);
     }
-    const Scene shared = compiled(description);
-    const Scene alone = compiled(baked(description));
+    const Scene shared = compiled_for_proxy(description);
+    const Scene alone = compiled_for_proxy(baked(description));
     std::vector<SteadyMotion> motions;
     for (const NodeDescription& node : description.nodes) {
       motions.push_back({node.name, 0.02 * random.in_box(1.0), Vec3::Zero()});
@@ -591,7 +591,7 @@ TEST(SharedIndex, FindsTheNearestPointOfAStretchedSurface) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Random random(seed);
     const SceneDescription description = pebbles(MapKind::kAny, 99.0, random);
-    const Scene scene = compiled(description);
+    const Scene scene = compiled_for_proxy(description);
     for (std::size_t n = 0; n < description.nodes.size(); ++n) {
       const ContactBody& body = scene.world().bodies[n];
       const ExactJudge judge(exact_triangles(description, description.nodes[n], scene.world()));
@@ -614,7 +614,7 @@ TEST(SharedIndex, FindsTheNearestPointOfAStretchedSurface) {
 // ---- what is built -----------------------------------------------------------------------------
 
 std::size_t indices_of(const SceneDescription& description, double radius_m = 0.0) {
-  return compiled(description, radius_m).statistics().indices;
+  return compiled_for_proxy(description, radius_m).statistics().indices;
 }
 
 TEST(SharedIndex, IsOneForAMeshWhateverItsScales) {
@@ -624,7 +624,7 @@ TEST(SharedIndex, IsOneForAMeshWhateverItsScales) {
   for (int i = 0; i < 300; ++i) {
     const double scale = std::pow(10.0, random.uniform(-4.0, 4.0));
     description.nodes.push_back(
-        node_at(0, scale * random_map(MapKind::kAny, 1.0, random), random.in_box(1e4)));
+        node_of_mesh(0, scale * random_map(MapKind::kAny, 1.0, random), random.in_box(1e4)));
   }
   EXPECT_EQ(indices_of(description), 1u);
   for (NodeDescription& node : description.nodes) {
@@ -637,12 +637,12 @@ TEST(SharedIndex, LeavesStretchesOfMoreThanAHundredToIndicesOfTheirOwn) {
   Random random(2);
   SceneDescription description;
   description.meshes.push_back(pebble(random));
-  description.nodes.push_back(node_at(0, Mat3::Identity(), Vec3::Zero()));
-  description.nodes.push_back(node_at(0, Vec3(1, 1, 0.0101).asDiagonal(), Vec3(5, 0, 0)));
+  description.nodes.push_back(node_of_mesh(0, Mat3::Identity(), Vec3::Zero()));
+  description.nodes.push_back(node_of_mesh(0, Vec3(1, 1, 0.0101).asDiagonal(), Vec3(5, 0, 0)));
   EXPECT_EQ(indices_of(description), 1u);
-  description.nodes.push_back(node_at(0, Vec3(1, 1, 0.0099).asDiagonal(), Vec3(10, 0, 0)));
+  description.nodes.push_back(node_of_mesh(0, Vec3(1, 1, 0.0099).asDiagonal(), Vec3(10, 0, 0)));
   EXPECT_EQ(indices_of(description), 2u);
-  description.nodes.push_back(node_at(0, Vec3(-3, 3, 0.0297).asDiagonal(), Vec3(15, 0, 0)));
+  description.nodes.push_back(node_of_mesh(0, Vec3(-3, 3, 0.0297).asDiagonal(), Vec3(15, 0, 0)));
   EXPECT_EQ(indices_of(description), 2u) << "the same, mirrored and larger";
 }
 
@@ -653,7 +653,7 @@ TEST(SharedIndex, OfASphereIsSharedWithinAFactorOfTwo) {
   for (int i = 0; i < 500; ++i) {
     const double scale = std::pow(10.0, random.uniform(-3.0, 0.0));
     description.nodes.push_back(
-        node_at(0, scale * random_map(MapKind::kMirror, 1.0, random), random.in_box(10.0)));
+        node_of_mesh(0, scale * random_map(MapKind::kMirror, 1.0, random), random.in_box(10.0)));
   }
   EXPECT_LE(indices_of(description, 1e-3), 11u);
   description.nodes.resize(3);
@@ -672,14 +672,14 @@ TEST(SharedIndex, TakesScalesOfAnySize) {
     description.meshes.push_back(pebble(random));
     const bool is_sphere = random.index(2);  // of no more than kLargestSweep_m
     const double size = std::pow(10.0, random.uniform(-50.0, is_sphere ? 15.0 : 50.0));
-    description.nodes.push_back(node_at(0, size * Mat3::Identity(), Vec3::Zero()));
+    description.nodes.push_back(node_of_mesh(0, size * Mat3::Identity(), Vec3::Zero()));
     for (int i = 0; i < 6; ++i) {
       const double scale = size * std::pow(10.0, -random.uniform(0.0, i % 2 ? 20.0 : 150.0));
       const Mat3 linear = scale * random_map(MapKind::kAny, 1e3, random);
-      description.nodes.push_back(node_at(0, linear, size * random.in_box(5.0)));
+      description.nodes.push_back(node_of_mesh(0, linear, size * random.in_box(5.0)));
     }
     const double radius_m = is_sphere ? size * 1e-3 : 0.0;
-    const Scene scene = compiled(description, radius_m);
+    const Scene scene = compiled_for_proxy(description, radius_m);
     GodObject god_object(scene.world(), {.radius_m = radius_m});
     const auto start = scene.world().to_solver(size * Vec3(5, -3, 3.5));
     god_object.place(start);
@@ -702,8 +702,8 @@ TEST(SharedIndex, IsOfSizeOneAboutItsMiddle) {
     SceneDescription description;
     description.meshes.push_back(pebble(random));
     const double scale = std::pow(10.0, random.uniform(-40.0, 40.0));
-    description.nodes.push_back(node_at(0, scale * Mat3::Identity(), Vec3::Zero()));
-    const Scene scene = compiled(description);
+    description.nodes.push_back(node_of_mesh(0, scale * Mat3::Identity(), Vec3::Zero()));
+    const Scene scene = compiled_for_proxy(description);
     const Box& box = scene.world().bodies[0].index->box();
     EXPECT_LE((box.high - box.low).maxCoeff(), 1.0);
     EXPECT_GE((box.high - box.low).maxCoeff(), 0.5);

@@ -26,12 +26,14 @@
 #include "engine/devices/path_device.h"
 #include "engine/session/haptic_thread.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTick_s = 1e-3;
+using test::kTick_s;
+
 constexpr double kHalf_m = 0.1;
 
 // What a device was told, in memory that a child process shares with its parent.
@@ -101,8 +103,8 @@ class LoggingDevice final : public Device {
   DeviceDescription description_;
 };
 
-struct Rig {
-  explicit Rig(Log& log, SessionParts parts = {})
+struct SessionRig {
+  explicit SessionRig(Log& log, SessionParts parts = {})
       : world(test::box_soup(Vec3::Constant(kHalf_m))),
         loop(world.world(), *ActuationModel::from_counts(3, 3), settings()),
         device(log),
@@ -168,7 +170,7 @@ TEST(HapticSession, GoesTheRoadInItsOrder) {
   Teller first(told, "first");
   Teller second(told, "second");
   SharedLog log;
-  Rig rig(*log, {.changes = {&change}, .observers = {&first, &second}});
+  SessionRig rig(*log, {.changes = {&change}, .observers = {&first, &second}});
   ASSERT_FALSE(rig.session.start());
   rig.run(3);
   const std::vector<std::string> once{"change", "first", "second"};
@@ -191,7 +193,7 @@ TEST(HapticSession, CommandsWhatTheGovernorLeaves) {
   for (const double left : {0.25, 0.0}) {
     Governor governor([=](double force_N) { return left * force_N; });
     SharedLog log;
-    Rig rig(*log, {.governor = &governor});
+    SessionRig rig(*log, {.governor = &governor});
     rig.session.start();
     rig.run(2);
     TickRecord record;
@@ -211,7 +213,7 @@ TEST(HapticSession, CommandsNoForceThatIsNotFinite) {
         -std::numeric_limits<double>::infinity()}) {
     Governor governor([=](double) { return bad; });
     SharedLog log;
-    Rig rig(*log, {.governor = &governor});
+    SessionRig rig(*log, {.governor = &governor});
     rig.session.start();
     rig.run(2);
     TickRecord record;
@@ -224,7 +226,7 @@ TEST(HapticSession, CommandsNoForceThatIsNotFinite) {
 
 TEST(HapticSession, GivesNoForceForASampleThatTheDeviceCallsInvalid) {
   SharedLog log;
-  Rig rig(*log);
+  SessionRig rig(*log);
   rig.device.invalid_sample = 3;
   rig.session.start();
   rig.run(2);
@@ -243,7 +245,7 @@ TEST(HapticSession, GivesNoForceForASampleThatTheDeviceCallsInvalid) {
 
 TEST(HapticSession, DoesNothingBeforeItsStartAndAfterItsStop) {
   SharedLog log;
-  Rig rig(*log);
+  SessionRig rig(*log);
   rig.run(5);
   rig.session.stop();
   TickRecord record;
@@ -277,7 +279,7 @@ struct WayOut {
 
 void run_on_thread(Log& log, const HapticThreadSettings& settings,
                    const std::function<void(HapticThread&)>& then) {
-  Rig rig(log);
+  SessionRig rig(log);
   HapticThread thread(rig.session, settings);
   thread.start();
   while (thread.running() && thread.ticks() < 20) std::this_thread::yield();
@@ -301,7 +303,7 @@ std::vector<WayOut> ways_out() {
   return {
       {"stop() of a session",
        [](Log& log) {
-         Rig rig(log);
+         SessionRig rig(log);
          rig.session.start();
          rig.run(20);
          rig.session.stop();
@@ -310,7 +312,7 @@ std::vector<WayOut> ways_out() {
        true},
       {"destroying a session",
        [](Log& log) {
-         Rig rig(log);
+         SessionRig rig(log);
          rig.session.start();
          rig.run(20);
        },
@@ -327,7 +329,7 @@ std::vector<WayOut> ways_out() {
        true},
       {"a refused start",
        [](Log& log) {
-         Rig rig(log);
+         SessionRig rig(log);
          rig.device.refuses = true;
          rig.session.start();
          rig.run(20);
@@ -335,7 +337,7 @@ std::vector<WayOut> ways_out() {
        true},
       {"a refused start of a thread",
        [=](Log& log) {
-         Rig rig(log);
+         SessionRig rig(log);
          rig.device.refuses = true;
          HapticThread thread(rig.session, quick);
          const RealtimeStatus status = thread.start();
@@ -345,7 +347,7 @@ std::vector<WayOut> ways_out() {
       {"an exception out of the device's start",
        [](Log& log) {
          try {
-           Rig rig(log);
+           SessionRig rig(log);
            rig.device.throws_at_start = true;
            rig.session.start();
          } catch (const std::runtime_error&) {
@@ -355,7 +357,7 @@ std::vector<WayOut> ways_out() {
       {"an exception of the caller's between ticks",
        [](Log& log) {
          try {
-           Rig rig(log);
+           SessionRig rig(log);
            rig.session.start();
            rig.run(20);
            throw std::runtime_error("a caller's");
@@ -374,7 +376,7 @@ std::vector<WayOut> ways_out() {
       {"an exception of an observer, which must not throw",
        [](Log& log) {
          Thrower thrower;
-         Rig rig(log, {.observers = {&thrower}});
+         SessionRig rig(log, {.observers = {&thrower}});
          rig.session.start();
          rig.run(20);
        },

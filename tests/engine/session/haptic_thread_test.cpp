@@ -69,8 +69,8 @@ std::vector<Vec3> pressing_path(std::size_t ticks) {
   return path;
 }
 
-struct Rig {
-  explicit Rig(std::vector<Vec3> path)
+struct ThreadRig {
+  explicit ThreadRig(std::vector<Vec3> path)
       : world(test::box_soup(Vec3::Constant(0.1))),
         loop(world.world(), *ActuationModel::from_counts(3, 3), settings()),
         device(std::move(path)),
@@ -96,7 +96,7 @@ void wait_for_ticks(const HapticThread& thread, std::uint64_t ticks) {
 
 TEST(HapticThread, RunsTheTicksAskedForWithTheNominalTimeStep) {
   for (const double rate_Hz : {1000.0, 333.0, 4000.0}) {
-    Rig rig(pressing_path(60));
+    ThreadRig rig(pressing_path(60));
     HapticThread thread(rig.session, {rate_Hz, 60});
     thread.start();
     thread.join();
@@ -110,7 +110,7 @@ TEST(HapticThread, RunsTheTicksAskedForWithTheNominalTimeStep) {
 }
 
 TEST(HapticThread, CommandsZeroForceLast) {
-  Rig rig(pressing_path(50));
+  ThreadRig rig(pressing_path(50));
   HapticThread thread(rig.session, {2000.0, 50});
   thread.start();
   thread.join();
@@ -120,7 +120,7 @@ TEST(HapticThread, CommandsZeroForceLast) {
 }
 
 TEST(HapticThread, StopsWhenAskedToAndCommandsZeroForceLast) {
-  Rig rig(pressing_path(30));
+  ThreadRig rig(pressing_path(30));
   HapticThread thread(rig.session, {4000.0, 0});
   thread.start();
   EXPECT_TRUE(thread.running());
@@ -148,7 +148,7 @@ class SignalsOfItsThread final : public TickObserver {
 };
 
 TEST(HapticThread, LeavesSignalsToOtherThreads) {
-  Rig rig(pressing_path(5));
+  ThreadRig rig(pressing_path(5));
   SignalsOfItsThread signals;
   HapticSession session(rig.loop, rig.device, {.observers = {&signals}});
   sigset_t before;
@@ -165,7 +165,7 @@ TEST(HapticThread, LeavesSignalsToOtherThreads) {
 }
 
 TEST(HapticThread, EndsWithItsOwner) {
-  Rig rig(pressing_path(30));
+  ThreadRig rig(pressing_path(30));
   {
     HapticThread thread(rig.session, {4000.0, 0});
     thread.start();
@@ -180,7 +180,7 @@ TEST(HapticThread, EndsWithItsOwner) {
 
 TEST(HapticThread, StopsRightAfterTheStart) {
   for (int i = 0; i < 50; ++i) {
-    Rig rig(pressing_path(2));
+    ThreadRig rig(pressing_path(2));
     HapticThread thread(rig.session, {1000.0, 0});
     thread.start();
     thread.stop();
@@ -191,7 +191,7 @@ TEST(HapticThread, StopsRightAfterTheStart) {
 
 // A late tick must not change what the loop computes, only be counted.
 TEST(HapticThread, CountsALateTickAndKeepsTheNominalTimeStep) {
-  Rig rig(pressing_path(20));
+  ThreadRig rig(pressing_path(20));
   rig.device.delayed_tick = 5;
   rig.device.delay = std::chrono::milliseconds(8);
   HapticThread thread(rig.session, {1000.0, 20});
@@ -204,7 +204,7 @@ TEST(HapticThread, CountsALateTickAndKeepsTheNominalTimeStep) {
 }
 
 TEST(HapticThread, ExplainsWhatTheSystemDidNotGrant) {
-  Rig rig(pressing_path(2));
+  ThreadRig rig(pressing_path(2));
   HapticThread thread(rig.session, {1000.0, 2});
   const RealtimeStatus status = thread.start();
   thread.join();
@@ -216,11 +216,11 @@ TEST(HapticThread, ExplainsWhatTheSystemDidNotGrant) {
 
 TEST(HapticThread, ComputesTheSameAsTheLoopWithoutAThread) {
   const std::vector<Vec3> path = pressing_path(200);
-  Rig threaded(path);
+  ThreadRig threaded(path);
   HapticThread thread(threaded.session, {4000.0, path.size()});
   thread.start();
   thread.join();
-  Rig plain(path);
+  ThreadRig plain(path);
   plain.session.start();
   for (std::size_t n = 0; n < path.size(); ++n) plain.session.tick(1.0 / 4000.0);
   ASSERT_EQ(threaded.observer.records.size(), path.size());
@@ -263,7 +263,7 @@ void watch(const HapticSession& session, const std::vector<Vec3>& path, Seen& se
 
 TEST(HapticThread, PublishesWholeSnapshotsInOrderToSeveralReaders) {
   const std::vector<Vec3> path = pressing_path(800);
-  Rig rig(path);
+  ThreadRig rig(path);
   TickRecord before;
   EXPECT_FALSE(rig.session.latest(before)) << "nothing has happened yet";
   std::array<Seen, 3> seen;
@@ -317,7 +317,7 @@ TEST(HapticThread, MarksBadSamplesCommandsNoForceForThemAndCarriesOn) {
   std::vector<Vec3> path = pressing_path(100);
   const std::set<std::size_t> bad{0, 40, 41, 42, 60, 99};
   for (const std::size_t n : bad) path[n] = Vec3(n % 2 ? kNan : 0.0, 0.0, n % 2 ? 0.0 : HUGE_VAL);
-  Rig rig(path);
+  ThreadRig rig(path);
   HapticThread thread(rig.session, {4000.0, path.size()});
   thread.start();
   thread.join();

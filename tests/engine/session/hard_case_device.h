@@ -12,10 +12,9 @@
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate::test {
-
-inline constexpr double kTick_s = 1e-3;
 
 inline ActuationModel device(int sensors, int actuators) {
   return ActuationModel::from_counts(sensors, actuators).value();

@@ -9,16 +9,18 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/node_motions.h"
 #include "haptics/record_vectors.h"
+#include "tests/engine/session/still_device.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTick_s = 1e-3;
+using test::kTick_s;
+using test::StillDevice;
 
 // Two boxes of one material, the second with a physics material of its own, and a third of another.
 SceneDescription described() {
@@ -48,19 +50,14 @@ SceneDescription described() {
   return scene;
 }
 
-Scene compiled(const SceneSettings& settings = {}) {
+// A little below the top of the first box.
+const Vec3 kPressing_m(0, 0, 0.999);
+
+Scene compiled_boxes(const SceneSettings& settings = {}) {
   auto scene = Scene::compile(described(), settings);
   EXPECT_TRUE(scene) << scene.error().to_string();
   return std::move(*scene);
 }
-
-class StillDevice final : public VectorDevice {
- public:
-  Vec3 read_position_m(double) noexcept override { return position_m; }
-  void command_force_N(const Vec3& force) noexcept override { force_N = force; }
-  Vec3 position_m = Vec3(0, 0, 0.999);
-  Vec3 force_N = Vec3::Zero();
-};
 
 void expect_refused(const std::optional<Error>& error, const std::vector<std::string>& names) {
   ASSERT_TRUE(error);
@@ -78,7 +75,7 @@ void expect_not_added(MaterialTuner& tuner, const char* material, const char* ke
 }
 
 TEST(MaterialTuner, RefusesWhatCannotChange) {
-  const Scene scene = compiled();
+  const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
   expect_not_added(tuner, "glass", "stiffness", {"glass.stiffness", "no surface"});
   expect_not_added(tuner, "wood", "hardness", {"wood.hardness", "no key"});
@@ -91,7 +88,7 @@ TEST(MaterialTuner, RefusesWhatCannotChange) {
 }
 
 TEST(MaterialTuner, RefusesValuesOutOfRangeAndContradictions) {
-  const Scene scene = compiled();
+  const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
   const auto stiffness = tuner.add("wood", "stiffness");
   const auto range = tuner.add("wood", "magnetRange");
@@ -110,7 +107,7 @@ TEST(MaterialTuner, RefusesValuesOutOfRangeAndContradictions) {
 }
 
 TEST(MaterialTuner, ChangesWhatIsFeltFromTheNextTickOn) {
-  const Scene scene = compiled();
+  const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
   const auto stiffness = tuner.add("wood", "stiffness");
   const auto force = tuner.add("wood", "magnetForce");
@@ -118,7 +115,7 @@ TEST(MaterialTuner, ChangesWhatIsFeltFromTheNextTickOn) {
   EXPECT_FALSE(tuner.set(*force, 0.0));
   for (const double x : {0.0, 5.0}) {  // both bodies of the material
     HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-    StillDevice device;
+    StillDevice device(kPressing_m);
     MaterialTuner own(scene);
     const auto k = own.add("wood", "stiffness");
     const auto pull = own.add("wood", "magnetForce");
@@ -143,13 +140,13 @@ TEST(MaterialTuner, ChangesWhatIsFeltFromTheNextTickOn) {
 TEST(MaterialTuner, TakesLengthsInTheUnitOfTheFile) {
   SceneSettings settings;
   settings.scale = 0.1;
-  const Scene scene = compiled(settings);
+  const Scene scene = compiled_boxes(settings);
   MaterialTuner tuner(scene);
   const auto range = tuner.add("wood", "magnetRange");
   const auto force = tuner.add("wood", "magnetForce");
   ASSERT_TRUE(range && force);
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  StillDevice device;
+  StillDevice device(kPressing_m);
   HapticSession session(loop, device, {.changes = {&tuner}});
   session.start();
   device.position_m = {0, 0, 0.11};
@@ -161,13 +158,13 @@ TEST(MaterialTuner, TakesLengthsInTheUnitOfTheFile) {
 
 // An application turns a knob as fast as it can while the haptic thread runs.
 TEST(MaterialTuner, ReachesARunningHapticThread) {
-  const Scene scene = compiled();
+  const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
   const auto stiffness = tuner.add("wood", "stiffness");
   const auto force = tuner.add("wood", "magnetForce");
   ASSERT_TRUE(stiffness && force);
   EXPECT_FALSE(tuner.set(*force, 0.0));
-  StillDevice device;
+  StillDevice device(kPressing_m);
   HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
   HapticSession session(loop, device, {.changes = {&tuner}});
   session.start();

@@ -13,15 +13,19 @@
 #include "engine/scene/node_tree.h"
 #include "engine/session/haptic_thread.h"
 #include "haptics/record_vectors.h"
+#include "tests/engine/session/still_device.h"
+#include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
+using test::compiled;
+using test::kTick_s;
 using test::Random;
-
-constexpr double kTick_s = 1e-3;
+using test::StillDevice;
 
 MeshDescription box_mesh(const Vec3& half_extent) {
   test::Soup soup = test::box_soup(half_extent);
@@ -48,23 +52,6 @@ SceneDescription arm_scene() {
   node("floor", 1, 4);
   return scene;
 }
-
-Scene compiled(SceneDescription description, const SceneSettings& settings = {}) {
-  auto scene = Scene::compile(std::move(description), settings);
-  EXPECT_TRUE(scene) << scene.error().to_string();
-  return std::move(*scene);
-}
-
-class StillDevice final : public VectorDevice {
- public:
-  explicit StillDevice(const Vec3& position_m) : position_m_(position_m) {}
-  Vec3 read_position_m(double) noexcept override { return position_m_; }
-  void command_force_N(const Vec3& force) noexcept override { force_N = force; }
-  Vec3 force_N = Vec3::Zero();
-
- private:
-  Vec3 position_m_;
-};
 
 class LastRecord final : public TickObserver {
  public:

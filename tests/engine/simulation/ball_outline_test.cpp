@@ -26,7 +26,7 @@ std::vector<Outline> touched_by_ball(const std::vector<Outline>& found, const Ve
   return touched ? std::move(*touched) : std::vector<Outline>();
 }
 
-struct Placed {
+struct ScaledPlane {
   RigidTransform pose;
   double size;
 
@@ -34,13 +34,13 @@ struct Placed {
   Vec3 normal() const { return pose.direction(Vec3::UnitZ()); }
 };
 
-Placed place(Random& random) {
+ScaledPlane random_plane(Random& random) {
   const double size = std::pow(10.0, random.uniform(-3.0, 3.0));
   return {{random.rotation(), size * random.in_box(1.0)}, size};
 }
 
 // A block of 2 by 1 with a groove from its upper side, material on the left.
-Outline grooved_block(double width, double depth, const Placed& placed) {
+Outline grooved_block(double width, double depth, const ScaledPlane& placed) {
   const double w = 0.5 * width;
   Outline outline{{{}, true}, false};
   for (const auto& [x, y] : std::vector<std::pair<double, double>>{
@@ -53,7 +53,7 @@ Outline grooved_block(double width, double depth, const Placed& placed) {
 TEST(BallOutlines, BridgeAGrooveThatIsNarrowerThanTheBall) {
   Random random(8301);
   for (int i = 0; i < 300; ++i) {
-    const Placed placed = place(random);
+    const ScaledPlane placed = random_plane(random);
     const double radius = random.uniform(0.05, 0.2);
     const double width = 2.0 * radius * random.uniform(0.01, 0.98);
     const auto found =
@@ -68,7 +68,7 @@ TEST(BallOutlines, BridgeAGrooveThatIsNarrowerThanTheBall) {
 TEST(BallOutlines, GoIntoAGrooveThatIsWiderAndRoundItsCorners) {
   Random random(8302);
   for (int i = 0; i < 300; ++i) {
-    const Placed placed = place(random);
+    const ScaledPlane placed = random_plane(random);
     const double radius = random.uniform(0.05, 0.2);
     const double width = 2.0 * radius * random.uniform(1.02, 2.0);
     const double depth = radius * random.uniform(1.05, 2.0);
@@ -84,7 +84,7 @@ TEST(BallOutlines, GoIntoAGrooveThatIsWiderAndRoundItsCorners) {
 TEST(BallOutlines, OfABallThatDoesNotFitIntoAHollowAreOutsideAlone) {
   Random random(8303);
   for (int i = 0; i < 100; ++i) {
-    const Placed placed = place(random);
+    const ScaledPlane placed = random_plane(random);
     const auto square = [&](double half, bool hollow) {
       Outline outline{{{placed.point(-half, -half), placed.point(half, -half),
                         placed.point(half, half), placed.point(-half, half)},
@@ -124,7 +124,7 @@ double distance_to(const Vec3& p, const std::vector<Outline>& outlines) {
   return nearest;
 }
 
-std::vector<Outline> random_union(Random& random, const Placed& placed) {
+std::vector<Outline> random_union(Random& random, const ScaledPlane& placed) {
   std::vector<Polyline> curves;
   for (std::size_t k = 0; k < 2 + random.index(8); ++k) {
     const double x = random.uniform(-1.0, 1.0);
@@ -150,7 +150,7 @@ TEST(BallOutlines, AreWhatACircleTouchesAndNothingElse) {
   int touched = 0;
   int hidden = 0;
   for (int i = 0; i < 150; ++i) {
-    const Placed placed = place(random);
+    const ScaledPlane placed = random_plane(random);
     const std::vector<Outline> all = random_union(random, placed);
     const double radius = placed.size * std::pow(10.0, random.uniform(-2.0, 0.5));
     const auto found = touched_by_ball(all, placed.normal(), radius);

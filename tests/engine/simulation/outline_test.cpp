@@ -176,7 +176,7 @@ TEST(Outlines, HoldWhatIsOutsideOfAllAndNothingElse) {
 }
 
 // Where a test lays its plane, in whatever unit: all that a scene's points go through.
-struct Placed {
+struct LaidPlane {
   RigidTransform pose;
   double size;
   bool is_single;  // points are rounded to single precision, as in glTF
@@ -189,7 +189,7 @@ struct Placed {
 };
 
 // Points of a few units of a lattice; translated by no more than that.
-Placed place(Random& random, double extent) {
+LaidPlane lay_plane(Random& random, double extent) {
   const double size = std::pow(10.0, random.uniform(-3.0, 3.0));
   return {{random.rotation(), size * random.in_box(extent)}, size, random.index(2) == 0};
 }
@@ -200,7 +200,7 @@ struct Lattice {
   std::array<std::array<int, kCells>, kCells> winding{};
   std::vector<Polyline> curves;
 
-  void add(int x0, int y0, int x1, int y1, int turns, const Placed& placed) {
+  void add(int x0, int y0, int x1, int y1, int turns, const LaidPlane& placed) {
     Polyline curve{
         {placed.point(x0, y0), placed.point(x1, y0), placed.point(x1, y1), placed.point(x0, y1)},
         true};
@@ -217,7 +217,7 @@ struct Lattice {
 };
 
 // Solids and hollow ones that overlap, coincide, and touch along faces, edges and corners.
-Lattice random_lattice(Random& random, const Placed& placed) {
+Lattice random_lattice(Random& random, const LaidPlane& placed) {
   Lattice lattice;
   const auto between = [&](int low, int high) {
     return low + static_cast<int>(random.index(static_cast<std::size_t>(high - low + 1)));
@@ -293,7 +293,7 @@ std::vector<double> loops_of(const Lattice& lattice) {
 TEST(Outlines, OfSolidsThatCoincideAndTouchAreTheBordersOfWhatIsFree) {
   Random random(8203);
   for (int i = 0; i < 1500; ++i) {
-    const Placed placed = place(random, kCells);
+    const LaidPlane placed = lay_plane(random, kCells);
     const Lattice lattice = random_lattice(random, placed);
     const std::vector<double> expected = loops_of(lattice);
     const auto found = outlines_of(lattice.curves, placed.normal(), kSmall_m);
@@ -371,7 +371,7 @@ double free_length(const std::vector<Polygon>& polygons) {
 TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
   Random random(8204);
   for (int i = 0; i < 1000; ++i) {
-    const Placed placed = place(random, 2.0);
+    const LaidPlane placed = lay_plane(random, 2.0);
     std::vector<Polygon> polygons;
     std::vector<Polyline> curves;
     for (std::size_t k = 0; k < 1 + random.index(10); ++k) {

@@ -23,16 +23,16 @@ using test::Random;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-struct Placed {
+struct PlacedMesh {
   std::vector<Vec3> positions_m;
   std::vector<Triangle> triangles;
   Mat3 linear = Mat3::Identity();
   Vec3 middle_m = Vec3::Zero();
 };
 
-Scene scene_of(const std::vector<Placed>& parts) {
+Scene scene_of(const std::vector<PlacedMesh>& parts) {
   SceneDescription description;
-  for (const Placed& part : parts) {
+  for (const PlacedMesh& part : parts) {
     const std::string name = "part " + std::to_string(description.nodes.size());
     const auto mesh = static_cast<std::uint32_t>(description.meshes.size());
     description.meshes.push_back({name, part.positions_m, part.triangles});
@@ -43,10 +43,10 @@ Scene scene_of(const std::vector<Placed>& parts) {
   return std::move(*scene);
 }
 
-Placed placed(const TriangleMesh& mesh) {
+PlacedMesh placed(const TriangleMesh& mesh) {
   return {mesh.positions_m, mesh.triangles};
 }
-Placed placed(const test::Soup& soup) {
+PlacedMesh placed(const test::Soup& soup) {
   return {soup.positions, soup.triangles};
 }
 
@@ -149,7 +149,7 @@ TEST(SurfacePath, IsAGeodesicOnTheSurfaceOfNodesOfAnyPlaceShapeAndMirror) {
                                          torus(0.1, 0.04, 1), cylinder(12, 0.05, 0.1)};
   int crossed = 0;
   for (int i = 0; i < 40; ++i) {
-    Placed part = placed(meshes[random.index(meshes.size())]);
+    PlacedMesh part = placed(meshes[random.index(meshes.size())]);
     part.linear = random_linear(random);
     part.middle_m = random.in_box(1.0);
     const Scene scene = scene_of({part});
@@ -252,7 +252,7 @@ TEST(SurfacePath, EntersNoOtherBody) {
       }
     };
     std::vector<Solid> solids;
-    std::vector<Placed> parts;
+    std::vector<PlacedMesh> parts;
     for (int k = 0; k < 4; ++k) {
       const Vec3 half_m(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1),
                         random.uniform(0.02, 0.1));

@@ -26,7 +26,7 @@ struct Part {
   Vec3 translation_m = Vec3::Zero();
 };
 
-Scene scene_of(const std::vector<Part>& parts) {
+Scene scene_of_parts(const std::vector<Part>& parts) {
   SceneDescription description;
   for (const Part& part : parts) {
     MeshDescription mesh;
@@ -75,7 +75,7 @@ TEST(PlacedBounds, AreAroundAllVerticesAndNoLarger) {
   test::Random random(8101);
   for (int i = 0; i < 100; ++i) {
     const std::vector<Part> parts = random_parts(random);
-    const Scene scene = scene_of(parts);
+    const Scene scene = scene_of_parts(parts);
     const ScenePose pose = random_pose(random);
     const Box bounds = bounds_in_device(scene, pose);
     Vec3 low = Vec3::Constant(HUGE_VAL);
@@ -94,7 +94,7 @@ TEST(PlacedBounds, AreAroundAllVerticesAndNoLarger) {
 TEST(PlaneHeight, IsTheMiddleOfAnObjectHoweverItIsPlaced) {
   test::Random random(8102);
   for (int i = 0; i < 100; ++i) {
-    const Scene scene = scene_of({{test::box_soup(Vec3(0.02, 0.03, 0.05))}});
+    const Scene scene = scene_of_parts({{test::box_soup(Vec3(0.02, 0.03, 0.05))}});
     const ScenePose pose = random_pose(random);
     const auto height_m = height_with_contour_m(scene, pose);
     ASSERT_TRUE(height_m);
@@ -106,7 +106,7 @@ TEST(PlaneHeight, IsTheMiddleOfAnObjectHoweverItIsPlaced) {
 TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
   test::Random random(8103);
   for (int i = 0; i < 200; ++i) {
-    const Scene scene = scene_of(random_parts(random));
+    const Scene scene = scene_of_parts(random_parts(random));
     const ScenePose pose = random_pose(random);
     const auto height_m = height_with_contour_m(scene, pose);
     ASSERT_TRUE(height_m);
@@ -118,9 +118,9 @@ TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
 // that is taken has a contour, but for the way into the box.
 TEST(PlaneHeight, IsTheNearestThatHasAContour) {
   const test::Soup box = test::box_soup(Vec3::Constant(0.01));
-  const Scene scene = scene_of({{box, Mat3::Identity(), Vec3(0, 0, -0.05)},
-                                {box, Mat3::Identity(), Vec3(0, 0, 0.04)},
-                                {box, Mat3::Identity(), Vec3(0, 0, 0.08)}});
+  const Scene scene = scene_of_parts({{box, Mat3::Identity(), Vec3(0, 0, -0.05)},
+                                      {box, Mat3::Identity(), Vec3(0, 0, 0.04)},
+                                      {box, Mat3::Identity(), Vec3(0, 0, 0.08)}});
   const double extent_m = 0.15;  // from -0.06 to 0.09; its middle is 0.015
   const auto height_m = height_with_contour_m(scene, {});
   ASSERT_TRUE(height_m);
@@ -140,8 +140,8 @@ TEST(PlaneHeight, IsBesideFacesThatLieInTheMiddle) {
     const test::Soup high = test::box_soup(Vec3(size, size, 0.5 * half_m));
     const ScenePose pose{random.rotation(), size * random.in_box(1.0)};
     const Mat3 back = pose.rotation.toRotationMatrix().transpose();
-    const Scene scene = scene_of({{low, back, back * Vec3(0, 0, -0.5 * half_m)},
-                                  {high, back, back * Vec3(0, 0, 0.5 * half_m)}});
+    const Scene scene = scene_of_parts({{low, back, back * Vec3(0, 0, -0.5 * half_m)},
+                                        {high, back, back * Vec3(0, 0, 0.5 * half_m)}});
     const auto height_m = height_with_contour_m(scene, pose);
     ASSERT_TRUE(height_m);
     const double from_middle_m = std::abs(*height_m - pose.translation_m.z());
@@ -161,7 +161,7 @@ TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
     parts.push_back({test::box_soup(Vec3(0.05, 0.05, 0.5 * thick_m)), Mat3::Identity(),
                      Vec3(0, 0, (k + 0.5) * thick_m)});
   }
-  const auto height_m = height_with_contour_m(scene_of(parts), {});
+  const auto height_m = height_with_contour_m(scene_of_parts(parts), {});
   ASSERT_TRUE(height_m);
   const double from_face = std::remainder(*height_m, thick_m) / thick_m;
   EXPECT_GT(std::abs(from_face), 0.25) << *height_m;
@@ -171,7 +171,7 @@ TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
 TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
   test::Soup sheet;
   sheet.add_quad({-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0});
-  const Scene scene = scene_of({{sheet}, {sheet, Mat3::Identity(), Vec3(0, 0, 0.1)}});
+  const Scene scene = scene_of_parts({{sheet}, {sheet, Mat3::Identity(), Vec3(0, 0, 0.1)}});
   EXPECT_FALSE(height_with_contour_m(scene, {}));
   const ScenePose turned{Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX())), Vec3::Zero()};
   EXPECT_TRUE(height_with_contour_m(scene, turned));
@@ -209,7 +209,7 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
         random.index(2) == 0 ? random.uniform(0.1, 2.0) : random.uniform(0.0201, 0.04);
     const Workspace workspace{random.index(2) == 0 ? 2 : 3, extent_m, 0.008, 0.004};
     const ScenePose pose = random_pose(random);
-    const Scene scene = scene_of(parts);
+    const Scene scene = scene_of_parts(parts);
     const Box bounds = bounds_in_device(scene, pose);
     const double largest_m = scene.statistics().extent_m.maxCoeff();
     const auto error = check_fits(workspace, bounds, largest_m);
@@ -259,7 +259,8 @@ Result<ExplorationRun> planned(const Scene& scene, int sensors) {
 
 Scene beam(double length_m, double slenderness) {
   const double half_m = 0.5 * length_m;
-  return scene_of({{test::box_soup(Vec3(half_m, half_m / slenderness, half_m / slenderness))}});
+  return scene_of_parts(
+      {{test::box_soup(Vec3(half_m, half_m / slenderness, half_m / slenderness))}});
 }
 
 // What the hint names is taken: the hand finds its way then.

@@ -15,8 +15,8 @@ namespace {
 
 using test::Random;
 
-std::vector<std::uint32_t> near(const BoxTree& tree, const Vec3& p, double radius_m,
-                                NearSearch search) {
+std::vector<std::uint32_t> boxes_near(const BoxTree& tree, const Vec3& p, double radius_m,
+                                      NearSearch search) {
   std::vector<std::uint32_t> found;
   tree.visit_near(
       p, radius_m, search,
@@ -28,8 +28,8 @@ std::vector<std::uint32_t> near(const BoxTree& tree, const Vec3& p, double radiu
   return found;
 }
 
-std::vector<std::uint32_t> along(const BoxTree& tree, const Vec3& p, const Vec3& d, double radius_m,
-                                 std::uint32_t first) {
+std::vector<std::uint32_t> boxes_along(const BoxTree& tree, const Vec3& p, const Vec3& d,
+                                       double radius_m, std::uint32_t first) {
   std::vector<std::uint32_t> found;
   tree.visit_along(
       p, d, radius_m, first,
@@ -62,15 +62,15 @@ TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
       const Vec3 d = random.in_box(1.0);
       const double radius_m = random.uniform(0.0, kSweep_m);
       limit_simd_level(SimdLevel::kAvx512);
-      const auto near_p = near(tree, p, radius_m, NearSearch::kInOrder);
-      const auto along_d = along(tree, p, d, radius_m, 0);
+      const auto near_p = boxes_near(tree, p, radius_m, NearSearch::kInOrder);
+      const auto along_d = boxes_along(tree, p, d, radius_m, 0);
       ASSERT_TRUE(std::is_sorted(near_p.begin(), near_p.end()));
       ASSERT_TRUE(std::is_sorted(along_d.begin(), along_d.end()));
       for (const SimdLevel level : {SimdLevel::kAvx512, SimdLevel::kAvx2, SimdLevel::kBaseline}) {
         limit_simd_level(level);
-        ASSERT_EQ(near(tree, p, radius_m, NearSearch::kWithEmbree), near_p);
-        ASSERT_EQ(near(tree, p, radius_m, NearSearch::kInOrder), near_p);
-        ASSERT_EQ(along(tree, p, d, radius_m, 0), along_d);
+        ASSERT_EQ(boxes_near(tree, p, radius_m, NearSearch::kWithEmbree), near_p);
+        ASSERT_EQ(boxes_near(tree, p, radius_m, NearSearch::kInOrder), near_p);
+        ASSERT_EQ(boxes_along(tree, p, d, radius_m, 0), along_d);
       }
       for (std::uint32_t i = 0; i < boxes.size(); ++i) {
         const Box& box = boxes[i];
@@ -87,7 +87,7 @@ TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
       const std::size_t from = random.index(along_d.size());
       const std::vector<std::uint32_t> rest(along_d.begin() + static_cast<std::ptrdiff_t>(from),
                                             along_d.end());
-      ASSERT_EQ(along(tree, p, d, radius_m, along_d[from]), rest);
+      ASSERT_EQ(boxes_along(tree, p, d, radius_m, along_d[from]), rest);
     }
   }
 }

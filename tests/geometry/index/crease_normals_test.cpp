@@ -13,19 +13,18 @@
 
 #include "geometry/exact/exact.h"
 #include "models/primitives.h"
+#include "tests/geometry/index/surface_of.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
+using test::kFloatRoundoff;
 using test::Random;
+using test::surface_of;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kFloatRoundoff = 0x1p-24;
-
-SurfaceMesh surface_of(const TriangleMesh& mesh) {
-  return SurfaceMesh::build(mesh.positions_m, mesh.triangles);
-}
 
 Vec3 to_vec3(const std::array<float, 3>& v) {
   return {v[0], v[1], v[2]};

@@ -12,14 +12,12 @@
 
 #include "geometry/base/box.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
-struct Soup {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-};
+using test::Soup;
 
 // Small triangles at random places of a box.
 Soup confetti(test::Random& random, std::size_t count, double size_m) {

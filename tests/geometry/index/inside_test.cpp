@@ -14,12 +14,14 @@
 #include <gtest/gtest.h>
 
 #include "models/primitives.h"
+#include "tests/geometry/index/surface_of.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
 using test::Random;
+using test::surface_of;
 
 void append(TriangleMesh& mesh, const TriangleMesh& more, const Vec3& at = Vec3::Zero()) {
   const auto first = static_cast<std::uint32_t>(mesh.positions_m.size());
@@ -27,10 +29,6 @@ void append(TriangleMesh& mesh, const TriangleMesh& more, const Vec3& at = Vec3:
   for (const Triangle& t : more.triangles) {
     mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
-}
-
-SurfaceMesh surface_of(const TriangleMesh& mesh) {
-  return SurfaceMesh::build(mesh.positions_m, mesh.triangles);
 }
 
 // Turned, moved, scaled and, half of the time, mirrored.
@@ -71,7 +69,8 @@ double winding_number(const std::vector<Vec3>& positions, const std::vector<Tria
 
 using Cell = std::array<int, 3>;
 
-TriangleMesh surface_of(const std::set<Cell>& cells) {
+// Each face has corners of its own.
+TriangleMesh faces_of(const std::set<Cell>& cells) {
   TriangleMesh mesh;
   for (const Cell& cell : cells) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -149,7 +148,7 @@ TEST(IsClosed, MeansThatEveryEdgeHasAnEvenNumberOfFaces) {
       {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}, {0, 1, 2}});
   ASSERT_EQ(three.report().boundary_edges, 0u);
   EXPECT_FALSE(is_closed(three));
-  const SurfaceMesh four = surface_of(surface_of({{0, 0, 0}, {1, 1, 0}, {0, 1, 1}}));
+  const SurfaceMesh four = surface_of(faces_of({{0, 0, 0}, {1, 1, 0}, {0, 1, 1}}));
   ASSERT_GT(four.report().non_manifold_edges, 0u);
   EXPECT_TRUE(is_closed(four));
   EXPECT_TRUE(is_closed(SurfaceMesh::build({}, {})));
@@ -314,7 +313,7 @@ TEST(IsInside, KnowsCellsFromAnyPointOfAFinerLattice) {
   Random random(706);
   for (int trial = 0; trial < 60; ++trial) {
     const std::set<Cell> cells = random_cells(random, 4);
-    const SurfaceMesh mesh = surface_of(surface_of(cells));
+    const SurfaceMesh mesh = surface_of(faces_of(cells));
     ASSERT_TRUE(is_closed(mesh));
     const SurfaceIndex index(mesh);
     for (int i = 0; i < 300; ++i) {
@@ -333,7 +332,7 @@ TEST(CrossesOdd, IsRightWheneverItAnswers) {
   int none = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const std::set<Cell> cells = random_cells(random, 4);
-    TriangleMesh mesh = surface_of(cells);
+    TriangleMesh mesh = faces_of(cells);
     for (Triangle& t : mesh.triangles) {  // so that any edge can be any of its face
       std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(random.index(3)), t.end());
     }

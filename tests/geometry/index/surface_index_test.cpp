@@ -24,7 +24,7 @@ struct NamedMesh {
   SurfaceMesh mesh;
 };
 
-SurfaceMesh random_soup(Random& random, int triangles) {
+SurfaceMesh random_surface(Random& random, int triangles) {
   test::Soup soup;
   for (int i = 0; i < triangles; ++i) {
     const Vec3 a = random.in_box(1.0);
@@ -39,8 +39,8 @@ std::vector<NamedMesh> meshes(Random& random) {
   const auto ring = torus(1.0, 0.25, 2);
   all.push_back({"sphere", SurfaceMesh::build(sphere.positions_m, sphere.triangles)});
   all.push_back({"torus", SurfaceMesh::build(ring.positions_m, ring.triangles)});
-  all.push_back({"soup", random_soup(random, 500)});
-  all.push_back({"one triangle", random_soup(random, 1)});
+  all.push_back({"soup", random_surface(random, 500)});
+  all.push_back({"one triangle", random_surface(random, 1)});
   return all;
 }
 
@@ -123,7 +123,7 @@ TEST(SurfaceIndex, ListsEveryPackThatAnyTriangleNearbyBelongsTo) {
 
 TEST(SurfaceIndex, SaysWhenMorePacksAreNearThanFit) {
   Random random(34);
-  const SurfaceMesh mesh = random_soup(random, 500);
+  const SurfaceMesh mesh = random_surface(random, 500);
   const SurfaceIndex index(mesh);
   std::vector<std::uint32_t> few(5);
   EXPECT_GT(index.packs_near(Vec3::Zero(), 3.0, few), few.size());

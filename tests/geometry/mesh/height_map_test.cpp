@@ -12,15 +12,16 @@
 #include <gtest/gtest.h>
 
 #include "geometry/mesh/height_from_normals.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
+using test::kFloatRoundoff;
 using test::Random;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kFloatRoundoff = 0x1p-24;
 constexpr std::array kWraps = {MapWrap::kRepeat, MapWrap::kClamp, MapWrap::kMirror};
 
 template <typename Function>
@@ -34,8 +35,8 @@ std::vector<float> texels(std::uint32_t width, std::uint32_t height, Function at
   return values;
 }
 
-HeightMap random_map(Random& random, std::uint32_t width, std::uint32_t height, MapWrap wrap_u,
-                     MapWrap wrap_v) {
+HeightMap random_height_map(Random& random, std::uint32_t width, std::uint32_t height,
+                            MapWrap wrap_u, MapWrap wrap_v) {
   return HeightMap::build(
       width, height, texels(width, height, [&](double, double) { return random.uniform(-1, 1); }),
       wrap_u, wrap_v);
@@ -109,7 +110,7 @@ TEST(HeightMap, HasTheSlopesOfItsOwnValues) {
   Random random(502);
   for (const MapWrap wrap_u : kWraps) {
     for (const MapWrap wrap_v : kWraps) {
-      const HeightMap map = random_map(random, 13, 6, wrap_u, wrap_v);
+      const HeightMap map = random_height_map(random, 13, 6, wrap_u, wrap_v);
       for (int trial = 0; trial < 500; ++trial) {
         const double u = random.uniform(-3, 3);
         const double v = random.uniform(-3, 3);
@@ -133,7 +134,7 @@ TEST(HeightMap, IsSmoothAcrossTexelsAndBorders) {
   for (const MapWrap wrap : kWraps) {
     const std::uint32_t width = 5;
     const std::uint32_t height = 4;
-    const HeightMap map = random_map(random, width, height, wrap, wrap);
+    const HeightMap map = random_height_map(random, width, height, wrap, wrap);
     // Half texels: centres, borders, and where a clamped map comes to rest.
     for (int i = -24; i <= 24; ++i) {
       const double step = 1e-12;
@@ -159,9 +160,9 @@ TEST(HeightMap, IsSmoothAcrossTexelsAndBorders) {
 
 TEST(HeightMap, RepeatsEndsOrMirrorsOutside) {
   Random random(504);
-  const HeightMap repeated = random_map(random, 7, 5, MapWrap::kRepeat, MapWrap::kRepeat);
-  const HeightMap clamped = random_map(random, 7, 5, MapWrap::kClamp, MapWrap::kClamp);
-  const HeightMap mirrored = random_map(random, 7, 5, MapWrap::kMirror, MapWrap::kMirror);
+  const HeightMap repeated = random_height_map(random, 7, 5, MapWrap::kRepeat, MapWrap::kRepeat);
+  const HeightMap clamped = random_height_map(random, 7, 5, MapWrap::kClamp, MapWrap::kClamp);
+  const HeightMap mirrored = random_height_map(random, 7, 5, MapWrap::kMirror, MapWrap::kMirror);
   for (int trial = 0; trial < 500; ++trial) {
     const double u = random.uniform(0, 1);
     const double v = random.uniform(0, 1);
@@ -236,7 +237,7 @@ TEST(HeightMap, WeighsTexelsOfOddSizesByArea) {
 
 TEST(HeightMap, BlendsLevelsAndClampsThem) {
   Random random(506);
-  const HeightMap map = random_map(random, 16, 16, MapWrap::kRepeat, MapWrap::kRepeat);
+  const HeightMap map = random_height_map(random, 16, 16, MapWrap::kRepeat, MapWrap::kRepeat);
   EXPECT_EQ(map.levels(), 5);
   for (int trial = 0; trial < 200; ++trial) {
     const double u = random.uniform(0, 1);
@@ -279,7 +280,7 @@ TEST(HeightMap, TakesAnyCoordinates) {
   constexpr double kMost = std::numeric_limits<double>::max();
   for (const MapWrap wrap : kWraps) {
     for (const std::uint32_t width : {1u, 2u, 3u, 9u}) {
-      const HeightMap map = random_map(random, width, 3, wrap, wrap);
+      const HeightMap map = random_height_map(random, width, 3, wrap, wrap);
       // Catmull-Rom weights in one direction add up to 1.25 at most, without signs.
       const double most = 1.25 * 1.25;
       for (const double far : {1e9 + 0.3, 1e18, 1e300, kMost, 5e-324, 1e-17}) {

@@ -91,7 +91,7 @@ Mesh unit_sphere(std::uint32_t meridians, std::uint32_t parallels) {
 // The surface of a set of unit cells, welded; it is closed, and where cells meet only at an edge or
 // a corner, not manifold.
 using Cell = std::array<int, 3>;
-Mesh surface_of(const std::set<Cell>& cells) {
+Mesh welded_faces_of(const std::set<Cell>& cells) {
   Mesh mesh;
   std::map<Cell, std::uint32_t> vertices;
   const auto vertex = [&](const Cell& at) {
@@ -221,7 +221,7 @@ TEST(PlaneSection, OfASlabWithAHoleHasTheOutlineFirstAndTheHoleTheOtherWay) {
       if (x != 2 || y != 1) cells.insert({x, y, 0});
     }
   }
-  const Mesh slab = surface_of(cells);
+  const Mesh slab = welded_faces_of(cells);
   for (int trial = 0; trial < 100; ++trial) {
     const RigidTransform pose = random.pose(1.0);
     const double sign = random.index(2) == 0 ? 1.0 : -1.0;
@@ -250,7 +250,7 @@ TEST(PlaneSection, OfRandomCellsIsClosedAndHoldsTheMaterialOfTheLayer) {
       const int y = coordinate();
       cells.insert({x, y, coordinate()});
     }
-    const Mesh mesh = surface_of(cells);
+    const Mesh mesh = welded_faces_of(cells);
     const std::size_t axis = random.index(3);
     const double sign = random.index(2) == 0 ? 1.0 : -1.0;
     const double level = 0.5 * static_cast<double>(random.index(9));
@@ -284,8 +284,8 @@ TEST(PlaneSection, OfRandomCellsIsClosedAndHoldsTheMaterialOfTheLayer) {
 
 TEST(PlaneSection, KeepsMaterialApartThatMeetsAtAnEdge) {
   test::Random random(306);
-  const Mesh two = surface_of({{0, 0, 0}, {1, 1, 0}});
-  const Mesh four = surface_of({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {0, 2, 0}});
+  const Mesh two = welded_faces_of({{0, 0, 0}, {1, 1, 0}});
+  const Mesh four = welded_faces_of({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {0, 2, 0}});
   for (int trial = 0; trial < 100; ++trial) {
     const RigidTransform pose = random.pose(1.0);
     const double sign = random.index(2) == 0 ? 1.0 : -1.0;

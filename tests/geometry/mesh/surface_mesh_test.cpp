@@ -16,14 +16,12 @@
 
 #include "geometry/base/fixed_array.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
-struct Soup {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-};
+using test::Soup;
 
 using Key = std::array<double, 3>;  // a position that can be a key; -0 equals +0 there too
 Key key_of(const Vec3& p) {

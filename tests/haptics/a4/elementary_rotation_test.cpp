@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <tuple>
@@ -12,23 +11,19 @@
 
 #include "haptics/a4/scene_pose.h"
 #include "haptics/a4/theoretical_rotation.h"
+#include "tests/haptics/a4/degrees.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
+using test::degrees;
+using test::kEpsilon;
+using test::radians;
 using test::Random;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr std::array<double, 3> kRates_Hz = {60.0, 1000.0, 10000.0};
-
-double radians(double degrees) {
-  return degrees * kPi / 180.0;
-}
-double degrees(double radians) {
-  return radians * 180.0 / kPi;
-}
 
 // The closed form of the time Figure 3's profile takes: 90 deg/s above 30 deg, 5 + (17/6) a below.
 double closed_form_s(double from_deg, double to_deg) {
@@ -95,7 +90,7 @@ TEST(ElementaryRotation, SpeedByDtIsThePapersProduct) {
   Random random(3502);
   const RotationProfile profile;
   for (int i = 0; i < 1000; ++i) {
-    const double angle_rad = random.uniform(0.02, kPi);
+    const double angle_rad = random.uniform(0.02, std::numbers::pi);
     EXPECT_EQ(step_rad(angle_rad, 1e-3, StepRule::kSpeedByDt),
               profile.speed_rad_per_s(angle_rad) * 1e-3);
   }
@@ -104,12 +99,13 @@ TEST(ElementaryRotation, SpeedByDtIsThePapersProduct) {
 TEST(ElementaryRotation, ExactStepsTakeTheTimeOfTheClosedForm) {
   Random random(3503);
   for (int i = 0; i < 10000; ++i) {
-    const double from_rad = random.uniform(0.0, kPi);
+    const double from_rad = random.uniform(0.0, std::numbers::pi);
     const double dt_s = std::pow(10.0, random.uniform(-6.0, 0.0));
     const double left_rad = from_rad - step_rad(from_rad, dt_s);
     const double time_s = closed_form_s(degrees(from_rad), degrees(left_rad));
     // The rounding of angles up to pi, passed at the slowest speed.
-    const double rounding_s = 4 * kPi * kEpsilon / RotationProfile{}.speed_at_zero_rad_per_s;
+    const double rounding_s =
+        4 * std::numbers::pi * kEpsilon / RotationProfile{}.speed_at_zero_rad_per_s;
     ASSERT_LE(time_s, dt_s + rounding_s);
     if (left_rad > 0.0) {
       ASSERT_GE(time_s, dt_s - rounding_s);
@@ -126,7 +122,7 @@ TEST(ElementaryRotation, AStepIsTheSameCutInTwo) {
     profile.speed_at_knee_rad_per_s =
         random.index(4) == 0 ? profile.speed_at_zero_rad_per_s : random.uniform(0.01, 2.0);
     profile.knee_rad = random.uniform(0.3, 1.5);
-    const double angle_rad = random.uniform(0.0, kPi);
+    const double angle_rad = random.uniform(0.0, std::numbers::pi);
     const double first_s = random.uniform(0.0, 0.5);
     const double second_s = random.uniform(0.0, 0.5);
     const auto turn = [&profile](double angle, double dt_s) {
@@ -178,7 +174,7 @@ class AligningScene {
  public:
   AligningScene(const ActuationModel& model, const Vec3& normal_device, Random& random)
       : rotation_(model, Table1Form::kCorrected) {
-    const Quat start(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * kPi), Vec3::UnitZ()));
+    const Quat start(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * std::numbers::pi), Vec3::UnitZ()));
     pose_ = {model.is_planar() ? start : random.rotation(), random.in_box(0.1)};
     normal_scene_ = pose_.inverse_direction(normal_device);
     pivot_scene_m_ = random.in_box(0.1);

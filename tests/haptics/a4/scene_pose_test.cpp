@@ -1,27 +1,26 @@
 #include "haptics/a4/scene_pose.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
+using test::kEpsilon;
 using test::Random;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // Of the lengths involved: three rotations of a vector, each of about two roundings, and two sums.
 constexpr double kPivotRoundoff = 1e-15;
 constexpr int kManySteps = 1'000'000;
 
 // The largest elementary rotation of a tick at 1 kHz.
-constexpr double kLargestStep_rad = 90.0 * kPi / 180.0 * 1e-3;
+constexpr double kLargestStep_rad = 90.0 * std::numbers::pi / 180.0 * 1e-3;
 
 AxisAngle random_turn(Random& random, double max_angle_rad) {
   const Vec3 axis = random.unit_vector();
@@ -50,7 +49,7 @@ double worst_pivot_motion(Random& random, double max_angle_rad) {
 TEST(ScenePose, PivotStaysWhereItIsInTheDeviceFrame) {
   Random random(3301);
   EXPECT_LE(worst_pivot_motion(random, kLargestStep_rad), kPivotRoundoff);
-  EXPECT_LE(worst_pivot_motion(random, kPi), kPivotRoundoff);
+  EXPECT_LE(worst_pivot_motion(random, std::numbers::pi), kPivotRoundoff);
 }
 
 TEST(ScenePose, TurnsTheSceneByTheRotationOfTheDeviceFrame) {
@@ -59,7 +58,7 @@ TEST(ScenePose, TurnsTheSceneByTheRotationOfTheDeviceFrame) {
     const ScenePose pose = random.pose(1.0);
     const Vec3 pivot_scene_m = random.in_box(1.0);
     const Vec3 p_scene_m = random.in_box(1.0);
-    const AxisAngle turn = random_turn(random, kPi);
+    const AxisAngle turn = random_turn(random, std::numbers::pi);
     // Rodrigues' formula on the arm from the pivot, in the device frame.
     const Vec3 arm = pose.direction(p_scene_m - pivot_scene_m);
     const Vec3& k = turn.axis_device;

@@ -9,23 +9,19 @@
 
 #include "haptics/a4/elementary_rotation.h"
 #include "haptics/a4/scene_pose.h"
+#include "tests/haptics/a4/degrees.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
+using test::degrees;
+using test::kEpsilon;
+using test::radians;
 using test::Random;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kBandDeg = TheoreticalRotation::kHysteresisDeg;
-
-double radians(double degrees) {
-  return degrees * kPi / 180.0;
-}
-double degrees(double radians) {
-  return radians * 180.0 / kPi;
-}
 
 Vec3 turned(const AxisAngle& turn, const Vec3& v) {
   return Eigen::AngleAxisd(turn.angle_rad, turn.axis_device) * v;
@@ -41,7 +37,8 @@ struct Row {
 Row random_row(Random& random, ActuationCase table1_case) {
   Mat3 frame = random.rotation().toRotationMatrix();
   if (table1_case == ActuationCase::kCase1) {
-    frame = Eigen::AngleAxisd(random.uniform(0.0, 2.0 * kPi), Vec3::UnitZ()).toRotationMatrix();
+    frame = Eigen::AngleAxisd(random.uniform(0.0, 2.0 * std::numbers::pi), Vec3::UnitZ())
+                .toRotationMatrix();
   }
   const int sensors = table1_case == ActuationCase::kCase1 ? 2 : 3;
   std::vector<Vec3> axes = {frame.col(0)};
@@ -56,7 +53,7 @@ Row random_row(Random& random, ActuationCase table1_case) {
     across = (across - model->actuated_part(across)).normalized();
   }
   if (table1_case == ActuationCase::kCase3) {
-    const double turn = random.uniform(0.0, 2.0 * kPi);
+    const double turn = random.uniform(0.0, 2.0 * std::numbers::pi);
     return {*model, std::cos(turn) * along + std::sin(turn) * model->actuated_axis(1), across};
   }
   return {*model, along, across};
@@ -74,7 +71,7 @@ TEST_P(Table1, TheFullRotationPutsTheNormalInTheActuatedSpan) {
   double worst = 0.0;
   for (int i = 0; i < 100000; ++i) {
     const Row row = random_row(random, GetParam());
-    const Vec3 normal = normal_at(row, random.uniform(-kPi, kPi));
+    const Vec3 normal = normal_at(row, random.uniform(-std::numbers::pi, std::numbers::pi));
     TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
     const Vec3 aligned = turned(rotation.update(normal), normal);
     worst = std::max(worst, (aligned - row.model.actuated_part(aligned)).norm());
@@ -133,7 +130,7 @@ TEST_P(Table1, GivesNumbersForEveryNormal) {
     const Row row = random_row(random, GetParam());
     std::vector<Vec3> normals = {row.along, row.across, row.model.actuated_axis(0), Vec3::Zero()};
     for (int axis = 0; axis < 3; ++axis) normals.push_back(Vec3::Unit(axis));
-    normals.push_back(normal_at(row, random.uniform(-kPi, kPi)));
+    normals.push_back(normal_at(row, random.uniform(-std::numbers::pi, std::numbers::pi)));
     normals.push_back(row.along + tiny * row.across);
     normals.push_back(row.across + 1e-17 * row.along);
     for (const Table1Form form : {Table1Form::kCorrected, Table1Form::kAsPrinted}) {
@@ -144,8 +141,9 @@ TEST_P(Table1, GivesNumbersForEveryNormal) {
         ASSERT_TRUE(turn.axis_device.allFinite());
         ASSERT_LE(std::abs(turn.axis_device.norm() - 1.0), 4 * kEpsilon);
         ASSERT_GE(turn.angle_rad, 0.0);
-        ASSERT_LE(turn.angle_rad,
-                  form == Table1Form::kAsPrinted ? kPi : radians(90.0 + kBandDeg) + kEpsilon);
+        ASSERT_LE(turn.angle_rad, form == Table1Form::kAsPrinted
+                                      ? std::numbers::pi
+                                      : radians(90.0 + kBandDeg) + kEpsilon);
         if (random.index(5) == 0) rotation.reset();
       }
     }
@@ -226,7 +224,7 @@ TEST_P(OneActuator, SignNeverShiversWithinTheHysteresis) {
     const Row row = random_row(random, GetParam());
     TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
     const int sign = random.index(2) == 0 ? 1 : -1;
-    ASSERT_EQ(sign_chosen(rotation, row, sign > 0 ? 0.0 : kPi), sign);
+    ASSERT_EQ(sign_chosen(rotation, row, sign > 0 ? 0.0 : std::numbers::pi), sign);
     for (int k = 0; k < 1000; ++k) {
       const double off_deg = random.uniform(-0.999 * kBandDeg, 0.999 * kBandDeg);
       ASSERT_EQ(sign_chosen(rotation, row, radians(90.0 + off_deg)), sign);
@@ -267,7 +265,7 @@ TEST_P(OneActuator, ANewContactChoosesAfresh) {
     TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
     for (const double side : {1.0, -1.0}) {
       for (const double off_deg : {-80.0, -2.1, -1.9, 0.0, 1.9, 2.1, 80.0}) {
-        ASSERT_EQ(sign_chosen(rotation, row, kPi), -1);  // another contact before
+        ASSERT_EQ(sign_chosen(rotation, row, std::numbers::pi), -1);  // another contact before
         rotation.reset();
         ASSERT_EQ(sign_chosen(rotation, row, side * radians(90.0 + off_deg)),
                   off_deg > kBandDeg ? -1 : 1);
@@ -280,7 +278,7 @@ TEST_P(OneActuator, AContactWithoutNormalForgetsNothing) {
   Random random(3410);
   const Row row = random_row(random, GetParam());
   TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
-  ASSERT_EQ(sign_chosen(rotation, row, kPi), -1);
+  ASSERT_EQ(sign_chosen(rotation, row, std::numbers::pi), -1);
   EXPECT_EQ(rotation.update(Vec3::Zero()).angle_rad, 0.0);
   EXPECT_EQ(sign_chosen(rotation, row, radians(91.0)), -1);
 }
@@ -304,11 +302,11 @@ TEST(TwoActuators, ANormalOffThePlaneKeepsTheLastDirection) {
     const double sign = random.index(2) == 0 ? 1.0 : -1.0;
     ASSERT_LE((target(rotation, normal_at(row, radians(80.0))) - row.along).norm(), 16 * kEpsilon);
     ASSERT_LE((target(rotation, sign * row.across) - row.along).norm(), 16 * kEpsilon);
-    ASSERT_NEAR(rotation.update(sign * row.across).angle_rad, kPi / 2, 16 * kEpsilon);
+    ASSERT_NEAR(rotation.update(sign * row.across).angle_rad, std::numbers::pi / 2, 16 * kEpsilon);
     // Round the pole, closer than the hysteresis.
     const Vec3 aside = row.across.cross(row.along);
     for (int k = 0; k < 36; ++k) {
-      const double turn = 2.0 * kPi * k / 36;
+      const double turn = 2.0 * std::numbers::pi * k / 36;
       const Vec3 level = std::cos(turn) * row.along + std::sin(turn) * aside;
       const double tilt_rad = radians(random.uniform(0.0, 0.99 * kBandDeg));
       const Vec3 normal = std::cos(tilt_rad) * row.across + std::sin(tilt_rad) * level;

@@ -12,6 +12,7 @@
 #include "haptics/effects/stiffness.h"
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -20,13 +21,13 @@ using test::BodyHand;
 using test::effect_entry;
 using test::groove_side_soup;
 using test::hand_settings;
+using test::kTick_s;
 using test::Random;
 using test::SmoothLoop;
 using test::Soup;
 using test::square_soup;
 
-constexpr double kDt_s = 1e-3;
-constexpr double kHalf_m = 0.1;
+constexpr double kSideHalf_m = 0.1;
 
 std::vector<EffectProgramBuilder::Entry> spring(double stiffness, double damping) {
   return {effect_entry<StiffnessEffect>({stiffness}), effect_entry<DampingEffect>({damping})};
@@ -86,7 +87,7 @@ TEST(StiffnessAndDamping, AreThoseOfTheMaterialUnderTheProxy) {
       if (tick % 40 == 0) heading = random.in_box(1e-3);
       goal += heading + random.in_box(5e-5);
       goal = goal.cwiseMax(Vec3(-0.09, -0.09, -0.004)).cwiseMin(Vec3(0.09, 0.09, 0.001));
-      hand.go_to(goal, kDt_s);
+      hand.go_to(goal, kTick_s);
       const double depth = -goal.z();
       ASSERT_EQ(hand.record().contact, depth > 0.0);
       if (depth <= 0.0) {
@@ -97,10 +98,10 @@ TEST(StiffnessAndDamping, AreThoseOfTheMaterialUnderTheProxy) {
       const int part = Patchwork::part_at(goal.x());
       const double K = patchwork.couplings[part].stiffness_N_per_m;
       const double B = patchwork.couplings[part].damping_Ns_per_m;
-      const double rate = last_depth > 0.0 ? (depth - last_depth) / kDt_s : 0.0;
+      const double rate = last_depth > 0.0 ? (depth - last_depth) / kTick_s : 0.0;
       const double expected = std::max(0.0, K * depth + B * rate);
       last_depth = depth;
-      const double tolerance = (K + 2 * B / kDt_s) * hand.tolerance_m() + 1e-12;
+      const double tolerance = (K + 2 * B / kTick_s) * hand.tolerance_m() + 1e-12;
       ASSERT_NEAR(hand.force().z(), expected, tolerance) << tick;
       ASSERT_NEAR(hand.force().head<2>().norm(), 0.0, tolerance);
       ++ticks_of_part[part];
@@ -118,30 +119,31 @@ TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
     const double rise = random.uniform(0.1, 1.4);
     const CouplingSettings right{random.uniform(100.0, 3000.0), random.uniform(0.0, 5.0)};
     const CouplingSettings left{random.uniform(100.0, 3000.0), random.uniform(0.0, 5.0)};
-    BodyHand hand({groove_side_soup(kHalf_m, rise, true), groove_side_soup(kHalf_m, rise, false)},
-                  random.pose(0.5));
+    BodyHand hand(
+        {groove_side_soup(kSideHalf_m, rise, true), groove_side_soup(kSideHalf_m, rise, false)},
+        random.pose(0.5));
     hand.effects.add_body(spring(right.stiffness_N_per_m, right.damping_Ns_per_m));
     hand.effects.add_body(spring(left.stiffness_N_per_m, left.damping_Ns_per_m));
     hand.begin(hand_settings());
     const Vec3 n_right(-std::sin(rise), 0, std::cos(rise));
     const Vec3 n_left(std::sin(rise), 0, std::cos(rise));
-    hand.go_to({0, 0, 0.01}, kDt_s);
+    hand.go_to({0, 0, 0.01}, kTick_s);
     Vec3 last_lag = Vec3::Zero();
     for (int tick = 0; tick < 20; ++tick) {
       const double a = random.uniform(5e-4, 2e-3);
       const double b = random.uniform(5e-4, 2e-3);
       const Vec3 lag = a * n_right + b * n_left;
       const Vec3 y(0, random.uniform(-1e-3, 1e-3), 0);
-      hand.go_to(y - lag, kDt_s);
+      hand.go_to(y - lag, kTick_s);
       const double K = (a * right.stiffness_N_per_m + b * left.stiffness_N_per_m) / (a + b);
       const double B = (a * right.damping_Ns_per_m + b * left.damping_Ns_per_m) / (a + b);
       Vec3 expected = K * lag;
-      if (tick > 0) expected += B * (lag - last_lag) / kDt_s;
+      if (tick > 0) expected += B * (lag - last_lag) / kTick_s;
       expected.z() = std::max(0.0, expected.z());  // the mean normal points up
       last_lag = lag;
       // Stand-offs of both sides move the corner by 1 / sine of what is between them.
       const double tolerance =
-          (3000.0 + 2 * 5.0 / kDt_s) * hand.tolerance_m() / std::sin(rise) / std::cos(rise);
+          (3000.0 + 2 * 5.0 / kTick_s) * hand.tolerance_m() / std::sin(rise) / std::cos(rise);
       ASSERT_LE((hand.force() - expected).norm(), 2 * tolerance) << tick;
     }
   }
@@ -238,18 +240,18 @@ TEST(Damper, TakesEnergyInEveryTickOnAPlane) {
   Random random(6103);
   for (int run = 0; run < 40; ++run) {
     const double damping = random.uniform(0.5, 10.0);
-    Pair pair({square_soup(kHalf_m)}, random.pose(0.3), run % 2 == 0, damping);
+    Pair pair({square_soup(kSideHalf_m)}, random.pose(0.3), run % 2 == 0, damping);
     // Every other one leaves the plane on its way.
     const double deep = run % 4 < 2 ? -0.003 : -0.0005;
     const SmoothLoop loop({0, 0, deep}, {0.05, 0.05, 0.0025}, random);
     const DamperWork work = damper_work(
         pair.damped, pair.undamped, {0, 0, 0.02}, [&](double turn) { return loop.at(turn); }, 0.5,
-        kDt_s, damping, up_only);
-    EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kDt_s, 1e-3));
+        kTick_s, damping, up_only);
+    EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kTick_s, 1e-3));
     EXPECT_LT(work.backward_J, 0.0);
     // sum a_k a_k+1 = sum a_k^2 - sum (a_k+1 - a_k)^2 / 2 round a loop: one held for a tick takes
     // less by (w T)^2 / 2 at most, w the fastest harmonic; where it is left, by a tick's share.
-    const double most = 2 * std::numbers::pi * SmoothLoop::kHarmonics * kDt_s / 0.5;
+    const double most = 2 * std::numbers::pi * SmoothLoop::kHarmonics * kTick_s / 0.5;
     EXPECT_LT(work.port_J, (deep == -0.003 ? 1.0 - 0.5 * most * most : 0.5) * work.backward_J);
   }
 }
@@ -262,8 +264,9 @@ TEST(Damper, TakesEnergyInAGroove) {
     const double period_s = run % 3 == 0 ? 0.05 : 0.4;
     const double damping = random.uniform(0.5, 20.0);
     const double rise = random.uniform(0.2, 1.3);
-    Pair pair({groove_side_soup(kHalf_m, rise, true), groove_side_soup(kHalf_m, rise, false)},
-              random.pose(0.3), run % 2 == 0, damping);
+    Pair pair(
+        {groove_side_soup(kSideHalf_m, rise, true), groove_side_soup(kSideHalf_m, rise, false)},
+        random.pose(0.3), run % 2 == 0, damping);
     const SmoothLoop loop({0, 0, -0.003}, {0.006, 0.05, 0.005}, random);
     const auto pressed = [&](const BodyHand& hand, const Vec3& v) -> Vec3 {
       const Vec3 p = hand.proxy();
@@ -276,8 +279,8 @@ TEST(Damper, TakesEnergyInAGroove) {
     };
     const DamperWork work = damper_work(
         pair.damped, pair.undamped, {0, 0, 0.02}, [&](double turn) { return loop.at(turn); },
-        period_s, kDt_s, damping, pressed);
-    EXPECT_LE(work.worst_tick_J, 100 * rounding_J(pair.damped, damping, kDt_s, 1e-3)) << run;
+        period_s, kTick_s, damping, pressed);
+    EXPECT_LE(work.worst_tick_J, 100 * rounding_J(pair.damped, damping, kTick_s, 1e-3)) << run;
     EXPECT_LT(work.backward_J, 0.0);
     EXPECT_LT(work.port_J, 0.5 * work.backward_J);
   }
@@ -307,11 +310,11 @@ TEST(Damper, GivesNothingRoundASphere) {
         return (kRadius_m + w.x()) * bent;
       };
       const DamperWork work =
-          damper_work(pair.damped, pair.undamped, Vec3(1.2 * path(0.0)), path, kPeriod_s, kDt_s,
+          damper_work(pair.damped, pair.undamped, Vec3(1.2 * path(0.0)), path, kPeriod_s, kTick_s,
                       damping, [](const BodyHand& hand, const Vec3& d) -> Vec3 {
                         return d.dot(hand.normal()) * hand.normal();
                       });
-      EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kDt_s, 1e-3));
+      EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kTick_s, 1e-3));
       EXPECT_LE(work.backward_J, work.allowed_J);
       // The mutant would be seen.
       const double speed = 2 * std::numbers::pi * kRadius_m / kPeriod_s;
@@ -342,7 +345,7 @@ TEST(Damper, TakesEnergyTogetherWithFriction) {
   Random random(6106);
   for (int run = 0; run < 40; ++run) {
     const double mu_k = random.uniform(0.05, 1.0);
-    BodyHand hand({square_soup(kHalf_m)}, random.pose(0.3));
+    BodyHand hand({square_soup(kSideHalf_m)}, random.pose(0.3));
     auto entries = spring(800.0, random.uniform(0.0, 5.0));
     entries.push_back(
         effect_entry<FrictionEffect>({mu_k * random.uniform(1.0, 1.5), mu_k, nullptr}));
@@ -350,11 +353,11 @@ TEST(Damper, TakesEnergyTogetherWithFriction) {
     hand.begin(hand_settings());
     const SmoothLoop loop({0, 0, -0.003}, {0.03, 0.03, 0.002}, random);
     constexpr int kTicks = 500;
-    hand.go_to({0, 0, 0.01}, kDt_s);
+    hand.go_to({0, 0, 0.01}, kTick_s);
     double port_J = 0.0;
     for (int k = 0; k < 2 * kTicks; ++k) {
       const Vec3 x = loop.at(static_cast<double>(k % kTicks) / kTicks);
-      hand.go_to(x, kDt_s);
+      hand.go_to(x, kTick_s);
       if (k >= kTicks) {
         port_J += hand.force().dot(loop.at(static_cast<double>((k + 1) % kTicks) / kTicks) - x);
       }

@@ -12,6 +12,8 @@
 
 #include "haptics/record_vectors.h"
 #include "tests/helpers/all_effects.h"
+#include "tests/helpers/floating_point.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -21,12 +23,11 @@ using test::BodyHand;
 using test::effect_entry;
 using test::effect_number;
 using test::hand_settings;
+using test::kNan;
+using test::kTick_s;
 using test::Random;
 using test::square_soup;
 using test::Wander;
-
-constexpr double kDt_s = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool same_bits(const Vec3& a, const Vec3& b) {
   return std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0;
@@ -226,13 +227,13 @@ TEST(Effects, SurviveBadSamples) {
             std::array{kNan, std::numeric_limits<double>::infinity(), -0.0, -1e-3}[random.index(4)];
         switch (random.index(3)) {
           case 0:
-            hand.go_to(Vec3(p.x(), kNan, p.z()), kDt_s);
+            hand.go_to(Vec3(p.x(), kNan, p.z()), kTick_s);
             break;
           case 1:
             hand.go_to(p, bad);
             break;
           default:
-            hand.go_to(p + 40.0 * random.unit_vector(), kDt_s);
+            hand.go_to(p + 40.0 * random.unit_vector(), kTick_s);
         }
         ASSERT_NE(hand.record().faults, 0u);
         ASSERT_EQ(vec3(hand.record().force_device_N), Vec3(0, 0, 0));

@@ -1,7 +1,6 @@
 // Coulomb's friction on the god-object, against the law in closed form.
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -10,52 +9,49 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
+#include "tests/haptics/proxy/body_hand.h"
+#include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
 using test::box_soup;
+using test::hand_settings;
+using test::kEpsilon;
+using test::kStiffness_N_per_m;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
+using test::three_axes;
 using test::with_friction;
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kDt_s = 1e-3;
-constexpr double kStiffness = 1000.0;
-constexpr double kHalf_m = 0.1;  // of the plane
+constexpr double kPlaneHalf_m = 0.1;
 
 Soup plane_soup() {
   Soup soup;
-  soup.add_quad({-kHalf_m, -kHalf_m, 0}, {kHalf_m, -kHalf_m, 0}, {kHalf_m, kHalf_m, 0},
-                {-kHalf_m, kHalf_m, 0});
+  soup.add_quad({-kPlaneHalf_m, -kPlaneHalf_m, 0}, {kPlaneHalf_m, -kPlaneHalf_m, 0},
+                {kPlaneHalf_m, kPlaneHalf_m, 0}, {-kPlaneHalf_m, kPlaneHalf_m, 0});
   return soup;
 }
 
 // Two planes that meet in a groove along y, each rising at this angle.
 Soup groove_soup(double rise_rad) {
-  const double x = kHalf_m * std::cos(rise_rad);
-  const double z = kHalf_m * std::sin(rise_rad);
+  const double x = kPlaneHalf_m * std::cos(rise_rad);
+  const double z = kPlaneHalf_m * std::sin(rise_rad);
   Soup soup;
-  soup.add_quad({0, -kHalf_m, 0}, {x, -kHalf_m, z}, {x, kHalf_m, z}, {0, kHalf_m, 0});
-  soup.add_quad({-x, -kHalf_m, z}, {0, -kHalf_m, 0}, {0, kHalf_m, 0}, {-x, kHalf_m, z});
+  soup.add_quad({0, -kPlaneHalf_m, 0}, {x, -kPlaneHalf_m, z}, {x, kPlaneHalf_m, z},
+                {0, kPlaneHalf_m, 0});
+  soup.add_quad({-x, -kPlaneHalf_m, z}, {0, -kPlaneHalf_m, 0}, {0, kPlaneHalf_m, 0},
+                {-x, kPlaneHalf_m, z});
   return soup;
-}
-
-HapticSettings settings(double damping = 0.0) {
-  HapticSettings s;
-  s.coupling = {kStiffness, damping};
-  s.a4.enabled = false;
-  return s;
-}
-
-ActuationModel three_axes() {
-  return ActuationModel::from_counts(3, 3).value();
 }
 
 // A plane with friction in a random pose, and a hand that is told where to go in its frame.
@@ -64,10 +60,12 @@ class PlaneHand {
   PlaneHand(const RigidTransform& pose, double mu_s, double mu_k, double damping = 0.0)
       : pose_(pose), world_(plane_soup(), pose) {
     world_.set_effects(with_friction(mu_s, mu_k));
-    loop_.emplace(world_.world(), three_axes(), settings(damping));
+    loop_.emplace(world_.world(), three_axes(), hand_settings(kStiffness_N_per_m, damping));
   }
 
-  const TickRecord& go_to(const Vec3& p_plane) { return loop_->tick(pose_.point(p_plane), kDt_s); }
+  const TickRecord& go_to(const Vec3& p_plane) {
+    return loop_->tick(pose_.point(p_plane), kTick_s);
+  }
   Vec3 proxy() const { return pose_.inverse_point(vec3(last_->proxy_scene_m)); }
   const TickRecord& tick(const Vec3& p_plane) {
     last_ = &go_to(p_plane);
@@ -76,8 +74,8 @@ class PlaneHand {
   Vec3 force() const { return pose_.inverse_direction(vec3(last_->force_device_N)); }
   // Of positions read back from the scene: the solver's stand-off and rounding in the pose.
   double tolerance_m() const {
-    return 4 * SolverScale::of(2 * kHalf_m, 0.0).stand_off_m +
-           64 * kEps * (pose_.translation_m.norm() + kHalf_m);
+    return 4 * SolverScale::of(2 * kPlaneHalf_m, 0.0).stand_off_m +
+           64 * kEpsilon * (pose_.translation_m.norm() + kPlaneHalf_m);
   }
 
  private:
@@ -194,12 +192,12 @@ TEST(Friction, ForcesKeepTheRatioWhateverTheDamping) {
 template <typename Tremor>
 void expect_no_drift(const OwnedWorld& world, const Vec3& above, const Vec3& pressed, int ticks,
                      Tremor tremor) {
-  HapticLoop loop(world.world(), three_axes(), settings());
-  loop.tick(above, kDt_s);
-  for (int i = 1; i <= 20; ++i) loop.tick(above + i / 20.0 * (pressed - above), kDt_s);
-  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
+  HapticLoop loop(world.world(), three_axes(), hand_settings());
+  loop.tick(above, kTick_s);
+  for (int i = 1; i <= 20; ++i) loop.tick(above + i / 20.0 * (pressed - above), kTick_s);
+  const Vec3 rest = vec3(loop.tick(pressed, kTick_s).proxy_scene_m);
   for (int tick = 0; tick < ticks; ++tick) {
-    const TickRecord& record = loop.tick(pressed + tremor(), kDt_s);
+    const TickRecord& record = loop.tick(pressed + tremor(), kTick_s);
     ASSERT_EQ(vec3(record.proxy_scene_m), rest) << "tick " << tick;
     ASSERT_EQ(record.faults, kFaultNone);
   }
@@ -270,20 +268,20 @@ TEST(Friction, ReversalsSlideTheLagFromEndToEndAndBack) {
 TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
   OwnedWorld world(plane_soup());
   world.set_effects(with_friction(5.0, 5.0));
-  HapticSettings s = settings();
+  HapticSettings s = hand_settings();
   s.a4.enabled = true;
   s.initial_pose.rotation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY());
   const Vec3 normal_device = s.initial_pose.rotation * Vec3::UnitZ();
   HapticLoop loop(world.world(), ActuationModel::from_counts(3, 1).value(), s);
-  loop.tick(0.001 * normal_device, kDt_s);
+  loop.tick(0.001 * normal_device, kTick_s);
   const Vec3 pressed = -0.002 * normal_device;
-  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
+  const Vec3 rest = vec3(loop.tick(pressed, kTick_s).proxy_scene_m);
   for (int tick = 0; tick < 3000; ++tick) {
-    const TickRecord& record = loop.tick(pressed, kDt_s);
+    const TickRecord& record = loop.tick(pressed, kTick_s);
     ASSERT_TRUE(record.contact);
     ASSERT_EQ(vec3(record.proxy_scene_m), rest);
   }
-  EXPECT_LT(loop.tick(pressed, kDt_s).alpha_rad, 1e-9);  // and it got there
+  EXPECT_LT(loop.tick(pressed, kTick_s).alpha_rad, 1e-9);  // and it got there
 }
 
 // Every step nearer to the goal than the last place was, on meshes that give all kinds of contacts.
@@ -295,11 +293,11 @@ TEST(Friction, KeepsTheEnergyCertificate) {
     for (const double radius_m : {0.0, 2e-3}) {
       OwnedWorld world(Soup{mesh->positions_m, mesh->triangles}, {}, radius_m);
       world.set_effects(with_friction(0.7, 0.5));
-      HapticSettings s = settings();
+      HapticSettings s = hand_settings();
       s.god_object.radius_m = radius_m;
       HapticLoop loop(world.world(), three_axes(), s);
       Vec3 goal(0.09, 0, 0);
-      loop.tick(goal, kDt_s);
+      loop.tick(goal, kTick_s);
       double released_J = 0.0;  // sum F . dx
       double allowed_J = 0.0;   // K/2 sum |dx|^2
       Vec3 force = Vec3::Zero();
@@ -310,15 +308,16 @@ TEST(Friction, KeepsTheEnergyCertificate) {
         const Vec3 step = 4e-4 * random.unit_vector() + 0.01 * pull;
         goal += step;
         released_J += force.dot(step);
-        allowed_J += 0.5 * kStiffness * step.squaredNorm();
-        const TickRecord& record = loop.tick(goal, kDt_s);
+        allowed_J += 0.5 * kStiffness_N_per_m * step.squaredNorm();
+        const TickRecord& record = loop.tick(goal, kTick_s);
         const double before_m = (proxy - goal).norm();
         proxy = vec3(record.proxy_scene_m);
         const double lag_m = (proxy - goal).norm();
         ASSERT_LE(lag_m, before_m + 1e-15);
-        force = kStiffness * (proxy - goal);
+        force = kStiffness_N_per_m * (proxy - goal);
         contacts += record.contact;
-        ASSERT_LE(released_J + 0.5 * kStiffness * lag_m * lag_m, allowed_J * (1 + 1e-12) + 1e-15);
+        ASSERT_LE(released_J + 0.5 * kStiffness_N_per_m * lag_m * lag_m,
+                  allowed_J * (1 + 1e-12) + 1e-15);
       }
       EXPECT_GT(contacts, 5000);
     }
@@ -331,22 +330,22 @@ TEST(Friction, TakesTheHandAlongWithAMovingPlate) {
     const RigidTransform pose = random.pose(0.1);
     OwnedBodies bodies({{plane_soup(), pose}});
     bodies.set_effects(with_friction(5.0, 5.0));
-    HapticLoop loop(bodies.world(), three_axes(), settings());
-    loop.tick(pose.point({0.02, 0, 0.001}), kDt_s);
+    HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+    loop.tick(pose.point({0.02, 0, 0.001}), kTick_s);
     const Vec3 goal = pose.point({0.02, 0, -0.004});
-    loop.tick(goal, kDt_s);
-    const Vec3 place = pose.inverse_point(vec3(loop.tick(goal, kDt_s).proxy_scene_m));
+    loop.tick(goal, kTick_s);
+    const Vec3 place = pose.inverse_point(vec3(loop.tick(goal, kTick_s).proxy_scene_m));
     RigidTransform moved = pose;
     for (int tick = 1; tick <= 100; ++tick) {
       const Quat turn(Eigen::AngleAxisd(turns ? 2e-3 * tick : 0.0, Vec3::UnitZ()));
       moved = {pose.rotation * turn, pose.point(turns ? Vec3::Zero() : Vec3(1e-4 * tick, 0, 0))};
       loop.move_body(0, moved);
-      const TickRecord& record = loop.tick(goal, kDt_s);
+      const TickRecord& record = loop.tick(goal, kTick_s);
       ASSERT_LE((moved.inverse_point(vec3(record.proxy_scene_m)) - place).norm(), 1e-12) << tick;
     }
     // The hand is pulled the way that the plate goes.
     const Vec3 pulled = moved.point(place) - goal;
-    EXPECT_GT(pulled.dot(vec3(loop.tick(goal, kDt_s).force_device_N)), 0.0);
+    EXPECT_GT(pulled.dot(vec3(loop.tick(goal, kTick_s).force_device_N)), 0.0);
   }
 }
 
@@ -359,14 +358,14 @@ TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
   effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
   effects.add_bare_body();
   bodies.set_effects(effects.finish());
-  HapticLoop loop(bodies.world(), three_axes(), settings());
-  loop.tick({0.01, 0, 0.01}, kDt_s);
+  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+  loop.tick({0.01, 0, 0.01}, kTick_s);
   const Vec3 pressed(-0.001, 0, -0.001);
-  loop.tick(pressed, kDt_s);
-  const Vec3 rest = vec3(loop.tick(pressed, kDt_s).proxy_scene_m);
+  loop.tick(pressed, kTick_s);
+  const Vec3 rest = vec3(loop.tick(pressed, kTick_s).proxy_scene_m);
   for (int tick = 1; tick <= 50; ++tick) {
     loop.move_body(1, {wall.rotation, Vec3(0, 1e-4 * tick, 0)});
-    const TickRecord& record = loop.tick(pressed, kDt_s);
+    const TickRecord& record = loop.tick(pressed, kTick_s);
     ASSERT_TRUE(record.contact);
     ASSERT_LE((vec3(record.proxy_scene_m) - rest).norm(), 1e-11) << tick;
     ASSERT_LE(std::abs(vec3(record.force_device_N).y()), 1e-8) << tick;
@@ -377,15 +376,15 @@ TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
 TEST(Friction, HoldsInAGrooveThatMoves) {
   OwnedBodies bodies({{groove_soup(0.25 * std::numbers::pi), {}}});
   bodies.set_effects(with_friction(0.8, 0.2));
-  HapticLoop loop(bodies.world(), three_axes(), settings());
-  loop.tick({0, 0, 0.002}, kDt_s);
-  loop.tick({0, 0, -0.002}, kDt_s);
+  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+  loop.tick({0, 0, 0.002}, kTick_s);
+  loop.tick({0, 0, -0.002}, kTick_s);
   const double depth = 0.002;
-  for (int i = 1; i <= 10; ++i) loop.tick({0, 1e-4 * i, -depth}, kDt_s);
+  for (int i = 1; i <= 10; ++i) loop.tick({0, 1e-4 * i, -depth}, kTick_s);
   const Vec3 goal(0, 1e-3, -depth);  // half of the depth: between the two coefficients
   for (int tick = 0; tick < 100; ++tick) {
     loop.move_body(0, {Quat::Identity(), Vec3(0, 0, tick % 2 == 0 ? 1e-6 : 0.0)});
-    const TickRecord& record = loop.tick(goal, kDt_s);
+    const TickRecord& record = loop.tick(goal, kTick_s);
     ASSERT_LE(std::abs(vec3(record.proxy_scene_m).y()), 1e-9) << tick;
   }
 }

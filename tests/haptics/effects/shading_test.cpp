@@ -12,6 +12,7 @@
 #include "geometry/index/crease_normals.h"
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
+#include "tests/helpers/floating_point.h"
 
 namespace palpate {
 namespace {
@@ -21,15 +22,14 @@ using test::box_soup;
 using test::effect_entry;
 using test::effect_number;
 using test::hand_settings;
+using test::kEpsilon;
 using test::Random;
 using test::Soup;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
 SurfaceAttributes with_normals(const Soup& soup, const SurfaceIndex& index, double crease_deg) {
   const SurfaceMesh mesh = SurfaceMesh::build(soup.positions, soup.triangles);
-  const std::vector<CornerNormals> of_face = crease_normals(mesh, {}, crease_deg * kPi / 180.0);
+  const std::vector<CornerNormals> of_face =
+      crease_normals(mesh, {}, crease_deg * std::numbers::pi / 180.0);
   SurfaceAttributes attributes;
   test::for_each_slot(index, [&](std::uint32_t slot) {
     attributes.corner_normals.push_back(of_face[index.face(slot)]);
@@ -65,7 +65,7 @@ Ripple ripple_along(BodyHand& hand, const Vec3& u, const Vec3& v, double radius_
   hand.go_to(1.1 * radius_m * u);
   Vec3 last = Vec3::Zero();
   for (int tick = 0; tick <= kTicks; ++tick) {
-    const double angle = 2 * kPi * tick / kTicks;
+    const double angle = 2 * std::numbers::pi * tick / kTicks;
     const Vec3 radial = std::cos(angle) * u + std::sin(angle) * v;
     hand.go_to((radius_m - depth_m) * radial);
     const Vec3 off = hand.force().normalized() - radial;
@@ -128,7 +128,7 @@ TEST(Shading, TurnsTheForceAndLeavesItsSize) {
       ASSERT_EQ(vec3(with.record().proxy_scene_m), vec3(without.record().proxy_scene_m));
       ASSERT_EQ(with.record().contact, without.record().contact);
       const double size = without.force().norm();
-      ASSERT_NEAR(with.force().norm(), size, 16 * kEps * (size + kLargest_N)) << tick;
+      ASSERT_NEAR(with.force().norm(), size, 16 * kEpsilon * (size + kLargest_N)) << tick;
       if (!with.record().contact) continue;
       // The normal that is told is the one that the force has.
       const double cosine = without.force().normalized().dot(without.normal());
@@ -175,7 +175,7 @@ TEST(Shading, SmoothsTheSideOfAPrismAndKeepsItsRims) {
   constexpr double kRadius_m = 0.03;
   Contour contour;
   for (int i = 0; i < kSides; ++i) {
-    const double angle = 2 * kPi * i / kSides;
+    const double angle = 2 * std::numbers::pi * i / kSides;
     contour.push_back({kRadius_m * std::cos(angle), kRadius_m * std::sin(angle)});
   }
   const Soup soup = test::soup_of(prism(contour, -0.02, 0.02).value());
@@ -190,7 +190,7 @@ TEST(Shading, SmoothsTheSideOfAPrismAndKeepsItsRims) {
   double rough = 0.0;
   double smooth = 0.0;
   for (int tick = 0; tick < 2000; ++tick) {
-    const double angle = 2 * kPi * tick / 2000;
+    const double angle = 2 * std::numbers::pi * tick / 2000;
     const Vec3 radial(std::cos(angle), std::sin(angle), 0);
     hand.go_to((0.95 * kRadius_m) * radial + Vec3(0, 0, 0.003));
     if (!hand.record().contact) continue;

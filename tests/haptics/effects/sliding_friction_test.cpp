@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <ostream>
@@ -15,37 +14,32 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
+#include "tests/haptics/proxy/body_hand.h"
+#include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
+#include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
 namespace {
 
 using test::effect_entry;
+using test::hand_settings;
+using test::kNan;
+using test::kStiffness_N_per_m;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
+using test::three_axes;
 using test::with_friction;
 
-constexpr double kDt_s = 1e-3;
-constexpr double kStiffness = 1000.0;
 constexpr double kRatio = 1e-9;  // of tangential over normal force, to mu_k
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-ActuationModel three_axes() {
-  return ActuationModel::from_counts(3, 3).value();
-}
-
-HapticSettings settings(double damping = 0.0) {
-  HapticSettings s;
-  s.coupling = {kStiffness, damping};
-  s.a4.enabled = false;
-  return s;
-}
 
 Soup plate_soup(double half_m) {
   Soup soup;
@@ -94,7 +88,7 @@ class PlateHand {
         T_device_scene_(random.pose(1.0)),
         plate_({{plate_soup(half_m), T_scene_plate_}}) {
     plate_.set_effects(with_friction(slide.mu_s, slide.mu_k));
-    HapticSettings s = settings(slide.damping);
+    HapticSettings s = hand_settings(kStiffness_N_per_m, slide.damping);
     s.initial_pose = T_device_scene_;
     loop_.emplace(plate_.world(), three_axes(), s);
   }
@@ -105,7 +99,7 @@ class PlateHand {
     if (!has_started_) {
       hand_scene_ = T_scene_plate_.point(hand_plate);
       const Vec3 above(hand_plate.x(), hand_plate.y(), 1e-3);
-      loop_->tick(T_device_scene_.point(T_scene_plate_.point(above)), kDt_s);
+      loop_->tick(T_device_scene_.point(T_scene_plate_.point(above)), kTick_s);
       has_started_ = true;
     }
     if (slide_.mover == Mover::kTurningPlate) {
@@ -119,7 +113,7 @@ class PlateHand {
     } else {
       hand_scene_ = T_scene_plate_.point(hand_plate);
     }
-    record_ = loop_->tick(T_device_scene_.point(hand_scene_), kDt_s);
+    record_ = loop_->tick(T_device_scene_.point(hand_scene_), kTick_s);
     return record_;
   }
 
@@ -188,7 +182,7 @@ class Judge {
   double worst_ = 0.0;
 };
 
-constexpr double kHalf_m = 0.6;
+constexpr double kPlateHalf_m = 0.6;
 
 TEST(SlidingFriction, KeepsTheRatioInEveryTickStraightOn) {
   Random random(5201);
@@ -196,9 +190,9 @@ TEST(SlidingFriction, KeepsTheRatioInEveryTickStraightOn) {
   int ticks = 0;
   for (int run = 0; run < 200; ++run) {
     const Slide slide = random_slide(random);
-    const double step_m = kDt_s * std::pow(10.0, random.uniform(-3.0, 0.0));
+    const double step_m = kTick_s * std::pow(10.0, random.uniform(-3.0, 0.0));
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m);
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     Judge judge(slide);
     const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
     const Vec3 start = random.in_box(0.02);
@@ -223,12 +217,12 @@ TEST(SlidingFriction, KeepsTheRatioInEveryTickRoundACircle) {
   for (int run = 0; run < 200; ++run) {
     Slide slide = random_slide(random);
     if (run % 3 == 0) slide.mover = Mover::kTurningPlate;
-    const double step_m = kDt_s * std::pow(10.0, random.uniform(-3.0, 0.0));
+    const double step_m = kTick_s * std::pow(10.0, random.uniform(-3.0, 0.0));
     const double radius_m = slide.mu_s * slide.depth_m * random.uniform(1.05, 10.0);
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m
                                     << ", radius " << radius_m);
     if (step_m > 0.5 * radius_m) continue;  // no circle
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     Judge judge(slide);
     const int turn = static_cast<int>(2.0 * std::numbers::pi * radius_m / step_m);
     const int count = std::min(2 * turn, 20000) + ticks_to_slip(slide, step_m);
@@ -250,9 +244,9 @@ TEST(SlidingFriction, KeepsTheRatioWhileTheHandSlowsDownToAStopAndGoesOn) {
   Random random(5203);
   for (int run = 0; run < 100; ++run) {
     const Slide slide = random_slide(random);
-    const double step_m = kDt_s * std::pow(10.0, random.uniform(-3.0, 0.0));
+    const double step_m = kTick_s * std::pow(10.0, random.uniform(-3.0, 0.0));
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m);
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     Judge judge(slide);
     double x_m = 0.0;
     const int before = ticks_to_slip(slide, step_m) + 10;
@@ -287,9 +281,9 @@ TEST(SlidingFriction, KeepsTheRatioWithGoalsRoundedToAnEncodersStep) {
   Random random(5204);
   for (int run = 0; run < 100; ++run) {
     const Slide slide = random_slide(random);
-    const double step_m = kDt_s * std::pow(10.0, random.uniform(-3.0, 0.0));
+    const double step_m = kTick_s * std::pow(10.0, random.uniform(-3.0, 0.0));
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m);
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     Judge judge(slide);
     const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
     const auto rounded = [](double x) { return kQuantum_m * std::round(x / kQuantum_m); };
@@ -310,7 +304,7 @@ TEST(SlidingFriction, SticksOnceForAReversal) {
     const double step_m =
         (slide.mu_s + slide.mu_k) * slide.depth_m / std::pow(10.0, random.uniform(0.5, 3.0));
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m);
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     const double way_m = 4.0 * slide.mu_s * slide.depth_m;
     const int ticks = static_cast<int>(way_m / step_m) + 10;
     double x_m = 0.0;
@@ -340,7 +334,7 @@ TEST(SlidingFriction, MovesInTheFirstPeriodOfATremorAtMost) {
     Slide slide = random_slide(random);
     slide.mu_s = slide.mu_k * random.uniform(1.1, 3.0);
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide);
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     const double step_m = 0.01 * slide.mu_s * slide.depth_m;
     double x_m = 0.0;
     for (int n = 0; n < 150; ++n) hand.go_to(x_m += step_m, 0.0);
@@ -366,7 +360,7 @@ TEST(SlidingFriction, KeepsTheBitsOfAMillionTicksAtRest) {
   Random random(5207);
   for (const bool slides : {true, false}) {
     const Slide slide{0.6, 0.4, 2e-3, 1.0};
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     double x_m = 0.0;
     for (int n = 0; n < 40; ++n) hand.go_to(x_m += 1e-4, 0.0);
     if (!slides) hand.go_to(x_m -= 1e-4, 0.0);
@@ -393,7 +387,7 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
   Random random(5208);
   const Slide slide{0.8, 0.4, 2e-3, 0.0};
   const auto sticks_after = [&](auto&& interrupt) {
-    PlateHand hand(slide, kHalf_m, random);
+    PlateHand hand(slide, kPlateHalf_m, random);
     double x_m = 0.0;
     slide_on(hand, x_m);
     interrupt(hand, x_m);
@@ -411,19 +405,19 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
     EXPECT_NEAR(hand.proxy().x(), x_m + 1.2e-3 * 0.1 / 2.1, 1e-9);
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double) {
-    const TickRecord& bad = hand.loop().tick({kNan, 0, 0}, kDt_s);
+    const TickRecord& bad = hand.loop().tick({kNan, 0, 0}, kTick_s);
     EXPECT_EQ(bad.friction, FrictionState::kNone);
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double x_m) {
     hand.loop().tick(hand.device_m({x_m, 0.0, -2e-3}), 2.0);  // no tick
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double) {
-    EXPECT_EQ(hand.loop().tick(hand.device_m({50.0, 0.0, 0.0}), kDt_s).faults, kFaultJump);
+    EXPECT_EQ(hand.loop().tick(hand.device_m({50.0, 0.0, 0.0}), kTick_s).faults, kFaultJump);
   }));
   // A force that is none: of a damper, in a tick that is too short.
   Slide damped = slide;
   damped.damping = 2.0;
-  PlateHand hand(damped, kHalf_m, random);
+  PlateHand hand(damped, kPlateHalf_m, random);
   double x_m = 0.0;
   slide_on(hand, x_m);
   const TickRecord& none = hand.loop().tick(hand.device_m({x_m, 0.0, -3e-3}), 1e-312);
@@ -482,13 +476,13 @@ TEST(SlidingFriction, GoesOnFromMaterialToMaterial) {
     }
     OwnedBodies bodies(placed);
     bodies.set_effects(effects.finish());
-    HapticLoop loop(bodies.world(), three_axes(), settings());
-    loop.tick(pose.point({0.01, 0, 1e-3}), kDt_s);
+    HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+    loop.tick(pose.point({0.01, 0, 1e-3}), kTick_s);
     const double step_m = random.uniform(2e-5, 1e-3);
     bool has_slipped = false;
     int slid_on[4] = {};
     for (double x_m = 0.01; x_m < 3.9 * kWidth_m; x_m += step_m) {
-      const TickRecord& record = loop.tick(pose.point({x_m, 0.02, -kDepth_m}), kDt_s);
+      const TickRecord& record = loop.tick(pose.point({x_m, 0.02, -kDepth_m}), kTick_s);
       has_slipped = has_slipped || record.friction == FrictionState::kSlides;
       if (!has_slipped) continue;
       ASSERT_EQ(record.friction, FrictionState::kSlides) << x_m;
@@ -525,15 +519,15 @@ TEST(SlidingFriction, GoesOnAlongAGroove) {
     const RigidTransform pose = random.pose(0.5);
     OwnedWorld world(groove, pose);
     world.set_effects(with_friction(mu_s, mu_k));
-    HapticLoop loop(world.world(), three_axes(), settings());
+    HapticLoop loop(world.world(), three_axes(), hand_settings());
     const double lag_m = mu_k * kDepth_m / std::cos(rise_rad);
     const double step_m = random.uniform(0.01, 0.3) * lag_m;
-    loop.tick(pose.point({0, -0.1, 1e-3}), kDt_s);
+    loop.tick(pose.point({0, -0.1, 1e-3}), kTick_s);
     bool has_slipped = false;
     int slides = 0;
     double y_m = -0.1;
     for (int n = 0; n < 600 && y_m < 0.2; ++n, y_m += step_m) {
-      const TickRecord& record = loop.tick(pose.point({0, y_m, -kDepth_m}), kDt_s);
+      const TickRecord& record = loop.tick(pose.point({0, y_m, -kDepth_m}), kTick_s);
       has_slipped = has_slipped || record.friction == FrictionState::kSlides;
       if (!has_slipped) continue;
       ASSERT_EQ(record.friction, FrictionState::kSlides)
@@ -561,12 +555,12 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
     const double rounded =
         proxy_radius_m > 0.0 ? 1.16 * std::sqrt(2 * stand_off_m / proxy_radius_m) : 1e-9;
     for (int run = 0; run < 20; ++run) {
-      HapticSettings s = settings();
+      HapticSettings s = hand_settings();
       s.god_object.radius_m = proxy_radius_m;
       HapticLoop loop(world.world(), three_axes(), s);
       const Vec3 u = random.unit_vector();
       const Vec3 v = u.cross(random.unit_vector()).normalized();
-      loop.tick((kRadius_m + proxy_radius_m + 1e-3) * u, kDt_s);
+      loop.tick((kRadius_m + proxy_radius_m + 1e-3) * u, kTick_s);
       const double deep_m = kRadius_m + proxy_radius_m - random.uniform(1e-3, 3e-3);
       const double step_rad = random.uniform(1e-3, 2e-2);
       bool has_slipped = false;
@@ -574,7 +568,7 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
       int capped = 0;
       for (double angle = 0.0; angle < 6.0; angle += step_rad) {
         const TickRecord& record =
-            loop.tick(deep_m * (std::cos(angle) * u + std::sin(angle) * v), kDt_s);
+            loop.tick(deep_m * (std::cos(angle) * u + std::sin(angle) * v), kTick_s);
         ASSERT_TRUE(record.contact);
         has_slipped = has_slipped || record.friction == FrictionState::kSlides;
         if (!has_slipped) continue;
@@ -600,16 +594,16 @@ TEST(SlidingFriction, GoesOnThroughCappedTicks) {
   const TriangleMesh mesh = icosphere(5, 0.05);
   OwnedWorld world(Soup{mesh.positions_m, mesh.triangles});
   world.set_effects(with_friction(0.9, 0.3));
-  HapticSettings s = settings();
+  HapticSettings s = hand_settings();
   s.god_object.accuracy.iterations = 2;
   HapticLoop loop(world.world(), three_axes(), s);
-  loop.tick({0, 0, 0.052}, kDt_s);
-  for (int n = 0; n < 20; ++n) loop.tick({0, 0, 0.047}, kDt_s);
+  loop.tick({0, 0, 0.052}, kTick_s);
+  for (int n = 0; n < 20; ++n) loop.tick({0, 0, 0.047}, kTick_s);
   int capped = 0;
   bool has_slipped = false;
   for (double angle = 0.0; angle < 3.0; angle += 2e-3) {
     const Vec3 at = 0.047 * Vec3(std::sin(angle), 0.1 * angle, std::cos(angle)).normalized();
-    const TickRecord& record = loop.tick(at, kDt_s);
+    const TickRecord& record = loop.tick(at, kTick_s);
     has_slipped = has_slipped || record.friction == FrictionState::kSlides;
     capped += has_slipped && (record.faults & kFaultSolverCapped) != 0;
     ASSERT_FALSE(has_slipped && record.friction != FrictionState::kSlides) << angle;
@@ -626,18 +620,18 @@ TEST(SlidingFriction, GoesOnWhileThePlateMovesWithTheHand) {
   const RigidTransform pose = random.pose(0.5);
   OwnedBodies bodies({{plate_soup(0.3), pose}});
   bodies.set_effects(with_friction(0.9, 0.3));
-  HapticLoop loop(bodies.world(), three_axes(), settings());
+  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
   const double depth_m = 2e-3;
-  loop.tick(pose.point({0, 0, 1e-3}), kDt_s);
+  loop.tick(pose.point({0, 0, 1e-3}), kTick_s);
   double x_m = 0.0;
-  for (int n = 0; n < 40; ++n) loop.tick(pose.point({x_m += 1e-4, 0, -depth_m}), kDt_s);
+  for (int n = 0; n < 40; ++n) loop.tick(pose.point({x_m += 1e-4, 0, -depth_m}), kTick_s);
   Vec3 proxy =
-      pose.inverse_point(vec3(loop.tick(pose.point({x_m, 0, -depth_m}), kDt_s).proxy_scene_m));
+      pose.inverse_point(vec3(loop.tick(pose.point({x_m, 0, -depth_m}), kTick_s).proxy_scene_m));
   for (int n = 1; n <= 500; ++n) {
     const Vec3 shift = 1e-4 * n * Vec3(0.6, 0.8, 0.0) + 1e-5 * (n % 3) * Vec3::UnitZ();
     const RigidTransform moved{pose.rotation, pose.point(shift)};
     loop.move_body(0, moved);
-    const TickRecord& record = loop.tick(moved.point({x_m, 0, -depth_m}), kDt_s);
+    const TickRecord& record = loop.tick(moved.point({x_m, 0, -depth_m}), kTick_s);
     ASSERT_EQ(record.friction, FrictionState::kSlides) << n;
     ASSERT_LE((moved.inverse_point(vec3(record.proxy_scene_m)) - proxy).norm(), 1e-11);
   }
@@ -662,16 +656,16 @@ struct Pulled {
   void run() {
     OwnedWorld world(plate_soup(1.5));
     world.set_effects(with_friction(1.0, 0.4));
-    HapticLoop loop(world.world(), three_axes(), settings());
+    HapticLoop loop(world.world(), three_axes(), hand_settings());
     constexpr double kStart_m = -1.0;
-    loop.tick({kStart_m, 0, 1e-3}, kDt_s);
+    loop.tick({kStart_m, 0, 1e-3}, kTick_s);
     MassDamper device(kMass_kg, kDamping_Ns_per_m);
     device.put({kStart_m, 0, -kDepth_m}, Vec3::Zero());
     bool has_slipped = false;
     bool slid = false;
-    const int ticks = static_cast<int>(seconds / kDt_s);
+    const int ticks = static_cast<int>(seconds / kTick_s);
     for (int n = 0; n < ticks; ++n) {
-      const TickRecord& record = loop.tick(device.position_m(), kDt_s);
+      const TickRecord& record = loop.tick(device.position_m(), kTick_s);
       const bool slides = record.friction == FrictionState::kSlides;
       slips += slides && !slid;
       slid = slides;
@@ -684,10 +678,10 @@ struct Pulled {
       }
       constexpr int kSubsteps = 10;
       for (int i = 0; i < kSubsteps; ++i) {
-        const double time_s = (n + static_cast<double>(i) / kSubsteps) * kDt_s;
+        const double time_s = (n + static_cast<double>(i) / kSubsteps) * kTick_s;
         const double pull_N =
             kSpring_N_per_m * (kStart_m + speed_m_per_s * time_s - device.position_m().x());
-        device.advance({vec3(record.force_device_N).x() + pull_N, 0.0, 0.0}, kDt_s / kSubsteps);
+        device.advance({vec3(record.force_device_N).x() + pull_N, 0.0, 0.0}, kTick_s / kSubsteps);
       }
       if (has_slipped && n > ticks / 2) {
         slowest_m_per_s = std::min(slowest_m_per_s, device.velocity_m_per_s().x());

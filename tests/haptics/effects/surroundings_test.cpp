@@ -13,6 +13,8 @@
 #include "haptics/effects/viscosity.h"
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
+#include "tests/helpers/floating_point.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -21,14 +23,13 @@ using test::BodyHand;
 using test::box_soup;
 using test::effect_entry;
 using test::hand_settings;
+using test::kEpsilon;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::Random;
 using test::SmoothLoop;
 using test::Soup;
 using test::square_soup;
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kDt_s = 1e-3;
 
 // A speck of a body far from everything, since a world needs one.
 Soup speck() {
@@ -61,9 +62,10 @@ class Medium {
 
   // Whether it is felt as a drag of all of the motion since last_m, or not at all. region frame.
   testing::AssertionResult drags(const Vec3& last_m, const Vec3& p_m, bool expected,
-                                 double dt_s = kDt_s) const {
+                                 double dt_s = kTick_s) const {
     const Vec3 drag = expected ? Vec3(-viscosity_ * (p_m - last_m) / dt_s) : Vec3(Vec3::Zero());
-    const double rounding = viscosity_ / dt_s * 16 * kEps * (hand.pose().translation_m.norm() + 1);
+    const double rounding =
+        viscosity_ / dt_s * 16 * kEpsilon * (hand.pose().translation_m.norm() + 1);
     if ((hand.force() - drag).norm() <= (expected ? rounding : 0.0)) {
       return testing::AssertionSuccess();
     }
@@ -242,7 +244,8 @@ TEST(Viscosity, DragsWhatIsLockedInAClosedMeshAndNothingOutsideIt) {
       }
       hand.go_to(p);
       const Vec3 spring = 1000.0 * (hand.proxy() - hand.goal());
-      const Vec3 drag = starts_inside ? Vec3(-viscosity * (p - last) / kDt_s) : Vec3(Vec3::Zero());
+      const Vec3 drag =
+          starts_inside ? Vec3(-viscosity * (p - last) / kTick_s) : Vec3(Vec3::Zero());
       ASSERT_LE((hand.force() - spring - drag).norm(), 1e-9) << tick;
       contacts += hand.record().contact;
     }
@@ -268,7 +271,7 @@ TEST(Viscosity, TakesExactlyWhatTheMotionIsWorth) {
       if (k < kTicks) continue;
       const Vec3 step = at(k) - at(k - 1);
       taken_J -= medium.hand.force().dot(step);
-      if (at(k).norm() <= 0.03) expected_J += viscosity * step.squaredNorm() / kDt_s;
+      if (at(k).norm() <= 0.03) expected_J += viscosity * step.squaredNorm() / kTick_s;
       port_J += medium.hand.force().dot(at(k + 1) - at(k));
     }
     EXPECT_GT(expected_J, 0.0);
@@ -331,7 +334,7 @@ TEST(Magnet, AttractsTowardsTheNearestPointByTheLaw) {
       const Vec3 way = nearest_of_box(p, half) - p;
       const Vec3 expected = well(force_N, range_m, way.norm()) * way.normalized();
       ASSERT_LE((hand.force() - expected).norm(),
-                16 * kEps * force_N * (1 + hand.pose().translation_m.norm()) / way.norm())
+                16 * kEpsilon * force_N * (1 + hand.pose().translation_m.norm()) / way.norm())
           << "run " << run << " tick " << tick;
       ++(way.norm() < range_m ? felt : quiet);
     }
@@ -478,7 +481,7 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
     HapticLoop loop(bodies.world(), ActuationModel::from_counts(3, 3).value(), hand_settings());
     RigidTransform moved = pose;
     Vec3 p = pose.point({0.05, 0, 0});
-    loop.tick(p, kDt_s);
+    loop.tick(p, kTick_s);
     for (int tick = 0; tick < 2000; ++tick) {
       // It moves for a while and rests for a while; the hand rests now and then, too.
       if (tick / 100 % 3 != 0) {
@@ -490,11 +493,11 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
       if (tick / 50 % 3 != 0) {
         p += 3e-4 * random.unit_vector() + 0.05 * (0.032 / away.norm() - 1.0) * away;
       }
-      const TickRecord& record = loop.tick(p, kDt_s);
+      const TickRecord& record = loop.tick(p, kTick_s);
       if (record.contact) {
         // Back to where it is quiet, by a way that may be pushed: not what is asked here.
         p = moved.point({0.05, 0, 0});
-        for (int i = 0; i < 2; ++i) loop.tick(p, kDt_s);
+        for (int i = 0; i < 2; ++i) loop.tick(p, kTick_s);
         continue;
       }
       const Vec3 local = moved.inverse_point(p);
@@ -532,7 +535,7 @@ TEST(Gravity, IsConstantInTheSceneAndTurnsWithIt) {
     Vec3 last = Vec3::Zero();
     for (int tick = 0; tick < 1000; ++tick) {
       const Vec3 p = (tick < 10 ? 0.001 : -0.002) * normal_device;
-      const TickRecord& record = loop.tick(p, kDt_s);
+      const TickRecord& record = loop.tick(p, kTick_s);
       const Vec3 spring = 1000.0 * (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m));
       const Vec3 expected = pose_before(record).rotation * Vec3(spring + weight);
       ASSERT_LE((vec3(record.full_force_device_N) - expected).norm(), 1e-9);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/haptics/proxy/body_hand.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -17,20 +18,19 @@ namespace {
 using test::BodyHand;
 using test::effect_entry;
 using test::hand_settings;
+using test::kStiffness_N_per_m;
+using test::kTick_s;
 using test::Random;
 using test::square_soup;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDt_s = 1e-3;
-constexpr double kStiffness = 1000.0;
-constexpr double kHalf_m = 0.1;
+constexpr double kTexturedHalf_m = 0.1;
 
 // value = 1/2 + 1/2 sin(2 pi waves u + phase), and as many texels down without a change.
 HeightMap sine_map(std::uint32_t texels, int waves, double phase = 0.0) {
   std::vector<float> values(std::size_t{texels} * texels);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double u = (static_cast<double>(i % texels) + 0.5) / texels;
-    values[i] = static_cast<float>(0.5 + 0.5 * std::sin(2 * kPi * waves * u + phase));
+    values[i] = static_cast<float>(0.5 + 0.5 * std::sin(2 * std::numbers::pi * waves * u + phase));
   }
   return HeightMap::build(texels, texels, std::move(values), MapWrap::kRepeat, MapWrap::kRepeat);
 }
@@ -40,7 +40,7 @@ class TexturedPlane {
  public:
   TexturedPlane(HeightMap map, double height_m, double period_m, const RigidTransform& pose,
                 std::vector<EffectProgramBuilder::Entry> others = {})
-      : hand({square_soup(kHalf_m)}, pose), height_m_(height_m), period_m_(period_m) {
+      : hand({square_soup(kTexturedHalf_m)}, pose), height_m_(height_m), period_m_(period_m) {
     EffectProgram& program = hand.effects.builder.program;
     program.maps.push_back(std::move(map));
     map_ = &program.maps.back();
@@ -82,17 +82,17 @@ TEST(Texture, FeelsLikeTheSineThatTheMapIs) {
   constexpr double kPeriod_m = 0.08;
   constexpr double kHeight_m = 3e-4;
   constexpr double kPerWave = static_cast<double>(kTexels) / kWaves;
-  const double angle = 2 * kPi / kPerWave;
-  const double steepest = kPi * kHeight_m * kWaves / kPeriod_m;
+  const double angle = 2 * std::numbers::pi / kPerWave;
+  const double steepest = std::numbers::pi * kHeight_m * kWaves / kPeriod_m;
   const double height_error_m = 1.05 * angle * angle * angle / 62 * 0.5 * kHeight_m;
   const double slope_error = 1.05 * angle * angle / 6 * steepest;
   double worst_height = 0.0;
   double worst_slope = 0.0;
   for (int run = 0; run < 10; ++run) {
-    const double phase = random.uniform(0.0, 2 * kPi);
+    const double phase = random.uniform(0.0, 2 * std::numbers::pi);
     TexturedPlane plane(sine_map(kTexels, kWaves, phase), kHeight_m, kPeriod_m, random.pose(0.3));
     plane.hand.begin(hand_settings());
-    const double heading = random.uniform(0.0, 2 * kPi);
+    const double heading = random.uniform(0.0, 2 * std::numbers::pi);
     // 0.03 m/s is a tenth of a texel a tick: nothing is blended out.
     const Vec3 step = 3e-5 * Vec3(std::cos(heading), std::sin(heading), 0);
     Vec3 goal(random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 1e-4);
@@ -102,21 +102,23 @@ TEST(Texture, FeelsLikeTheSineThatTheMapIs) {
       const double depth = 2e-4 + 2e-4 * std::sin(0.01 * tick);  // out of the valleys now and then
       goal.z() = -depth;
       plane.hand.go_to(goal);
-      const double x = 2 * kPi * kWaves * goal.x() / kPeriod_m + phase;
+      const double x = 2 * std::numbers::pi * kWaves * goal.x() / kPeriod_m + phase;
       const double height = 0.5 * kHeight_m * (std::sin(x) - 1.0);
       const double slope = steepest * std::cos(x);
       const double deep = std::max(0.0, depth + height);
       const Vec3 force = plane.hand.force();
-      const double tolerance = kStiffness * height_error_m + 1e-5 * kStiffness * kHeight_m;
-      ASSERT_NEAR(force.z(), kStiffness * deep, tolerance) << tick;
-      ASSERT_NEAR(force.x(), -kStiffness * deep * slope,
-                  kStiffness * deep * slope_error + tolerance * steepest)
+      const double tolerance =
+          kStiffness_N_per_m * height_error_m + 1e-5 * kStiffness_N_per_m * kHeight_m;
+      ASSERT_NEAR(force.z(), kStiffness_N_per_m * deep, tolerance) << tick;
+      ASSERT_NEAR(force.x(), -kStiffness_N_per_m * deep * slope,
+                  kStiffness_N_per_m * deep * slope_error + tolerance * steepest)
           << tick;
-      ASSERT_NEAR(force.y(), 0.0, 1e-6 * kStiffness * kHeight_m);
-      worst_height = std::max(worst_height, std::abs(force.z() / kStiffness - deep) / kHeight_m);
+      ASSERT_NEAR(force.y(), 0.0, 1e-6 * kStiffness_N_per_m * kHeight_m);
+      worst_height =
+          std::max(worst_height, std::abs(force.z() / kStiffness_N_per_m - deep) / kHeight_m);
       if (deep > 0.1 * kHeight_m) {
-        worst_slope =
-            std::max(worst_slope, std::abs(force.x() / (kStiffness * deep) + slope) / steepest);
+        worst_slope = std::max(
+            worst_slope, std::abs(force.x() / (kStiffness_N_per_m * deep) + slope) / steepest);
       }
     }
   }
@@ -130,7 +132,7 @@ TEST(Texture, BeginsSoftlyWhereTheSurfaceIsMet) {
   Random random(6702);
   constexpr double kPeriod_m = 0.08;
   constexpr double kHeight_m = 3e-4;
-  const double steepest = kPi * kHeight_m * 16 / kPeriod_m;
+  const double steepest = std::numbers::pi * kHeight_m * 16 / kPeriod_m;
   for (int run = 0; run < 40; ++run) {
     TexturedPlane plane(sine_map(256, 16), kHeight_m, kPeriod_m, random.pose(0.3));
     plane.hand.begin(hand_settings());
@@ -140,7 +142,8 @@ TEST(Texture, BeginsSoftlyWhereTheSurfaceIsMet) {
     for (double z = 1e-5; z > -2 * kHeight_m; z -= kStep_m) {
       plane.hand.go_to(place + Vec3(0, 0, z));
       const Vec3 force = plane.hand.force();
-      ASSERT_LE((force - last).norm(), 1.05 * kStiffness * kStep_m * (1 + steepest) + 1e-8) << z;
+      ASSERT_LE((force - last).norm(), 1.05 * kStiffness_N_per_m * kStep_m * (1 + steepest) + 1e-8)
+          << z;
       last = force;
     }
     EXPECT_GT(last.z(), 0.0);
@@ -166,7 +169,7 @@ TEST(Texture, LeavesTheRatioOfFrictionAsItIs) {
       const Vec3 relief = plane.relief(plane.hand.proxy());
       const double press = force.z();
       const double deep = std::max(0.0, -goal.z() + relief.x());
-      ASSERT_NEAR(press, kStiffness * deep, 1e-7);
+      ASSERT_NEAR(press, kStiffness_N_per_m * deep, 1e-7);
       const Vec3 side(force.x() + press * relief.y(), force.y() + press * relief.z(), 0);
       if (tick < 100) continue;
       ASSERT_NEAR(side.norm(), mu * press, 1e-7) << tick;
@@ -199,7 +202,8 @@ Drive drive_along(TexturedPlane& plane, const Vec3& start, const Vec3& step, int
     drive.press_N += plane.hand.force().z();
     const Vec3 relief = plane.relief(x);
     const double deep = std::max(0.0, -x.z() + relief.x());
-    drive.unblended_N -= kStiffness * deep * Vec3(relief.y(), relief.z(), 0).dot(step.normalized());
+    drive.unblended_N -=
+        kStiffness_N_per_m * deep * Vec3(relief.y(), relief.z(), 0).dot(step.normalized());
   }
   drive.felt_N /= steps;
   drive.unblended_N /= steps;
@@ -217,8 +221,8 @@ TEST(Texture, DrivesNothingByAliasing) {
   Random random(6704);
   constexpr double kPeriod_m = 0.0512;
   constexpr double kHeight_m = 3e-4;
-  constexpr double kStep_m = 0.5 * kDt_s;  // at 0.5 m/s
-  constexpr double kSlippery = 1e-3;       // of the pressing force
+  constexpr double kStep_m = 0.5 * kTick_s;  // at 0.5 m/s
+  constexpr double kSlippery = 1e-3;         // of the pressing force
   double worst_felt = 0.0;
   double worst_unblended = 0.0;
   for (const int waves :
@@ -251,7 +255,7 @@ TEST(Texture, DrivesNothingByAliasing) {
     std::printf(
         "waves of %.2f mm: drive of %.1e of the press at most (%.1e K h^2 a wave), "
         "unblended %.1e\n",
-        1e3 * wave_m, felt, work_J / (kStiffness * kHeight_m * kHeight_m), unblended);
+        1e3 * wave_m, felt, work_J / (kStiffness_N_per_m * kHeight_m * kHeight_m), unblended);
   }
   EXPECT_GT(worst_unblended, 1.0);
   EXPECT_GT(worst_unblended, 100 * worst_felt);
@@ -274,7 +278,7 @@ TEST(Texture, IsStillFeltWhereTheTicksCanCarryIt) {
       low = std::min(low, plane.hand.force().z());
       high = std::max(high, plane.hand.force().z());
     }
-    const double part = (high - low) / (kStiffness * kHeight_m);
+    const double part = (high - low) / (kStiffness_N_per_m * kHeight_m);
     std::printf("%d ticks a wave: %.3f of the height\n",
                 static_cast<int>(kPeriod_m / waves / kStep_m), part);
     EXPECT_GT(part, least);

@@ -7,15 +7,17 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
 
+using test::kEpsilon;
+using test::kTick_s;
 using test::Random;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kTick_s = 1e-3;
 constexpr VelocityMethod kMethods[] = {VelocityMethod::kDifference, VelocityMethod::kLineFit,
                                        VelocityMethod::kAdaptive};
 

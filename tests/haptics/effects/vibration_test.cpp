@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/haptics/proxy/body_hand.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -19,11 +20,10 @@ using test::BodyHand;
 using test::effect_entry;
 using test::effect_number;
 using test::hand_settings;
+using test::kTick_s;
 using test::Random;
 using test::square_soup;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDt_s = 1e-3;
 constexpr double kContact = 0.0;
 constexpr double kSliding = 1.0;
 
@@ -46,8 +46,8 @@ double amplitude(const Signal& s, double frequency_Hz) {
   const double length_s = s.time_s.back() - s.time_s.front();
   for (std::size_t i = 0; i < s.time_s.size(); ++i) {
     const double t = s.time_s[i] - s.time_s.front();
-    const double window = 0.5 - 0.5 * std::cos(2 * kPi * t / length_s);
-    sum += window * s.value[i] * std::polar(1.0, -2 * kPi * frequency_Hz * t);
+    const double window = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * t / length_s);
+    sum += window * s.value[i] * std::polar(1.0, -2 * std::numbers::pi * frequency_Hz * t);
     weight += window;
   }
   return 2.0 * std::abs(sum) / weight;
@@ -73,10 +73,10 @@ Signal felt(BodyHand& hand, Random& random, double jitter, bool slides) {
   double t = 0.0;
   constexpr double kDepth_m = 0.002;
   for (int tick = 0; tick < 2000; ++tick) {
-    const double dt_s = kDt_s * (1.0 + jitter * random.uniform(-1.0, 1.0));
+    const double dt_s = kTick_s * (1.0 + jitter * random.uniform(-1.0, 1.0));
     t += dt_s;
     // To and fro by 0.05 m, never at rest for two ticks.
-    const double x = slides ? 0.05 * std::sin(2 * kPi * tick / 777.5 + 0.1) : 0.0;
+    const double x = slides ? 0.05 * std::sin(2 * std::numbers::pi * tick / 777.5 + 0.1) : 0.0;
     hand.go_to({x, 0, -kDepth_m}, dt_s);
     if (tick < 100) continue;  // the fade
     signal.time_s.push_back(t);
@@ -136,7 +136,8 @@ TEST(Vibration, StartsAndFadesWithoutAStep) {
     BodyHand hand = humming(frequency_Hz, 0.3, when, random.pose(0.3));
     hand.begin(hand_settings());
     hand.go_to({0, 0, 0.001});
-    const double step = 0.3 * frequency_Hz * kDt_s * std::sqrt(1.0 + 4 * kPi * kPi);
+    const double step =
+        0.3 * frequency_Hz * kTick_s * std::sqrt(1.0 + 4 * std::numbers::pi * std::numbers::pi);
     double last = 0.0;
     double x = 0.0;
     int hums = 0;

@@ -6,13 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/helpers/random.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
 
+using test::kTick_s;
 using test::Random;
 
-constexpr double kTick_s = 1e-3;
 // Of the largest term of the force: four roundings a component.
 constexpr double kForceRoundoff = 8 * std::numeric_limits<double>::epsilon();
 

@@ -13,20 +13,20 @@
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
+#include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 
 namespace palpate::test {
 
-inline HapticSettings hand_settings(double stiffness = 1000.0, double damping = 0.0) {
+inline constexpr double kStiffness_N_per_m = 1000.0;
+
+// A spring and a damper, in a scene that does not turn.
+inline HapticSettings hand_settings(double stiffness = kStiffness_N_per_m, double damping = 0.0) {
   HapticSettings s;
   s.coupling = {stiffness, damping};
   s.a4.enabled = false;
   return s;
-}
-
-inline Soup soup_of(const TriangleMesh& mesh) {
-  return {mesh.positions_m, mesh.triangles};
 }
 
 // In the plane z = 0, facing up.

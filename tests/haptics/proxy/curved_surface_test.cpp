@@ -9,6 +9,7 @@
 
 #include "haptics/proxy/god_object.h"
 #include "models/primitives.h"
+#include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -18,6 +19,7 @@ namespace {
 using test::OwnedWorld;
 using test::Random;
 using test::Soup;
+using test::soup_of;
 
 constexpr double kOrderTolerance = 0.15;
 
@@ -34,10 +36,6 @@ double fitted_order(const std::vector<double>& h, const std::vector<double>& err
     sxy += x * y;
   }
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
-
-Soup soup_of(const TriangleMesh& mesh) {
-  return {mesh.positions_m, mesh.triangles};
 }
 
 double longest_edge(const TriangleMesh& mesh) {

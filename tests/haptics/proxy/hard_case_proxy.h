@@ -30,6 +30,14 @@ constexpr int trials(int in_release) {
   return std::max(1, in_release / kSanitizerDivisor);
 }
 
+// Of the scene's size, asked for by the specification.
+inline constexpr double kRelativeAccuracy = 1e-9;
+
+inline std::string radius_name(const testing::TestParamInfo<double>& radius_m) {
+  if (radius_m.param == 0.0) return "Point";
+  return "Sphere" + std::to_string(std::lround(1e6 * radius_m.param)) + "um";
+}
+
 // What a tick may add to the energy for rounding, relative to the energies that are compared.
 inline constexpr double kCertificateTolerance = 1e-12;
 

@@ -9,26 +9,22 @@
 
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
 
 using test::JudgedProxy;
 using test::kDeg;
+using test::kRelativeAccuracy;
+using test::kTick_s;
 using test::on_lattice;
 using test::OwnedWorld;
 using test::posed;
+using test::radius_name;
 using test::Random;
 using test::Soup;
 using test::trials;
-
-constexpr double kRelativeAccuracy = 1e-9;  // of the scene's size, asked for by the specification
-constexpr double kTick_s = 1e-3;
-
-std::string radius_name(const testing::TestParamInfo<double>& radius_m) {
-  if (radius_m.param == 0.0) return "Point";
-  return "Sphere" + std::to_string(std::lround(1e6 * radius_m.param)) + "um";
-}
 
 // ---- 1 plunge through a sheet ------------------------------------------------------------------
 

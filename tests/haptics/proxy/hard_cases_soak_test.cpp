@@ -9,6 +9,7 @@
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
 #include "tests/helpers/soak.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {

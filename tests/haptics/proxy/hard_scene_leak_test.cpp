@@ -17,8 +17,11 @@
 #include <gtest/gtest.h>
 
 #include "haptics/proxy/god_object.h"
+#include "tests/haptics/proxy/judging_tolerances.h"
 #include "tests/helpers/exact_judge.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/rest_judge.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 
@@ -31,7 +34,12 @@ using test::ExactJudge;
 using test::hard_scene;
 using test::HardKind;
 using test::HardScene;
+using test::hex;
 using test::in_soak_or_else;
+using test::kEpsilon;
+using test::kFartherRelative;
+using test::kFartherUlps;
+using test::kNearUlps;
 using test::OwnedWorld;
 using test::Random;
 using test::SameCone;
@@ -47,28 +55,13 @@ int ticks_per_scene() {
 }
 
 constexpr std::uint64_t kFirstScene = 1;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// A sphere may come nearer by the rounding of positions and distances.
-constexpr double kNearUlps = 64;
-
-// What a step that should keep the distance may add to it: the rounding of the projection
-// (relative), and of the corner's coordinates.
-constexpr double kFartherRelative = 32 * kEpsilon;
-constexpr double kFartherUlps = 4;
-
-std::string hex(const Vec3& p) {
-  char text[128];
-  std::snprintf(text, sizeof text, "{%a, %a, %a}", p.x(), p.y(), p.z());
-  return text;
-}
 
 double pick_radius_m(Random& random) {
   constexpr double kRadii_m[] = {0.4e-6, 0.6e-6, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
   return random.index(2) ? 0.0 : kRadii_m[random.index(std::size(kRadii_m))];
 }
 
-struct Totals {
+struct LeakTotals {
   int ticks = 0;
   int contacts = 0;
   int capped = 0;
@@ -80,9 +73,9 @@ struct Totals {
 };
 
 // One proxy and one device in one scene.
-class Feeling {
+class HardSceneRun {
  public:
-  Feeling(HardKind kind, Random& random, bool with_friction = false)
+  HardSceneRun(HardKind kind, Random& random, bool with_friction = false)
       : random_(random),
         scene_(hard_scene(kind, random)),
         radius_m_(pick_radius_m(random)),
@@ -103,7 +96,7 @@ class Feeling {
   const OwnedWorld& world() const { return world_; }
 
   // True if nothing is wrong.
-  bool tick(Totals& totals) {
+  bool tick(LeakTotals& totals) {
     goal_ = motion_.next_goal(felt_);
     if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - felt_.proxy) * *plane_normal_;
     const Vec3 before = god_object_.proxy();
@@ -228,13 +221,13 @@ class HardScenes : public testing::TestWithParam<HardKind> {};
 
 void expect_no_leak(HardKind kind, bool with_friction) {
   constexpr int kEnoughFailures = 5;
-  Totals totals;
+  LeakTotals totals;
   int failures = 0;
   const int ticks = ticks_per_scene();
   for (std::uint64_t scene = test::from_environment("PALPATE_FIRST_SCENE", kFirstScene);
        totals.ticks < ticks_per_kind(); ++scene) {
     Random random(scene);
-    Feeling feeling(kind, random, with_friction);
+    HardSceneRun feeling(kind, random, with_friction);
     totals.triangles += feeling.judge().triangles().size();
     ++totals.scenes;
     for (int tick = 0; tick < ticks; ++tick) {

@@ -17,16 +17,16 @@
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
 
 using test::ExactJudge;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::Random;
 using test::Soup;
-
-constexpr double kTick_s = 1e-3;
 
 // In a soak 1.2 million ticks.
 std::uint64_t random_scenes() {

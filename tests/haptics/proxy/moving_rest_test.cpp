@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,14 +17,17 @@
 #include <gtest/gtest.h>
 
 #include "haptics/proxy/god_object.h"
+#include "tests/haptics/proxy/judging_tolerances.h"
 #include "tests/haptics/proxy/work_budgets.h"
 #include "tests/helpers/exact_judge.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -34,6 +36,10 @@ using test::ExactJudge;
 using test::from_environment;
 using test::hex;
 using test::JudgedBody;
+using test::kEpsilon;
+using test::kNearUlps;
+using test::kOverlapPerSize;
+using test::kTick_s;
 using test::OwnedBodies;
 using test::ProxyKind;
 using test::Random;
@@ -41,13 +47,6 @@ using test::RestJudge;
 using test::RestScene;
 using test::SameCone;
 using test::Violation;
-
-constexpr double kTick_s = 1e-3;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// As in rest_test.
-constexpr double kNearUlps = 64;
-constexpr double kOverlapPerSize = 1e-9;
 
 // Bodies may go as far as this from the middle, in sizes; coordinates are rounded there.
 constexpr double kFarthest = 4.0;
@@ -80,7 +79,7 @@ void PrintTo(const MovingClass& moving_class, std::ostream* out) {
   *out << moving_class.full_name();
 }
 
-struct Totals {
+struct MovingTotals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
@@ -186,7 +185,7 @@ class MovingScene {
   }
 
   // False if nothing more can be said.
-  bool tick(Totals& totals) {
+  bool tick(MovingTotals& totals) {
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       if (!move(b, totals)) return false;
     }
@@ -235,7 +234,7 @@ class MovingScene {
   }
 
   // Moves one body; the proxy goes straight in its frame. Away from the middle it turns back.
-  bool move(std::uint32_t b, Totals& totals) {
+  bool move(std::uint32_t b, MovingTotals& totals) {
     const RigidTransform now = placed(b).T_solver_body;
     Motion& motion = motions_[b];
     if (motion.velocity_m_per_s.isZero(0.0)) return true;
@@ -295,7 +294,7 @@ class MovingScene {
     }
   }
 
-  void show(Totals& totals, const std::string& what) const {
+  void show(MovingTotals& totals, const std::string& what) const {
     totals.failing_scenes.insert(seed_);
     static const std::uint64_t most = from_environment("PALPATE_REST_SHOWN", 1);
     if (totals.shown++ >= most) return;
@@ -309,7 +308,7 @@ class MovingScene {
   }
 
   bool is_free(std::uint32_t b, std::span<const Vec3> path_body, const char* when,
-               Totals& totals) const {
+               MovingTotals& totals) const {
     const double least_m = radius_m_ - kFarthest * kNearUlps * round_m_;
     const std::optional<Violation> touch = radius_m_ == 0.0
                                                ? judges_[b].touch_of_point(path_body)
@@ -325,7 +324,7 @@ class MovingScene {
     return false;
   }
 
-  void judge_rest(Totals& totals) const {
+  void judge_rest(MovingTotals& totals) const {
     const Vec3& proxy = god_object_.proxy();
     if ((goal_ - proxy).norm() <= rests_.tolerance_m()) return;
     ++totals.judged;
@@ -366,7 +365,7 @@ class MovingScene {
   int tick_ = 0;
 };
 
-void print(const MovingClass& moving_class, const Totals& t) {
+void print(const MovingClass& moving_class, const MovingTotals& t) {
   std::printf(
       "%-16s %5d scenes %8d ticks %8d contacts, %d ran out, capped %6.2f %%, bodies held %d, "
       "leaks "
@@ -390,7 +389,7 @@ class MovingRests : public testing::TestWithParam<MovingClass> {};
 TEST_P(MovingRests, LeaveNoWayOn) {
   constexpr int kTicksPerScene = 200;
   const MovingClass& moving_class = GetParam();
-  Totals totals;
+  MovingTotals totals;
   const auto ticks = static_cast<int>(
       from_environment("PALPATE_REST_TICKS", test::in_soak_or_else<std::uint64_t>(200'000, 8'000)));
   for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); totals.ticks < ticks;

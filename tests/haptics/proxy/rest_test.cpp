@@ -14,15 +14,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "haptics/proxy/god_object.h"
+#include "tests/haptics/proxy/judging_tolerances.h"
 #include "tests/haptics/proxy/work_budgets.h"
 #include "tests/helpers/exact_judge.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
@@ -37,6 +38,11 @@ using test::DeviceMotion;
 using test::ExactJudge;
 using test::from_environment;
 using test::hex;
+using test::kEpsilon;
+using test::kFartherRelative;
+using test::kFartherUlps;
+using test::kNearUlps;
+using test::kOverlapPerSize;
 using test::OwnedWorld;
 using test::ProxyKind;
 using test::Random;
@@ -48,23 +54,10 @@ using test::RestScene;
 using test::SameCone;
 using test::Violation;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// A sphere may come nearer by the rounding of positions and distances.
-constexpr double kNearUlps = 64;
-
-// What a step that should keep the distance may add to it: the rounding of the projection
-// (relative), and of the corner's coordinates.
-constexpr double kFartherRelative = 32 * kEpsilon;
-constexpr double kFartherUlps = 4;
-
 // How far a corner may be off the plane of motion for each step of the tick, which are at least as
 // many as a balanced tick may have, of the size of the scene and of coordinates.
 constexpr double kOffPlaneUlps = 6;
 constexpr int kStepsAtLeast = 64;
-
-// Of the scene's size; what a user could call an overlap.
-constexpr double kOverlapPerSize = 1e-9;
 
 // Ten million in a soak, over all classes. Huge spheres take a tenth: theirs are long.
 int ticks_of(const RestClass& rest_class) {
@@ -82,7 +75,7 @@ double kept_by_ways() {
   return text ? std::atof(text) : 1.0;
 }
 
-struct Totals {
+struct RestTotals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
@@ -103,9 +96,9 @@ struct Totals {
 };
 
 // One proxy and one hand in one scene.
-class Feeling {
+class RestRun {
  public:
-  Feeling(const RestClass& rest_class, std::uint64_t seed, Random& random)
+  RestRun(const RestClass& rest_class, std::uint64_t seed, Random& random)
       : seed_(seed),
         random_(random),
         scene_(rest_class.make(rest_class.proxy, random)),
@@ -135,7 +128,7 @@ class Feeling {
   }
 
   // False if it leaks: then nothing more can be said.
-  bool tick(Totals& totals) {
+  bool tick(RestTotals& totals) {
     goal_ = is_device_ ? device_.next_goal(felt_) : hand_.next_goal(felt_);
     if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - felt_.proxy) * *plane_normal_;
     felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
@@ -180,7 +173,7 @@ class Feeling {
 
   FrictionSource friction() { return FrictionSource{*cone_}; }
 
-  void show(Totals& totals, const std::string& what) const {
+  void show(RestTotals& totals, const std::string& what) const {
     totals.failing_scenes.insert(seed_);
     static const std::uint64_t most = from_environment("PALPATE_REST_SHOWN", 1);
     if (totals.shown++ >= most) return;
@@ -210,7 +203,7 @@ class Feeling {
     return text;
   }
 
-  bool judge_path(Totals& totals) const {
+  bool judge_path(RestTotals& totals) const {
     const auto path = god_object_.path();
     EXPECT_TRUE(!path.empty() && path.back() == felt_.proxy && felt_.proxy.allFinite() &&
                 felt_.normal.allFinite());
@@ -247,7 +240,7 @@ class Feeling {
     return true;
   }
 
-  void judge_rest(Totals& totals) const {
+  void judge_rest(RestTotals& totals) const {
     if (felt_.capped) return;
     Rest rest{felt_.proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0};
     if ((goal_ - felt_.proxy).norm() <= rests_.tolerance_m()) return;
@@ -283,7 +276,7 @@ class Feeling {
   int tick_ = 0;
 };
 
-void print(const RestClass& rest_class, const Totals& t) {
+void print(const RestClass& rest_class, const RestTotals& t) {
   const int uncapped = t.contacts - t.capped;
   std::printf(
       "%-22s %5d scenes %8d ticks %8d contacts, %d ran out, %8d uncapped, capped %6.2f %%, "
@@ -307,12 +300,12 @@ class Rests : public testing::TestWithParam<RestClass> {};
 
 TEST_P(Rests, LeaveNoWayOn) {
   const RestClass& rest_class = GetParam();
-  Totals totals;
+  RestTotals totals;
   const int ticks = ticks_of(rest_class);
   for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); totals.ticks < ticks;
        ++seed) {
     Random random(seed);
-    Feeling feeling(rest_class, random.seed(), random);
+    RestRun feeling(rest_class, random.seed(), random);
     ++totals.scenes;
     for (int tick = 0; tick < kTicksPerScene && feeling.tick(totals); ++tick) {
     }

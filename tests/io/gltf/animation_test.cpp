@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
 #include "tests/io/gltf/reading.h"
@@ -24,14 +24,13 @@ using test::add_floats;
 using test::add_numbers;
 using test::expect_refused;
 using test::GltfBuilder;
+using test::kEpsilon;
 using test::read_glb;
 
 using Long = long double;
 using LongMatrix = Eigen::Matrix<Long, 4, 4>;
 using LongVector = Eigen::Matrix<Long, 4, 1>;
 using Numbers = std::vector<Long>;
-
-constexpr Long kEpsilon = std::numeric_limits<double>::epsilon();
 
 ReadOptions posed(const std::string& pose) {
   ReadOptions options;

@@ -27,7 +27,7 @@ using test::read_glb;
 
 const std::string kAttributes = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes";
 
-Json& attributes_of(GltfBuilder& asset) {
+Json& instance_attributes_of(GltfBuilder& asset) {
   return asset.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
 }
 
@@ -38,7 +38,8 @@ GltfBuilder three_instances() {
   asset.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
   asset.json["nodes"][0]["name"] = "grass";
   asset.json["nodes"][0]["translation"] = {1, 0, 0};
-  attributes_of(asset)["TRANSLATION"] = add_floats(asset, {0, 0, 0, 0, 0, 10, 0, 0, 20}, "VEC3");
+  instance_attributes_of(asset)["TRANSLATION"] =
+      add_floats(asset, {0, 0, 0, 0, 0, 10, 0, 0, 20}, "VEC3");
   return asset;
 }
 
@@ -85,9 +86,9 @@ TEST(GltfInstancing, MultipliesTranslationRotationAndScale) {
                        q.cast<long double>().normalized() *
                        Eigen::Scaling(s.cast<long double>().eval()));
   }
-  attributes_of(asset) = {{"TRANSLATION", add_floats(asset, translations, "VEC3")},
-                          {"ROTATION", add_floats(asset, rotations, "VEC4")},
-                          {"SCALE", add_floats(asset, scales, "VEC3")}};
+  instance_attributes_of(asset) = {{"TRANSLATION", add_floats(asset, translations, "VEC3")},
+                                   {"ROTATION", add_floats(asset, rotations, "VEC4")},
+                                   {"SCALE", add_floats(asset, scales, "VEC3")}};
   const SceneDescription scene = read_glb(asset);
   ASSERT_EQ(scene.nodes.size(), kCount);
   // A few roundings of numbers up to 4 * 10 + 1.
@@ -106,7 +107,8 @@ void check_rotations(int component_type) {
   const T minus_one = std::numeric_limits<T>::min();  // -1 once more
   GltfBuilder asset = three_instances();
   const std::vector<T> quaternions = {one, 0, 0, 0, 0, minus_one, 0, 0, 0, 0, 0, one};
-  attributes_of(asset)["ROTATION"] = add_numbers(asset, quaternions, component_type, "VEC4", true);
+  instance_attributes_of(asset)["ROTATION"] =
+      add_numbers(asset, quaternions, component_type, "VEC4", true);
   const SceneDescription scene = read_glb(asset);
   ASSERT_EQ(scene.nodes.size(), 3u);
   EXPECT_EQ(scene.nodes[0].linear_scene_mesh, Mat3(Vec3(1, -1, -1).asDiagonal()));
@@ -122,7 +124,7 @@ TEST(GltfInstancing, ReadsNormalisedRotations) {
 
 TEST(GltfInstancing, LeavesOutFlatInstancesWithOneWarning) {
   GltfBuilder asset = three_instances();
-  attributes_of(asset)["SCALE"] = add_floats(asset, {1, 0, 1, 2, 2, 2, 0, 0, 0}, "VEC3");
+  instance_attributes_of(asset)["SCALE"] = add_floats(asset, {1, 0, 1, 2, 2, 2, 0, 0, 0}, "VEC3");
   const SceneDescription scene = read_glb(asset);
   ASSERT_EQ(scene.nodes.size(), 1u);
   EXPECT_EQ(scene.nodes[0].name, "grass #1");
@@ -152,7 +154,7 @@ TEST(GltfInstancing, CutsLongNames) {
 TEST(GltfInstancing, RefusesBrokenInstances) {
   const auto expect_broken = [](const std::string& element, const auto& change) {
     GltfBuilder asset = three_instances();
-    change(asset, attributes_of(asset));
+    change(asset, instance_attributes_of(asset));
     expect_invalid(asset, element);
   };
   expect_broken(kAttributes, [](GltfBuilder&, Json& a) { a = "many"; });

@@ -8,6 +8,7 @@
 #include "io/gltf/limits.h"
 #include "io/gltf/reader.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/io/gltf/extension_names.h"
 #include "tests/io/gltf/reading.h"
 
 namespace palpate {
@@ -17,16 +18,16 @@ using Json = nlohmann::json;
 using test::expect_invalid;
 using test::expect_refused;
 using test::GltfBuilder;
+using test::kHaptic;
 using test::read_glb;
 using test::TemporaryFolder;
 
 const Json kPath = {{"POSITION", 0}};
 const char* const kPhysics = "KHR_physics_rigid_bodies";
-const char* const kHaptic = "MPEG_haptic_material";
 const char* const kOldHaptic = "MPEG_material_haptic";
 
 // One triangle that has material 0.
-GltfBuilder asset_of(const Json& material) {
+GltfBuilder asset_with_material(const Json& material) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["materials"] = Json::array({material});
   asset.json["meshes"][0]["primitives"][0]["material"] = 0;
@@ -34,7 +35,7 @@ GltfBuilder asset_of(const Json& material) {
 }
 
 GltfBuilder asset_declaring(const Json& palpate) {
-  return asset_of({{"extras", {{"palpate", palpate}}}});
+  return asset_with_material({{"extras", {{"palpate", palpate}}}});
 }
 
 Json triangle_primitive() {
@@ -62,18 +63,18 @@ using Runs = std::vector<std::string>;
 // --- extras.palpate ------------------------------------------------------------------------------
 
 TEST(GltfMaterials, KeepEveryKindOfParameterAsWritten) {
-  GltfBuilder asset =
-      asset_of({{"name", "rubber"},
-                {"extras",
-                 {{"note", "not ours"},
-                  {"palpate",
-                   {{"stiffness", 800.5},
-                    {"damping", -3},
-                    {"magnet", true},
-                    {"nonsense", "as it is"},
-                    {"gravity", {0, -9.81, 1e300}},
-                    {"empty", Json::array()},
-                    {"texture", {{"amplitude", 0.001}, {"kind", "grid"}, {"uv", {1, 2}}}}}}}}});
+  GltfBuilder asset = asset_with_material(
+      {{"name", "rubber"},
+       {"extras",
+        {{"note", "not ours"},
+         {"palpate",
+          {{"stiffness", 800.5},
+           {"damping", -3},
+           {"magnet", true},
+           {"nonsense", "as it is"},
+           {"gravity", {0, -9.81, 1e300}},
+           {"empty", Json::array()},
+           {"texture", {{"amplitude", 0.001}, {"kind", "grid"}, {"uv", {1, 2}}}}}}}}});
   const auto scene = read_glb(asset);
   ASSERT_EQ(scene.materials.size(), 1u);
   const MaterialDescription& material = scene.materials[0];
@@ -102,7 +103,7 @@ TEST(GltfMaterials, KeepEveryKindOfParameterAsWritten) {
 TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
   for (const Json& extras : {Json("text"), Json(7), Json::array({1}), Json(nullptr),
                              Json({{"Palpate", 1}}), Json({{"palpate", Json::object()}})}) {
-    const auto scene = read_glb(asset_of({{"extras", extras}}));
+    const auto scene = read_glb(asset_with_material({{"extras", extras}}));
     ASSERT_EQ(scene.materials.size(), 1u);
     EXPECT_EQ(scene.materials[0].name, "material 0");
     EXPECT_TRUE(scene.materials[0].parameters.empty());
@@ -160,8 +161,8 @@ TEST(GltfMaterials, ANumberThatOverflowsIsRefused) {
 }
 
 TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
-  expect_invalid(asset_of("steel"), "/materials/0", "an object");
-  expect_invalid(asset_of({{"name", 3}}), "/materials/0/name", "a string");
+  expect_invalid(asset_with_material("steel"), "/materials/0", "an object");
+  expect_invalid(asset_with_material({{"name", 3}}), "/materials/0/name", "a string");
   GltfBuilder unused = GltfBuilder::one_triangle();
   unused.json["materials"] = {"steel", {{"extras", {{"palpate", 7}}}}};
   EXPECT_TRUE(read_glb(unused).materials.empty());
@@ -247,14 +248,14 @@ TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
       {"[1, 2", std::string("[1, 2")}};
   for (const auto& [text, value] : expected) {
     SCOPED_TRACE(text);
-    const auto scene = read_with(asset_of({{"name", "a"}}), {{"a", "key", text}});
+    const auto scene = read_with(asset_with_material({{"name", "a"}}), {{"a", "key", text}});
     ASSERT_TRUE(scene.ok()) << scene.error().to_string();
     EXPECT_EQ(scene->materials.at(0).parameters.at(0).value, value);
   }
 }
 
 TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
-  const GltfBuilder asset = asset_of({{"name", "a"}});
+  const GltfBuilder asset = asset_with_material({{"name", "a"}});
   expect_wrong(asset, {"a", "key", "null"}, "`SceneSettings::overrides` a.key", "null");
   expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "`SceneSettings::overrides` a.key", "an object");
   expect_wrong(asset, {"a", "key", "[1, \"2\"]"}, "`SceneSettings::overrides` a.key/1", "a number");
@@ -435,7 +436,7 @@ TEST(GltfMaterials, IdsOfPrimitivesAreChecked) {
 // --- Textures ------------------------------------------------------------------------------------
 
 GltfBuilder asset_with_normal_texture(const Json& normal_texture) {
-  GltfBuilder asset = asset_of({{"normalTexture", normal_texture}});
+  GltfBuilder asset = asset_with_material({{"normalTexture", normal_texture}});
   asset.json["images"] = {{{"uri", "nowhere.png"}}, {{"bufferView", 4000}}, 5};
   asset.json["textures"] = {{{"source", 1}},  Json::object(), {{"source", 3}}, {{"source", 2}}, "t",
                             {{"source", "0"}}};
@@ -823,7 +824,7 @@ TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
 // --- Variants ------------------------------------------------------------------------------------
 
 TEST(GltfMaterials, OfVariantsAreNotedAndTheDefaultStays) {
-  GltfBuilder asset = asset_of({{"name", "beech"}});
+  GltfBuilder asset = asset_with_material({{"name", "beech"}});
   asset.json["extensionsRequired"] = {"KHR_materials_variants"};
   asset.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "oak"}}, 5};
   asset.json["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"] = 7;

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf/limits.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
 #include "tests/io/gltf/reading.h"
@@ -25,12 +26,11 @@ using test::add_numbers;
 using test::expect_invalid;
 using test::expect_refused;
 using test::GltfBuilder;
+using test::kEpsilon;
 using test::read_glb;
 
 using LongMatrix = Eigen::Matrix<long double, 4, 4>;
 using LongVector = Eigen::Matrix<long double, 4, 1>;
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // --- Skins ---------------------------------------------------------------------------------------
 

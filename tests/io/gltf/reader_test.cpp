@@ -15,12 +15,14 @@
 #include "io/gltf/primitives.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
+#include "tests/io/gltf/reading.h"
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
 using test::GltfBuilder;
+using test::read_glb;
 using test::TemporaryFolder;
 
 SceneDescription read_or_fail(const std::string& path) {
@@ -31,8 +33,8 @@ SceneDescription read_or_fail(const std::string& path) {
 
 // The file must be refused with this code and an error that names the element, the file and,
 // somewhere, the text.
-void expect_refused(const std::string& path, ErrorCode code, const std::string& element,
-                    const std::string& text = {}) {
+void expect_file_refused(const std::string& path, ErrorCode code, const std::string& element,
+                         const std::string& text = {}) {
   const auto scene = read_gltf(path);
   ASSERT_FALSE(scene.ok()) << "accepted; expected an error at " << element;
   const Error& error = scene.error();
@@ -44,20 +46,15 @@ void expect_refused(const std::string& path, ErrorCode code, const std::string& 
       << error.to_string() << "\nexpected: " << text;
 }
 
-void expect_refused(const GltfBuilder& asset, ErrorCode code, const std::string& element,
-                    const std::string& text = {}) {
+void expect_file_refused(const GltfBuilder& asset, ErrorCode code, const std::string& element,
+                         const std::string& text = {}) {
   const TemporaryFolder folder;
-  expect_refused(asset.write_glb(folder), code, element, text);
+  expect_file_refused(asset.write_glb(folder), code, element, text);
 }
 
-void expect_invalid(const GltfBuilder& asset, const std::string& element,
-                    const std::string& text = {}) {
-  expect_refused(asset, ErrorCode::kInvalidContent, element, text);
-}
-
-SceneDescription read_glb(const GltfBuilder& asset) {
-  const TemporaryFolder folder;
-  return read_or_fail(asset.write_glb(folder));
+void expect_file_invalid(const GltfBuilder& asset, const std::string& element,
+                         const std::string& text = {}) {
+  expect_file_refused(asset, ErrorCode::kInvalidContent, element, text);
 }
 
 std::vector<Eigen::Vector3f> random_points(test::Random& random, std::size_t count) {
@@ -249,7 +246,7 @@ void check_quantized(int component_type, bool normalized, double largest) {
   asset.json["accessors"][positions]["normalized"] = normalized;
   const auto indices = asset.add_indices({0, 1, 2});
   asset.add_node({{"mesh", asset.add_mesh(Json::array({primitive_of(positions, indices)}))}});
-  expect_invalid(asset, "/accessors/0/componentType", "KHR_mesh_quantization");
+  expect_file_invalid(asset, "/accessors/0/componentType", "KHR_mesh_quantization");
   asset.json["extensionsUsed"] = {"KHR_mesh_quantization"};
   asset.json["extensionsRequired"] = {"KHR_mesh_quantization"};
   const auto scene = read_glb(asset);
@@ -498,7 +495,7 @@ TEST(GltfReader, WarnsOfWhatChangesTrianglesAndRefusesItWhenRequired) {
     ASSERT_EQ(scene.warnings.size(), 1u) << name;
     EXPECT_NE(scene.warnings[0].find(name), std::string::npos) << scene.warnings[0];
     asset.json["extensionsRequired"] = {name};
-    expect_refused(asset, ErrorCode::kUnsupported, "/extensionsRequired/0", name);
+    expect_file_refused(asset, ErrorCode::kUnsupported, "/extensionsRequired/0", name);
   }
 }
 
@@ -535,27 +532,27 @@ TEST(GltfReader, CountsTheWarningsItDoesNotList) {
 TEST(GltfReader, RefusesASceneWithoutTriangles) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["meshes"][0]["primitives"][0]["mode"] = 1;
-  expect_refused(asset, ErrorCode::kEmptyScene, "", "lines");
-  expect_refused(GltfBuilder(), ErrorCode::kEmptyScene, "");
+  expect_file_refused(asset, ErrorCode::kEmptyScene, "", "lines");
+  expect_file_refused(GltfBuilder(), ErrorCode::kEmptyScene, "");
 }
 
 // --- Files and containers ------------------------------------------------------------------------
 
 TEST(GltfReader, RefusesWhatIsNotARegularFile) {
   const TemporaryFolder folder;
-  expect_refused(folder.path("missing.glb"), ErrorCode::kFileNotFound, "");
-  expect_refused(folder.path(), ErrorCode::kFileUnreadable, "", "folder");
+  expect_file_refused(folder.path("missing.glb"), ErrorCode::kFileNotFound, "");
+  expect_file_refused(folder.path(), ErrorCode::kFileUnreadable, "", "folder");
   const std::string pipe = folder.path("pipe.gltf");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  expect_refused(pipe, ErrorCode::kFileUnreadable, "");
-  expect_refused("/dev/zero", ErrorCode::kFileUnreadable, "");
+  expect_file_refused(pipe, ErrorCode::kFileUnreadable, "");
+  expect_file_refused("/dev/zero", ErrorCode::kFileUnreadable, "");
 }
 
 TEST(GltfReader, RefusesFilesBeyondTheSizeLimit) {
   const TemporaryFolder folder;
   const std::string path = folder.write("large.glb", "glTF");
   std::filesystem::resize_file(path, kMaxGltfFileBytes + 1);  // a hole, not written
-  expect_refused(path, ErrorCode::kLimitExceeded, "", std::to_string(kMaxGltfFileBytes));
+  expect_file_refused(path, ErrorCode::kLimitExceeded, "", std::to_string(kMaxGltfFileBytes));
 }
 
 TEST(GltfReader, RefusesWhatIsNotGltf) {
@@ -566,8 +563,8 @@ TEST(GltfReader, RefusesWhatIsNotGltf) {
     ASSERT_FALSE(scene.ok()) << text;
     EXPECT_EQ(scene.error().code, ErrorCode::kNotGltf) << text;
   }
-  expect_refused(GltfBuilder::write_text(folder, R"({"asset": )"), ErrorCode::kInvalidContent,
-                 "JSON");
+  expect_file_refused(GltfBuilder::write_text(folder, R"({"asset": )"), ErrorCode::kInvalidContent,
+                      "JSON");
 }
 
 TEST(GltfReader, RefusesOtherVersions) {
@@ -575,15 +572,15 @@ TEST(GltfReader, RefusesOtherVersions) {
   asset.json["asset"]["version"] = "2.1";
   EXPECT_EQ(read_glb(asset).meshes.size(), 1u);
   asset.json["asset"]["minVersion"] = "2.1";
-  expect_refused(asset, ErrorCode::kUnsupported, "/asset/minVersion");
+  expect_file_refused(asset, ErrorCode::kUnsupported, "/asset/minVersion");
   asset.json["asset"] = {{"version", "1.0"}};
-  expect_refused(asset, ErrorCode::kUnsupported, "/asset/version", "1.0");
+  expect_file_refused(asset, ErrorCode::kUnsupported, "/asset/version", "1.0");
   asset.json["asset"] = {{"version", "3.0"}};
-  expect_refused(asset, ErrorCode::kUnsupported, "/asset/version", "3.0");
+  expect_file_refused(asset, ErrorCode::kUnsupported, "/asset/version", "3.0");
   for (const Json& wrong : {Json("two"), Json("2"), Json("2."), Json(".0"), Json("2.0.0"),
                             Json(2.0), Json("99999999999.0"), Json("")}) {
     asset.json["asset"] = {{"version", wrong}};
-    expect_invalid(asset, "/asset/version");
+    expect_file_invalid(asset, "/asset/version");
   }
 }
 
@@ -591,11 +588,11 @@ TEST(GltfReader, RefusesRequiredExtensionsItLacksByName) {
   for (const char* name : {"KHR_node_visibility", "EXT_primitive_voxels", "VENDOR_secret"}) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["extensionsRequired"] = {"KHR_materials_unlit", name};
-    expect_refused(asset, ErrorCode::kUnsupported, "/extensionsRequired/1", name);
+    expect_file_refused(asset, ErrorCode::kUnsupported, "/extensionsRequired/1", name);
   }
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["extensionsRequired"] = "KHR_materials_unlit";
-  expect_invalid(asset, "/extensionsRequired");
+  expect_file_invalid(asset, "/extensionsRequired");
 }
 
 const std::string kBin("BIN\0", 4);
@@ -604,7 +601,7 @@ TEST(GltfReader, RefusesBrokenGlbContainers) {
   const TemporaryFolder folder;
   const std::string good = test::glb_of({{"JSON", R"({"asset":{"version":"2.0"}} )"}});
   const auto refuse = [&](const std::string& bytes, const std::string& element) {
-    expect_refused(folder.write("a.glb", bytes), ErrorCode::kInvalidContent, element);
+    expect_file_refused(folder.write("a.glb", bytes), ErrorCode::kInvalidContent, element);
   };
   const auto patched = [&](std::size_t offset, std::uint32_t value) {
     std::string bytes = good;
@@ -622,7 +619,7 @@ TEST(GltfReader, RefusesBrokenGlbContainers) {
   refuse(test::glb_of({{kBin, "1234"}}), "GLB chunk 0");
   refuse(test::glb_of({{"JSON", "{}  "}, {"JSON", "{}  "}}), "GLB chunk 1");
   refuse(test::glb_of({{"JSON", "{}  "}, {kBin, "1234"}, {kBin, "1234"}}), "GLB chunk 2");
-  expect_refused(folder.write("a.glb", patched(4, 1)), ErrorCode::kUnsupported, "GLB header");
+  expect_file_refused(folder.write("a.glb", patched(4, 1)), ErrorCode::kUnsupported, "GLB header");
 }
 
 TEST(GltfReader, RefusesABinChunkLongerThanTheFile) {
@@ -631,7 +628,7 @@ TEST(GltfReader, RefusesABinChunkLongerThanTheFile) {
       test::glb_of({{"JSON", R"({"asset":{"version":"2.0"}} )"}, {kBin, "12345678"}});
   const std::size_t length_at = bytes.size() - 16;
   bytes.replace(length_at, 4, test::bytes_of(std::vector<std::uint32_t>{0x7ffffffcu}));
-  expect_refused(folder.write("a.glb", bytes), ErrorCode::kInvalidContent, "GLB chunk 1");
+  expect_file_refused(folder.write("a.glb", bytes), ErrorCode::kInvalidContent, "GLB chunk 1");
 }
 
 TEST(GltfReader, PassesOverUnknownChunksAndFollowsUnalignedOnes) {
@@ -703,10 +700,11 @@ TEST(GltfReader, KeepsExternalBuffersInsideTheFolder) {
         std::string("../asset_two/near.bin"), std::string("x/../../secret.bin"), std::string("."),
         std::string(""), std::string("/etc/passwd"), folder.path("secret.bin"),
         std::string("inside.bin%00"), std::string("inside%zz"), std::string("inside%2")}) {
-    expect_refused(with_uri(uri), ErrorCode::kInvalidContent, "/buffers/0/uri");
+    expect_file_refused(with_uri(uri), ErrorCode::kInvalidContent, "/buffers/0/uri");
   }
-  expect_refused(with_uri("https://example.com/a.bin"), ErrorCode::kUnsupported, "/buffers/0/uri");
-  expect_refused(with_uri("file:inside.bin"), ErrorCode::kUnsupported, "/buffers/0/uri");
+  expect_file_refused(with_uri("https://example.com/a.bin"), ErrorCode::kUnsupported,
+                      "/buffers/0/uri");
+  expect_file_refused(with_uri("file:inside.bin"), ErrorCode::kUnsupported, "/buffers/0/uri");
 }
 
 TEST(GltfReader, LooksForBuffersBesideTheAssetOnly) {
@@ -717,7 +715,7 @@ TEST(GltfReader, LooksForBuffersBesideTheAssetOnly) {
   std::filesystem::rename(folder.path("asset.bin"), elsewhere.path("asset.bin"));
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(elsewhere.path());
-  expect_refused(path, ErrorCode::kFileNotFound, "/buffers/0/uri", "asset.bin");
+  expect_file_refused(path, ErrorCode::kFileNotFound, "/buffers/0/uri", "asset.bin");
   std::filesystem::current_path(before);
 }
 
@@ -728,12 +726,14 @@ TEST(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
   std::filesystem::create_directory(folder.path("folder"));
   for (const char* uri : {"pipe", "folder"}) {
     asset.json["buffers"] = {{{"byteLength", asset.bin.size()}, {"uri", uri}}};
-    expect_refused(asset.write_gltf(folder), ErrorCode::kFileUnreadable, "/buffers/0/uri", uri);
+    expect_file_refused(asset.write_gltf(folder), ErrorCode::kFileUnreadable, "/buffers/0/uri",
+                        uri);
   }
   asset.json["buffers"][0]["uri"] = "pointer.bin";
   folder.write("pointer.bin",
                "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 44\n");
-  expect_refused(asset.write_gltf(folder), ErrorCode::kFileUnreadable, "/buffers/0/uri", "lfs");
+  expect_file_refused(asset.write_gltf(folder), ErrorCode::kFileUnreadable, "/buffers/0/uri",
+                      "lfs");
 }
 
 TEST(GltfReader, TakesLongerButNotShorterBuffers) {
@@ -743,28 +743,28 @@ TEST(GltfReader, TakesLongerButNotShorterBuffers) {
   folder.write("asset.bin", asset.bin + "more");
   EXPECT_EQ(read_or_fail(path).meshes.size(), 1u);
   folder.write("asset.bin", asset.bin.substr(1));
-  expect_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "cut short");
+  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "cut short");
   folder.write("asset.bin", "");
-  expect_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength");
+  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength");
 }
 
 TEST(GltfReader, RefusesBuffersWithoutData) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["buffers"] = {{{"byteLength", 0}}};
-  expect_invalid(asset, "/buffers/0/byteLength");
+  expect_file_invalid(asset, "/buffers/0/byteLength");
   asset.json["buffers"] = {{{"byteLength", asset.bin.size() + 100}}};
-  expect_invalid(asset, "/buffers/0/byteLength");
+  expect_file_invalid(asset, "/buffers/0/byteLength");
   asset.json["buffers"] = Json::array({Json::object()});
-  expect_invalid(asset, "/buffers/0/byteLength", "missing");
+  expect_file_invalid(asset, "/buffers/0/byteLength", "missing");
   // Twenty thousand buffers that would each be a copy of the BIN chunk.
   asset.json["buffers"] = Json::array();
   for (int i = 0; i < 20000; ++i) asset.json["buffers"].push_back({{"byteLength", 1}});
   asset.json["bufferViews"][0]["buffer"] = 1;
-  expect_invalid(asset, "/buffers/1", "BIN chunk");
+  expect_file_invalid(asset, "/buffers/1", "BIN chunk");
   asset.json["buffers"] = {{{"byteLength", asset.bin.size()}}};
   asset.json["bufferViews"][0]["buffer"] = 0;
   const TemporaryFolder folder;
-  expect_refused(asset.write_gltf(folder), ErrorCode::kInvalidContent, "/buffers/0");
+  expect_file_refused(asset.write_gltf(folder), ErrorCode::kInvalidContent, "/buffers/0");
 }
 
 TEST(GltfReader, RefusesBrokenDataUris) {
@@ -776,7 +776,7 @@ TEST(GltfReader, RefusesBrokenDataUris) {
         "data:;base64," + data.substr(0, 9) + "*" + data.substr(10), "data:;base64," + data + "A",
         std::string("data:;base64,=")}) {
     asset.json["buffers"] = {{{"byteLength", asset.bin.size()}, {"uri", uri}}};
-    expect_refused(asset.write_gltf(folder), ErrorCode::kInvalidContent, "/buffers/0/uri");
+    expect_file_refused(asset.write_gltf(folder), ErrorCode::kInvalidContent, "/buffers/0/uri");
   }
 }
 
@@ -794,7 +794,7 @@ TEST(GltfReader, RefusesViewsBeyondTheirBuffer) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["bufferViews"][0]["byteOffset"] = offset;
     asset.json["bufferViews"][0]["byteLength"] = length;
-    expect_invalid(asset, "/bufferViews/0", "beyond buffer 0");
+    expect_file_invalid(asset, "/bufferViews/0", "beyond buffer 0");
   }
 }
 
@@ -803,19 +803,19 @@ TEST(GltfReader, RefusesAccessorsBeyondTheirView) {
   const auto refuse_with = [&](const char* property, const Json& value) {
     GltfBuilder broken = asset;
     broken.json["accessors"][0][property] = value;
-    expect_invalid(broken, "/accessors/0", "beyond bufferView 0");
+    expect_file_invalid(broken, "/accessors/0", "beyond bufferView 0");
   };
   refuse_with("count", 4);
   refuse_with("byteOffset", 1);
   refuse_with("byteOffset", 37);
   refuse_with("byteOffset", std::uint64_t{1} << 53);
   asset.json["bufferViews"][0]["byteStride"] = 16;
-  expect_invalid(asset, "/accessors/0", "stride 16");
+  expect_file_invalid(asset, "/accessors/0", "stride 16");
   asset.json["bufferViews"][0]["byteStride"] = 8;
-  expect_invalid(asset, "/bufferViews/0/byteStride", "12 bytes");
+  expect_file_invalid(asset, "/bufferViews/0/byteStride", "12 bytes");
   for (const Json& stride : {Json(0), Json(6), Json(256), Json(-4)}) {
     asset.json["bufferViews"][0]["byteStride"] = stride;
-    expect_invalid(asset, "/bufferViews/0/byteStride");
+    expect_file_invalid(asset, "/bufferViews/0/byteStride");
   }
 }
 
@@ -824,17 +824,17 @@ TEST(GltfReader, RefusesHugeCountsBeforeAllocating) {
   for (const std::uint64_t count :
        {std::uint64_t{kMaxGltfVertices} + 1, std::uint64_t{1} << 40, std::uint64_t{1} << 53}) {
     asset.json["accessors"][0]["count"] = count;
-    expect_refused(asset, ErrorCode::kLimitExceeded, "/accessors/0/count");
+    expect_file_refused(asset, ErrorCode::kLimitExceeded, "/accessors/0/count");
   }
   asset.json["accessors"][0]["count"] = 3;
   asset.json["accessors"][1]["count"] = std::uint64_t{1} << 40;
-  expect_refused(asset, ErrorCode::kLimitExceeded, "/accessors/1/count");
+  expect_file_refused(asset, ErrorCode::kLimitExceeded, "/accessors/1/count");
   asset.json["accessors"][1]["count"] = 1e300;
-  expect_invalid(asset, "/accessors/1/count");
+  expect_file_invalid(asset, "/accessors/1/count");
   asset.json["accessors"][1]["count"] = -3;
-  expect_invalid(asset, "/accessors/1/count");
+  expect_file_invalid(asset, "/accessors/1/count");
   asset.json["accessors"][1]["count"] = 0;
-  expect_invalid(asset, "/accessors/1/count");
+  expect_file_invalid(asset, "/accessors/1/count");
 }
 
 TEST(GltfReader, BoundsTheVerticesOfAllMeshesTogether) {
@@ -851,14 +851,14 @@ TEST(GltfReader, BoundsTheVerticesOfAllMeshesTogether) {
       {"values", {{"bufferView", values}}}};
   for (int i = 0; i < 10; ++i)
     asset.add_node({{"mesh", asset.add_mesh(Json::array({primitive_of(0, 1)}))}});
-  expect_refused(asset, ErrorCode::kLimitExceeded, "/accessors/0/count");
+  expect_file_refused(asset, ErrorCode::kLimitExceeded, "/accessors/0/count");
 }
 
 TEST(GltfReader, RefusesWrongAccessorTypes) {
   const auto refuse = [](std::size_t accessor, const char* property, const Json& value) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["accessors"][accessor][property] = value;
-    expect_invalid(asset, "/accessors/" + std::to_string(accessor) + "/" + property);
+    expect_file_invalid(asset, "/accessors/" + std::to_string(accessor) + "/" + property);
   };
   for (const char* type : {"SCALAR", "VEC2", "VEC4", "MAT3", "VEC5"}) refuse(0, "type", type);
   for (const char* type : {"VEC3", "vec3"}) refuse(1, "type", type);
@@ -873,7 +873,7 @@ TEST(GltfReader, RefusesAccessorsWithoutData) {
   for (const std::size_t accessor : {0u, 1u}) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["accessors"][accessor].erase("bufferView");
-    expect_refused(asset, ErrorCode::kUnsupported, "/accessors/" + std::to_string(accessor));
+    expect_file_refused(asset, ErrorCode::kUnsupported, "/accessors/" + std::to_string(accessor));
   }
 }
 
@@ -881,10 +881,10 @@ TEST(GltfReader, RefusesIndicesBeyondTheVertices) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   for (const int type :
        {GltfBuilder::kUnsignedByte, GltfBuilder::kUnsignedShort, GltfBuilder::kUnsignedInt}) {
-    expect_invalid(asset_of(points, {0, 1, 3}, type), "/meshes/0/primitives/0/indices",
-                   "index 2 is 3");
-    expect_invalid(asset_of(points, {0, 254, 1}, type), "/meshes/0/primitives/0/indices",
-                   "index 1 is 254");
+    expect_file_invalid(asset_of(points, {0, 1, 3}, type), "/meshes/0/primitives/0/indices",
+                        "index 2 is 3");
+    expect_file_invalid(asset_of(points, {0, 254, 1}, type), "/meshes/0/primitives/0/indices",
+                        "index 1 is 254");
   }
 }
 
@@ -904,7 +904,7 @@ TEST(GltfReader, TakesTheRestartIndexForAVertexInListsOnly) {
     EXPECT_NE(scene.warnings[0].find(std::to_string(index)), std::string::npos);
     for (const int strip_or_fan : {5, 6}) {
       asset.json["meshes"][0]["primitives"][0]["mode"] = strip_or_fan;
-      expect_invalid(asset, "/meshes/0/primitives/0/indices", std::to_string(index));
+      expect_file_invalid(asset, "/meshes/0/primitives/0/indices", std::to_string(index));
     }
   }
 }
@@ -912,20 +912,20 @@ TEST(GltfReader, TakesTheRestartIndexForAVertexInListsOnly) {
 TEST(GltfReader, RefusesIncompleteTriangles) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   constexpr int kType = GltfBuilder::kUnsignedShort;
-  expect_invalid(asset_of(points, {0, 1, 2, 3}), "/meshes/0/primitives/0", "multiple of 3");
-  expect_invalid(asset_of(points, {0, 1}, kType, 5), "/meshes/0/primitives/0", "3 or more");
-  expect_invalid(asset_of(points, {0}, kType, 6), "/meshes/0/primitives/0", "3 or more");
+  expect_file_invalid(asset_of(points, {0, 1, 2, 3}), "/meshes/0/primitives/0", "multiple of 3");
+  expect_file_invalid(asset_of(points, {0, 1}, kType, 5), "/meshes/0/primitives/0", "3 or more");
+  expect_file_invalid(asset_of(points, {0}, kType, 6), "/meshes/0/primitives/0", "3 or more");
   GltfBuilder unindexed = asset_of(points, {0, 1, 2});
   unindexed.json["meshes"][0]["primitives"][0].erase("indices");
-  expect_invalid(unindexed, "/meshes/0/primitives/0", "multiple of 3");
+  expect_file_invalid(unindexed, "/meshes/0/primitives/0", "multiple of 3");
 }
 
 TEST(GltfReader, RefusesPositionsThatAreNotFinite) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
         -std::numeric_limits<float>::infinity()}) {
-    expect_invalid(asset_of({{0, 0, 0}, {1, 0, bad}, {0, 1, 0}}, {0, 1, 2}), "/accessors/0",
-                   "position 1");
+    expect_file_invalid(asset_of({{0, 0, 0}, {1, 0, bad}, {0, 1, 0}}, {0, 1, 2}), "/accessors/0",
+                        "position 1");
   }
 }
 
@@ -941,7 +941,7 @@ TEST(GltfReader, RefusesBrokenSparseAccessors) {
   const auto refuse = [&](const char* pointer, const Json& value, const std::string& element) {
     GltfBuilder asset = good;
     asset.json["accessors"][0]["sparse"][Json::json_pointer(pointer)] = value;
-    expect_invalid(asset, "/accessors/0/sparse" + element);
+    expect_file_invalid(asset, "/accessors/0/sparse" + element);
   };
   for (const Json& count : {Json(0), Json(4), Json(2147483647), Json(2147483648u), Json(-1)}) {
     refuse("/count", count, "/count");
@@ -960,7 +960,7 @@ TEST(GltfReader, RefusesBrokenSparseAccessors) {
     GltfBuilder asset = good;
     const std::size_t offset = asset.json["bufferViews"][where]["byteOffset"];
     asset.bin.replace(offset, 4, test::bytes_of(targets));
-    expect_invalid(asset, "/accessors/0/sparse/indices", "element 1");
+    expect_file_invalid(asset, "/accessors/0/sparse/indices", "element 1");
   }
 }
 
@@ -980,7 +980,7 @@ TEST(GltfReader, RefusesIdsOutOfRangeEverywhere) {
       asset.json["nodes"][0]["children"] = Json::array();
       asset.json["meshes"][0]["primitives"][0]["targets"] = Json::array({Json::object()});
       asset.json[Json::json_pointer(pointer)] = id;
-      expect_invalid(asset, pointer);
+      expect_file_invalid(asset, pointer);
     }
   }
 }
@@ -1023,18 +1023,18 @@ TEST(GltfReader, RefusesWrongJsonTypes) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["buffers"] = {{{"byteLength", asset.bin.size()}}};
     asset.json[Json::json_pointer(pointer)] = 1.5;
-    expect_invalid(asset, pointer);
+    expect_file_invalid(asset, pointer);
   }
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["meshes"][0].erase("primitives");
-  expect_invalid(asset, "/meshes/0/primitives", "missing");
+  expect_file_invalid(asset, "/meshes/0/primitives", "missing");
 }
 
 TEST(GltfReader, RefusesBrokenTransforms) {
   const auto refuse = [](const Json& node, const std::string& element) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["nodes"][0].update(node);
-    expect_invalid(asset, element);
+    expect_file_invalid(asset, element);
   };
   refuse({{"matrix", {1, 0, 0, 0}}}, "/nodes/0/matrix");
   refuse({{"matrix", Json::array()}}, "/nodes/0/matrix");
@@ -1057,7 +1057,7 @@ TEST(GltfReader, RefusesNumbersBeyondDouble) {
   for (const char* number : {"1e999", "-1e999", "NaN", "Infinity"}) {
     const std::string text =
         std::string(R"({"asset":{"version":"2.0"},"nodes":[{"scale":[1,)") + number + ",1]}]}";
-    expect_refused(GltfBuilder::write_text(folder, text), ErrorCode::kInvalidContent, "JSON");
+    expect_file_refused(GltfBuilder::write_text(folder, text), ErrorCode::kInvalidContent, "JSON");
   }
 }
 
@@ -1065,10 +1065,10 @@ TEST(GltfReader, RefusesTransformsThatOverflowAndLeavesOutThoseThatFlatten) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0] = {{"children", {1}}, {"scale", {1e200, 1, 1}}};
   asset.add_child({{"mesh", 0}, {"scale", {1e200, 1, 1}}});
-  expect_invalid(asset, "/nodes/1", "overflows");
+  expect_file_invalid(asset, "/nodes/1", "overflows");
   asset.json["nodes"][0]["scale"] = {1, 0, 1};
   asset.json["nodes"][1] = {{"mesh", 0}, {"rotation", {0.36, 0.48, 0.64, 0.48}}};
-  expect_refused(asset, ErrorCode::kEmptyScene, "", "flattens");
+  expect_file_refused(asset, ErrorCode::kEmptyScene, "", "flattens");
   asset.json["nodes"][0]["scale"] = {1e-12, 1e12, 1};  // extreme, but not flat
   EXPECT_EQ(read_glb(asset).nodes.size(), 1u);
 }
@@ -1076,22 +1076,22 @@ TEST(GltfReader, RefusesTransformsThatOverflowAndLeavesOutThoseThatFlatten) {
 TEST(GltfReader, RefusesCyclesAndSecondParents) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["children"] = {0};
-  expect_invalid(asset, "/nodes/0");
+  expect_file_invalid(asset, "/nodes/0");
   asset.json["nodes"][0]["children"] = {1};
   asset.add_child({{"children", {0}}});
-  expect_invalid(asset, "/nodes/0");
+  expect_file_invalid(asset, "/nodes/0");
   asset.json["nodes"][1]["children"] = {2};
   asset.add_child({{"children", {1}}});
-  expect_invalid(asset, "/nodes/2/children/0", "one parent");
+  expect_file_invalid(asset, "/nodes/2/children/0", "one parent");
   asset.json["nodes"][2] = Json::object();
   EXPECT_EQ(read_glb(asset).tree.size(), 3u);
   asset.json["nodes"][0]["children"] = {1, 1};
-  expect_invalid(asset, "/nodes/0/children/1", "one parent");
+  expect_file_invalid(asset, "/nodes/0/children/1", "one parent");
   asset.json["nodes"][0]["children"] = {1};
   asset.json["scenes"][0]["nodes"] = {0, 0};
-  expect_invalid(asset, "/nodes/0", "twice");
+  expect_file_invalid(asset, "/nodes/0", "twice");
   asset.json["scenes"][0]["nodes"] = {0, 1};
-  expect_invalid(asset, "/nodes/1", "twice");
+  expect_file_invalid(asset, "/nodes/1", "twice");
 }
 
 TEST(GltfReader, RefusesAGraphWithExponentiallyManyPaths) {
@@ -1100,7 +1100,7 @@ TEST(GltfReader, RefusesAGraphWithExponentiallyManyPaths) {
     asset.json["nodes"][i - 1]["children"] = {i, i};
     asset.add_child(Json::object());
   }
-  expect_invalid(asset, "/nodes/0/children/1", "one parent");
+  expect_file_invalid(asset, "/nodes/0/children/1", "one parent");
 }
 
 TEST(GltfReader, BoundsTheDepthOfTheHierarchy) {
@@ -1113,15 +1113,16 @@ TEST(GltfReader, BoundsTheDepthOfTheHierarchy) {
   EXPECT_EQ(read_glb(asset).tree.size(), kMaxGltfNodeDepth);
   asset.json["nodes"].back() = {{"children", {kMaxGltfNodeDepth}}};
   asset.add_child({{"mesh", 0}});
-  expect_refused(asset, ErrorCode::kLimitExceeded, "/nodes/" + std::to_string(kMaxGltfNodeDepth),
-                 "deeper");
+  expect_file_refused(asset, ErrorCode::kLimitExceeded,
+                      "/nodes/" + std::to_string(kMaxGltfNodeDepth), "deeper");
 }
 
 TEST(GltfReader, BoundsTheNumberOfNodes) {
   const TemporaryFolder folder;
   std::string text = R"({"asset":{"version":"2.0"},"nodes":[{})";
   for (std::size_t i = 0; i < kMaxGltfNodes; ++i) text += ",{}";
-  expect_refused(GltfBuilder::write_text(folder, text + "]}"), ErrorCode::kLimitExceeded, "/nodes");
+  expect_file_refused(GltfBuilder::write_text(folder, text + "]}"), ErrorCode::kLimitExceeded,
+                      "/nodes");
 }
 
 TEST(GltfReader, SurvivesEveryCutAndEveryChangedByte) {

@@ -17,6 +17,7 @@
 #include "io/gltf/reader.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/png_writer.h"
+#include "tests/io/gltf/extension_names.h"
 #include "tests/io/gltf/reading.h"
 
 namespace palpate {
@@ -28,13 +29,12 @@ using test::add_numbers;
 using test::expect_invalid;
 using test::expect_refused;
 using test::GltfBuilder;
+using test::kHaptic;
 using test::png_of;
 using test::read_glb;
 using test::TemporaryFolder;
 using Samples = std::vector<std::uint16_t>;
 using Coordinates = std::vector<std::array<double, 2>>;
-
-const char* const kHaptic = "MPEG_haptic_material";
 
 std::string grey_pixel() {
   return png_of({1, 1, 8, 0}, {128});
@@ -61,7 +61,7 @@ GltfBuilder asset_with(const std::string& image) {
   return asset;
 }
 
-Json& attributes_of(GltfBuilder& asset) {
+Json& primitive_attributes_of(GltfBuilder& asset) {
   return asset.json["meshes"][0]["primitives"][0]["attributes"];
 }
 
@@ -69,7 +69,7 @@ Json& normal_texture_of(GltfBuilder& asset) {
   return asset.json["materials"][0]["normalTexture"];
 }
 
-Json map_of(const Json& texture) {
+Json haptic_map(const Json& texture) {
   return {{"texture", texture}, {"type", "Other"}};
 }
 
@@ -217,7 +217,7 @@ TEST(GltfTextures, TooManyPixelsTogetherAreRefused) {
   GltfBuilder asset = asset_with(grey_pixel());
   asset.json["textures"].push_back({{"source", 1}});
   asset.json["images"].push_back({{"bufferView", asset.add_view(png_of({8192, 8192, 8, 0}, {1}))}});
-  bind_haptic(asset, {{"friction", {map_of({{"index", 1}})}}});
+  bind_haptic(asset, {{"friction", {haptic_map({{"index", 1}})}}});
   expect_refused(asset, ErrorCode::kLimitExceeded, "/images/1",
                  std::to_string(kMaxGltfPixels - 1) + " of a scene");
 }
@@ -258,7 +258,7 @@ TEST(GltfTextures, ThatNobodyCallsForAreNotOpened) {
   GltfBuilder asset = asset_with("no image");
   asset.json["materials"][0].erase("extras");
   asset.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
-  bind_haptic(asset, {{"stiffness", {map_of({{"index", 0}})}}});
+  bind_haptic(asset, {{"stiffness", {haptic_map({{"index", 0}})}}});
   const auto scene = read_glb(asset);
   EXPECT_TRUE(scene.images.empty());
   EXPECT_TRUE(scene.meshes.at(0).texture_uv.empty());
@@ -281,9 +281,10 @@ TEST(GltfTextures, OfTheHapticMaterialGoFirst) {
   asset.json["textures"] = {{{"source", 0}}, {{"source", 1}}, {{"source", 2}}};
   asset.json["images"].push_back({{"bufferView", asset.add_view(png_of({1, 1, 8, 0}, {1}))}});
   asset.json["images"].push_back({{"bufferView", asset.add_view(png_of({1, 1, 8, 0}, {2}))}});
-  bind_haptic(asset, {{"vibrotactileTexture", {map_of({{"index", 2}}), map_of({{"index", 0}})}},
-                      {"friction", {map_of({{"index", 1}}), map_of({{"index", 0}})}},
-                      {"temperature", {map_of({{"index", 0}})}}});
+  bind_haptic(asset,
+              {{"vibrotactileTexture", {haptic_map({{"index", 2}}), haptic_map({{"index", 0}})}},
+               {"friction", {haptic_map({{"index", 1}}), haptic_map({{"index", 0}})}},
+               {"temperature", {haptic_map({{"index", 0}})}}});
   for (const bool with_height : {true, false}) {
     if (!with_height) asset.json["materials"][0].erase("extras");
     const auto scene = read_glb(asset);
@@ -305,7 +306,7 @@ TEST(GltfTextures, OfTheHapticMaterialGoFirst) {
 TEST(GltfTextures, OfAHapticMaterialNeedNoMaterial) {
   GltfBuilder asset = asset_with(grey_pixel());
   asset.json["meshes"][0]["primitives"][0].erase("material");
-  bind_haptic(asset, {{"vibrotactileTexture", {map_of({{"index", 0}})}}});
+  bind_haptic(asset, {{"vibrotactileTexture", {haptic_map({{"index", 0}})}}});
   const auto scene = read_glb(asset);
   EXPECT_EQ(scene.images.size(), 1u);
   EXPECT_EQ(scene.meshes.at(0).texture_uv.size(), 3u);
@@ -321,7 +322,7 @@ TEST(GltfTextures, ShareOneImage) {
   Json primitive = asset.json["meshes"][0]["primitives"][0];
   primitive["material"] = 1;
   asset.json["meshes"][0]["primitives"].push_back(primitive);
-  bind_haptic(asset, {{"friction", {map_of({{"index", 0}})}}});
+  bind_haptic(asset, {{"friction", {haptic_map({{"index", 0}})}}});
   const auto scene = read_glb(asset);
   EXPECT_EQ(scene.images.size(), 1u);
   for (const MaterialDescription& material : scene.materials) {
@@ -333,11 +334,11 @@ TEST(GltfTextures, ShareOneImage) {
 TEST(GltfTextures, HaveABoundedNumberOfMaps) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["textures"] = Json::array({Json::object()});
-  const std::vector<Json> maps(128, map_of({{"index", 0}}));
+  const std::vector<Json> maps(128, haptic_map({{"index", 0}}));
   Json material = {{"custom", maps}, {"stiffness", maps}};
   bind_haptic(asset, material);
   EXPECT_EQ(read_glb(asset).haptic_materials.at(0).maps.size(), kMaxGltfHapticMaps);
-  material["vibration"] = {map_of({{"index", 0}})};
+  material["vibration"] = {haptic_map({{"index", 0}})};
   bind_haptic(asset, material);
   expect_refused(asset, ErrorCode::kLimitExceeded,
                  "/extensions/MPEG_haptic_material/materials/0/custom");
@@ -379,7 +380,8 @@ void expect_near(const Coordinates& found, const Coordinates& expected, double t
 
 TEST(GltfTextureCoordinates, AreThoseOfTheChosenSet) {
   GltfBuilder asset = asset_with(grey_pixel());
-  attributes_of(asset)["TEXCOORD_2"] = add_floats(asset, {5, 6, -7, 8.5f, 0.25f, 1e30f}, "VEC2");
+  primitive_attributes_of(asset)["TEXCOORD_2"] =
+      add_floats(asset, {5, 6, -7, 8.5f, 0.25f, 1e30f}, "VEC2");
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv, (Coordinates{{0, 0}, {1, 0}, {0, 1}}));
   const Coordinates second = {{5, 6}, {-7, 8.5}, {0.25, double{1e30f}}};
   normal_texture_of(asset)["texCoord"] = 2;
@@ -409,11 +411,11 @@ TEST(GltfTextureCoordinates, AreScaledThenTurnedThenMoved) {
 
 TEST(GltfTextureCoordinates, OfNormalisedIntegersAreFractions) {
   GltfBuilder asset = asset_with(grey_pixel());
-  attributes_of(asset)["TEXCOORD_0"] = add_numbers<std::uint8_t>(
+  primitive_attributes_of(asset)["TEXCOORD_0"] = add_numbers<std::uint8_t>(
       asset, {0, 255, 51, 102, 1, 254}, GltfBuilder::kUnsignedByte, "VEC2", true);
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv,
             (Coordinates{{0, 1}, {51 / 255.0, 102 / 255.0}, {1 / 255.0, 254 / 255.0}}));
-  attributes_of(asset)["TEXCOORD_0"] = add_numbers<std::uint16_t>(
+  primitive_attributes_of(asset)["TEXCOORD_0"] = add_numbers<std::uint16_t>(
       asset, {0, 65535, 13107, 1, 2, 3}, GltfBuilder::kUnsignedShort, "VEC2", true);
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv,
             (Coordinates{{0, 1}, {13107 / 65535.0, 1 / 65535.0}, {2 / 65535.0, 3 / 65535.0}}));
@@ -428,7 +430,7 @@ TEST(GltfTextureCoordinates, OfOtherIntegersNeedQuantization) {
   const auto words = add_numbers<std::uint16_t>(asset, {1, 2, 3, 4, 5, 60000},
                                                 GltfBuilder::kUnsignedShort, "VEC2");
   for (const auto accessor : {shorts, bytes, words}) {
-    attributes_of(asset)["TEXCOORD_0"] = accessor;
+    primitive_attributes_of(asset)["TEXCOORD_0"] = accessor;
     expect_invalid(asset, "/accessors/" + std::to_string(accessor) + "/componentType",
                    "texture coordinates");
   }
@@ -436,10 +438,10 @@ TEST(GltfTextureCoordinates, OfOtherIntegersNeedQuantization) {
   normal_texture_of(asset)["extensions"]["KHR_texture_transform"] = {{"scale", {0.5, 0.25}}};
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv,
             (Coordinates{{0.5, 0.5}, {1.5, 1}, {2.5, 15000}}));
-  attributes_of(asset)["TEXCOORD_0"] = shorts;
+  primitive_attributes_of(asset)["TEXCOORD_0"] = shorts;
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv,
             (Coordinates{{-1.5, 1.75}, {150, -8192}, {0, 0.25}}));
-  attributes_of(asset)["TEXCOORD_0"] = bytes;
+  primitive_attributes_of(asset)["TEXCOORD_0"] = bytes;
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv,
             (Coordinates{{-0.5, 0.25}, {-0.5, 0}, {0.5 / 127, 0.25 * (2 / 127.0)}}));
 }
@@ -449,16 +451,16 @@ TEST(GltfTextureCoordinates, ThatAreMissingOrWrongAreRefused) {
   GltfBuilder asset = asset_with(grey_pixel());
   normal_texture_of(asset)["texCoord"] = 1;
   expect_invalid(asset, element + "1", "missing");
-  attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {0, 0, 1, 1}, "VEC2");
+  primitive_attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {0, 0, 1, 1}, "VEC2");
   expect_invalid(asset, element + "1", "2 elements");
   const auto of_scalars = add_numbers<float>(asset, {0, 0, 1}, GltfBuilder::kFloat, "SCALAR");
-  attributes_of(asset)["TEXCOORD_1"] = of_scalars;
+  primitive_attributes_of(asset)["TEXCOORD_1"] = of_scalars;
   expect_invalid(asset, "/accessors/" + std::to_string(of_scalars) + "/type", "VEC2");
   const float infinity = std::numeric_limits<float>::infinity();
   const auto infinite = add_floats(asset, {0, 0, 1, 1, 0, infinity}, "VEC2");
-  attributes_of(asset)["TEXCOORD_1"] = infinite;
+  primitive_attributes_of(asset)["TEXCOORD_1"] = infinite;
   expect_invalid(asset, "/accessors/" + std::to_string(infinite), "element 2 is not finite");
-  attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {0, 0, 1, 1, 3, 4}, "VEC2");
+  primitive_attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {0, 0, 1, 1, 3, 4}, "VEC2");
   normal_texture_of(asset)["extensions"]["KHR_texture_transform"] = {{"scale", {1e308, 1}}};
   expect_invalid(asset, element + "1", "element 2");
 }
@@ -515,8 +517,8 @@ TEST(GltfTextureCoordinates, BehindTheLastMapAreZeros) {
 
 TEST(GltfTextureCoordinates, OfTextureAndFrictionAreApart) {
   GltfBuilder asset = asset_with(grey_pixel());
-  attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {3, 3, 4, 4, 5, 5}, "VEC2");
-  bind_haptic(asset, {{"friction", {map_of({{"index", 0}, {"texCoord", 1}})}}});
+  primitive_attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {3, 3, 4, 4, 5, 5}, "VEC2");
+  bind_haptic(asset, {{"friction", {haptic_map({{"index", 0}, {"texCoord", 1}})}}});
   const auto scene = read_glb(asset);
   EXPECT_EQ(scene.meshes.at(0).texture_uv, (Coordinates{{0, 0}, {1, 0}, {0, 1}}));
   EXPECT_EQ(scene.meshes.at(0).friction_uv, (Coordinates{{3, 3}, {4, 4}, {5, 5}}));

@@ -1,0 +1,16 @@
+#pragma once
+
+// Angles of the paper, which are in degrees, and ours.
+
+#include <numbers>
+
+namespace palpate::test {
+
+inline double radians(double degrees) {
+  return degrees * std::numbers::pi / 180.0;
+}
+inline double degrees(double radians) {
+  return radians * 180.0 / std::numbers::pi;
+}
+
+}  // namespace palpate::test

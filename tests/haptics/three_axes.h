@@ -1,0 +1,13 @@
+#pragma once
+
+// A device that senses along three axes and pushes along three.
+
+#include "haptics/a4/actuation.h"
+
+namespace palpate::test {
+
+inline ActuationModel three_axes() {
+  return ActuationModel::from_counts(3, 3).value();
+}
+
+}  // namespace palpate::test

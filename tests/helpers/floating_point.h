@@ -1,0 +1,14 @@
+#pragma once
+
+// What doubles and floats round by, and values that no measurement has.
+
+#include <limits>
+
+namespace palpate::test {
+
+inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+inline constexpr double kFloatRoundoff = 0x1p-24;  // of a float, relative
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace palpate::test
