@@ -5,11 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
 #include <iterator>
 #include <regex>
-#include <spawn.h>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -23,10 +21,8 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/session/trace_csv.h"
-#include "tests/engine/cli/program_outcome.h"
+#include "tests/engine/cli/run_program.h"
 #include "tests/helpers/gltf_builder.h"
-
-extern char** environ;
 
 namespace palpate {
 namespace {
@@ -38,7 +34,6 @@ using test::Outcome;
 using test::TemporaryFolder;
 
 constexpr const char* kStar = PALPATE_MODELS_DIR "/star.glb";
-constexpr const char* kLock = PALPATE_MODELS_DIR "/lock.glb";
 constexpr const char* kCube = PALPATE_MODELS_DIR "/cube.glb";
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -50,33 +45,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 class CommandLine : public testing::Test {
  protected:
-  // Runs the program in the test's folder. stdout_path: where its output goes instead.
+  // stdout_path: where its output goes instead.
   Outcome call(std::vector<std::string> arguments, const std::string& stdout_path = {}) const {
-    const std::string out = stdout_path.empty() ? folder.path("stdout") : stdout_path;
-    const std::string err = folder.path("stderr");
-    arguments.insert(arguments.begin(), PALPATE_PROGRAM);
-    std::vector<char*> argv;
-    for (std::string& a : arguments) argv.push_back(a.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    const int flags = O_WRONLY | O_CREAT | O_TRUNC;
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
-    posix_spawn_file_actions_addchdir_np(&actions, folder.path().c_str());
-    pid_t child = 0;
-    const int refused =
-        posix_spawn(&child, PALPATE_PROGRAM, &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    EXPECT_EQ(refused, 0);
-    int status = 0;
-    waitpid(child, &status, 0);
-    Outcome outcome;
-    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    if (stdout_path.empty()) outcome.out = content_of(out);
-    outcome.err = content_of(err);
-    return outcome;
+    return test::run_program(folder, std::move(arguments), stdout_path);
   }
 
   // The same by a shell, as `palpate ... >&-`.

@@ -9,7 +9,6 @@
 #include <iterator>
 #include <sstream>
 #include <string>
-#include <sys/wait.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,7 +16,7 @@
 
 #include "geometry/base/printable.h"
 #include "models/primitives.h"
-#include "tests/engine/cli/program_outcome.h"
+#include "tests/engine/cli/run_program.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/io/gltf/reading.h"
 
@@ -50,13 +49,6 @@ const std::array<std::string, 7> kNames = {
         }(),
     "\x1b[31m\u009b<script>\u202e&\"'\n<img \x7f"};
 
-// In single quotes of a shell.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 class PrintedNames : public testing::TestWithParam<std::size_t> {
  protected:
   PrintedNames() : name(kNames[GetParam()]) {
@@ -75,12 +67,7 @@ class PrintedNames : public testing::TestWithParam<std::size_t> {
   }
 
   Outcome call(const std::vector<std::string>& arguments) const {
-    std::string command = "cd " + quoted(folder.path()) + " && " + quoted(PALPATE_PROGRAM);
-    for (const std::string& a : arguments) command += " " + quoted(a);
-    command += " >stdout 2>stderr </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(folder.path("stdout")),
-            content_of(folder.path("stderr"))};
+    return test::run_program(folder, arguments);
   }
 
   static void expect_printable(const std::string& text) {
