@@ -34,7 +34,7 @@ else
 fi
 
 # The first package source of this system that is Debian's, in either form of the lists.
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null |
+mirror=$({ cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null || true; } |
   sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *([a-z]+:[^ ]*debian\/?)( .*)?$/\3/p' | grep -v security |
   head -1)
 [ -n "$mirror" ] || fail "this system has no package source of Debian's"
