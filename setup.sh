@@ -49,12 +49,12 @@ install_missing_packages() {
   rm -f "$log"
 }
 
-# build_preset PRESET [TARGET...]: configures when needed, then builds. Shows the progress of it on a
-# terminal; elsewhere its output is shown if it fails.
+# build_preset PRESET [TARGET...]: configures where that is not done, or was before the presets changed,
+# then builds. Shows the progress of it on a terminal; elsewhere its output is shown if it fails.
 build_preset() {
   local preset=$1 build=$palpate_root/build/$1
   shift
-  if [ ! -f "$build/build.ninja" ]; then
+  if [ ! "$build/build.ninja" -nt "$palpate_root/CMakePresets.json" ]; then
     say "configuring $preset"
     (cd "$palpate_root" && cmake --preset "$preset" >"$palpate_root/.configure.log" 2>&1) || {
       cat "$palpate_root/.configure.log" >&2

@@ -1,7 +1,6 @@
 #include "engine/scene/scene_bounds.h"
 
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <sstream>
 

@@ -1,6 +1,5 @@
 #include "engine/simulation/placed_bounds.h"
 
-#include <limits>
 #include <optional>
 #include <vector>
 

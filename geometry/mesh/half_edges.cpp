@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kEdgesWorthAThread = 10000;  // faces: a millisecond of work
+constexpr std::size_t kMatchingWorthAThread = 10000;  // faces: a millisecond of work
 
 // Vertices from begin to before end.
 struct VertexRange {
@@ -172,10 +172,10 @@ HalfEdgeMates match_half_edges(std::span<const Triangle> faces, std::size_t vert
   assert(faces.size() < kNoHalfEdge / 3);
   HalfEdgeMates mates;
   mates.aligned = FixedArray<std::uint32_t>(3 * faces.size());
-  run_ranges(mates.aligned.size(), kEdgesWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(mates.aligned.size(), kMatchingWorthAThread, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) mates.aligned[h] = kNoHalfEdge;
   });
-  const std::size_t parts = faces.size() < kEdgesWorthAThread ? 1 : pass_count();
+  const std::size_t parts = faces.size() < kMatchingWorthAThread ? 1 : pass_count();
   const std::vector<VertexRange> ranges = balanced_ranges(faces, vertex_count, parts);
   std::vector<EdgeFindings> findings(parts);
   run_each(0, parts,

@@ -13,9 +13,9 @@ namespace {
 std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   const double stand_off_m = SolverScale::of(world.size_m, radius_m).stand_off_m;
   if (radius_m < stand_off_m) {
-    return invalid_setting("radius_m",
-                   digits_of(radius_m) + " m given, expected 0 for a point, or at least the " +
-                       digits_of(stand_off_m) + " m that a proxy stays off what it touches");
+    return invalid_argument(
+        "radius_m", digits_of(radius_m) + " m given, expected 0 for a point, or at least the " +
+                        digits_of(stand_off_m) + " m that a proxy stays off what it touches");
   }
   const double sweep_m = radius_m + stand_off_m;
   double built_for_m = SurfaceIndex::kLargestSweep_m;
@@ -25,11 +25,11 @@ std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
     built_for_m = std::min(built_for_m, body.index->sweep_radius_m() / units_per_metre);
   }
   if (sweep_m <= built_for_m) return std::nullopt;
-  return invalid_setting("radius_m",
-                 digits_of(radius_m) + " m given, with its stand-off " + digits_of(sweep_m) +
-                     " m; expected at most the " + digits_of(built_for_m) +
-                     " m that the scene's indices were built for",
-                 "load the scene for this radius");
+  return invalid_argument("radius_m",
+                          digits_of(radius_m) + " m given, with its stand-off " +
+                              digits_of(sweep_m) + " m; expected at most the " +
+                              digits_of(built_for_m) + " m that the scene's indices were built for",
+                          "load the scene for this radius");
 }
 
 }  // namespace
@@ -41,13 +41,13 @@ std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSe
   }
   const Accuracy& accuracy = settings.accuracy;
   if (accuracy.iterations < 1 || accuracy.iterations > Accuracy::kMostIterations) {
-    return invalid_setting("accuracy.iterations", std::to_string(accuracy.iterations) +
-                                              " given, expected 1 to " +
-                                              std::to_string(Accuracy::kMostIterations));
+    return invalid_argument("accuracy.iterations", std::to_string(accuracy.iterations) +
+                                                       " given, expected 1 to " +
+                                                       std::to_string(Accuracy::kMostIterations));
   }
   if (accuracy.work_budget < 1) {
-    return invalid_setting("accuracy.work_budget",
-                   std::to_string(accuracy.work_budget) + " given, expected at least 1");
+    return invalid_argument("accuracy.work_budget",
+                            std::to_string(accuracy.work_budget) + " given, expected at least 1");
   }
   return check_number("accuracy.tolerance", accuracy.tolerance, false);
 }

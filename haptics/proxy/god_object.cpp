@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "geometry/exact/orientation.h"
 #include "haptics/proxy/check_god_object_settings.h"
 #include "haptics/proxy/god_object_ways.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // A step that is stopped is shortened at most so often, then by half, and then the proxy stays
 // where it is. Each time is a triangle within a stand-off of the last stop: faces of one vertex, as
@@ -31,12 +29,12 @@ constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
 
 // The height of a point over a plane through another, of the distance between the two: 1 rounding
 // for their difference, 3 for the product and 4 for the length of the normal.
-constexpr double kInPlaneRoundoff = 4 * kEpsilon;
+constexpr double kInPlaneRoundoff = 8 * kUnitRoundoff;
 
 // Normals of two contacts with one face count as the same plane where a cosine cannot tell them
 // apart; those of two faces where they differ by rounding.
 constexpr double kSameNormal = 0x1p-25;
-constexpr double kSameNormalOfOther = 16 * kEpsilon;
+constexpr double kSameNormalOfOther = 32 * kUnitRoundoff;
 
 }  // namespace
 

@@ -2,30 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+
+#include "geometry/exact/orientation.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kUlpOfOne = std::numeric_limits<double>::epsilon();
-
 // Normals whose cross product is smaller than their own rounding are parallel: no edge to solve on.
-constexpr double kParallelSine = 8 * kUlpOfOne;
+constexpr double kParallelSine = 16 * kUnitRoundoff;
 
 // Likewise for three normals in one plane.
-constexpr double kCoplanarVolume = 64 * kUlpOfOne;
+constexpr double kCoplanarVolume = 128 * kUnitRoundoff;
 
 // The rounding of what is left of a target along a plane, of the target: 3 for the product with the
 // normal, 2 for what is taken away, by axis.
-constexpr double kCancelled = 8 * kUlpOfOne;
+constexpr double kCancelled = 16 * kUnitRoundoff;
 
 // A plane is violated only by more than the rounding of evaluating it.
-constexpr double kViolationRoundoff = 16 * kUlpOfOne;
+constexpr double kViolationRoundoff = 32 * kUnitRoundoff;
 
 // Rounding of the difference of two squared distances, relative to either: 4 for each norm, 8 for
 // normals of which the length is 1 to within 2 ulp and counts to the fourth power, doubled.
-constexpr double kMonotoneRoundoff = 32 * kUlpOfOne;
+constexpr double kMonotoneRoundoff = 64 * kUnitRoundoff;
 
 // A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
 // its in-plane normal would have lost half its digits.

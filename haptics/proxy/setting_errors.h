@@ -6,15 +6,10 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include "geometry/base/result.h"
 
 namespace palpate {
-
-inline Error invalid_setting(std::string field, std::string problem, std::string hint = "") {
-  return {ErrorCode::kInvalidArgument, "", std::move(field), std::move(problem), std::move(hint)};
-}
 
 inline std::string digits_of(double value) {
   std::ostringstream text;
@@ -25,8 +20,8 @@ inline std::string digits_of(double value) {
 
 inline std::optional<Error> check_number(const char* field, double value, bool zero_allowed) {
   if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
-  return invalid_setting(field, digits_of(value) + " given, expected a finite number " +
-                            (zero_allowed ? ">= 0" : "> 0"));
+  return invalid_argument(field, digits_of(value) + " given, expected a finite number " +
+                                     (zero_allowed ? ">= 0" : "> 0"));
 }
 
 }  // namespace palpate

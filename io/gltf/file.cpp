@@ -53,10 +53,10 @@ std::optional<std::size_t> read_part(int descriptor, std::size_t begin, std::siz
 }
 
 std::optional<Error> read_fully(int descriptor, const std::string& path, FileBytes& bytes) {
-  constexpr std::size_t kWorthAThread = std::size_t{1} << 21;  // bytes: a millisecond of work
+  constexpr std::size_t kBytesWorthAThread = std::size_t{1} << 21;  // a millisecond of work
   std::mutex mutex;
   std::optional<std::size_t> missing;
-  run_ranges(bytes.size(), kWorthAThread, [&](std::size_t begin, std::size_t end) {
+  run_ranges(bytes.size(), kBytesWorthAThread, [&](std::size_t begin, std::size_t end) {
     const auto failed = read_part(descriptor, begin, end, bytes);
     if (!failed) return;
     const std::lock_guard lock(mutex);

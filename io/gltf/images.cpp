@@ -11,8 +11,11 @@
 #include "io/gltf/tinygltf.h"
 
 namespace palpate {
+namespace {
 
 using Json = nlohmann::json;
+
+}  // namespace
 
 std::optional<Error> GltfImages::decode(TextureReference& reference, const std::string& wanted_by) {
   const auto with_caller = [&](Error error) {

@@ -62,19 +62,15 @@ void expect_ok_or_out_of_memory(const Outcome& outcome, const std::string& what)
 }
 
 // What is held more after a call than before it. What is made once for good, as the libraries do
-// for their errors and for each of their threads, is not made again by every call like it; a leak
-// is. With four threads, two calls in a row have made such things once in some thousand tries.
+// for their errors, is not made again by the next call like it; a leak is.
 template <typename Call>
 std::size_t leaked_by(const Call& call) {
-  constexpr int kMostCalls = 4;
-  std::size_t more = 0;
-  for (int n = 0; n < kMostCalls; ++n) {
-    const std::size_t before = test::held_memory();
-    call();
-    more = test::held_memory() - before;
-    if (more == 0) break;
-  }
-  return more;
+  const std::size_t before = test::held_memory();
+  call();
+  if (test::held_memory() == before) return 0;
+  const std::size_t between = test::held_memory();
+  call();
+  return test::held_memory() - between;
 }
 
 // Runs the call with less and less memory than it takes, and with memory that ends at a sample of
