@@ -48,7 +48,7 @@ constexpr ScanCase kScanCases[] = {
 constexpr std::uint64_t kWalkSeed = 4;
 
 // Pressed in by up to 2 mm, and off the surface for a moment twice a second.
-constexpr HeightSwing kFeeling{-2e-3, 2e-4, 0.5};
+constexpr HeightSwing kPressing{-2e-3, 2e-4, 0.5};
 
 // Of the ticks: where a scan has holes, or has lost a fin, the hand may be through it.
 constexpr double kLeastContact = 0.25;
@@ -75,7 +75,7 @@ void run(benchmark::State& state, const ScanSize& size, const ScanCase& scan_cas
   const Result<ActuationModel> actuation = ActuationModel::from_counts(3, 3);
   if (!actuation) return state.SkipWithError("the actuation was refused");
   const WalkStyle style{
-      .proxy_radius_m = scan_case.proxy_radius_m, .swing = kFeeling, .seed = kWalkSeed};
+      .proxy_radius_m = scan_case.proxy_radius_m, .swing = kPressing, .seed = kWalkSeed};
   const DevicePath path = contact_walk(ScannedBody(), style, samples_of(scan_case, counts));
   HapticSettings settings;
   settings.god_object.radius_m = scan_case.proxy_radius_m;

@@ -29,7 +29,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   place_scene(unit_pose(settings.initial_pose));
   step_ = &HapticLoop::step<kNeedsNothing>;
-  feel_bare_ = &HapticLoop::feel<kNeedsNothing>;
+  step_without_effects_ = &HapticLoop::run_actions<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
     effects_ = std::make_unique<EffectRunner>(world, settings.god_object.radius_m,
                                               settings.coupling, settings.measures_effects);

@@ -121,7 +121,7 @@ class HapticLoop {
   template <std::uint32_t kNeeds>
   void step(double dt_s);
   template <std::uint32_t kNeeds>
-  void feel(double dt_s);
+  void run_actions(double dt_s);
   // Each has one caller, whose ticks are too short for a call.
   template <std::uint32_t kNeeds>
   [[gnu::always_inline]] void detect_collision();
@@ -172,9 +172,9 @@ class HapticLoop {
   double world_extent_m_;  // as farthest_sample_m() asks
 
   Step step_;
-  Step feel_bare_;                         // what is left of a step where no effect is near
+  Step step_without_effects_;              // what is left of a step where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null where there are none
-  ContactFeel feel_;                       // of this tick
+  ContactResponse response_;               // of this tick
   EffectMotion motion_;                    // likewise
   bool last_was_good_ = false;             // the last tick: its goal is where the hand was
   double last_dt_s_ = 0.0;                 // of the last good tick

@@ -3,7 +3,7 @@
 // The six actions of a tick, for the files that compile them with and without effects. Each set of
 // needs has its own copy: a bare world runs no line that an effect needs.
 
-#include "haptics/effects/felt_force.h"
+#include "haptics/effects/rendered_force.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 
@@ -27,22 +27,22 @@ template <std::uint32_t kNeeds>
 void HapticLoop::step(double dt_s) {
   if constexpr (kNeeds == kNeedsNothing) {
     apply_user_motion();  // action 2
-    feel<kNeeds>(dt_s);
+    run_actions<kNeeds>(dt_s);
   } else {
     const Vec3 last_goal_m = view(record_.goal_scene_m);
     apply_user_motion();
     record_.effects = 0;
     const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
     if (effects_->is_far_from_all(god_object_.world(), god_object_.proxy(), goal_solver))
-      return (this->*feel_bare_)(dt_s);
+      return (this->*step_without_effects_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
-    feel<kNeeds>(dt_s);
+    run_actions<kNeeds>(dt_s);
     effects_->look_around(god_object_.world(), god_object_.proxy(), touch_m());
   }
 }
 
 template <std::uint32_t kNeeds>
-void HapticLoop::feel(double dt_s) {
+void HapticLoop::run_actions(double dt_s) {
   if constexpr (kNeeds != kNeedsNothing) motion_ = motion(dt_s);
   detect_collision<kNeeds>();     // action 3
   find_contact_normal<kNeeds>();  // action 4
@@ -88,11 +88,11 @@ void HapticLoop::find_contact_normal() {
   record_.alpha_rad = 0.0;
   normal_device_.setZero();
   if constexpr ((kNeeds & kNeedsContact) != 0) {
-    feel_ = effects_->feel_contact(god_object_.contact(), proxy_state_, motion_);
+    response_ = effects_->evaluate_contact(god_object_.contact(), proxy_state_, motion_);
   }
   if (!record_.contact) return;
   const Vec3* normal_scene = &proxy_state_.normal;
-  if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = &feel_.normal;
+  if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = &response_.normal;
   view(record_.normal_scene) = *normal_scene;
   if (normal_scene->isZero(0.0)) return;  // opposite planes: nothing to turn to
   normal_device_ = R_device_scene_ * *normal_scene;
@@ -125,12 +125,12 @@ Vec3 HapticLoop::contact_force_N(double dt_s) {
   const Vec3 lag = proxy_state_.proxy - world_->to_solver(view(record_.goal_scene_m));
   const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
   if constexpr ((kNeeds & kNeedsContact) != 0) {
-    if (!feel_.is_bare) {
+    if (!response_.without_effects) {
       // A proxy at rest is one end of the damper; one that slides gives way.
       const bool rests = proxy_state_.is_held && !proxy_state_.slid;
       const Vec3 damped = rests ? rate : proxy_state_.pressed_part(rate);
-      return felt_force_N(feel_, proxy_state_, lag, damped) +
-             effects_->contact_force_N(proxy_state_, feel_, motion_);
+      return rendered_force_N(response_, proxy_state_, lag, damped) +
+             effects_->contact_force_N(proxy_state_, response_, motion_);
     }
   }
   return coupling_.force_N(lag, proxy_state_.pressed_part(rate), view(record_.normal_scene));

@@ -38,7 +38,7 @@ Method sampled(const std::string& name, const SineRelief& relief, ImageDepth dep
   for (const int texels : kTexelsPerWave) {
     method.levels.push_back(
         {relief.texel_m(texels), std::to_string(texels) + " texels a wave",
-         [=](std::uint64_t seed) { return feel_sine(relief, texels, depth, Accuracy{}, seed); }});
+         [=](std::uint64_t seed) { return render_sine(relief, texels, depth, Accuracy{}, seed); }});
   }
   return method;
 }
@@ -67,7 +67,7 @@ Knob texture_knob(const StudyEffort& effort) {
       std::find(std::begin(kTexelsPerWave), std::end(kTexelsPerWave), kModelTexelsPerWave);
   knob.default_level = static_cast<std::size_t>(usual - std::begin(kTexelsPerWave));
   knob.run_preset = [=](std::uint64_t seed, const Accuracy& preset) {
-    return feel_sine(relief, kModelTexelsPerWave, ImageDepth::k16Bit, preset, seed);
+    return render_sine(relief, kModelTexelsPerWave, ImageDepth::k16Bit, preset, seed);
   };
   knob.enough = 0.01;
   knob.enough_because = "far below the 7 % by which people tell forces apart";

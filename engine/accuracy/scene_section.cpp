@@ -134,7 +134,7 @@ std::string stiffness_html(const SceneFindings& f) {
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), shown(c.stiffness_N_per_m, "N/m"),
-               shown(v.felt_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m"),
+               shown(v.effective_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m"),
                shown(v.limits.passive_N_per_m, "N/m"), name_of(v.limits.passivity_bound),
                shown(v.limits.stable_N_per_m, "N/m"), flag(v.is_passive, "passive", "not passive"),
                flag(v.is_stable, "stable", "not stable")});
@@ -204,7 +204,7 @@ std::string scene_csv(const SceneFindings& f) {
   for (const CouplingVerdict& v : f.verdicts) {
     const std::string& name = v.surface.name;
     lines.add("surface", name, "stiffness", v.surface.coupling.stiffness_N_per_m, "N/m");
-    lines.add("surface", name, "stiffness_felt", v.felt_N_per_m, "N/m");
+    lines.add("surface", name, "stiffness_felt", v.effective_N_per_m, "N/m");
     lines.add("surface", name, "damping", v.surface.coupling.damping_Ns_per_m, "N s/m");
     lines.add("surface", name, "passive_up_to", v.limits.passive_N_per_m, "N/m");
     lines.add("surface", name, "stable_below", v.limits.stable_N_per_m, "N/m");
@@ -229,7 +229,7 @@ std::string scene_text(const SceneFindings& f) {
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
-    text << "  " << printable(v.surface.name) << ": K " << human(v.felt_N_per_m, "N/m")
+    text << "  " << printable(v.surface.name) << ": K " << human(v.effective_N_per_m, "N/m")
          << (v.surface.relief_per_m > 0.0 ? " felt on its relief" : "") << ", "
          << (v.is_passive ? "passive" : "not passive");
     if (v.limits.passivity_bound == PassivityBound::kDamper) {

@@ -97,8 +97,8 @@ Result<Scene> sine_slab(const SineRelief& relief, int texels_per_wave, ImageDept
   return make_slab(relief, sine_image(texels_per_wave, depth, phase_rad));
 }
 
-Sample feel_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
-                 const Accuracy& accuracy, std::uint64_t seed) {
+Sample render_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
+                   const Accuracy& accuracy, std::uint64_t seed) {
   SeededRandom random(seed);
   const double phase = random.uniform(0.0, 2.0 * std::numbers::pi);
   const Result<Scene> scene = sine_slab(relief, texels_per_wave, depth, phase);

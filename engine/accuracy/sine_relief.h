@@ -40,7 +40,7 @@ Result<Scene> sine_slab(const SineRelief& relief, int texels_per_wave, ImageDept
 
 // Error: the normal force less K (d + h(x)), rms, over K H. No unit. The seed decides the phase,
 // and where the hand begins and heads for.
-Sample feel_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
-                 const Accuracy& accuracy, std::uint64_t seed);
+Sample render_sine(const SineRelief& relief, int texels_per_wave, ImageDepth depth,
+                   const Accuracy& accuracy, std::uint64_t seed);
 
 }  // namespace palpate

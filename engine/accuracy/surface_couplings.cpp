@@ -132,7 +132,7 @@ Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCo
     const auto limits =
         stability_limits(DeviceMechanics::of(device), surface.coupling.damping_Ns_per_m, timing);
     if (!limits) return limits.error();
-    const double stiffness = surface.felt_stiffness_N_per_m(depth_m);
+    const double stiffness = surface.effective_stiffness_N_per_m(depth_m);
     verdicts.push_back(
         {surface, stiffness, *limits, limits->is_passive(stiffness), limits->is_stable(stiffness)});
   }

@@ -21,7 +21,7 @@ struct SurfaceCoupling {
   double relief_per_m = 0.0;
 
   // The stiffest that is felt at this depth.
-  double felt_stiffness_N_per_m(double depth_m) const {
+  double effective_stiffness_N_per_m(double depth_m) const {
     return coupling.stiffness_N_per_m * (1.0 + depth_m * relief_per_m);
   }
 };
@@ -33,7 +33,8 @@ std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSett
 // A coupling on a device.
 struct CouplingVerdict {
   SurfaceCoupling surface;
-  double felt_N_per_m = 0.0;  // SurfaceCoupling::felt_stiffness_N_per_m(), which the limits are for
+  double effective_N_per_m =
+      0.0;  // SurfaceCoupling::effective_stiffness_N_per_m(), which the limits are for
   StabilityLimits limits;
   bool is_passive = false;
   bool is_stable = false;

@@ -239,12 +239,13 @@ std::optional<Error> Scene::take_attributes(const std::vector<ImageDescription>&
   return ledger_->take(kept_for_effects);
 }
 
-EffectSurface Scene::effect_surface(std::string_view node, const IndexUse& use, std::size_t outfit,
+EffectSurface Scene::effect_surface(std::string_view node, const IndexUse& use,
+                                    std::size_t material_set,
                                     const RigidTransform& T_scene_body) const {
   const IndexShape& shape = shapes_[use.shape];
   const bool is_stretched = use.stretch != IndexUse::kNoStretch;
   return {node,
-          outfit,
+          material_set,
           is_stretched ? shapes_.size() + use.stretch : use.shape,
           {&meshes_[shape.mesh], &parts_[shape.mesh], shape.map_index_mesh,
            indices_[use.shape].get(), is_stretched ? &(*world_.stretches)[use.stretch] : nullptr},
@@ -256,11 +257,12 @@ std::optional<Error> Scene::compile_effects(SceneEffects& effects) {
   const EffectSurfaces bodies{objects_.size(), [&](std::size_t i) {
                                 const SceneObject& object = objects_[i];
                                 return effect_surface(object.name, use_of_object_[i],
-                                                      outfit_of_object_[i], object.T_scene_body);
+                                                      material_set_of_object_[i],
+                                                      object.T_scene_body);
                               }};
   const EffectSurfaces media{media_.size(), [&](std::size_t i) {
                                const Medium& m = media_[i];
-                               return effect_surface(m.name, m.use, m.outfit, m.T_scene_body);
+                               return effect_surface(m.name, m.use, m.material_set, m.T_scene_body);
                              }};
   auto result = effects.compile(bodies, media, world_.anchor_scene_m);
   if (!result) return result.error();
@@ -269,7 +271,7 @@ std::optional<Error> Scene::compile_effects(SceneEffects& effects) {
   material_calls_ = std::move(result->calls);
   statistics_.memory.effects = result->memory_bytes;
   for (MeshParts& parts : parts_) parts.drop_uv();
-  outfit_of_object_ = {};
+  material_set_of_object_ = {};
   media_ = {};
   return std::nullopt;
 }

@@ -129,7 +129,7 @@ class Scene {
   struct Medium {
     std::string name;
     IndexUse use;
-    std::size_t outfit;  // of SceneEffects
+    std::size_t material_set;  // of SceneEffects
     RigidTransform T_scene_body;
   };
 
@@ -161,7 +161,7 @@ class Scene {
   std::optional<Error> compile_effects(SceneEffects& effects);
   template <typename Visit>
   void visit_shapes_and_stretches(const Visit& visit) const;
-  EffectSurface effect_surface(std::string_view node, const IndexUse& use, std::size_t outfit,
+  EffectSurface effect_surface(std::string_view node, const IndexUse& use, std::size_t material_set,
                                const RigidTransform& T_scene_body) const;
 
   MemoryLedger* ledger_ = nullptr;     // while it is compiled
@@ -172,9 +172,9 @@ class Scene {
   std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // by shape
   std::vector<SceneObject> objects_;
   std::vector<IndexUse> use_of_object_;
-  std::vector<std::uint32_t> node_of_object_;  // of the description, while it is compiled
-  std::vector<std::size_t> outfit_of_object_;  // while it is compiled
-  std::vector<Medium> media_;                  // likewise
+  std::vector<std::uint32_t> node_of_object_;        // of the description, while it is compiled
+  std::vector<std::size_t> material_set_of_object_;  // while it is compiled
+  std::vector<Medium> media_;                        // likewise
   std::vector<TreeNode> tree_;
   std::vector<MaterialDescription> materials_;
   std::vector<PhysicsMaterialDescription> physics_materials_;

@@ -103,32 +103,32 @@ Result<std::size_t> SceneEffects::combination(const CombinationKey& key) {
   return combinations_.size() - 1;
 }
 
-Result<std::size_t> SceneEffects::outfit(const std::string& node, std::size_t mesh,
-                                         std::optional<std::uint32_t> physics_material) {
+Result<std::size_t> SceneEffects::material_set(const std::string& node, std::size_t mesh,
+                                               std::optional<std::uint32_t> physics_material) {
   const std::pair key(mesh, physics_material);
-  const auto known = outfit_of_.find(key);
-  if (known != outfit_of_.end()) return known->second;
+  const auto known = material_set_of_.find(key);
+  if (known != material_set_of_.end()) return known->second;
   const MeshParts& parts = meshes_[mesh];
   if (parts.materials().size() > kMostParts) {
     return limit_error("node \"" + node + "\"",
                        "its mesh has more than " + std::to_string(kMostParts) + " materials");
   }
-  Outfit outfit;
+  MaterialSet material_set;
   for (const auto& material : parts.materials()) {
     const auto c = combination(existing({material, physics_material, parts.haptic_material()}));
     if (!c) return c.error();
-    outfit.combinations.push_back(*c);
-    outfit.is_solid = outfit.is_solid && combinations_[*c].effects.is_solid;
+    material_set.combinations.push_back(*c);
+    material_set.is_solid = material_set.is_solid && combinations_[*c].effects.is_solid;
   }
-  if (!outfit.is_solid && outfit.combinations.size() > 1) {
+  if (!material_set.is_solid && material_set.combinations.size() > 1) {
     return Error{ErrorCode::kInvalidContent, "", "node \"" + node + "\"",
                  "its mesh has several materials, of which one is not solid; expected one material "
                  "for all faces",
                  ""};
   }
-  outfits_.push_back(std::move(outfit));
-  outfit_of_.emplace(key, outfits_.size() - 1);
-  return outfits_.size() - 1;
+  material_sets_.push_back(std::move(material_set));
+  material_set_of_.emplace(key, material_sets_.size() - 1);
+  return material_sets_.size() - 1;
 }
 
 Result<SceneEffectsResult> SceneEffects::compile(const EffectSurfaces& bodies,
@@ -199,26 +199,27 @@ SceneEffects::MaybeError SceneEffects::set_maps(const Combination& c, HeightMapM
 
 // For each shape whose surfaces are felt by anything at all.
 SceneEffects::MaybeError SceneEffects::add_attributes(const EffectSurfaces& bodies) {
-  std::map<std::size_t, std::vector<std::size_t>> outfits_of_shape;
+  std::map<std::size_t, std::vector<std::size_t>> material_sets_of_shape;
   std::map<std::size_t, std::size_t> body_of_shape;
   for (std::size_t b = 0; b < bodies.count; ++b) {
     const EffectSurface body = bodies.at(b);
-    const auto& combinations = outfits_[body.outfit].combinations;
-    const bool is_bare = std::all_of(combinations.begin(), combinations.end(), [&](std::size_t c) {
-      return combinations_[c].program_material == 0;
-    });
-    if (is_bare) continue;
-    std::vector<std::size_t>& outfits = outfits_of_shape[body.shape];
-    if (std::find(outfits.begin(), outfits.end(), body.outfit) == outfits.end()) {
-      outfits.push_back(body.outfit);
+    const auto& combinations = material_sets_[body.material_set].combinations;
+    const bool without_effects =
+        std::all_of(combinations.begin(), combinations.end(),
+                    [&](std::size_t c) { return combinations_[c].program_material == 0; });
+    if (without_effects) continue;
+    std::vector<std::size_t>& material_sets = material_sets_of_shape[body.shape];
+    if (std::find(material_sets.begin(), material_sets.end(), body.material_set) ==
+        material_sets.end()) {
+      material_sets.push_back(body.material_set);
     }
     body_of_shape.emplace(body.shape, b);
   }
   // Of which only the parts are asked for: the same however they are stretched.
   std::map<const SurfaceIndex*, const SurfaceAttributes*> plain;
-  for (const auto& [shape, outfits] : outfits_of_shape) {
+  for (const auto& [shape, material_sets] : material_sets_of_shape) {
     const EffectSurface body = bodies.at(body_of_shape[shape]);
-    const auto needs = needs_of(body.surface, outfits);
+    const auto needs = needs_of(body.surface, material_sets);
     if (!needs) {
       Error error = needs.error();
       error.element = "node \"" + std::string(body.node) + "\"";
@@ -236,13 +237,13 @@ SceneEffects::MaybeError SceneEffects::add_attributes(const EffectSurfaces& bodi
 }
 
 Result<AttributeNeeds> SceneEffects::needs_of(const PartedSurface& surface,
-                                              std::span<const std::size_t> outfits) const {
+                                              std::span<const std::size_t> material_sets) const {
   AttributeNeeds needs;
   needs.crease_angles_rad.resize(surface.parts->materials().size());
   std::set<double> angles;
-  for (const std::size_t outfit : outfits) {
-    for (std::size_t part = 0; part < outfits_[outfit].combinations.size(); ++part) {
-      const Combination& c = combinations_[outfits_[outfit].combinations[part]];
+  for (const std::size_t material_set : material_sets) {
+    for (std::size_t part = 0; part < material_sets_[material_set].combinations.size(); ++part) {
+      const Combination& c = combinations_[material_sets_[material_set].combinations[part]];
       needs.texture_uv = needs.texture_uv || c.effects.entry(TextureEffect::kName);
       needs.friction_uv = needs.friction_uv ||
                           (c.effects.entry(FrictionEffect::kName) && friction_map(haptic_of(c)));
@@ -271,7 +272,7 @@ Result<AttributeNeeds> SceneEffects::needs_of(const PartedSurface& surface,
 
 void SceneEffects::add_bodies(const EffectSurfaces& bodies) {
   EffectProgram& program = builder_.program;
-  std::vector<std::optional<std::uint32_t>> first_of_outfit(outfits_.size());
+  std::vector<std::optional<std::uint32_t>> first_of_material_set(material_sets_.size());
   for (std::size_t b = 0; b < bodies.count; ++b) {
     if (attributes_of_shape_.empty()) {
       program.bodies.resize(bodies.count);
@@ -283,10 +284,10 @@ void SceneEffects::add_bodies(const EffectSurfaces& bodies) {
       program.bodies.push_back({});
       continue;
     }
-    auto& first = first_of_outfit[body.outfit];
+    auto& first = first_of_material_set[body.material_set];
     if (!first) {
       first = static_cast<std::uint32_t>(program.material_of_part.size());
-      for (const std::size_t c : outfits_[body.outfit].combinations) {
+      for (const std::size_t c : material_sets_[body.material_set].combinations) {
         program.material_of_part.push_back(combinations_[c].program_material);
       }
     }

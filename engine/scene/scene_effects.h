@@ -68,9 +68,9 @@ struct EffectDeclarations {
 
 // A surface of a node, as one tick meets it.
 struct EffectSurface {
-  std::string_view node;  // name, for messages
-  std::size_t outfit;     // of SceneEffects::outfit()
-  std::size_t shape;      // surfaces of one shape share attributes
+  std::string_view node;     // name, for messages
+  std::size_t material_set;  // of SceneEffects::material_set()
+  std::size_t shape;         // surfaces of one shape share attributes
   PartedSurface surface;
   RigidTransform T_solver_body;
   double metres_per_unit;  // of the body frame (ContactBody)
@@ -89,18 +89,18 @@ struct SceneEffectsResult {
   std::size_t memory_bytes = 0;
 };
 
-// First every node is asked for its outfit, then all is compiled. Load time only. Errors are those
-// of material_effects() and of surroundings.h, and name the node where it matters which.
+// First every node is asked for its material_set, then all is compiled. Load time only. Errors are
+// those of material_effects() and of surroundings.h, and name the node where it matters which.
 class SceneEffects {
  public:
   SceneEffects(const EffectDeclarations& declarations, std::span<const MeshParts> meshes);
 
   // How the parts of a mesh are felt on a node with this physics material. The number is the same
   // for nodes that are alike.
-  Result<std::size_t> outfit(const std::string& node, std::size_t mesh,
-                             std::optional<std::uint32_t> physics_material);
+  Result<std::size_t> material_set(const std::string& node, std::size_t mesh,
+                                   std::optional<std::uint32_t> physics_material);
   // False: the nodes are no bodies, only the medium inside is felt.
-  bool is_solid(std::size_t outfit) const { return outfits_[outfit].is_solid; }
+  bool is_solid(std::size_t material_set) const { return material_sets_[material_set].is_solid; }
 
   // bodies: as the world's. media: those that are not solid.
   Result<SceneEffectsResult> compile(const EffectSurfaces& bodies, const EffectSurfaces& media,
@@ -114,7 +114,7 @@ class SceneEffects {
     std::uint32_t program_material = 0;
     std::vector<std::uint32_t> places;  // its calls among those that are felt in places
   };
-  struct Outfit {
+  struct MaterialSet {
     std::vector<std::size_t> combinations;  // by part
     bool is_solid = true;
   };
@@ -137,7 +137,7 @@ class SceneEffects {
                       std::vector<EffectProgramBuilder::Entry>& entries) const;
   MaybeError add_attributes(const EffectSurfaces& bodies);
   Result<AttributeNeeds> needs_of(const PartedSurface& surface,
-                                  std::span<const std::size_t> outfits) const;
+                                  std::span<const std::size_t> material_sets) const;
   void add_bodies(const EffectSurfaces& bodies);
   MaybeError add_magnets(const EffectSurfaces& bodies);
   const SurfaceIndex* magnet_index(const EffectSurface& body, std::size_t part);
@@ -156,8 +156,8 @@ class SceneEffects {
   MaterialDescription no_material_;
   std::vector<Combination> combinations_;
   std::map<CombinationKey, std::size_t> combination_of_;
-  std::vector<Outfit> outfits_;
-  std::map<std::pair<std::size_t, std::optional<std::uint32_t>>, std::size_t> outfit_of_;
+  std::vector<MaterialSet> material_sets_;
+  std::map<std::pair<std::size_t, std::optional<std::uint32_t>>, std::size_t> material_set_of_;
 
   EffectProgramBuilder builder_;
   std::map<std::size_t, const SurfaceAttributes*> attributes_of_shape_;

@@ -44,7 +44,7 @@ double largest_stretch(const Mat3& linear) {
 SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies) {
   for (std::uint32_t b = 0; b < bodies.count; ++b) {
     const EffectSurface body = bodies.at(b);
-    const auto& combinations = outfits_[body.outfit].combinations;
+    const auto& combinations = material_sets_[body.material_set].combinations;
     for (std::size_t part = 0; part < combinations.size(); ++part) {
       Combination& c = combinations_[combinations[part]];
       const Entry* magnet = c.effects.entry(MagnetEffect::kName);
@@ -128,7 +128,7 @@ SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface&
 SceneEffects::MaybeError SceneEffects::add_body_media(const EffectSurfaces& bodies) {
   for (std::uint32_t b = 0; b < bodies.count; ++b) {
     const EffectSurface body = bodies.at(b);
-    for (const std::size_t i : outfits_[body.outfit].combinations) {
+    for (const std::size_t i : material_sets_[body.material_set].combinations) {
       Combination& c = combinations_[i];
       const Entry* viscosity = c.effects.entry(ViscosityEffect::kName);
       if (!viscosity) continue;
@@ -145,7 +145,7 @@ SceneEffects::MaybeError SceneEffects::add_body_media(const EffectSurfaces& bodi
 SceneEffects::MaybeError SceneEffects::add_through_media(const EffectSurfaces& media) {
   for (std::size_t m = 0; m < media.count; ++m) {
     const EffectSurface surface = media.at(m);
-    Combination& c = combinations_[outfits_[surface.outfit].combinations.front()];
+    Combination& c = combinations_[material_sets_[surface.material_set].combinations.front()];
     if (auto error = check_medium_surface(surface, c)) return error;
     MediumRegion region;
     region.shape = MediumRegion::Shape::kThrough;

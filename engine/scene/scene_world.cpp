@@ -73,19 +73,19 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
   world_.stretches = std::make_shared<const std::vector<Stretch>>(sharing.take_stretches());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeDescription& node = nodes[i];
-    const auto outfit = effects.outfit(node.name, node.mesh, node.physics_material);
-    if (!outfit) return outfit.error();
+    const auto material_set = effects.material_set(node.name, node.mesh, node.physics_material);
+    if (!material_set) return material_set.error();
     const Vec3 middle_m = -uses[i].metres_per_unit * map_body_mesh(uses[i]).translation_m;
     const Quat& rotation = placements[i].rotation;
     const RigidTransform T_scene_body{rotation, node.translation_m + rotation * middle_m};
     statistics_.instanced_triangles += welded_[node.mesh].face_count();
-    if (!effects.is_solid(*outfit)) {
-      media_.push_back({node.name, uses[i], *outfit, T_scene_body});
+    if (!effects.is_solid(*material_set)) {
+      media_.push_back({node.name, uses[i], *material_set, T_scene_body});
       continue;
     }
     objects_.push_back({node.name, node.mesh, node.tree_node, T_scene_body, node.physics_material});
     use_of_object_.push_back(uses[i]);
-    outfit_of_object_.push_back(*outfit);
+    material_set_of_object_.push_back(*material_set);
     node_of_object_.push_back(static_cast<std::uint32_t>(i));
   }
   statistics_.instances = objects_.size() + media_.size();

@@ -205,10 +205,10 @@ Result<SceneFields> scene_fields(const MaterialDescription& scene_parameters) {
   if (auto error = take_gravity(declaration, gravity)) return *error;
   if (auto error = take_field(declaration, gravity)) return *error;
   declaration.report_others(std::array{kSceneKeys[0].key, kSceneKeys[1].key, kSceneKeys[2].key});
-  const auto is_felt = [](const double(&v)[3]) {
+  const auto is_nonzero = [](const double(&v)[3]) {
     return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0;
   };
-  if (!is_felt(gravity.gravity_m_per_s2) && !is_felt(gravity.field_N)) return fields;
+  if (!is_nonzero(gravity.gravity_m_per_s2) && !is_nonzero(gravity.field_N)) return fields;
   if (!effect_number(GravityEffect::kName)) {
     const MaterialParameter* field = declaration.find("constantForce");
     return declaration.not_built(field ? *field : *declaration.find("gravity"),

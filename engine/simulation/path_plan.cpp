@@ -77,9 +77,9 @@ Vec3 PathPlan::place(double along_m) const {
 
 // From where a sphere touches to its centre.
 Vec3 PathPlan::to_centre_m(const TickRecord& last) const {
-  const bool is_felt = last.contact && !vec3(last.normal_scene).isZero(0.0);
+  const bool has_normal = last.contact && !vec3(last.normal_scene).isZero(0.0);
   return facts_.proxy_radius_m *
-         (is_felt ? vec3(last.normal_scene) : Vec3(-inward(proxy_along_m_)));
+         (has_normal ? vec3(last.normal_scene) : Vec3(-inward(proxy_along_m_)));
 }
 
 // The hand follows the path with what touches it.

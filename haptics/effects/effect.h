@@ -88,8 +88,8 @@ struct EffectTick {
 
   // Written by kSurface. A surface is moved by height_m along its normal, whose slope over the
   // surface is the tangential vector `slope` (no unit).
-  Vec3 felt_normal = Vec3::Zero();  // unit; `normal` to begin with
-  double height_m = 0.0;            // <= 0, so that the contact begins where the proxy meets it
+  Vec3 rendered_normal = Vec3::Zero();  // unit; `normal` to begin with
+  double height_m = 0.0;                // <= 0, so that the contact begins where the proxy meets it
   Vec3 slope = Vec3::Zero();
   // Written by kProxy.
   FrictionCone cone;

@@ -50,7 +50,7 @@ std::uint32_t EffectProgramBuilder::add_material(std::span<const Entry> entries)
     if (table.count == 0) table.first = static_cast<std::uint32_t>(program.calls.size());
     program.calls.push_back(call_of(entry));
     ++table.count;
-    material.is_bare = false;
+    material.without_effects = false;
   }
   program.materials.push_back(material);
   return static_cast<std::uint32_t>(program.materials.size() - 1);

@@ -33,7 +33,7 @@ struct EffectTable {
 // The tables of one material, by stage.
 struct EffectMaterial {
   std::array<EffectTable, kEffectStageCount> tables;
-  bool is_bare = true;  // none of its tables has a line that contact runs
+  bool without_effects = true;  // none of its tables has a line that contact runs
 };
 
 // The surface of one body: which material its parts have.

@@ -64,16 +64,16 @@ void EffectRunner::reset_states() noexcept {
 }
 
 std::uint32_t EffectRunner::end_tick() noexcept {
-  for (std::uint32_t left = felt_; left != 0; left &= left - 1) {
+  for (std::uint32_t left = active_; left != 0; left &= left - 1) {
     ++counters_.ticks[static_cast<std::size_t>(std::countr_zero(left))];
   }
-  return felt_;
+  return active_;
 }
 
 void EffectRunner::run_one(const EffectCall& call, EffectTick& tick) noexcept {
-  const auto felt =
+  const auto active =
       call.apply(parameters_.data() + call.parameters, states_.data() + call.state, tick);
-  felt_ |= static_cast<std::uint32_t>(felt) << call.effect;
+  active_ |= static_cast<std::uint32_t>(active) << call.effect;
 }
 
 void EffectRunner::run(std::span<const EffectCall> table, EffectTick& tick) noexcept {
@@ -101,16 +101,16 @@ FacePoint EffectRunner::face_point(const LiveWorld& world, const FaceContact& co
 FrictionCone EffectRunner::friction_cone(const LiveWorld& world, const FaceContact& contact,
                                          const Vec3& proxy) noexcept {
   const std::uint32_t m = program_->material(contact.face.body, contact.face.slot);
-  if (program_->materials[m].is_bare) return {};
+  if (program_->materials[m].without_effects) return {};
   const auto table = program_->table(m, EffectStage::kProxy);
   if (table.empty()) return {};
   tick_.cone = {};
   tick_.face = face_point(world, contact, proxy);
   tick_.normal = contact.normal;
-  const std::uint32_t felt = felt_;
+  const std::uint32_t active = active_;
   run(table, tick_);
-  held_ |= felt_;  // the solver tries faces that it does not end on
-  felt_ = felt;
+  held_ |= active_;  // the solver tries faces that it does not end on
+  active_ = active;
   return tick_.cone;
 }
 
@@ -126,11 +126,11 @@ EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& 
 }
 
 // The short way where there is one face without effects, which is most of the ground.
-bool EffectRunner::touches_bare_face(std::span<const FaceContact> contacts) noexcept {
+bool EffectRunner::touches_face_without_effects(std::span<const FaceContact> contacts) noexcept {
   if (contacts.size() != 1) return false;
   const FaceRef& face = contacts[0].face;
   const std::uint32_t m = program_->material(face.body, face.slot);
-  if (!program_->materials[m].is_bare) return false;
+  if (!program_->materials[m].without_effects) return false;
   touches_[0] = {face.body, m, contacts[0].normal};
   touch_count_ = 1;
   return true;
@@ -158,26 +158,26 @@ void EffectRunner::find_touches(const ContactView& contact, const Vec3& lag_m) n
   }
 }
 
-ContactFeel EffectRunner::feel_contact(const ContactView& contact, const ProxyState& state,
-                                       const EffectMotion& motion) noexcept {
-  ContactFeel feel;
-  feel.normal = state.normal;
-  feel.coupling = coupling_;
+ContactResponse EffectRunner::evaluate_contact(const ContactView& contact, const ProxyState& state,
+                                               const EffectMotion& motion) noexcept {
+  ContactResponse response;
+  response.normal = state.normal;
+  response.coupling = coupling_;
   touch_count_ = 0;
   material_count_ = 0;
-  if (!state.in_contact || contact.contacts().empty()) return feel;
-  if (state.is_held) felt_ |= held_;
-  if (touches_bare_face(contact.contacts())) return feel;
+  if (!state.in_contact || contact.contacts().empty()) return response;
+  if (state.is_held) active_ |= held_;
+  if (touches_face_without_effects(contact.contacts())) return response;
   find_touches(contact, state.proxy - motion.goal_m);
   const auto touched = std::span(materials_).first(material_count_);
   if (std::all_of(touched.begin(), touched.end(), [&](const TouchedMaterial& m) {
-        return program_->materials[m.material].is_bare;
+        return program_->materials[m.material].without_effects;
       })) {
-    return feel;
+    return response;
   }
 
-  feel.is_bare = false;
-  feel.coupling = {0.0, 0.0};
+  response.without_effects = false;
+  response.coupling = {0.0, 0.0};
   Vec3 normals = Vec3::Zero();
   bool is_shaded = false;
   EffectTick& tick = prepared(state, motion);
@@ -186,34 +186,34 @@ ContactFeel EffectRunner::feel_contact(const ContactView& contact, const ProxySt
     const double share = shares_[i];
     tick.share = share;
     tick.normal = contact.plane_normal(i);
-    tick.felt_normal = tick.normal;
+    tick.rendered_normal = tick.normal;
     tick.height_m = 0.0;
     tick.slope.setZero();
     tick.coupling = coupling_;
     const std::uint32_t m = touches_[i].material;
-    if (!program_->materials[m].is_bare) {
+    if (!program_->materials[m].without_effects) {
       tick.face = face_point(contact.world(), face, state.proxy);
       run(program_->table(m, EffectStage::kSurface), tick);
       run(program_->table(m, EffectStage::kForceMap), tick);
     }
-    is_shaded = is_shaded || tick.felt_normal != tick.normal;
-    normals += tick.felt_normal;
-    feel.height_m += share * tick.height_m;
-    feel.slope += share * tick.slope;
-    feel.coupling.stiffness_N_per_m += share * tick.coupling.stiffness_N_per_m;
-    feel.coupling.damping_Ns_per_m += share * tick.coupling.damping_Ns_per_m;
+    is_shaded = is_shaded || tick.rendered_normal != tick.normal;
+    normals += tick.rendered_normal;
+    response.height_m += share * tick.height_m;
+    response.slope += share * tick.slope;
+    response.coupling.stiffness_N_per_m += share * tick.coupling.stiffness_N_per_m;
+    response.coupling.damping_Ns_per_m += share * tick.coupling.damping_Ns_per_m;
   }
-  if (is_shaded && normals.dot(state.normal) > 0.0) feel.normal = normals.normalized();
-  return feel;
+  if (is_shaded && normals.dot(state.normal) > 0.0) response.normal = normals.normalized();
+  return response;
 }
 
-Vec3 EffectRunner::contact_force_N(const ProxyState& state, const ContactFeel& feel,
+Vec3 EffectRunner::contact_force_N(const ProxyState& state, const ContactResponse& response,
                                    const EffectMotion& motion) noexcept {
   EffectTick& tick = prepared(state, motion);
   for (std::size_t i = 0; i < material_count_; ++i) {
     const auto table = program_->table(materials_[i].material, EffectStage::kForceAdd);
     if (table.empty()) continue;
-    tick.normal = feel.normal;
+    tick.normal = response.normal;
     tick.share = materials_[i].share;
     run(table, tick);
   }

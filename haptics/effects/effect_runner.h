@@ -15,12 +15,12 @@
 namespace palpate {
 
 // How a contact is felt. Solver frame.
-struct ContactFeel {
+struct ContactResponse {
   Vec3 normal = Vec3::Zero();  // unit: shaded; zero where normals cancel
   double height_m = 0.0;       // of the surface above the mesh, <= 0
   Vec3 slope = Vec3::Zero();   // of that height, tangential; no unit
   CouplingSettings coupling;
-  bool is_bare = true;  // as without effects
+  bool without_effects = true;  // as without effects
 };
 
 // What it takes of a tick. Solver frame.
@@ -39,7 +39,7 @@ struct EffectCounters {
 };
 
 // The parameters of the effects as they are now, their states, and how they are run. A tick asks
-// in the order of the stages: friction_cone() as often as the solver likes, feel_contact(), and
+// in the order of the stages: friction_cone() as often as the solver likes, evaluate_contact(), and
 // then the two that add force.
 //
 // No allocation, lock or exception after construction. One thread owns it.
@@ -60,11 +60,11 @@ class EffectRunner {
   }
   // At the end of a tick in which that was not so. touch_m: how far away a proxy may touch.
   void look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
-    if (felt_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
+    if (active_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
     look_for_nearest(world, proxy, touch_m);
   }
 
-  void begin_tick() noexcept { felt_ = held_ = 0; }
+  void begin_tick() noexcept { active_ = held_ = 0; }
   // The effects that were felt in this tick, a bit each. Counts them.
   std::uint32_t end_tick() noexcept;
 
@@ -73,11 +73,11 @@ class EffectRunner {
                              const Vec3& proxy) noexcept;
 
   // kSurface and kForceMap, of all that the proxy touches, each by its share.
-  ContactFeel feel_contact(const ContactView& contact, const ProxyState& state,
-                           const EffectMotion& motion) noexcept;
+  ContactResponse evaluate_contact(const ContactView& contact, const ProxyState& state,
+                                   const EffectMotion& motion) noexcept;
 
   // kForceAdd of the contact that was felt last.
-  Vec3 contact_force_N(const ProxyState& state, const ContactFeel& feel,
+  Vec3 contact_force_N(const ProxyState& state, const ContactResponse& response,
                        const EffectMotion& motion) noexcept;
   // kSurroundings. state: of this tick, in contact or not.
   Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
@@ -102,7 +102,7 @@ class EffectRunner {
   void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
   EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
-  bool touches_bare_face(std::span<const FaceContact> contacts) noexcept;
+  bool touches_face_without_effects(std::span<const FaceContact> contacts) noexcept;
   void find_touches(const ContactView& contact, const Vec3& lag_m) noexcept;
   FacePoint face_point(const LiveWorld& world, const FaceContact& contact,
                        const Vec3& proxy) const noexcept;
@@ -113,8 +113,8 @@ class EffectRunner {
   std::vector<std::byte> parameters_;
   std::vector<std::byte> states_;
   EffectCounters counters_;
-  std::uint32_t felt_ = 0;  // in this tick
-  std::uint32_t held_ = 0;  // those that held any face that the solver tried
+  std::uint32_t active_ = 0;  // in this tick
+  std::uint32_t held_ = 0;    // those that held any face that the solver tried
 
   // What is touched: the faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};

@@ -50,7 +50,7 @@ struct ShadingEffect {
     // The proxy may be at the back of the face.
     const double along = front.dot(tick.normal);
     if (along == 0.0) return false;
-    tick.felt_normal = along < 0.0 ? Vec3(-front) : front;
+    tick.rendered_normal = along < 0.0 ? Vec3(-front) : front;
     return true;
   }
 };

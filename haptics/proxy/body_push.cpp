@@ -109,10 +109,10 @@ class PushedProxy {
 
   // False if the plane cannot push the proxy within its plane.
   bool add_plane(const ContactPlane& plane) {
-    std::optional<ContactPlane> felt = plane;
-    if (motion_plane_normal_) felt = within_plane(plane, *motion_plane_normal_);
-    if (felt) planes_[static_cast<std::size_t>(plane_count_++)] = *felt;
-    return felt.has_value();
+    std::optional<ContactPlane> pushing = plane;
+    if (motion_plane_normal_) pushing = within_plane(plane, *motion_plane_normal_);
+    if (pushing) planes_[static_cast<std::size_t>(plane_count_++)] = *pushing;
+    return pushing.has_value();
   }
 
   SegmentTracer& tracer_;

@@ -217,7 +217,7 @@ TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
       kRadius_m, true);
   test::EffectBodies effects;
   effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
-  effects.add_bare_body();
+  effects.add_body_without_effects();
   bodies.set_effects(effects.finish());
   for (const BadSetting& bad : bad_settings()) {
     HapticSettings settings = good_settings(kRadius_m);

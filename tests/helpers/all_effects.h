@@ -88,7 +88,7 @@ struct AllEffects {
       entries = permuted;
     }
     hand.effects.add_body(entries, std::move(attributes));
-    hand.effects.add_bare_body();
+    hand.effects.add_body_without_effects();
     if (with_gravity) {
       hand.effects.builder.add_surroundings(
           effect_entry<GravityEffect>({0.05, {0, 0, -9.81}, {0.1, 0, 0}}));

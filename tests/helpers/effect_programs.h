@@ -45,7 +45,7 @@ class EffectBodies {
     program.material_of_part.push_back(builder.add_material(entries));
   }
   // The next body has none.
-  void add_bare_body() { builder.program.bodies.emplace_back(); }
+  void add_body_without_effects() { builder.program.bodies.emplace_back(); }
 
   std::shared_ptr<const EffectProgram> finish() {
     return std::make_shared<const EffectProgram>(std::move(builder).finish());

@@ -154,7 +154,7 @@ TEST(SceneStudy, CountsTheReliefOfATextureIn) {
   const double theory = 0.5 * relief.height_m * wave_per_m * wave_per_m;
   EXPECT_NEAR(couplings[1].relief_per_m, theory, 0.02 * theory);
   const double felt = 1000.0 * (1.0 + 2e-3 * theory);
-  EXPECT_NEAR(couplings[1].felt_stiffness_N_per_m(2e-3), felt, 0.02 * felt);
+  EXPECT_NEAR(couplings[1].effective_stiffness_N_per_m(2e-3), felt, 0.02 * felt);
 }
 
 TEST(SceneStudy, EscapesWhatComesFromAFile) {

@@ -75,10 +75,10 @@ def instructions(palpate, scene, trajectory, out):
     return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.M).group(1))
 
 
-def check(programs, scene, is_bare, scratch):
+def check(programs, scene, without_effects, scratch):
     """How many comparisons failed."""
     palpate = programs["all effects"]
-    names = ["all effects", "no friction"] + (["no effects"] if is_bare else [])
+    names = ["all effects", "no friction"] + (["no effects"] if without_effects else [])
     trajectory = scratch / "trajectory.txt"
     write_trajectory(trajectory, extent_m(palpate, scene))
     rows = {n: trace(programs[n], scene, trajectory, scratch / "trace.csv") for n in names}

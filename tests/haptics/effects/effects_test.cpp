@@ -87,7 +87,7 @@ TEST(Effects, AreNotFeltOnABareBodyBesideThem) {
     BodyHand with = all_effects(pose, {}, false);
     BodyHand without({AllEffects::sphere(), AllEffects::plate()}, pose);
     with.begin(hand_settings(1000.0, 2.0));
-    without.begin_bare(hand_settings(1000.0, 2.0));
+    without.begin_without_effects(hand_settings(1000.0, 2.0));
     Vec3 p(0, 0, AllEffects::kPlate_m + 0.003);
     for (int tick = 0; tick < 3000; ++tick) {
       p += random.in_box(5e-4);
@@ -117,7 +117,7 @@ TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
                            effect_entry<VibrationEffect>({80.0, 0.0, 0.0})});
     BodyHand without({ring}, pose);
     with.begin(hand_settings(900.0, 1.5));
-    without.begin_bare(hand_settings(900.0, 1.5));
+    without.begin_without_effects(hand_settings(900.0, 1.5));
     Vec3 p(0.08, 0, 0);
     for (int tick = 0; tick < 3000; ++tick) {
       const Vec3 core = 0.05 * Vec3(p.x(), p.y(), 0).normalized();

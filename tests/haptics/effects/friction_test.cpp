@@ -356,7 +356,7 @@ TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
   OwnedBodies bodies({{plane_soup(), {}}, {plane_soup(), wall}});
   test::EffectBodies effects;
   effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
-  effects.add_bare_body();
+  effects.add_body_without_effects();
   bodies.set_effects(effects.finish());
   HapticLoop loop(bodies.world(), three_axes(), hand_settings());
   loop.tick({0.01, 0, 0.01}, kTick_s);

@@ -56,7 +56,7 @@ class Medium {
     program.media.back().p_region_solver = inverse_of(pose);
     hand.effects.builder.add_surroundings(
         effect_entry<ViscosityEffect>({viscosity, &program.media.back()}));
-    hand.effects.add_bare_body();
+    hand.effects.add_body_without_effects();
     hand.begin(hand_settings());
   }
 
@@ -227,7 +227,7 @@ TEST(Viscosity, DragsWhatIsLockedInAClosedMeshAndNothingOutsideIt) {
     const double viscosity = random.uniform(0.1, 10.0);
     hand.effects.builder.add_surroundings(
         effect_entry<ViscosityEffect>({viscosity, &program.media.back()}));
-    hand.effects.add_bare_body();
+    hand.effects.add_body_without_effects();
     hand.begin(hand_settings());
     Vec3 p = (starts_inside ? 0.02 : 0.06) * random.unit_vector();
     hand.go_to(p);
@@ -476,7 +476,7 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
     const double force_N = 2.0;
     const double range_m = 0.01;
     effects.add_body({effect_entry<MagnetEffect>({force_N, range_m, &program.magnets.back()})});
-    effects.add_bare_body();
+    effects.add_body_without_effects();
     bodies.set_effects(effects.finish());
     HapticLoop loop(bodies.world(), ActuationModel::from_counts(3, 3).value(), hand_settings());
     RigidTransform moved = pose;
@@ -523,7 +523,7 @@ TEST(Gravity, IsConstantInTheSceneAndTurnsWithIt) {
     const Vec3 field = random.in_box(1.0);
     effects.builder.add_surroundings(effect_entry<GravityEffect>(
         {mass, {gravity.x(), gravity.y(), gravity.z()}, {field.x(), field.y(), field.z()}}));
-    effects.add_bare_body();
+    effects.add_body_without_effects();
     bodies.set_effects(effects.finish());
     HapticSettings s = hand_settings();
     s.a4.enabled = true;

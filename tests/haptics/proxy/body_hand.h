@@ -68,7 +68,7 @@ class BodyHand {
     loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, actuators).value(), settings);
   }
   // Without any effect.
-  void begin_bare(const HapticSettings& settings) {
+  void begin_without_effects(const HapticSettings& settings) {
     loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, 3).value(), settings);
   }
 

@@ -1,4 +1,4 @@
-#include "haptics/effects/felt_force.h"
+#include "haptics/effects/rendered_force.h"
 
 #include <algorithm>
 
@@ -30,20 +30,20 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 
 }  // namespace
 
-Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& lag_m,
-                  const Vec3& damped_m_per_s) noexcept {
-  if (!state.is_held && feel.height_m == 0.0) {
+Vec3 rendered_force_N(const ContactResponse& response, const ProxyState& state, const Vec3& lag_m,
+                      const Vec3& damped_m_per_s) noexcept {
+  if (!state.is_held && response.height_m == 0.0) {
     // A spring and a damper: as in bare contact, to the bit.
-    return turned(coupling_force_N(feel.coupling, lag_m, damped_m_per_s, state.normal),
-                  state.normal, feel.normal);
+    return turned(coupling_force_N(response.coupling, lag_m, damped_m_per_s, state.normal),
+                  state.normal, response.normal);
   }
   const Vec3 pressed_m = state.pressed_part(lag_m);
   const double depth_m = pressed_m.norm();
-  const double deep_m = std::max(0.0, depth_m + feel.height_m);
+  const double deep_m = std::max(0.0, depth_m + response.height_m);
   if (deep_m == 0.0) return Vec3::Zero();
   const Vec3 axis = pressed_m / depth_m;
-  const double K = feel.coupling.stiffness_N_per_m;
-  const double B = feel.coupling.damping_Ns_per_m;
+  const double K = response.coupling.stiffness_N_per_m;
+  const double B = response.coupling.damping_Ns_per_m;
   const double damped_axis = damped_m_per_s.dot(axis);
   double press_N = K * deep_m + B * damped_axis;
   const Vec3 tangential_m = lag_m - pressed_m;
@@ -54,7 +54,7 @@ Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& 
   }
   Vec3 force_N = press_N * axis + side_N;
   force_N += std::max(0.0, -force_N.dot(state.normal)) * state.normal;
-  return turned(force_N, state.normal, feel.normal) - K * deep_m * feel.slope;
+  return turned(force_N, state.normal, response.normal) - K * deep_m * response.slope;
 }
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ namespace palpate {
 //     less    K (d + h) grad h                   texture
 //
 // lag_m: proxy minus goal. damped_m_per_s: u, see VirtualCoupling. Safe on the haptic thread.
-Vec3 felt_force_N(const ContactFeel& feel, const ProxyState& state, const Vec3& lag_m,
-                  const Vec3& damped_m_per_s) noexcept;
+Vec3 rendered_force_N(const ContactResponse& response, const ProxyState& state, const Vec3& lag_m,
+                      const Vec3& damped_m_per_s) noexcept;
 
 }  // namespace palpate
