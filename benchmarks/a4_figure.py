@@ -54,8 +54,9 @@ def normal_of(row):
 
 
 def instants_of(trace_path, contour_path):
-    """The contact with one wall that starts at the largest angle of those that A4 aligns, at its
-    first tick and where its angle first is at or below each of LATER_BELOW_DEG."""
+    """Four instants of one contact: among all contacts with one wall that A4 aligns, the contact that
+    starts at the largest angle. The instants are its first tick and the first ticks at which the
+    angle is at most each of LATER_BELOW_DEG."""
     with open(trace_path, encoding="utf-8", newline="") as file:
         runs = [run for run in walls(csv.DictReader(file))
                 if float(run[0]["alpha_deg"]) > START_ABOVE_DEG and
@@ -134,7 +135,7 @@ def touched_wall(data, instant):
 # Picture
 
 def draw(data, objects):
-    """data: of instants_of; objects: of objects.json."""
+    """data: the result of instants_of; objects: the content of objects.json."""
     instants = data["instants"]
     star = [[from_contact(i, p) for p in data["outline_scene_m"]] for i in instants]
     low = [min(p[k] for points in star for p in points) for k in (0, 1)]
@@ -149,9 +150,10 @@ def draw(data, objects):
     picture.text((MARGIN, 36), "A4 turns the scene until the touched wall faces the motor", 24,
                  bold=True)
     picture.paragraph((MARGIN, 62),
-                      "The device senses two axes and has one motor, which can push only along the blue "
-                      "axis. The hand presses on one wall of the star (red) and slides along it. Every "
-                      "panel shows the contact at the same place: the star turns, the motor does not.",
+                      "The device senses two axes and has one motor, which can push only along the "
+                      "blue axis. The hand presses on one wall of the star (red) and slides along it. "
+                      "Every panel shows the contact at the same place: the star turns, the motor "
+                      "does not.",
                       WIDTH - 2 * MARGIN)
     draw_legend(picture)
     for n, instant in enumerate(instants):

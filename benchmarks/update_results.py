@@ -67,8 +67,8 @@ def headline_block(machine):
     slowest_ns = slowest(machine.runs)
     lines = []
     if None not in tick:
-        lines.append(f"- A tick of a point proxy that slides over {HEADLINE_TRIANGLES / 1e6:.1f} million "
-                     f"triangles takes {tables.microseconds(tick[0])} us (median) and "
+        lines.append("- A tick of a point proxy that slides over "
+                     f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles takes {tables.microseconds(tick[0])} us (median) and "
                      f"{tables.microseconds(tick[1])} us (99 %).")
     if None not in ratios:
         lines.append("- The closest-point query, decided in double precision, takes "
@@ -82,7 +82,7 @@ def headline_block(machine):
 
 
 def slowest(runs):
-    """Of all worst inputs, without the effects that search; nanoseconds, 0 if not measured."""
+    """The longest time over the slow inputs, without effects that search; 0 if not measured."""
     return max((run["max_ns"] for (name, _), run in runs.items()
                 if name.startswith("worst_") and not name.endswith(("_magnets", "_media"))),
                default=0.0)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The README's table and figure of what accuracy costs follow the results that they are made from.
+"""RESULTS.md, the README and the figures follow the results that they are made from.
 
-update_readme_test.py UPDATE_README.py RESULTS_DIR
+update_results_test.py UPDATE_RESULTS.py PROJECT_DIR
 
-Works on a copy of the committed results, with rows of accuracy that are made up.
+Works on a copy of the committed results, with invented rows of accuracy.
 """
 
 import json
@@ -42,100 +42,175 @@ def timed(name, first_ns):
 
 
 class Copy:
-    """Results and a README of their own."""
+    """The project's documents, results and drawn figures in a folder of their own."""
 
-    def __init__(self, script, results, folder):
+    def __init__(self, script, project, folder):
         self.script = script
+        self.root = folder
+        shutil.copytree(project / "benchmarks/results", folder / "benchmarks/results")
+        for name in ("README.md", "benchmarks/RESULTS.md", "haptics/proxy/groove.svg"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(project / name, folder / name)
         self.readme = folder / "README.md"
-        self.readme.write_text("before\n<!-- measured:begin -->\n<!-- measured:end -->\nafter\n")
-        self.results = folder / "its results"
-        shutil.copytree(results, self.results)
-        self.path = next(self.results.glob("*.json"))
+        self.tables = folder / "benchmarks/RESULTS.md"
+        results = folder / "benchmarks/results"
+        self.objects = results / "paper_objects/objects.json"
+        self.a4_figure = results / "paper_objects/a4.svg"
+        self.path = next(results.glob("*.json"))
         self.document = json.loads(self.path.read_text())
+        self.committed = self.path.read_text()
         self.document["benchmarks"] = [
             run for run in self.document["benchmarks"]
             if not run["name"].startswith(("accuracy_", "scan_", "worst_"))]
-        self.bare = list(self.document["benchmarks"])
-        self.figure = self.results / self.path.stem / "accuracy.svg"
+        self.without_rows = list(self.document["benchmarks"])
+        self.figure = self.path.parent / self.path.stem / "accuracy.svg"
 
     def put(self, more):
-        self.document["benchmarks"] = self.bare + more
+        self.document["benchmarks"] = self.without_rows + more
         self.path.write_text(json.dumps(self.document))
 
+    def block(self, name):
+        text = self.tables.read_text()
+        return text.split(f"measured:{name}:begin -->\n")[1].split("\n<!-- measured:")[0]
+
     def run(self, *options):
-        done = subprocess.run([sys.executable, self.script, "--readme", self.readme, "--results",
-                               self.results, *options], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, self.script, "--root", self.root, *options],
+                              capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr
 
 
-def expect(condition, what):
+def expect(condition, statement):
     if not condition:
-        sys.exit(f"not so: {what}")
+        sys.exit(f"false: {statement}")
 
 
-def check_texts(text, figure):
-    expect("| mesh: mean edge | depth, tick | 15 mm: 750 um, 182 ns | 3.75 mm: 46.9 um, 220 ns | "
-           "469 um: 732 nm, 292 ns |" in text, "the table has coarsest, default and finest")
-    expect("| most steps of the solver | distance to converged, tick | 1: 100 um, 134 ns | 16: 0, 670 ns |" in text,
-           "an error of 0 is 0")
-    expect("servo" not in text, "a level that failed is not in the table")
-    expect(re.search(r"!\[[^]]{10,}\]\(its results/[^)]*accuracy\.svg\)", text),
-           "the figure is shown, with a text for those who do not see it")
-    for part in ("depth (um)", "tick (ns)", "sphere proxy", "default", "mesh: mean edge"):
-        expect(f">{part}<" in figure, f"the figure says {part}")
+def expect_refused(copy, statement, word):
+    code, output = copy.run("--check")
+    expect(code == 1 and word in output, f"{statement} ({code}: {output})")
+
+
+def check_accuracy(copy):
+    """The table and the figure of the invented rows; the figure's text, for later changes."""
+    copy.put(rows())
+    expect_refused(copy, "--check reports a missing figure", "accuracy.svg")
+    expect(not copy.figure.exists(), "--check draws nothing")
+    expect(copy.run()[0] == 0 and copy.run("--check")[0] == 0, "--check accepts fresh documents")
+    text, figure = copy.block("accuracy"), copy.figure.read_text()
+    expect("| mesh resolution: mean edge | penetration depth, tick | 15 mm: 750 um, 182 ns | "
+           "3.75 mm: 46.9 um, 220 ns | 469 um: 732 nm, 292 ns |" in text,
+           "the table has the coarsest, the default and the finest level")
+    expect("| 1: 100 um, 134 ns | 16: 0, 670 ns |" in text, "an error of 0 is 0")
+    expect("servo" not in text, "the table leaves out a failed level")
+    expect(re.search(r"!\[[^]]{10,}\]\(results/[^)]*accuracy\.svg\)", text),
+           "the document shows the figure, with an alternative text")
+    for part in ("penetration depth (um)", "tick (ns)", "sphere proxy", "default",
+                 "mesh resolution: mean edge"):
+        expect(f">{part}<" in figure, f"the figure has the text {part}")
     expect(not re.search(r"\bnan\b|\binf\b|http(?!://www\.w3\.org/)", figure, re.IGNORECASE),
-           "all in the figure is a number, and nothing is elsewhere")
+           "the figure has finite numbers only and refers to no other file")
+
+    copy.figure.write_text(figure.replace("<path ", "<path data-other='1' "))
+    expect(copy.run("--check")[0] == 0, "--check accepts a figure of another gnuplot version")
+    changed = rows()
+    changed[1]["error_high"] *= 1.5  # not in the table
+    copy.put(changed)
+    expect_refused(copy, "--check reports a figure of other data", "accuracy.svg")
+    copy.put([row("no_such_knob", "m", "l", 1.0, 1.0, 1.0)])
+    expect_refused(copy, "an error names a knob without units", "no_such_knob")
+
+
+def check_rows(copy):
+    copy.put(rows() + [timed("scan_point/500k", 100.0), timed("worst_moving_bodies/256", 5e3),
+                       timed("worst_moving_bodies_magnets/256", 1e6)])
+    expect(copy.run()[0] == 0, "scans and slow inputs are accepted")
+    expect("| point proxy | 0.10 / 0.20 / 0.30 / 0.40 |" in copy.block("scans"),
+           "the table shows a measured scan")
+    expect("| moving nodes that close in on the proxy | 256 nodes | 20.0 | - | 4000 | - |"
+           in copy.block("worst"), "the table shows the longest time and a dash if not measured")
+    expect("256" not in copy.block("ticks").splitlines()[0], "256 nodes are no size of the sphere")
+    expect("took 0.02 ms" in copy.readme.read_text(), "the README leaves out the effect")
+
+
+def check_markers(copy):
+    for document in (copy.readme, copy.tables):
+        text = document.read_text()
+        name = re.search(r"measured:(\w+):begin", text)[1]
+        begin, end = f"<!-- measured:{name}:begin -->", f"<!-- measured:{name}:end -->"
+        for broken, statement in (
+                (text.replace(begin, ""), "a missing begin"), (text.replace(end, ""), "a missing end"),
+                (text + begin, "a repeated begin"),
+                (text.replace(begin, "?").replace(end, begin).replace("?", end), "a swapped pair"),
+                (text.replace(f":{name}:", ":no_such_block:"), "an unknown block")):
+            document.write_text(broken)
+            expect_refused(copy, f"--check reports {statement}", document.name)
+            expect(copy.run()[0] == 1 and document.read_text() == broken,
+                   f"{statement} leaves the document as it is")
+        for changed in (re.sub(r"(measured:\w+:begin -->\n[^\d]*)\d", r"\g<1>x", text, count=1),):
+            document.write_text(changed)
+            expect_refused(copy, "--check reports a changed figure in a block", document.name)
+        document.write_text("By hand.\n" + text)
+        expect(copy.run("--check")[0] == 0, "text outside the blocks is free")
+        document.write_text(text)
+
+
+def check_pictures(copy):
+    for figure in (copy.a4_figure, copy.root / "haptics/proxy/groove.svg"):
+        drawn = figure.read_text()
+        figure.write_text(drawn.replace("<polygon", "<polygon id='x'", 1))
+        expect_refused(copy, f"--check reports a changed {figure.name}", figure.name)
+        figure.unlink()
+        expect_refused(copy, f"--check reports a missing {figure.name}", figure.name)
+        expect(copy.run()[0] == 0 and figure.read_text() == drawn, f"{figure.name} is drawn again")
+    committed = copy.objects.read_text()
+    objects = json.loads(committed)
+    objects["star"][1]["losses_of_contact"] = 4321
+    copy.objects.write_text(json.dumps(objects))
+    expect_refused(copy, "--check reports documents of other results", "differs")
+    expect(copy.run()[0] == 0, "other results are accepted")
+    for document in (copy.readme, copy.tables, copy.a4_figure):
+        expect("4321" in document.read_text(), f"{document.name} shows the other result")
+    copy.objects.write_text(committed)
+
+
+def check_two_machines(copy):
+    other = copy.path.with_name("other.json")
+    document = json.loads(copy.committed)
+    document["context"]["cpu"] = "Another CPU"
+    document["context"]["date"] = "2001-01-01T00:00:00+00:00"
+    other.write_text(json.dumps(document))
+    expect(copy.run()[0] == 0, "results of two machines are accepted")
+    expect(copy.block("ticks").count("| sliding |") == 2 and "**Another CPU**" in copy.block("ticks"),
+           "RESULTS.md shows both machines by name")
+    expect("Another CPU" not in copy.readme.read_text(), "the README shows the newest result")
 
 
 def main():
+    script, project = sys.argv[1], pathlib.Path(sys.argv[2])
     if not shutil.which("gnuplot"):
         print("skipped: gnuplot is not installed")
         return SKIPPED
     with tempfile.TemporaryDirectory() as name:
-        copy = Copy(sys.argv[1], sys.argv[2], pathlib.Path(name))
+        copy = Copy(script, project, pathlib.Path(name))
+        expect(copy.run("--check")[0] == 0, "the committed documents match the committed results")
         copy.put([])
-        code, said = copy.run()
-        expect(code == 0, f"it runs: {said}")
-        without = copy.readme.read_text()
-        expect("accuracy costs" not in without and not copy.figure.exists(),
-               "without rows there is neither table nor figure")
-        expect(copy.run("--check")[0] == 0, "without rows all is well")
-
-        copy.put(rows())
-        expect(copy.run("--check")[0] == 1, "a figure that is missing is noticed")
-        expect(not copy.figure.exists(), "--check draws nothing")
-        expect(copy.run()[0] == 0 and copy.run("--check")[0] == 0, "what was made passes")
-        text, figure = copy.readme.read_text(), copy.figure.read_text()
-        check_texts(text, figure)
-        expect(text.replace("\r", "").startswith(without.split("<!-- measured:end")[0].rstrip()),
-               "the other tables are as they were")
-
-        # As another version of gnuplot would draw it, and then of other data.
-        copy.figure.write_text(figure.replace("<path ", "<path data-other='1' "))
-        expect(copy.run("--check")[0] == 0, "who drew it does not matter")
-        changed = rows()
-        changed[1]["error_high"] *= 1.5  # of no table
-        copy.put(changed)
-        code, said = copy.run("--check")
-        expect(code == 1 and "accuracy.svg" in said, "a figure of other data is noticed")
-
-        copy.put([row("no_such_knob", "m", "l", 1.0, 1.0, 1.0)])
-        code, said = copy.run("--check")
-        expect(code == 1 and "no_such_knob" in said, "a knob without units is named")
-        copy.put(rows() + [timed("scan_point/500k", 100.0), timed("worst_moving_bodies/256", 5e3),
-                           timed("worst_moving_bodies_magnets/256", 1e6)])
-        expect(copy.run()[0] == 0, "scans and worst inputs are rows like others")
-        text = copy.readme.read_text()
-        expect("| point | 0.10 / 0.20 / 0.30 / 0.40 |" in text, "a scan that was measured is shown")
-        expect("| nodes that close in on the hand | 256 | 20.0 | - | 4000 | - |" in text,
-               "of a worst input the worst tick is shown, and what was not measured is not")
-        expect("| 256 |" not in text.split("| ratio of medians")[0], "it is no size of the sphere")
-
+        code, output = copy.run()
+        expect(code == 0, f"the script runs: {output}")
+        without = copy.tables.read_text()
+        expect(copy.block("accuracy") == "Not measured." and not copy.figure.exists(),
+               "without rows of accuracy the table and the figure are left out")
+        expect(copy.run("--check")[0] == 0, "--check accepts documents without rows of accuracy")
+        check_accuracy(copy)
+        check_rows(copy)
         copy.put([])
-        expect(copy.run("--check")[0] == 1, "a figure of nothing is noticed")
-        expect(copy.run()[0] == 0 and not copy.figure.exists(), "and removed")
-        expect(copy.readme.read_text() == without, "and the table with it")
-    print("the README follows its results")
+        expect_refused(copy, "--check reports a figure without data", "accuracy.svg")
+        expect(copy.run()[0] == 0 and not copy.figure.exists(), "a figure without data is removed")
+        expect(copy.tables.read_text() == without, "a table without data is removed")
+        copy.path.write_text(copy.committed)
+        expect(copy.run()[0] == 0, "the committed results are accepted")
+        check_markers(copy)
+        check_pictures(copy)
+        check_two_machines(copy)
+    print("the documents follow their results")
     return 0
 
 
