@@ -145,7 +145,7 @@ def draw(data, objects):
     scale = (panel - 16) / (high[0] - low[0])
     height = scale * (high[1] - low[1]) + 16
     text_top = PANELS_TOP + HEADER + height + 52
-    picture = svg.Drawing(WIDTH, math.ceil(text_top + 178),
+    picture = svg.Drawing(WIDTH, math.ceil(text_top + 200),
                           "A4 turns the star until the touched wall faces the only motor")
     picture.text((MARGIN, 36), "A4 turns the scene until the touched wall faces the motor", 24,
                  bold=True)
@@ -240,9 +240,9 @@ def draw_text(picture, top, objects):
          "and is pushed out by all of it."),
         ("Why people had 32.1\u00b0",
          f"A simulated hand reaches {means[0]:.1f}\u00b0 to {means[-1]:.1f}\u00b0 on the paper's four "
-         "objects. It moves at a steady speed, and A4 has mostly finished turning a wall before the "
-         "hand leaves it; people move less evenly. The paper gives no dimensions, so its shapes "
-         "differ from these."),
+         "objects, the paper's ten people 32.1\u00b0. Likely reasons: the simulated hand moves at a "
+         "steady speed and seldom loses the wall, so that A4 seldom pauses; and the paper gives no "
+         "dimensions, so its shapes differ from these."),
     ]
     for n, (title, text) in enumerate(columns):
         x = MARGIN + n * (column + 24)
