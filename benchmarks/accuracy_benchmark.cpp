@@ -1,5 +1,5 @@
-// What accuracy costs: the levels of every knob, measured as `palpate accuracy` measures them. The
-// time of a row is the median of the repeats; its counters are the rest of the result.
+// The cost of accuracy: every level of every knob, measured as in `palpate accuracy`. The time of a
+// row is the median of the repeats; its counters hold the rest of the result.
 
 #include <cctype>
 #include <chrono>
@@ -20,7 +20,7 @@
 namespace palpate::bench {
 namespace {
 
-// Lower case, with "-" for runs of what is neither a letter nor a digit: "82k-triangles".
+// Lower case; each run of other characters than letters and digits becomes "-": "82k-triangles".
 std::string slug(const std::string& text) {
   std::string slug;
   for (const char c : text) {
@@ -35,7 +35,7 @@ std::string slug(const std::string& text) {
   return slug;
 }
 
-// The knobs, of which only the one in use keeps its scenes.
+// All knobs; only the knob in use keeps its scenes in memory.
 class Knobs {
  public:
   explicit Knobs(const StudyEffort& effort) : effort_(effort) {}
@@ -43,7 +43,7 @@ class Knobs {
   const StudyEffort& effort() const { return effort_; }
   const Knob& get(std::size_t index) {
     if (index_ != index) {
-      in_use_.reset();  // first, so that two never share the memory
+      in_use_.reset();  // first, so that no two knobs are in memory together
       in_use_ = std::move(all_knobs(effort_)[index]);
       index_ = index;
     }
@@ -56,7 +56,7 @@ class Knobs {
   std::optional<Knob> in_use_;
 };
 
-// Of one unit of Knob::time; 0 if it is no time.
+// The duration of one unit of Knob::time; 0 if the unit is not a time.
 double seconds_per(const std::string& unit) {
   return unit == "ns" ? 1e-9 : unit == "us" ? 1e-6 : 0.0;
 }
@@ -75,12 +75,12 @@ void report(benchmark::State& state, const LevelResult& result) {
   state.counters["time_low"] = result.time.low;
   state.counters["time_high"] = result.time.high;
   state.counters["level"] = result.value;
-  // "iterations" is Google Benchmark's own.
+  // Google Benchmark reserves the name "iterations".
   state.counters["solver_iterations"] = result.iterations;
   state.counters["ticks"] = static_cast<double>(result.ticks);
   state.counters["repeats"] = result.repeats;
-  // A level that fails is a result: some are there to fail. Its errors and times are 0 or of the
-  // repeats that did not.
+  // A failed level is a valid result: some levels are meant to fail. Its errors and times come from
+  // the repeats that succeeded, or are 0.
   state.counters["failures"] = result.failures;
 }
 
@@ -119,7 +119,7 @@ void register_accuracy_benchmarks(const StudyEffort& effort) {
         benchmark::RegisterBenchmark(row.c_str(),
                                      [=](benchmark::State& state) {
                                        if (!is_new)
-                                         return state.SkipWithError("two rows of a name");
+                                         return state.SkipWithError("two rows have the same name");
                                        run(state, *knobs, index, {m, l});
                                      })
             ->UseManualTime()

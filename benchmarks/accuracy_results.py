@@ -1,8 +1,8 @@
-"""What accuracy costs: the README's table of it and the figure beside it, from the rows
+"""What accuracy costs: the table and the figure of RESULTS.md, from the rows
 accuracy_<knob>/<method>/<level> of a result.
 
 Counters of a row: error, error_low, error_high, time, time_low, time_high (median and quartiles),
-level, and where it is so is_default and failures. Rows of a method go from coarse to fine.
+level; optionally is_default and failures. Rows of a method are ordered from coarse to fine.
 """
 
 import hashlib
@@ -25,46 +25,48 @@ class Knob(NamedTuple):
 
 
 TICK = ("tick", "ns")
-SECOND = ("computing for a second of contact", "us")
+SECOND = ("computing time per second of contact", "us")
 
-# In the order of the table. Titles and units are those of engine/study: a counter has none.
+# In the order of the table. The units are those of engine/accuracy: a counter of a result has none.
 KNOBS = {
-    "mesh_depth": Knob("mesh: mean edge", "depth", "m", *TICK, "m"),
-    "mesh_angle": Knob("mesh: mean edge", "contact normal", "deg", *TICK, "m"),
-    "proxy_radius": Knob("point or sphere: mean edge", "contact normal", "deg", *TICK, "m"),
-    "solver_iterations": Knob("most steps of the solver", "distance to converged", "m", *TICK),
-    "solver_tolerance": Knob("tolerance, stand-offs", "distance to converged", "m", *TICK),
-    "candidate_reuse": Knob("candidates kept: speed of the hand", "distance to converged", "m",
-                            *TICK, "m/s"),
-    "narrow_phase": Knob("arithmetic: distance from the origin", "distance to proxy there", "m",
-                         *TICK, "m"),
-    "certification": Knob("certificate: angle of a groove", "distance to exact proxy", "m", *TICK,
-                          "deg"),
-    "work_budget": Knob("work of a tick, units: scene", "distance to unbounded", "m", *TICK),
+    "mesh_depth": Knob("mesh resolution: mean edge", "penetration depth", "m", *TICK, "m"),
+    "mesh_angle": Knob("mesh resolution: mean edge", "contact normal", "deg", *TICK, "m"),
+    "proxy_radius": Knob("point and sphere proxy: mean edge", "contact normal", "deg", *TICK, "m"),
+    "solver_iterations": Knob("solver: limit of steps", "distance to the converged proxy", "m",
+                              *TICK),
+    "solver_tolerance": Knob("solver: tolerance in stand-offs", "distance to the converged proxy",
+                             "m", *TICK),
+    "candidate_reuse": Knob("candidates kept: speed of the hand",
+                            "distance to the converged proxy", "m", *TICK, "m/s"),
+    "narrow_phase": Knob("arithmetic: distance from the origin",
+                         "distance to the proxy at the origin", "m", *TICK, "m"),
+    "certification": Knob("certificate: angle of a groove", "distance to the exact proxy", "m",
+                          *TICK, "deg"),
+    "work_budget": Knob("work budget of a tick: units", "distance to the proxy without a budget",
+                        "m", *TICK),
     "servo_rate": Knob("servo period", "energy gained in a bounce", "", *SECOND, "s"),
-    "servo_pressed": Knob("servo period, pressed", "deviation of the path", "", *SECOND, "s"),
-    "jitter": Knob("uneven ticks", "energy gained in a bounce", "", *SECOND, "s"),
-    "substeps": Knob("step under friction", "error of the radius", "m", *SECOND, "s"),
+    "servo_pressed": Knob("servo period, pressing hand", "deviation of the path", "", *SECOND, "s"),
+    "jitter": Knob("servo period, uneven ticks", "energy gained in a bounce", "", *SECOND, "s"),
+    "substeps": Knob("substep under friction", "error of the radius", "m", *SECOND, "s"),
     "integrator": Knob("step of the simulated device", "deviation of the path", "", *SECOND, "s"),
-    "velocity_noise": Knob("velocity window: noise", "velocity error", "m/s", *TICK, "ticks"),
-    "velocity_lag": Knob("velocity window: lag", "velocity error", "m/s", *TICK, "ticks"),
-    "velocity_total": Knob("velocity window", "velocity error", "m/s", *TICK, "ticks"),
+    "velocity_noise": Knob("velocity window, encoder noise", "velocity error", "m/s", *TICK, "ticks"),
+    "velocity_lag": Knob("velocity window, lag", "velocity error", "m/s", *TICK, "ticks"),
+    "velocity_total": Knob("velocity window, total", "velocity error", "m/s", *TICK, "ticks"),
     "a4_step": Knob("period of A4's rotation", "error of the time to align", "s", *SECOND, "s"),
-    "texture_sampling": Knob("relief: texel", "normal force over K H", "", *TICK, "m"),
-    "effect_costs": Knob("each effect alone: triangles", "force that it changes", "N",
-                         "time that it adds", "ns"),
-    "effects": Knob("effects left out: triangles", "force that is missing", "N",
-                    "time that the others add", "ns"),
+    "texture_sampling": Knob("relief: texel size", "normal force / (K H)", "", *TICK, "m"),
+    "effect_costs": Knob("each effect alone: triangles", "change of force", "N", "added time", "ns"),
+    "effects": Knob("effects left out: triangles", "missing force", "N",
+                    "time added by the others", "ns"),
 }
 
-# Those of the figure, as far as they were measured.
+# The knobs of the figure; unmeasured ones are left out.
 MAIN_KNOBS = ["mesh_depth", "solver_iterations", "servo_rate", "velocity_total", "integrator",
               "a4_step"]
 
 
 def read_row(run):
-    """(knob, method, level), or None for a row that is about something else; KeyError or ValueError
-    for one that is not what it should be."""
+    """(knob, method, level), or None for a row of another benchmark; KeyError or ValueError for an
+    invalid row."""
     parts = run["name"].split("/")
     if not parts[0].startswith(PREFIX):
         return None
@@ -87,7 +89,7 @@ UNITS |= {"m/s": (1.0, "m/s")}
 
 
 def display_unit(size, unit):
-    """What to multiply by, and the unit that gives: lengths in nm, um or mm."""
+    """The factor that converts a value, and the unit of the result: lengths in nm, um or mm."""
     if unit not in UNITS:
         return 1.0, unit
     in_base, base = UNITS[unit]
@@ -113,6 +115,8 @@ def number(value):
 def human(value, unit):
     if value == 0:
         return "0"
+    if unit == "ticks" and value == 1:
+        return "1 tick"
     factor, shown = display_unit(value, unit)
     return f"{number(value * factor)} {shown}".strip()
 
@@ -120,7 +124,7 @@ def human(value, unit):
 # Table
 
 def levels_of(rows, knob):
-    """{method: [(level, row), ...]} of those that count, from coarse to fine."""
+    """{method: [(level, row), ...]} without failed levels, from coarse to fine."""
     methods = {}
     for (name, method, level), row in rows.items():
         if name == knob and not row.get("failures"):
@@ -149,7 +153,7 @@ def table(rows):
                      f"{default} | {cell(knob, levels[-1][1])} |")
     if not lines:
         return ""
-    return "\n".join(["| what accuracy costs | error, time | coarsest | default | finest |",
+    return "\n".join(["| parameter | error, time | coarsest | default | finest |",
                       "|---|---|---:|---:|---:|"] + lines)
 
 
@@ -217,7 +221,7 @@ class Axis:
 
 
 def quoted(text):
-    """A string of gnuplot's language; what means anything in it is written as octal."""
+    """A string of gnuplot's language; characters with a meaning in it are written as octal."""
     escaped = re.sub("[\\\\\"'`@]", lambda m: f"\\{ord(m[0]):03o}", text)
     return f'"{escaped}"'
 
@@ -256,7 +260,7 @@ def panel(index, name, methods, frame):
 
 
 def script(rows):
-    """gnuplot's, with all the data in it; empty if no main knob was measured."""
+    """The gnuplot script with all its data; empty if no main knob was measured."""
     panels = [(name, levels_of(rows, name)) for name in MAIN_KNOBS]
     panels = [(name, methods) for name, methods in panels if methods]
     if not panels:
@@ -286,7 +290,7 @@ def hash_of(text):
 
 
 def is_figure_of(text, path):
-    """Whether the file was drawn by this script. What gnuplot makes of it differs by version."""
+    """Whether the file was drawn by this script. The SVG itself differs between gnuplot versions."""
     try:
         return f"<!-- drawn by the script {hash_of(text)} -->" in path.read_text(encoding="utf-8")
     except OSError:

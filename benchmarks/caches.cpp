@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLineBytes = 64;
 
-// Where the system does not tell; no core of a desktop processor has had more yet.
+// Used if the system does not report the size; no desktop core has had a larger L2 so far.
 constexpr std::size_t kAssumedL2Bytes = std::size_t{4} << 20;
 
 std::size_t l2_bytes() {
@@ -33,8 +33,8 @@ std::size_t l2_bytes() {
 
 void evict_l1_and_l2() {
   static const std::vector<unsigned char> buffer(2 * std::bit_ceil(l2_bytes()), 1);
-  // Every line once, in the order of a linear congruential generator of full period: caches see a
-  // sequential read coming and keep most of what they have (on a Zen 5, two thirds of it).
+  // Reads every cache line once, in the order of a linear congruential generator of full period.
+  // Caches detect a sequential read and keep most of their data (on a Zen 5, two thirds).
   const std::size_t lines = buffer.size() / kLineBytes;
   std::size_t line = 0;
   unsigned sum = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cold caches, as a haptic loop finds them that shares its core with other work.
+// Cold caches, as they are when a haptic loop shares its core with other work.
 
 #include <cstdint>
 
@@ -8,11 +8,11 @@ namespace palpate::bench {
 
 enum class Caches : std::uint8_t {
   kWarm,    // as the last sample left them
-  kEvicted  // L1 and L2 hold nothing of it; L3 does
+  kEvicted  // the data of the sample are in L3 only
 };
 
-// Reads a buffer twice the size of this machine's L2, which leaves next to nothing else in L1 and
-// L2. The L3, several times as large, keeps what the L2 gives up. Takes some 40 us.
+// Reads a buffer twice the size of this machine's L2, which evicts nearly all other data from L1
+// and L2. The L3 is several times as large and keeps the evicted data. Takes about 40 us.
 void evict_l1_and_l2();
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// Stands in for all that needs CGAL where it is not installed.
+// Replaces all code that needs CGAL where CGAL is not installed.
 
 #include <cstdlib>
 

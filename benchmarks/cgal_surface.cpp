@@ -57,7 +57,7 @@ CgalSurface::CgalSurface(const TriangleMesh& mesh) : tree_(std::make_unique<Tree
     tree_->triangles.emplace_back(to_cgal(mesh.positions_m[t[0]]), to_cgal(mesh.positions_m[t[1]]),
                                   to_cgal(mesh.positions_m[t[2]]));
   }
-  // Every query comes with a hint of its own, so the tree of hints would never be asked.
+  // Every query passes a hint, so the tree of hints would never be used.
   tree_->tree.do_not_accelerate_distance_queries();
   tree_->tree.insert(tree_->triangles.cbegin(), tree_->triangles.cend());
   tree_->tree.build();

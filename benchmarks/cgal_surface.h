@@ -1,6 +1,7 @@
 #pragma once
 
-// The other peer: the same queries on CGAL's AABB_tree, in double, over triangles it stores itself.
+// The second peer: the same queries on CGAL's AABB_tree, in double, on CGAL's copy of the
+// triangles.
 
 #include <memory>
 #include <optional>
@@ -9,7 +10,7 @@
 
 namespace palpate::bench {
 
-// Whether CGAL was there when this was built. Without it, nothing below may be called.
+// Whether this program was built with CGAL. Without CGAL, no function below may be called.
 extern const bool kHaveCgal;
 
 class CgalSurface {
@@ -19,10 +20,12 @@ class CgalSurface {
   CgalSurface(CgalSurface&&) noexcept;
   CgalSurface& operator=(CgalSurface&&) noexcept;
 
-  // The nearest surface point. hint: a point of the surface, the nearer the faster.
+  // The nearest surface point. hint: any point of the surface; a nearer hint makes the query
+  // faster.
   Vec3 closest_point(const Vec3& p, const Vec3& hint) const;
 
-  // The fraction of the segment p to p + d at which it meets a triangle, any of them.
+  // The fraction of the segment p to p + d at which it meets some triangle, not necessarily
+  // the first.
   std::optional<double> any_hit(const Vec3& p, const Vec3& d) const;
 
  private:

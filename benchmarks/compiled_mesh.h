@@ -8,7 +8,7 @@
 
 namespace palpate::bench {
 
-// A scene of one mesh, for a proxy of that radius; nothing if it could not be compiled.
+// A scene of one mesh, for a proxy of proxy_radius_m; nullopt if it could not be compiled.
 std::optional<Scene> compile_mesh(const std::string& name, TriangleMesh mesh,
                                   double proxy_radius_m);
 

@@ -9,11 +9,11 @@
 namespace palpate::bench {
 namespace {
 
-// How far the walk turns from sample to sample (standard deviation): it has forgotten where it was
-// heading after a centimetre.
+// Turn of the heading from sample to sample (standard deviation): after a centimetre the heading is
+// unrelated to the first one.
 constexpr double kTurn_rad = 0.1;
 
-// As far as the device follows in a sample.
+// The longest step of the device in a sample.
 constexpr double kFarthest_m = 3.0 * kSpherePathStep_m;
 
 class Walk {

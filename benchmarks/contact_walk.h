@@ -1,6 +1,6 @@
 #pragma once
 
-// A hand that feels its way over a body.
+// A device path that explores the surface of a body.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace palpate::bench {
 
-// How a hand feels.
+// How the hand touches the surface.
 struct WalkStyle {
   double proxy_radius_m = 0.0;
-  HeightSwing swing;  // of the device, over where the proxy's centre touches
+  HeightSwing swing;  // height of the device over the proxy's centre in contact
   std::uint64_t seed = 1;
 };
 
-// A random walk over the surface of the body, kSpherePathStep_m a sample, which turns as it goes,
-// with the device above or below it. Where the surface turns sharply, at an edge of the body, the
-// device takes its time. Comes from outside. The body's frame, metres. The same each time.
+// A random walk over the surface of the body with steps of kSpherePathStep_m and a slowly changing
+// heading; the device is above or below the surface. The device slows down at sharp edges of the
+// body. The path begins outside. Frame of the body, metres. Deterministic.
 DevicePath contact_walk(const ScannedBody& body, const WalkStyle& style, std::size_t samples);
 
 }  // namespace palpate::bench

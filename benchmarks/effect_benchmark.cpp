@@ -1,5 +1,5 @@
-// What each effect adds to a tick: the sliding proxy on a sphere that has it, beside the same
-// sphere without.
+// The time that each effect adds to a tick: a proxy slides on a sphere with the effect and on the
+// same sphere without it.
 
 #include <algorithm>
 #include <limits>
@@ -20,13 +20,13 @@
 namespace palpate::bench {
 namespace {
 
-// Larger ones tell nothing new: an effect's time does not go by the size of the mesh.
+// Larger spheres add no information: the time of an effect does not depend on the size of the mesh.
 constexpr int kMostTimedSubdivisions = 8;
 
-// Passes over the path with and without the effect, in turn: the shortest of each count.
+// Passes over the path, alternately with and without the effect; the shortest of each kind counts.
 constexpr int kPairs = 8;
 
-// Each alone, then all, on what is touched and beside it.
+// Each effect alone, then all effects on the touched surface, then all on an untouched surface.
 std::vector<EffectCase> effect_cases() {
   std::vector<EffectCase> cases;
   for (const std::string_view effect : studied_effects()) cases.push_back(only(effect));
@@ -35,7 +35,7 @@ std::vector<EffectCase> effect_cases() {
   return cases;
 }
 
-// The same hand, again and again.
+// A loop that repeats one path.
 class Slider {
  public:
   Slider(const Scene& scene, const DevicePath& path)
@@ -49,7 +49,7 @@ class Slider {
   }
   const TickRecord& tick(std::size_t n) { return loop_->tick(path_.timed_m[n], kDt_s); }
 
-  // A whole pass, in nanoseconds.
+  // The duration of a whole pass.
   double pass_ns() {
     begin();
     const auto start = std::chrono::steady_clock::now();
@@ -57,8 +57,8 @@ class Slider {
     return static_cast<double>(nanoseconds_since(start));
   }
 
-  // The part of the ticks in which the effect was felt.
-  double felt_share(std::string_view effect) const {
+  // The share of ticks in which the effect was active.
+  double active_share(std::string_view effect) const {
     const EffectCounters* counters = loop_->effect_counters();
     const auto types = compiled_effects();
     for (std::size_t i = 0; counters && i < types.size(); ++i) {
@@ -84,7 +84,7 @@ void run(benchmark::State& state, const EffectCase& effect_case, int subdivision
   if (!with || !without) return state.SkipWithError("the scene could not be compiled");
   const DevicePath path = entered_path_over_sphere(kSphereRadius_m, kSliding, counts.warm);
   Slider slider(*with, path);
-  Slider bare(*without, path);
+  Slider plain(*without, path);
   const TickRecord* record = nullptr;
   bool had_fault = false;
   time_path(
@@ -96,22 +96,22 @@ void run(benchmark::State& state, const EffectCase& effect_case, int subdivision
       });
   if (had_fault) return state.SkipWithError("a tick had a fault or no contact");
   double with_ns = std::numeric_limits<double>::infinity();
-  double bare_ns = with_ns;
+  double plain_ns = with_ns;
   for (int i = 0; i < kPairs; ++i) {
     with_ns = std::min(with_ns, slider.pass_ns());
-    bare_ns = std::min(bare_ns, bare.pass_ns());
+    plain_ns = std::min(plain_ns, plain.pass_ns());
   }
   const auto ticks = static_cast<double>(path.timed_m.size());
   state.counters["triangles"] = static_cast<double>(sphere_triangles(subdivisions));
   state.counters["tick_ns"] = with_ns / ticks;
-  state.counters["marginal_ns"] = (with_ns - bare_ns) / ticks;
-  state.counters["vs_bare"] = with_ns / bare_ns;
+  state.counters["marginal_ns"] = (with_ns - plain_ns) / ticks;
+  state.counters["vs_bare"] = with_ns / plain_ns;
   if (effect_case.effects.size() == 1) {
-    const double felt = slider.felt_share(effect_case.name);
-    state.counters["felt_share"] = felt;
-    // Taps are rare on this path; whatever else there is, is felt all the time.
-    if (felt == 0.0 && !effect_case.has("restitution")) {
-      return state.SkipWithError("the effect was not felt");
+    const double active = slider.active_share(effect_case.name);
+    state.counters["felt_share"] = active;
+    // Taps are rare on this path; all other effects are active throughout.
+    if (active == 0.0 && !effect_case.has("restitution")) {
+      return state.SkipWithError("the effect was never active");
     }
   }
 }

@@ -1,4 +1,4 @@
-// Queries of the surface index, with Embree's own triangle geometry and CGAL's tree beside them.
+// Queries of the surface index, compared with Embree's own triangle geometry and CGAL's tree.
 
 #include <array>
 #include <cmath>
@@ -15,22 +15,23 @@
 namespace palpate::bench {
 namespace {
 
-// The first query of a sequence, which is not timed, knows no earlier answer.
+// Radius of the first query of a sequence, which has no earlier answer and is not timed.
 constexpr double kAcquisitionRadius_m = 0.02;
 
-// From up to 5 mm above the sphere straight to below it.
+// From up to 5 mm above the sphere straight down, to below its surface.
 constexpr double kSegmentLength_m = 6e-3;
 
-// What the proxy gathers around itself (haptics/proxy/candidate_cache.cpp), in mean pack diagonals.
+// Radius of the proxy's candidates (haptics/proxy/candidate_cache.cpp), in mean pack diagonals.
 constexpr double kGatherPerPackDiagonal = 0.6;
 
-// Float answers on coordinates of the sphere's size; a wrong triangle is off by much more.
+// Tolerance of float answers for coordinates of the sphere's size; a wrong triangle errs by far
+// more.
 constexpr double kFloatAgreement_m = 1e-6 * kSphereRadius_m;
 
-// Double answers by different formulas: a thousand roundings of a coordinate of the sphere's size.
+// Tolerance of double answers by different formulas: a thousand roundings of such a coordinate.
 constexpr double kDoubleAgreement_m = 1e3 * 0x1p-53 * kSphereRadius_m;
 
-// A little more than the distance to the last answer, which bounds the distance to the next.
+// Slightly more than the distance to the last answer, which bounds the distance to the next answer.
 double tight_radius_m(const Vec3& p, const Vec3& last_nearest) {
   constexpr double kRounding = 1.0 + 1e-12;
   return kRounding * (p - last_nearest).norm();
@@ -44,7 +45,7 @@ Vec3 segment_into_sphere(const Vec3& p) {
   return -kSegmentLength_m * p.normalized();
 }
 
-// What a workload runs on: the sphere of so many subdivisions, along a path above it.
+// The input of a workload: a sphere and a path above it.
 struct Setting {
   int subdivisions;
   const std::vector<Vec3>& path_m;
@@ -137,7 +138,7 @@ void stock_first_hit(benchmark::State& state, const Setting& at) {
       [](std::size_t) -> SampleError { return nullptr; });
 }
 
-// The surface is met once by each segment, so any hit is the first.
+// Each segment meets the surface once, so any hit is the first hit.
 void cgal_first_hit(benchmark::State& state, const Setting& at) {
   const CgalSurface& cgal = cgal_sphere(at.subdivisions);
   std::optional<double> hit;
@@ -181,7 +182,7 @@ bool agrees(double ours_m, double peer_m, double tolerance_m) {
   return std::abs(ours_m - peer_m) <= tolerance_m;
 }
 
-// A peer may miss a segment that passes through an edge; ours may not.
+// A peer may miss a segment that passes through an edge; Palpate must not.
 bool hits_agree(const Setting& at, const Vec3& p) {
   const Vec3 d = segment_into_sphere(p);
   const auto ours = at.index().first_hit(p, d);
@@ -201,13 +202,13 @@ bool closest_points_agree(const Setting& at, const Vec3& p) {
   if (!ours || !stock) return false;
   if (!agrees(ours->distance_m, stock->distance_m, kFloatAgreement_m)) return false;
   if (!kHaveCgal) return true;
-  // Any point of the surface is a hint; what CGAL finds itself does not depend on ours.
+  // The hint is a vertex, not Palpate's answer, so that CGAL's answer is independent of Palpate's.
   const Vec3 vertex_m = icosphere(0, kSphereRadius_m).positions_m.front();
   const Vec3 cgal = cgal_sphere(at.subdivisions).closest_point(p, vertex_m);
   return agrees(ours->distance_m, (cgal - p).norm(), kDoubleAgreement_m);
 }
 
-// All sides must be answering the same question before their times are compared.
+// Times are compared only if all libraries give the same answers.
 bool answers_agree(const Setting& at) {
   constexpr std::size_t kChecks = 100;
   const std::size_t stride = 1 + at.path_m.size() / kChecks;
@@ -222,11 +223,11 @@ struct IndexCase {
   void (*workload)(benchmark::State&, const Setting&);
   HeightSwing swing;
   Caches caches;
-  const char* stock_peer;  // the rows to compare with; null: none
+  const char* stock_peer;  // the row to compare with, or null
   const char* cgal_peer;
 };
 
-// Peers before those compared with them.
+// Peers come before the rows that are compared with them.
 constexpr IndexCase kCgalCases[] = {
     {"cgal_closest_point", cgal_closest_point, kNear, Caches::kWarm, nullptr, nullptr},
     {"cgal_first_hit", cgal_first_hit, kNear, Caches::kWarm, nullptr, nullptr},

@@ -1,5 +1,5 @@
-// Ten thousand instances of one small sphere against one of it: loading, memory, and what a query
-// costs when the right instance has to be found first.
+// Ten thousand instances of one small sphere compared with one instance: loading, memory, and the
+// cost of a query that must find the right instance first.
 
 #include <algorithm>
 #include <chrono>
@@ -35,7 +35,7 @@ constexpr double kSpacing_m = 12e-3;
 constexpr std::size_t kCrowd = 10'000;
 constexpr int kAlongOneSide = 22;
 
-// From the middle of a cubic lattice outwards as it comes: the first is at the origin.
+// Points of a cubic lattice, sorted by distance from the origin; the first is the origin.
 std::vector<Vec3> places(std::size_t count) {
   std::vector<Vec3> all;
   const int half = kAlongOneSide / 2;
@@ -55,7 +55,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-// The asset as .gltf with its buffer beside it, in a folder of its own, as long as this lives.
+// The asset as .gltf with an external buffer, in a temporary folder that the destructor removes.
 class CrowdFile {
  public:
   explicit CrowdFile(std::size_t count) {
@@ -109,7 +109,8 @@ class CrowdFile {
 };
 
 std::string crowd_row(const std::string& name, std::size_t instances) {
-  return name + "/" + std::to_string(instances) + "x";  // no number: that would be a size
+  return name + "/" + std::to_string(instances) +
+         "x";  // not a plain number, which would be read as a size
 }
 
 void load(benchmark::State& state, std::size_t instances) {
@@ -142,8 +143,8 @@ Result<Scene> crowd_scene(std::size_t instances) {
   return Scene::compile(std::move(description));
 }
 
-// Slides over the sphere in the middle. Without candidates that are kept, every step of the proxy
-// asks the whole scene.
+// Slides over the sphere in the middle. reuse: candidates are kept from tick to tick; otherwise
+// every step of the proxy queries the whole scene.
 void slide(benchmark::State& state, const std::string& name, std::size_t instances, bool reuse,
            std::size_t samples) {
   const auto scene = crowd_scene(instances);

@@ -4,14 +4,14 @@
 
 namespace palpate::bench {
 
-// One value, built anew when the key that it is asked for is not that of the last time.
+// Keeps one value and rebuilds it when get() is called with another key than last time.
 template <typename Key, typename Value>
 class LastBuilt {
  public:
   template <typename Build>
   const std::optional<Value>& get(const Key& key, Build build) {
     if (key_ != key) {
-      value_.reset();  // first, so that two large ones never share the memory
+      value_.reset();  // first, so that no two large values are in memory together
       value_ = build();
       key_ = key;
     }

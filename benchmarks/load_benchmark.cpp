@@ -1,5 +1,5 @@
-// From a file on the disk to the first answer, with what nobody can do without beside it: reading
-// the file, OpenMesh's own add_face() and Embree's own build, on the same sphere.
+// From a file on the disk to the first answer, compared with the unavoidable steps on the same
+// sphere: reading the file, OpenMesh's own add_face() and Embree's own build.
 
 #include <algorithm>
 #include <chrono>
@@ -33,8 +33,8 @@ namespace {
 const Vec3 kQuery_m(0.0, 0.0, 1.01 * kSphereRadius_m);
 constexpr double kQueryRadius_m = 0.02 * kSphereRadius_m;
 
-// The sphere as a .glb in a folder of its own, as long as this lives. Just written, so it lies in
-// the page cache.
+// The sphere as a .glb in a temporary folder that the destructor removes. Just written, so the file
+// is in the page cache.
 class SphereFile {
  public:
   explicit SphereFile(int subdivisions) {
@@ -61,7 +61,7 @@ class SphereFile {
   std::size_t size_ = 0;
 };
 
-// Of this process, bytes; what malloc keeps for later is given back first.
+// Resident memory of this process, after malloc has returned its free memory to the system.
 double resident_bytes() {
   ::malloc_trim(0);
   std::ifstream statm("/proc/self/statm");
@@ -77,9 +77,9 @@ std::map<std::string, double>& medians_ms() {
   return medians;
 }
 
-using RunError = const char*;  // null: none
+using RunError = const char*;  // null: no error
 
-// Times make(), but neither check() nor the end of what was made.
+// Times make(), but neither check() nor the destruction of the result.
 template <typename Make, typename Check>
 void time_making(benchmark::State& state, const std::string& row, Make make, Check check) {
   std::vector<double> times_ms;
@@ -159,7 +159,7 @@ struct LoadedSphere {
   std::optional<SurfacePoint> nearest;
 };
 
-LoadedSphere load_and_ask(const std::string& path) {
+LoadedSphere load_and_query(const std::string& path) {
   LoadedSphere loaded{Scene::load(path), {}};
   if (loaded.scene) {
     loaded.nearest = closest_point(*loaded.scene, kQuery_m, kQueryRadius_m);
@@ -167,10 +167,10 @@ LoadedSphere load_and_ask(const std::string& path) {
   return loaded;
 }
 
-// What a scene is said to take and what the process has grown by.
+// Reports the memory counted by the scene and the growth of the process.
 void report_memory(benchmark::State& state, const std::string& path) {
   const double before = resident_bytes();
-  const LoadedSphere loaded = load_and_ask(path);
+  const LoadedSphere loaded = load_and_query(path);
   if (!loaded.scene) return;
   const double after = resident_bytes();
   const SceneStatistics& statistics = loaded.scene->statistics();
@@ -182,7 +182,7 @@ void report_memory(benchmark::State& state, const std::string& path) {
 void load_glb(benchmark::State& state, int subdivisions, const std::string& row) {
   const SphereFile file(subdivisions);
   time_making(
-      state, row, [&] { return load_and_ask(file.path()); },
+      state, row, [&] { return load_and_query(file.path()); },
       [&](const LoadedSphere& loaded) -> RunError {
         if (!loaded.scene) return "the sphere could not be loaded";
         if (!loaded.nearest) return "the closest point was not found";
@@ -191,7 +191,7 @@ void load_glb(benchmark::State& state, int subdivisions, const std::string& row)
         return is_whole ? nullptr : "a triangle was lost";
       });
   report_memory(state, file.path());
-  // Not if a filter left one of them out.
+  // Reports no ratio if a filter excluded one of the parts.
   double parts_ms = 0.0;
   for (const char* part : {"read_file", "openmesh_add_face", "embree_build"}) {
     const auto median = medians_ms().find(row_name(part, subdivisions));
@@ -206,7 +206,7 @@ struct LoadCase {
   void (*workload)(benchmark::State&, int subdivisions, const std::string& row);
 };
 
-// Parts before the whole.
+// The parts come before the whole, which reports its ratio to them.
 constexpr LoadCase kLoadCases[] = {
     {"read_file", read_file},
     {"openmesh_add_face", openmesh_add_face},

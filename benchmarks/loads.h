@@ -1,6 +1,6 @@
 #pragma once
 
-// How often what takes long is done: the median counts.
+// Repeats of a slow step; its median is reported.
 
 namespace palpate::bench {
 

@@ -1,11 +1,11 @@
 // palpate_benchmarks [--subdivisions=5,7,8,9] [--ticks=10000] [--accuracy=full] [--seed=1]
 //                    [Google Benchmark's options]
 //
-// subdivisions: sizes of the sphere, 5 for 20,480 triangles and four times as many with each
-// further one (8: 1.3 million, 9: 5.2 million); with 5, 7, 8 and 9 go scans of 0.1 to 6 million
-// triangles. ticks: length of the paths, in samples of 1 ms; a quarter of it where caches are
-// evicted or the input is meant to be slow. accuracy: full, quick or off: how much work goes into
-// what accuracy costs, as `palpate accuracy` measures it from the same seed.
+// subdivisions: sizes of the sphere. 5 has 20,480 triangles, and each further subdivision has four
+// times as many (8: 1.3 million, 9: 5.2 million). 5, 7, 8 and 9 add scans of 0.1, 0.5, 1.6 and 6
+// million triangles. ticks: length of the paths, in samples of 1 ms; a quarter of it for evicted
+// caches and for slow inputs. accuracy: effort of the study of accuracy (full, quick or off), which
+// `palpate accuracy` measures from the same seed.
 
 #include <algorithm>
 #include <charconv>
@@ -35,7 +35,7 @@ std::optional<int> parse_number(std::string_view text, int most) {
   return number;
 }
 
-// Numbers separated by commas; empty if one of them is none.
+// Numbers separated by commas; empty if any of them is invalid.
 std::vector<int> parse_list(std::string_view text, int most) {
   std::vector<int> numbers;
   for (;;) {
@@ -51,11 +51,11 @@ std::vector<int> parse_list(std::string_view text, int most) {
 struct Options {
   std::vector<int> subdivisions{5, 7, 8, 9};
   int ticks = 10000;
-  std::optional<palpate::StudyEffort> accuracy = palpate::StudyEffort{};  // none: off
+  std::optional<palpate::StudyEffort> accuracy = palpate::StudyEffort{};  // nullopt: off
   std::uint64_t seed = palpate::StudyEffort{}.seed;
 };
 
-// Each takes what follows its name and says whether that made sense.
+// Each function parses the value after the option's name and returns whether it is valid.
 bool set_subdivisions(std::string_view value, Options& options) {
   options.subdivisions = parse_list(value, kMostSubdivisions);
   return !options.subdivisions.empty();
@@ -103,18 +103,19 @@ int main(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
     if (parse_option(argv[i], options)) continue;
-    std::fprintf(stderr,
-                 "palpate_benchmarks: cannot use %s (see --help, --subdivisions, --ticks, "
-                 "--accuracy, --seed)\n",
-                 argv[i]);
+    std::fprintf(
+        stderr,
+        "palpate_benchmarks: invalid argument %s (options: --help, --subdivisions, --ticks, "
+        "--accuracy, --seed)\n",
+        argv[i]);
     return 2;
   }
   benchmark::AddCustomContext("compiler", palpate::compiler_name());
   benchmark::AddCustomContext("flags", palpate::compiler_flags());
   benchmark::AddCustomContext("cgal", palpate::bench::kHaveCgal ? "yes" : "no");
   const palpate::bench::SampleCounts counts{static_cast<std::size_t>(options.ticks)};
-  // First, while nothing else holds memory: what is loaded then has that of the one loaded before,
-  // and not some that the system has to find.
+  // Loading runs first, while no other benchmark holds memory: each load then reuses the memory of
+  // the previous load instead of pages that the system must provide.
   for (const int subdivisions : options.subdivisions) {
     palpate::bench::register_load_benchmarks(subdivisions);
   }

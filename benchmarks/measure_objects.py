@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Follows the paper's four objects without and with A4 and keeps what came out.
+"""Explores the paper's four objects without and with A4 and keeps the results.
 
 measure_objects.py PROGRAM
 
-Writes benchmarks/results/paper_objects/objects.json and the picture of the star. In simulated time,
-so the numbers depend on the code alone; times of this machine are left out.
+Writes into benchmarks/results/paper_objects: objects.json, the figures of each run; star.svg, the
+paths that the program draws; a4.json, four instants of the run on the star (a4_figure.py). The runs
+are in simulated time: the results depend on the code alone, and times of this machine are left out.
 """
 
 import json
@@ -13,6 +14,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
+
+sys.dont_write_bytecode = True  # no folder beside the sources
+import a4_figure  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "paper_objects"
@@ -26,15 +30,22 @@ def main():
     objects = {}
     RESULTS.mkdir(parents=True, exist_ok=True)
     for name in OBJECTS:
-        with tempfile.TemporaryDirectory() as out:
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder)
             result = subprocess.run(
                 [program, "run", ROOT / "models" / f"{name}.glb", "--virtual", "--json",
                  "--out", out], check=True, capture_output=True, text=True)
             if name == "star":
-                shutil.copy(pathlib.Path(out) / "paths.svg", RESULTS / "star.svg")
+                shutil.copy(out / "paths.svg", RESULTS / "star.svg")
+                instants = a4_figure.instants_of(out / "trace-on.csv", out / "contour-on.csv")
+                write_json(RESULTS / "a4.json", instants)
         runs = json.loads(result.stdout)["runs"]
         objects[name] = [{key: run[key] for key in KEPT} for run in runs]
-    (RESULTS / "objects.json").write_text(json.dumps(objects, indent=1) + "\n", encoding="utf-8")
+    write_json(RESULTS / "objects.json", objects)
+
+
+def write_json(path, content):
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #pragma once
 
-// The medians measured so far in this process, so that a row can carry its ratio to a peer's.
+// The medians measured so far in this process: a row can report its ratio to the median of a peer.
 
 #include <string>
 
@@ -8,11 +8,11 @@
 
 namespace palpate::bench {
 
-// Remembers the row's counter p50_ns under its name.
+// Stores the counter p50_ns under the name of the row.
 void remember_p50(const std::string& row, const benchmark::State& state);
 
-// Sets the counter to the row's p50_ns over the peer's. Not if the peer has not been measured
-// before, as when a filter left it out.
+// Sets the counter to p50_ns of the row divided by p50_ns of the peer's row. Sets nothing if the
+// peer has not been measured before, for example because a filter excludes it.
 void report_ratio(benchmark::State& state, const std::string& counter, const std::string& peer_row);
 
 }  // namespace palpate::bench

@@ -16,20 +16,20 @@
 
 namespace palpate::bench {
 
-// A path is run this often, and the shortest of a sample's times counts: what the machine did
-// meanwhile rarely hits the same sample every time. Unless they are evicted, caches stay warm from
-// sample to sample, which on a device, with a millisecond between them, they need not.
+// Passes over a path. The shortest time of each sample counts: interruptions rarely hit the same
+// sample in every pass. Unless they are evicted, caches stay warm from sample to sample; on a
+// device, with a millisecond between ticks, they may not.
 inline constexpr std::size_t kRepeats = 6;
 
-// std::chrono::steady_clock around every sample: on Linux it reads the same time stamp counter as
-// rdtscp would, for the same 20 ns, so nothing is gained by going around it. The counter itself may
-// advance in coarser steps than a nanosecond (10 ns on AMD's processors).
+// Reads std::chrono::steady_clock around every sample. On Linux it reads the same time stamp
+// counter as rdtscp and takes the same 20 ns, so rdtscp would gain nothing. The counter may advance
+// in coarser steps than a nanosecond (10 ns on AMD processors).
 inline std::int64_t nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
 }
 
-// What the clock itself takes: the median of empty samples, each the shortest of kRepeats as every
-// sample is. It is subtracted from every time, and reported as clock_ns beside them.
+// The time of the clock itself: the median of empty samples, each the shortest of kRepeats like
+// every sample. It is subtracted from every time and reported as clock_ns.
 inline std::int64_t clock_overhead_ns() {
   static const std::int64_t median = [] {
     std::vector<std::int64_t> empty(10001, std::numeric_limits<std::int64_t>::max());
@@ -52,18 +52,18 @@ inline void report_percentiles(benchmark::State& state, const std::vector<std::i
   state.counters["clock_ns"] = static_cast<double>(clock_overhead_ns());
 }
 
-using SampleError = const char*;  // null: none
+using SampleError = const char*;  // null: no error
 
 struct Samples {
   std::size_t count;
   Caches caches;  // before every sample
 };
 
-// Runs the path kRepeats times, one sample an iteration: begin_pass() untimed before each pass,
-// before_sample(n) untimed, to bring the sample's own input back into the caches; sample(n) timed
-// for each n; after_sample(n) untimed; a SampleError that it returns ends the benchmark. Google
-// Benchmark's own time is then the mean over all passes. For benchmarks registered with
-// UseManualTime() and Iterations(kRepeats * count).
+// Runs the path kRepeats times, one sample per iteration. Only sample(n) is timed. begin_pass()
+// runs before each pass. before_sample(n) brings the sample's input back into the caches. A
+// SampleError returned by after_sample(n) ends the benchmark. Google Benchmark's own time is the
+// mean over all passes. For benchmarks registered with UseManualTime() and Iterations(kRepeats *
+// count).
 template <typename BeginPass, typename BeforeSample, typename Sample, typename AfterSample>
 void time_path(benchmark::State& state, const Samples& samples, BeginPass begin_pass,
                BeforeSample before_sample, Sample sample, AfterSample after_sample) {

@@ -1,4 +1,4 @@
-// Which arithmetic should settle on which side of an edge a line passes when double cannot tell.
+// Compares arithmetics that decide on which side of an edge a line passes if double is undecided.
 
 #include <algorithm>
 #include <chrono>
@@ -29,7 +29,7 @@ constexpr InputClass kClasses[] = {{"easy", easy_side_inputs},
 struct Problem {
   std::vector<SideInput> inputs;
   std::vector<int> true_sides;
-  double filter_share = 0.0;  // of the filter that the first two ways share
+  double filter_share = 0.0;  // of inputs decided by the filter of the first two methods
 
   explicit Problem(const InputClass& input_class) : inputs(input_class.make(kInputs)) {
     for (const SideInput& input : inputs) {
@@ -66,7 +66,7 @@ void time_sides(benchmark::State& state, const Problem& task, Side side) {
   state.counters["call_ns"] = 1e9 * shortest_s / static_cast<double>(sides.size());
   state.counters["filter_share"] = task.filter_share;
   state.counters["wrong_signs"] = wrong;
-  state.counters["undecided"] = undecided;  // called zero, which counts as a touch, but is not
+  state.counters["undecided"] = undecided;  // returned as zero, a touch, although not zero
   if (wrong > 0.0) state.SkipWithError("a sign was wrong");
 }
 
@@ -83,22 +83,22 @@ void run_cgal(benchmark::State& state, const Problem& task) {
   time_sides(state, task, [&](std::size_t n) { return test.side(n); });
 }
 
-struct Way {
+struct SideMethod {
   const char* name;
   void (*run)(benchmark::State&, const Problem&);
 };
-constexpr Way kWays[] = {{"side_test_float128", run_float128},
-                         {"side_test_adaptive", run_adaptive},
-                         {"side_test_cgal", run_cgal}};
+constexpr SideMethod kMethods[] = {{"side_test_float128", run_float128},
+                                   {"side_test_adaptive", run_adaptive},
+                                   {"side_test_cgal", run_cgal}};
 
 }  // namespace
 
 void register_side_test_benchmarks() {
   for (const InputClass& input_class : kClasses) {
-    for (const Way& way : kWays) {
+    for (const SideMethod& method : kMethods) {
       benchmark::RegisterBenchmark(
-          (std::string(way.name) + "/" + input_class.name).c_str(),
-          [&](benchmark::State& state) { way.run(state, problem(input_class)); })
+          (std::string(method.name) + "/" + input_class.name).c_str(),
+          [&](benchmark::State& state) { method.run(state, problem(input_class)); })
           ->UseManualTime()
           ->Iterations(kPasses);
     }

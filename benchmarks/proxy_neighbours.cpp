@@ -14,7 +14,7 @@ struct Triangles {
   std::vector<Triangle> corners;
 };
 
-// The points of the triangles nearest to p, of those not farther than reach_m.
+// The nearest point to p of each triangle that is within reach_m.
 std::vector<TrianglePoint> points_within(const Triangles& all, const Vec3& p, double reach_m) {
   std::vector<TrianglePoint> points;
   for (const Triangle& t : all.corners) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// How crowded it is around a sphere proxy.
+// The number of triangles near a sphere proxy.
 
 #include <vector>
 
@@ -8,14 +8,14 @@
 
 namespace palpate::bench {
 
-// Numbers of triangles, means over proxy positions.
+// Mean numbers of triangles over proxy positions.
 struct ProxyNeighbours {
   double under = 0.0;     // within one proxy radius of the point the proxy touches
-  double in_reach = 0.0;  // within the proxy's radius and one step of its centre
+  double in_reach = 0.0;  // within the proxy's radius plus one step of its centre
 };
 
-// Over some of the positions of the proxy's centre, each of which must be in contact. By comparing
-// with every triangle of the scene, whatever its index may say.
+// Means over a sample of the given positions of the proxy's centre; the proxy must be in contact at
+// each. Tests every triangle of the scene, without the index.
 ProxyNeighbours mean_proxy_neighbours(const Scene& scene, const std::vector<Vec3>& proxies_scene_m,
                                       double proxy_radius_m, double step_m);
 

@@ -10,12 +10,12 @@
 
 namespace palpate::bench {
 
-// How long the paths are, in samples of 1 ms.
+// Lengths of the paths, in samples of 1 ms.
 struct SampleCounts {
   std::size_t warm;
 
-  // Evicting takes a hundred times as long as what is then timed, and the worst inputs are slow by
-  // intention. Still enough to tap once.
+  // For evicted caches, because evicting takes a hundred times as long as the timed sample, and for
+  // inputs that are slow on purpose. At least one tap.
   std::size_t fewer() const { return std::min(warm, std::max<std::size_t>(warm / 4, 250)); }
   std::size_t for_caches(Caches caches) const { return caches == Caches::kWarm ? warm : fewer(); }
 };
@@ -25,27 +25,28 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
   return workload + "/" + std::to_string(sphere_triangles(subdivisions));
 }
 
-// In this order for one size: ticks are compared with peers of the index.
+// Call these two in this order for each size: ticks are compared with peers of the index.
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
-// scan_<proxy>/<triangles, about>, where a scan goes with the size.
+// scan_<proxy>/<approximate triangles>, for sizes that have a scan.
 void register_scan_benchmarks(int subdivisions, const SampleCounts& counts);
-// Of no size: worst_<input>/<triangles or bodies>.
+// Once for all sizes: worst_<input>/<triangles or bodies>.
 void register_worst_benchmarks(bool is_large);
 // tick_sliding_with_<effect>/<triangles>.
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 
-// Of no size: accuracy_<knob>/<method>/<level>, every level of every knob. Adds to the context how
-// they were measured.
+// Once for all sizes: accuracy_<knob>/<method>/<level>, every level of every knob. Adds the
+// conditions of the measurement to the context.
 void register_accuracy_benchmarks(const StudyEffort& effort);
 
-// Of no size: load_instances/<count>x, instances_sliding/<count>x and the same
-// _searched.
+// Once for all sizes: load_instances/<count>x, instances_sliding/<count>x and
+// instances_sliding_searched/<count>x.
 void register_instance_benchmarks(const SampleCounts& counts);
-// Best before the others of the size, which keep what they have built.
+// Call this before the other benchmarks of the size, which keep their scenes in memory.
 void register_load_benchmarks(int subdivisions);
 
-// Of no size: side_test_<how>/<class of inputs>. Nothing without CGAL, which it compares with.
+// Once for all sizes: side_test_<method>/<class of inputs>. Registers nothing without CGAL, one of
+// the compared methods.
 void register_side_test_benchmarks();
 
 }  // namespace palpate::bench

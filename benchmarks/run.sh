@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds the release preset, runs the benchmarks and keeps the result under the name of this
-# processor; update_readme.py then brings the table of the README up to date. Arguments go to
-# palpate_benchmarks, which by itself measures spheres of 20 thousand to 5.2 million triangles, and
-# what accuracy costs, in a minute or two and 3 GB of memory; --subdivisions=5,7 --accuracy=quick is
-# the quick way. Measure on an idle machine: whatever else runs is measured as well.
+# processor; update_results.py then updates RESULTS.md and the README. Arguments are passed to
+# palpate_benchmarks. By default it measures spheres of 20 thousand to 5.2 million triangles and the
+# cost of accuracy, in a minute or two and 3 GB of memory; --subdivisions=5,7 --accuracy=quick is
+# shorter. Measure on an idle machine: other programs change the times.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"
 install_missing_packages
@@ -16,7 +16,8 @@ cpu=$(cpu_field 'model name' | tr ',=' '  ' | tr -s ' ')
 cpu="${cpu:-$(uname -m)} (family $(cpu_field 'cpu family') model $(cpu_field model))"
 slug=$(printf '%s' "$cpu" | tr '[:upper:]' '[:lower:]' | tr -cs 'a-z0-9' '-' | sed 's/^-//; s/-$//')
 
-# Only what can change a time makes a commit another one: not the results, not a document.
+# A change of these files marks the commit as modified: they can change a time. Results and documents
+# cannot.
 sources=(CMakeLists.txt CMakePresets.json engine geometry haptics io models benchmarks
   ':!benchmarks/results' ':!*.md' ':!*.sh' ':!*.py')
 commit=$(git -C "$palpate_root" rev-parse --short=12 HEAD 2>/dev/null || echo unknown)
@@ -32,11 +33,11 @@ cd "$palpate_root/build/release"
 ./palpate_benchmarks --benchmark_out="$fresh" --benchmark_out_format=json \
   --benchmark_context="cpu=$cpu,commit=$commit" "$@"
 if grep -q '"error_occurred": true' "$fresh"; then
-  say "a benchmark failed, so nothing was kept; its message is above"
+  say "a benchmark failed, so no result was kept; its message is above"
   exit 1
 fi
-# The host's name says nothing about a time and belongs to nobody else.
+# The host's name does not affect a time and is private.
 mkdir -p "${result%/*}"
 grep -v '"host_name":' "$fresh" >"$result"
 "$palpate_root/benchmarks/measure_objects.py" "$palpate_root/build/release/palpate"
-say "wrote benchmarks/results/$slug.json; benchmarks/update_readme.py puts it into the README"
+say "wrote benchmarks/results/$slug.json; run benchmarks/update_results.py to update RESULTS.md and README.md"

@@ -1,4 +1,4 @@
-// A hand that feels its way over scans of a machine's housing: what smooth spheres do not show.
+// A hand that explores scans of a machine's housing, with features that smooth spheres lack.
 
 #include <cstdint>
 #include <optional>
@@ -19,10 +19,10 @@
 namespace palpate::bench {
 namespace {
 
-// Scans that are measured beside the spheres of these subdivisions.
+// Scans measured together with the spheres of these subdivisions.
 struct ScanSize {
   int subdivisions;
-  const char* name;  // about so many triangles
+  const char* name;  // approximate number of triangles
   double cell_m;
 };
 constexpr ScanSize kSizes[] = {
@@ -44,13 +44,13 @@ constexpr ScanCase kScanCases[] = {
     {"scan_sphere_5mm_evicted", 5e-3, Caches::kEvicted},
 };
 
-// Over and between fins.
+// This walk passes over and between fins.
 constexpr std::uint64_t kWalkSeed = 4;
 
-// Pressed in by up to 2 mm, and off the surface for a moment twice a second.
+// Up to 2 mm inside the surface, and briefly above it twice a second.
 constexpr HeightSwing kPressing{-2e-3, 2e-4, 0.5};
 
-// Of the ticks: where a scan has holes, or has lost a fin, the hand may be through it.
+// Share of ticks: through holes of the scan and lost fins the hand passes without contact.
 constexpr double kLeastContact = 0.25;
 
 const Scene* scan_scene(double cell_m, double proxy_radius_m) {
@@ -63,7 +63,7 @@ const Scene* scan_scene(double cell_m, double proxy_radius_m) {
   return scene ? &*scene : nullptr;
 }
 
-// Those of the largest sphere are slow.
+// Fewer samples for the largest sphere, whose ticks are slow.
 std::size_t samples_of(const ScanCase& scan_case, const SampleCounts& counts) {
   return scan_case.proxy_radius_m > 1e-3 ? counts.fewer() : counts.for_caches(scan_case.caches);
 }
@@ -84,7 +84,7 @@ void run(benchmark::State& state, const ScanSize& size, const ScanCase& scan_cas
       time_ticks(state, scene->world(), *actuation, settings, path, scan_case.caches);
   if (tally.other_faults) return state.SkipWithError("a tick had a fault");
   if (tally.contact_share() < kLeastContact) {
-    return state.SkipWithError("the hand was seldom in contact");
+    return state.SkipWithError("the hand was in contact too rarely");
   }
   state.counters["triangles"] = static_cast<double>(scene->statistics().instanced_triangles);
 }

@@ -12,13 +12,12 @@
 namespace palpate::bench {
 namespace {
 
-// Cells of a block, along each axis, which is left out as a whole where the surface is farther
-// away.
+// Cells of a block along each axis. A block that the surface does not reach is skipped as a whole.
 constexpr int kBlock = 16;
 constexpr int kBlockPoints = kBlock + 1;
 
-// The six tetrahedra of a cell share its diagonal: each goes from corner 0 to corner 7 along the
-// axes in another order. Corners are numbered by bits, x first; the odd orders are mirrored.
+// The six tetrahedra of a cell share its diagonal: each leads from corner 0 to corner 7 along the
+// axes in a different order. Corners are numbered by bits, x first; the odd orders are mirrored.
 struct Tetrahedron {
   std::array<int, 4> corners;
   bool is_mirrored;
@@ -30,7 +29,7 @@ constexpr std::array<Tetrahedron, 6> kTetrahedra{{{{0, 1, 3, 7}, false},
                                                   {{0, 2, 3, 7}, true},
                                                   {{0, 4, 6, 7}, true}}};
 
-// The even permutations of a tetrahedron's corners that begin with those which are inside.
+// The even permutations of a tetrahedron's corners that list the inside corners first.
 constexpr std::array<std::array<int, 4>, 4> kFirstOne{
     {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 0, 1, 3}, {3, 0, 2, 1}}};
 constexpr std::array<std::array<int, 4>, 6> kFirstTwo{
@@ -47,7 +46,7 @@ class Scanner {
         cell_m_(cell_m),
         quality_(quality),
         random_(quality.seed),
-        // A block of room beside the body: noise and rounding stay inside the grid.
+        // A block of clearance beside the body: noise and rounding stay inside the grid.
         blocks_(static_cast<int>(std::ceil(2.0 * ScannedBody::kHalfExtent_m / (kBlock * cell_m))) +
                 2),
         low_m_(-0.5 * blocks_ * kBlock * cell_m) {
@@ -67,7 +66,7 @@ class Scanner {
   using Cell = std::array<int, 3>;  // a point of the grid
 
   Vec3 position_m(const Cell& cell) const {
-    // Half a cell aside, and not quite, so that no plane of the body lies in one of the grid.
+    // Shifted by about half a cell, so that no plane of the body lies in a plane of the grid.
     constexpr double kAside = 0.437;
     return Vec3(cell[0] + kAside, cell[1] + kAside, cell[2] + kAside) * cell_m_ +
            Vec3::Constant(low_m_);
@@ -139,7 +138,7 @@ class Scanner {
     mesh_.triangles.push_back({a, b, c});
   }
 
-  // The vertex on the edge from one corner of the cell to another, which all cells share.
+  // The vertex on the edge between two corners of the cell; neighbouring cells share it.
   std::uint32_t vertex_on(int i, int j, const std::array<double, 8>& values_m) {
     if (i > j) std::swap(i, j);
     Cell from = cell_;
@@ -164,7 +163,7 @@ class Scanner {
     return place->second;
   }
 
-  // Where the scanner takes a place of the surface to be.
+  // The position that the scanner reports for a point of the surface.
   Vec3 seen_at(const Vec3& p) {
     const double error_m = quality_.noise_cells * cell_m_ * random_.normal();
     return (p + error_m * body_.outwards(p, parts_)).cast<float>().cast<double>();
@@ -193,7 +192,7 @@ class Scanner {
   Cell cell_{};
   ScannedBody::Parts parts_;  // near the block
   std::array<double, kBlockPoints * kBlockPoints * kBlockPoints> values_m_{};
-  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;  // by edges of the grid
+  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;  // key: the edge of the grid
   TriangleMesh mesh_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a scanner makes of a body: a mesh with noise, holes and slivers.
+// A simulated scan of a body: a mesh with noise, holes and slivers.
 
 #include <cstdint>
 
@@ -9,18 +9,18 @@
 
 namespace palpate::bench {
 
-// How good a scan is.
+// The quality of a scan.
 struct ScanQuality {
   double noise_cells = 0.1;     // standard deviation of a vertex, along the surface's normal
-  int holes = 12;               // places that the scanner has not seen,
-  double hole_radius_m = 1e-3;  // the same in each scan of the body
+  int holes = 12;               // at the same places
+  double hole_radius_m = 1e-3;  // in every scan of the body
   std::uint64_t seed = 1;
 };
 
 // The surface of the body through the cells of a grid, by marching tetrahedra (A. Doi and A. Koide,
 // "An Efficient Method of Triangulating Equi-Valued Surfaces by Using Tetrahedral Cells", 1991).
-// Vertices are shared, and triangles as uneven as those of real scans; what is thinner than a cell
-// is lost in part. Single precision coordinates, the body's frame, metres. The same bits each time.
+// Vertices are shared; triangles are as uneven as in real scans; parts thinner than a cell are
+// partly lost. Single precision coordinates, frame of the body, metres. Deterministic to the bit.
 // Requires cell_m > 0.
 TriangleMesh scan_of(const ScannedBody& body, double cell_m, const ScanQuality& quality = {});
 

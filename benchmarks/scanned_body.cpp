@@ -8,18 +8,18 @@
 namespace palpate::bench {
 namespace {
 
-// For a derivative by differences: far above the rounding of distances, far below any feature.
+// Step of a numerical derivative: far above the rounding of distances, far below any feature.
 constexpr double kDifference_m = 1e-6;
 
-// Distances fall short of the true ones only near bores: a few steps are enough.
+// The function is smaller than the true distance only near bores: a few steps are enough.
 constexpr int kStepsToSurface = 4;
 
-// Of two coordinates that are outside of a rectangle by x and y (inside: negative).
+// The distance to a rectangle from a point outside it by x and y (negative: inside).
 double distance_to_corner_m(double x, double y) {
   return std::hypot(std::max(x, 0.0), std::max(y, 0.0)) + std::min(std::max(x, y), 0.0);
 }
 
-// A place on a circle about the x axis.
+// A point on a circle about the x axis.
 Vec3 about_x(double x_m, double radius_m, double turns) {
   const double angle_rad = 2.0 * std::numbers::pi * turns;
   return {x_m, radius_m * std::cos(angle_rad), radius_m * std::sin(angle_rad)};
@@ -56,7 +56,7 @@ void ScannedBody::add_flanges() {
   }
 }
 
-// Fins of 1 mm and a lid of 0.8 mm that stands out over them.
+// Fins of 1 mm and a lid of 0.8 mm that protrudes beyond them.
 void ScannedBody::add_fins_and_lid() {
   constexpr int kFins = 11;
   for (int fin = 0; fin < kFins; ++fin) {
@@ -113,8 +113,8 @@ double ScannedBody::distance_m(const Vec3& p, const Parts& parts) const {
   return distance;
 }
 
-// A part that is farther from p than the nearest by more than twice the radius is the nearest of no
-// point there, and a bore that p is so far outside of takes nothing away.
+// A part that is farther from p than the nearest part by more than twice the radius is the nearest
+// part of no point within the radius. A bore as far away as that removes nothing there.
 ScannedBody::Parts ScannedBody::parts_near(const Vec3& p, double radius_m) const {
   std::vector<double> distances_m;
   for (const Part& part : parts_) distances_m.push_back(distance_to_part_m(part, p));

@@ -1,8 +1,8 @@
 #pragma once
 
-// The body whose scans are measured: a machine's housing, 0.2 m long, with flanges, bolts, cooling
-// fins, a thin lid, pipes, bores and rivets. Small features on large ones, and thin parts, as real
-// scans have them and smooth spheres do not.
+// The scanned body: a machine's housing, 0.2 m long, with flanges, bolts, cooling fins, a thin lid,
+// pipes, bores and rivets. Like real scans and unlike smooth spheres, it has small features on
+// large ones, and thin parts.
 
 #include <cstdint>
 #include <vector>
@@ -11,21 +11,22 @@
 
 namespace palpate::bench {
 
-// A solid told by a function: negative inside, zero on the surface, and nowhere larger than the
-// distance to the surface. Its own frame, metres. Deterministic.
+// A solid defined by a function that is negative inside, zero on the surface and nowhere larger
+// than the distance to the surface. Frame of the body, metres. Deterministic.
 class ScannedBody {
  public:
   ScannedBody();
 
-  // How far p is from the surface, at least.
+  // A lower bound of the distance from p to the surface.
   double distance_m(const Vec3& p) const { return distance_m(p, all_); }
-  // The direction in which that grows: on the surface, its normal.
+  // The direction of growing distance; on the surface, the normal.
   Vec3 outwards(const Vec3& p) const { return outwards(p, all_); }
 
-  // A place of the surface, about the nearest to p.
+  // A point of the surface, approximately the nearest to p.
   Vec3 surface_near(Vec3 p) const;
 
-  // The parts that decide within radius_m of p, and the same by them alone.
+  // The parts that determine the distance within radius_m of p; the overloads below use these
+  // alone.
   struct Parts {
     std::vector<std::uint32_t> solid;
     std::vector<std::uint32_t> bores;
@@ -34,7 +35,7 @@ class ScannedBody {
   double distance_m(const Vec3& p, const Parts& parts) const;
   Vec3 outwards(const Vec3& p, const Parts& parts) const;
 
-  // All of it is within so much of the origin, along each axis.
+  // The body lies within this distance of the origin along each axis.
   static constexpr double kHalfExtent_m = 0.1;
 
  private:
@@ -42,7 +43,7 @@ class ScannedBody {
   struct Part {
     Shape shape;
     Vec3 centre_m;
-    Vec3 half_m;     // a box: its extents; cylinders and rings: radius, half the height, tube
+    Vec3 half_m;     // box: half extents; cylinder, ring: radius, half the height, tube radius
     int axis = 0;    // of cylinders and rings
     double round_m;  // radius of its edges
   };
@@ -55,7 +56,7 @@ class ScannedBody {
   static double distance_to_part_m(const Part& part, const Vec3& p);
 
   std::vector<Part> parts_;
-  std::vector<Part> bores_;  // taken away from all of them
+  std::vector<Part> bores_;  // subtracted from the union of the parts
   Parts all_;
 };
 

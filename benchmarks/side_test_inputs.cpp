@@ -43,14 +43,14 @@ Vec3 rounded_to_float(const Vec3& p) {
   return p.cast<float>().cast<double>();
 }
 
-// Of a mesh from a file: its corners are floats.
+// An edge as in a mesh from a file: its corners are floats.
 Edge random_edge(Random& random) {
   const Vec3 from = rounded_to_float(random.in_box(kFromOrigin_m));
   return {from, rounded_to_float(from + random.in_box(kEdge_m))};
 }
 
-// Its middle has x = 0. Differences of coordinates there are rounded; elsewhere they are exact,
-// because points near each other have their last bits in the same places.
+// An edge whose midpoint has x = 0. Differences of coordinates there are rounded; elsewhere they
+// are exact, because the last bits of nearby coordinates have the same weight.
 Edge random_edge_across_plane(Random& random) {
   Edge edge = random_edge(random);
   edge.from.x() = rounded_to_float(random.in_box(kEdge_m)).x();
@@ -58,7 +58,7 @@ Edge random_edge_across_plane(Random& random) {
   return edge;
 }
 
-// The step from p that ends where p + d rounds to, if that needs no rounding itself.
+// The step from p to the rounded p + d; nullopt if that step itself needs rounding.
 std::optional<SideInput> through(const Vec3& p, const Vec3& d, const Edge& edge) {
   const Vec3 q = p + d;
   const Vec3 step = q - p;
@@ -86,7 +86,7 @@ Integers cross(const Integers& a, const Integers& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// gcd(a, b) = x a + y b.
+// The coefficients of gcd(a, b) = x a + y b.
 struct Bezout {
   cpp_int gcd, x, y;
 };
@@ -103,7 +103,8 @@ Bezout bezout(const cpp_int& a, const cpp_int& b) {
   return last;
 }
 
-// w less the multiples of u and v that make it short, for n = u x v: adds nothing along n.
+// w minus multiples of u and v, chosen so that the result is short, for n = u x v. Leaves the
+// component along n as it is.
 Integers shortened(const Integers& w, const Integers& u, const Integers& v, const Integers& n) {
   const cpp_int along_u = dot(cross(w, v), n) / dot(n, n);
   const cpp_int along_v = dot(cross(u, w), n) / dot(n, n);
@@ -112,7 +113,7 @@ Integers shortened(const Integers& w, const Integers& u, const Integers& v, cons
   return shorter;
 }
 
-// An integer vector w, no longer than u and v together, with w . (u x v) = +-1. None if the
+// An integer vector w, no longer than u and v together, with w . (u x v) = +-1. nullopt if the
 // components of u x v have a common divisor.
 std::optional<Integers> least_volume(const Integers& u, const Integers& v) {
   const Integers n = cross(u, v);
@@ -160,8 +161,8 @@ std::vector<SideInput> exact_side_inputs(std::size_t count) {
     const double eighths = across ? 0.5 : std::ldexp(static_cast<double>(random.integer(3)), -3);
     const Vec3 target = edge.from + eighths * (edge.to - edge.from);
     Vec3 half = random.in_box(0.5 * kTracedStep_m);
-    if (across) half.x() *= kTracedStep_m;  // small, so that p keeps bits that from - p must round
-    // Half of the step before the target and half of it behind.
+    if (across) half.x() *= kTracedStep_m;  // small: from - p must then round
+    // Half of the step lies before the target and half behind it.
     const auto behind = through(target, half, edge);
     if (!behind || target - behind->d + behind->d != target) return std::nullopt;
     const auto input = through(target - behind->d, 2.0 * behind->d, edge);

@@ -11,8 +11,8 @@ double norm1(double x, double y, double z) {
   return std::abs(x) + std::abs(y) + std::abs(z);
 }
 
-// The filter: 1, -1, or 0 in doubt. In scalars: written with Eigen's vectors it takes three times
-// as long, because GCC stores them in pairs and loads them one by one.
+// The filter: 1, -1, or 0 if undecided. Written with scalars: with Eigen's vectors it takes three
+// times as long, because GCC stores their components in pairs and loads them one by one.
 int filtered_side(const SideInput& in) {
   const double ux = in.d.x();
   const double uy = in.d.y();

@@ -1,10 +1,11 @@
 #pragma once
 
-// On which side of a line an edge passes: three ways to be sure of the sign.
+// On which side of a line an edge passes: three methods to compute the sign.
 //
 // The question behind "does a segment meet a triangle" (geometry/exact/segment_triangle.h): the sign of
-// d . ((from - p) x (to - p)), positive if the edge passes the line on its left. Each way starts
-// with a filter in double; they differ in what follows when it cannot tell.
+// d . ((from - p) x (to - p)), positive if the edge passes the line on its left. Each method
+// begins with a filter in double; the methods differ in the arithmetic used when the filter is
+// undecided.
 
 #include <memory>
 #include <span>
@@ -13,20 +14,20 @@
 
 namespace palpate::bench {
 
-// A line through p along d, which is not zero, and an edge. p + d is a double to the bit, so that
-// the line is the same whether it is given by a direction or by two points.
+// A line through p along d, which is not zero, and an edge. p + d is exact in double, so that a
+// direction and a second point describe the same line.
 struct SideInput {
   Vec3 p, d, from, to;
 };
 
-// Whether the filter that the first two ways share settles it.
+// Whether the filter shared by the first two methods decides the sign.
 bool filter_decides(const SideInput& input);
 
-// 113-bit arithmetic in software. 0 also when that cannot tell.
+// 113-bit arithmetic in software. Returns 0 also if 113 bits are undecided.
 int side_float128(const SideInput& input);
 
-// What the engine uses (geometry/exact/orientation.h): pairs of doubles, then expansions. Exact, for
-// coordinates whose products neither overflow nor underflow.
+// The method of the engine (geometry/exact/orientation.h): pairs of doubles, then expansions. Exact
+// for coordinates whose products neither overflow nor underflow.
 int side_adaptive(const SideInput& input);
 
 // The orientation predicate of CGAL's Exact_predicates_inexact_constructions_kernel. Exact.

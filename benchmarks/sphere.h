@@ -1,6 +1,6 @@
 #pragma once
 
-// The sphere that every benchmark runs on, as Palpate sees it and as its peers do.
+// The sphere of the benchmarks, in the data structures of Palpate and of its peers.
 
 #include <cstddef>
 
@@ -17,10 +17,10 @@ constexpr std::size_t sphere_triangles(int subdivisions) {
   return std::size_t{20} << (2 * subdivisions);
 }
 
-// The icosphere of kSphereRadius_m about the origin. Of each function the last answer is kept, so
-// benchmarks of one size should follow each other; another question destroys it.
+// The icosphere of kSphereRadius_m about the origin. Each function keeps its last result and
+// destroys it when called with other arguments, so benchmarks of one size should run consecutively.
 
-// For a proxy of that radius; null if it could not be compiled.
+// The scene for a proxy of proxy_radius_m; null if it could not be compiled.
 const Scene* sphere_scene(int subdivisions, double proxy_radius_m);
 
 const StockSurface& stock_sphere(int subdivisions);
@@ -28,7 +28,7 @@ const StockSurface& stock_sphere(int subdivisions);
 // Requires kHaveCgal.
 const CgalSurface& cgal_sphere(int subdivisions);
 
-// Its index in metres, about the origin: what peers are compared with.
+// The index of the sphere in metres, about the origin, compared with the peers.
 const SurfaceIndex& sphere_index(int subdivisions);
 
 // The nearest point of the only body of a scene, scene frame.

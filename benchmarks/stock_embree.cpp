@@ -68,7 +68,7 @@ RTCDevice stock_device() {
 }  // namespace
 
 struct StockSurface::Buffers {
-  std::vector<Vec3f> positions;  // one more than there are: Embree reads 16 bytes at a time
+  std::vector<Vec3f> positions;  // one extra element: Embree reads 16 bytes at a time
   std::vector<Triangle> triangles;
   RTCScene scene = nullptr;
   ~Buffers() {

@@ -1,7 +1,7 @@
 #pragma once
 
-// The peer: the same queries as one gets them from Embree without Palpate, on Embree's own triangle
-// geometry, in float, with the point query callback its tutorials describe.
+// The first peer: the same queries on Embree without Palpate, on Embree's own triangle geometry, in
+// float, with the point query callback described in its tutorials.
 
 #include <cstdint>
 #include <memory>

@@ -16,12 +16,12 @@ namespace palpate::bench {
 namespace {
 
 constexpr double kSphereProxyRadius_m = 1e-3;
-constexpr std::size_t kFirstTicks = 50;       // of a loop that starts at the centre
-constexpr double kWander_m = 10.0 * kStep_m;  // about the centre, pressed: several triangles' width
+constexpr std::size_t kFirstTicks = 50;       // ticks of a loop that starts at the centre
+constexpr double kWander_m = 10.0 * kStep_m;  // range about the centre: several triangles' width
 constexpr double kTeleportRadiusPerRadius = 1.5;   // so that most jumps cross the surface
-constexpr double kLongestTeleportPerRadius = 1.9;  // the scene is 2 across: farther is a fault
+constexpr double kLongestTeleportPerRadius = 1.9;  // a jump beyond the scene's size, 2, is a fault
 
-// What a run must show to count: the share of ticks in contact.
+// The share of ticks in contact that a valid run must have.
 struct ContactShare {
   double least;
   double most;
@@ -37,14 +37,14 @@ struct TickCase {
   ContactShare contact;
   Caches caches = Caches::kWarm;
   double proxy_radius_m = 0.0;
-  int actuators = 3;                 // of 3 sensors; with fewer, A4 turns the scene
-  bool may_be_capped = false;        // the worst inputs ask for more than a tick will do
-  const char* stock_peer = nullptr;  // the row of the index to compare with
+  int actuators = 3;           // the device has 3 sensors; with fewer than 3 actuators A4 is on
+  bool may_be_capped = false;  // slow inputs may reach the limits of a tick
+  const char* stock_peer = nullptr;  // the row of an index peer to compare with
   Accuracy accuracy = Accuracy::balanced();
   SimdLevel simd = SimdLevel::kAvx512;  // at most
 };
 
-// Along the sphere, at heights above where the proxy's centre is when it touches.
+// A path along the sphere; heights are above the proxy's centre in contact.
 template <const HeightSwing& kSwing>
 DevicePath along_sphere(const TickCase& tick_case, const SampleCounts& counts) {
   return entered_path_over_sphere(kSphereRadius_m + tick_case.proxy_radius_m, kSwing,
@@ -65,7 +65,7 @@ DevicePath teleports(const TickCase&, const SampleCounts& counts) {
                            kLongestTeleportPerRadius * kSphereRadius_m, counts.fewer())};
 }
 
-// The sphere proxy last: its index is another one.
+// The sphere proxy is last, because it uses another index.
 constexpr TickCase kTickCases[] = {
     {.name = "tick_free", .path = along_sphere<kFree>, .contact = kNever},
     {.name = "tick_sliding",
@@ -121,13 +121,13 @@ constexpr TickCase kTickCases[] = {
      .proxy_radius_m = kSphereProxyRadius_m},
 };
 
-// Null if the run did what the case says.
+// Null if the run matched the case.
 SampleError what_went_wrong(const TickCase& tick_case, const Tally& tally) {
   if (tally.other_faults) return "a tick had a fault";
-  if (tally.capped > 0.0 && !tick_case.may_be_capped) return "a tick ran out of iterations";
-  const bool as_told = tally.contact_share() >= tick_case.contact.least &&
+  if (tally.capped > 0.0 && !tick_case.may_be_capped) return "a tick reached a limit of the solver";
+  const bool matches = tally.contact_share() >= tick_case.contact.least &&
                        tally.contact_share() <= tick_case.contact.most;
-  return as_told ? nullptr : "the proxy was not in contact as the case says";
+  return matches ? nullptr : "the share of ticks in contact does not match the case";
 }
 
 void run(benchmark::State& state, const TickCase& tick_case, int subdivisions,

@@ -26,7 +26,7 @@ Tally time_ticks(benchmark::State& state, const ContactWorld& world,
   Vec3 next_device_m;
   Vec3 p_device_m;
   Tally tally;
-  // Aimed before caches are evicted: it reads the loop's pose.
+  // Computed before the caches are evicted, because it reads the pose of the loop.
   const auto aim = [&](const Vec3& p_scene_m) {
     next_device_m = loop->T_device_scene().point(p_scene_m);
   };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ticks of a haptic loop along a path, timed one by one, with proof of what they did.
+// Ticks of a haptic loop along a path, timed one by one, with a tally that proves their validity.
 
 #include <vector>
 
@@ -12,7 +12,7 @@
 
 namespace palpate::bench {
 
-// What the loop did, to prove that the right thing was timed.
+// Events of the timed ticks, to verify that the intended case was timed.
 struct Tally {
   double ticks = 0.0;
   double contacts = 0.0;
@@ -25,9 +25,9 @@ struct Tally {
   double capped_share() const { return capped / ticks; }
 };
 
-// Times every tick of a path that is given in the scene frame, so that the proxy meets the same
-// triangles whether A4 turns the scene or not; each pass begins with a new loop. Reports
-// percentiles, solver_iterations, contact_share and capped_share.
+// Times every tick of a path in the scene frame, so that the proxy meets the same triangles with
+// and without A4. Each pass begins with a new loop. Reports percentiles, solver_iterations,
+// contact_share and capped_share.
 Tally time_ticks(benchmark::State& state, const ContactWorld& world,
                  const ActuationModel& actuation, const HapticSettings& settings,
                  const DevicePath& path, Caches caches);

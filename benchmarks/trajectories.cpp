@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint64_t kCentreSeed = 1;
 constexpr std::uint64_t kTeleportSeed = 2;
 
-// Uniform over the unit ball.
+// Uniformly distributed over the unit ball.
 Vec3 in_unit_ball(SeededRandom& random) {
   for (;;) {
     const Vec3 p = random.in_box(1.0);

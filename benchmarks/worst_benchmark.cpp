@@ -1,5 +1,5 @@
-// What the budget of a tick bounds: the inputs that ask most of one. And what it does not bound:
-// effects that search, on the same inputs.
+// The slowest known inputs. The work budget bounds the update of the proxy; effects that search,
+// timed on the same inputs, are not bounded.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,12 +28,12 @@ const WorstInput& input_of(const WorstKind& kind, bool is_large) {
                    [&] { return std::optional(kind.make(is_large ? kind.most : kind.least)); });
 }
 
-// Each tick is the shortest of kRepeats, as in every row: what is bounded is its work, not what the
-// machine does meanwhile.
+// Each tick is the shortest of kRepeats, as in every row: the budget bounds the work of a tick, not
+// interruptions by the machine.
 void run(benchmark::State& state, const WorstKind& kind, bool is_large, Caches caches) {
   const WorstInput& input = input_of(kind, is_large);
   std::optional<GodObject> god_object;
-  ProxyState felt;
+  ProxyState proxy;
   double capped = 0.0;
   double ticks = 0.0;
   WorkUnits most_work = 0;
@@ -46,19 +46,19 @@ void run(benchmark::State& state, const WorstKind& kind, bool is_large, Caches c
       [](std::size_t) {},
       [&](std::size_t n) {
         if (!input.motions.empty()) god_object->move_bodies(input.motions[n]);
-        felt = god_object->move_to(input.goals_m[n]);
+        proxy = god_object->move_to(input.goals_m[n]);
       },
       [&](std::size_t) {
         ticks += 1.0;
-        capped += felt.capped;
-        most_work = std::max(most_work, felt.work);
+        capped += proxy.capped;
+        most_work = std::max(most_work, proxy.work);
         return SampleError{};
       });
   state.counters["capped_share"] = capped / ticks;
   state.counters["most_work"] = static_cast<double>(most_work);
 }
 
-// Each body attracts from wherever the hand is.
+// Each body attracts the hand at any distance.
 class Magnets {
  public:
   explicit Magnets(const WorstInput& input) : surfaces_(input.world.bodies.size()) {
@@ -77,8 +77,8 @@ class Magnets {
   std::vector<MagneticSurface> surfaces_;
 };
 
-// Each body has a medium inside and is no obstacle. Whether it is closed is not asked: that is for
-// who compiles a scene.
+// Each body contains a medium and is no obstacle. Closedness is not checked here: the compiler of a
+// scene does that.
 class Media {
  public:
   explicit Media(const WorstInput& input) : regions_(input.world.bodies.size()) {
@@ -95,14 +95,14 @@ class Media {
   }
 
  private:
-  struct Felt {
+  struct Region {
     MediumRegion region;
     ViscosityEffect::State state;
   };
-  std::vector<Felt> regions_;
+  std::vector<Region> regions_;
 };
 
-// What an effect of every body takes where the proxy is in each tick.
+// Times an effect of every body at the proxy's position in each tick.
 template <typename Effect>
 void run_effect(benchmark::State& state, const WorstKind& kind, bool is_large) {
   const WorstInput& input = input_of(kind, is_large);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// About as large as what hands feel.
+// Typical extent of a scene.
 constexpr double kSize_m = 0.2;
 
 struct Soup {
@@ -28,8 +28,7 @@ struct Soup {
   }
 };
 
-// The index of a soup that is placed at the origin, for a proxy of that radius in a scene of that
-// size.
+// The index of a soup at the origin, for a proxy of radius_m in a scene of size_m.
 std::unique_ptr<SurfaceIndex> index_of(const Soup& soup, double size_m, double radius_m) {
   const double stand_off_m = SolverScale::of(size_m, radius_m).stand_off_m;
   const double sweep_m = radius_m > 0.0 ? radius_m + 2 * stand_off_m : 0.0;
@@ -42,7 +41,7 @@ void add_body(WorstInput& input, const SurfaceIndex* index, const RigidTransform
   input.world.bodies.back().place(T_solver_body);
 }
 
-// What of a world goes by all of its bodies.
+// Sets the members of the world that depend on all of its bodies.
 void complete(WorstInput& input) {
   std::vector<Box> boxes;
   for (const ContactBody& body : input.world.bodies) boxes.push_back(body.box_solver());
@@ -64,7 +63,7 @@ WorstInput input_of(std::string name, const Soup& soup, double radius_m) {
   return input;
 }
 
-// A hand that comes to a place, trembles there, goes round it, and jumps across it.
+// A hand that approaches a point, trembles there, circles around it and jumps across it.
 struct Visit {
   Vec3 from_m;
   Vec3 to_m;
@@ -75,7 +74,7 @@ constexpr int kTicksToCome = 20;
 constexpr int kTicksOfTrembling = 60;
 constexpr int kTicksOfCircling = 60;
 constexpr int kJumps = 20;
-constexpr std::size_t kAcross = 40;  // jumps across a sphere
+constexpr std::size_t kAcross = 40;  // number of jumps across a sphere
 
 std::vector<Vec3> goals_of(const Visit& visit) {
   SeededRandom random(9);
@@ -115,7 +114,7 @@ WorstInput all_through_one_point(std::size_t count, double radius_m) {
   return input;
 }
 
-// Sheets that lie on one another but for rounding, in one mesh.
+// Sheets in one mesh that coincide up to rounding.
 WorstInput stack_in_one_mesh(std::size_t count) {
   SeededRandom random(2);
   Soup soup;
@@ -136,7 +135,7 @@ WorstInput stack_in_one_mesh(std::size_t count) {
   return input;
 }
 
-// Bodies that lie on one another but for rounding, every second one mirrored.
+// Bodies that coincide up to rounding; every second body has its faces reversed.
 WorstInput stack_of_bodies(std::size_t count) {
   SeededRandom random(3);
   WorstInput input;
@@ -168,7 +167,7 @@ WorstInput stack_of_bodies(std::size_t count) {
   return input;
 }
 
-// Large triangles anyhow: each crosses hundreds.
+// Large random triangles: each intersects hundreds of others.
 WorstInput dense_soup(std::size_t count, double radius_m) {
   SeededRandom random(4);
   Soup soup;
@@ -181,7 +180,7 @@ WorstInput dense_soup(std::size_t count, double radius_m) {
   return input;
 }
 
-// Needles in one plane, in which the hand moves: each side of each of them is in doubt.
+// Needles in one plane, in which the hand moves: double cannot decide the sign for any edge.
 WorstInput needles_in_doubt(std::size_t count, double radius_m) {
   Soup soup;
   const double half_m = 0.5 * kSize_m;
@@ -194,13 +193,13 @@ WorstInput needles_in_doubt(std::size_t count, double radius_m) {
   }
   WorstInput input = input_of("needles_in_doubt", soup, radius_m);
   visit(input, {{-0.7 * kSize_m, 0.0, 0.0}, {0.0, 0.0, 0.0}, 1e-4, 0.03});
-  // As many again in the plane itself.
+  // The same goals again, moved into the plane.
   const std::vector<Vec3> goals_m = input.goals_m;
   for (const Vec3& goal_m : goals_m) input.goals_m.push_back({goal_m.x(), goal_m.y(), 0.0});
   return input;
 }
 
-// A sphere as large as the scene.
+// A sphere proxy as large as the scene.
 WorstInput sphere_as_large_as_the_scene(std::size_t count) {
   int subdivisions = 0;
   while (20u << 2 * (subdivisions + 1) <= count) ++subdivisions;
@@ -211,7 +210,7 @@ WorstInput sphere_as_large_as_the_scene(std::size_t count) {
   return input;
 }
 
-// Cubes that close in on the proxy from all sides and draw back again.
+// Cubes that close in on the proxy from all sides and retreat.
 WorstInput moving_bodies(std::size_t count) {
   SeededRandom random(5);
   WorstInput input;
@@ -239,7 +238,7 @@ WorstInput moving_bodies(std::size_t count) {
   return input;
 }
 
-// So many triangles within a millionth of the scene, in the middle of which the proxy starts.
+// Triangles within a millionth of the scene's size; the proxy starts in the middle of them.
 WorstInput start_in_a_cluster(std::size_t count, double radius_m) {
   SeededRandom random(6);
   Soup soup;
@@ -257,7 +256,7 @@ WorstInput start_in_a_cluster(std::size_t count, double radius_m) {
   return input;
 }
 
-// A sphere that is touched for the first time, and jumped across.
+// Jumps across a sphere, from the first contact on.
 WorstInput jumps_across(std::size_t count, double radius_m) {
   int subdivisions = 0;
   while (20u << 2 * (subdivisions + 1) <= count) ++subdivisions;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes and motions that ask more of a tick than any other: what the budget of a tick is for.
+// Scenes and motions that need the most work in a tick. The work budget of a tick bounds it.
 
 #include <cstddef>
 #include <memory>
@@ -15,24 +15,25 @@
 
 namespace palpate::bench {
 
-// One of them. Owns what its world points to; solver frame, metres.
+// One input. Owns the indices that its world points to; solver frame, metres.
 struct WorstInput {
   std::string name;
   double proxy_radius_m = 0.0;
   std::vector<std::unique_ptr<SurfaceIndex>> indices;
   ContactWorld world;
-  std::vector<Vec3> goals_m;  // one each tick; the first is where the proxy is put
-  Vec3 away_m;                // a goal that nothing is in the way of, from where the last one is
-  // Where bodies are to be in each tick; none if nothing moves.
+  std::vector<Vec3> goals_m;  // one per tick; the first is the proxy's initial position
+  Vec3 away_m;                // a goal that is freely reachable from the last goal
+  // The poses of the bodies in each tick; empty if no body moves.
   std::vector<std::vector<BodyMotion>> motions;
 };
 
-// All by name, and one made: with about so many triangles, or bodies where the name says so.
+// A kind of input. make() takes an approximate number of triangles, or of bodies if the name says
+// so.
 struct WorstKind {
   std::string_view name;
-  std::size_t most;   // triangles, or bodies: for benchmarks
-  std::size_t least;  // for tests
-  std::size_t ticks;  // as many as goals
+  std::size_t most;   // number for benchmarks
+  std::size_t least;  // number for tests
+  std::size_t ticks;  // number of goals
   WorstInput (*make)(std::size_t count);
 };
 inline void PrintTo(const WorstKind& kind, std::ostream* out) {

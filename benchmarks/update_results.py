@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""Writes the measured blocks of README.md and benchmarks/RESULTS.md from benchmarks/results, and
+draws the figures.
+
+update_results.py [--check] [--root DIR]
+
+A block stands between the lines <!-- measured:NAME:begin --> and <!-- measured:NAME:end -->; the
+rest of both files is written by hand. --check changes nothing and exits with 1 if a block or a
+figure differs from the results. --root: a folder with the same layout as the project.
+"""
+
+import argparse
+import os
+import pathlib
+import re
+import sys
+
+sys.dont_write_bytecode = True  # no folder beside the sources
+import a4_figure  # noqa: E402
+import accuracy_results  # noqa: E402
+import groove_figure  # noqa: E402
+import result_tables as tables  # noqa: E402
+from result_tables import BadInput  # noqa: E402
+
+README = pathlib.PurePath("README.md")
+RESULTS = pathlib.PurePath("benchmarks/RESULTS.md")
+HEADLINE_TRIANGLES = 1310720
+TICK_NS = 1e6  # the period of the haptic thread
+
+
+class Machine:
+    """One file of results."""
+
+    def __init__(self, path):
+        self.path = path
+        self.context, self.runs, self.knobs = tables.read_result(path)
+
+    @property
+    def figure(self):
+        return self.path.parent / self.path.stem / "accuracy.svg"
+
+    def counter(self, workload, name, size=HEADLINE_TRIANGLES):
+        return self.runs.get((workload, size), {}).get(name)
+
+    def description(self):
+        context = self.context
+        return (f"{context['cpu']}, {context['num_cpus']} cores at "
+                f"{context['mhz_per_cpu'] / 1000:.1f} GHz; {context['compiler']}")
+
+
+# Blocks of the README
+
+def a4_block(objects):
+    rows = [(name.replace("_", " "),
+             [tables.change(runs, "%.1f", "mean_contact_angle_deg") + " deg",
+              tables.change(runs, "%.0f", "losses_of_contact"),
+              tables.change(runs, "%.0f", "port_work_J", 1000) + " mJ"])
+            for name, runs in objects.items()]
+    rows.append(("*paper, mean of ten people*", ["*49.4 -> 32.1 deg*", "-", "-"]))
+    return tables.markdown(["without -> with A4", "mean contact angle", "losses of contact",
+                            "energy returned by the device"], rows)
+
+
+def headline_block(machine):
+    tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
+    ratios = [machine.counter("closest_point", key) for key in ("vs_stock_p50", "vs_cgal_p50")]
+    slowest_ns = slowest(machine.runs)
+    lines = []
+    if None not in tick:
+        lines.append("- A tick of a point proxy that slides over "
+                     f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles takes {tables.microseconds(tick[0])} us (median) and "
+                     f"{tables.microseconds(tick[1])} us (99 %).")
+    if None not in ratios:
+        lines.append("- The closest-point query, decided in double precision, takes "
+                     f"{ratios[0]:.2f} of the time of Embree's own triangles (float) and "
+                     f"{ratios[1]:.2f} of the time of CGAL's tree.")
+    if slowest_ns:
+        lines.append(f"- The longest proxy update on inputs built to be slow took "
+                     f"{slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick at "
+                     "1 kHz. Magnets and media search without a bound and can take longer.")
+    return "\n".join(lines)
+
+
+def slowest(runs):
+    """The longest time over the slow inputs, without effects that search; 0 if not measured."""
+    return max((run["max_ns"] for (name, _), run in runs.items()
+                if name.startswith("worst_") and not name.endswith(("_magnets", "_media"))),
+               default=0.0)
+
+
+def machine_block(machine):
+    return (f"Measured on {machine.description()}; commit {machine.context['commit']}, "
+            f"{machine.context['date'][:10]}.")
+
+
+# Blocks of RESULTS.md
+
+def conditions_block(machine):
+    clock_ns = max(run["clock_ns"] for run in machine.runs.values() if "clock_ns" in run)
+    return (f"{machine.description()}, `{machine.context['flags']}`; commit "
+            f"{machine.context['commit']}, {machine.context['date'][:10]}; {clock_ns:.0f} ns for a "
+            "reading of the clock are subtracted.")
+
+
+def figure_line(machine, root):
+    if not accuracy_results.script(machine.knobs):
+        return ""
+    link = pathlib.Path(os.path.relpath(machine.figure, root / RESULTS.parent)).as_posix()
+    return f"![Error against time of the main knobs; rings mark defaults]({link})"
+
+
+def joined(*parts):
+    return "\n\n".join(part for part in parts if part)
+
+
+MACHINE_BLOCKS = {
+    "conditions": lambda m, root: conditions_block(m),
+    "ticks": lambda m, root: joined(tables.tick_table(m.runs), tables.sphere_line(m.runs)),
+    "queries": lambda m, root: tables.query_table(m.runs),
+    "ratios": lambda m, root: tables.ratio_table(m.runs),
+    "scans": lambda m, root: tables.scan_table(m.runs),
+    "worst": lambda m, root: tables.worst_table(m.runs),
+    "effects": lambda m, root: tables.effect_table(m.runs),
+    "loading": lambda m, root: tables.loading_table(m.runs),
+    "instances": lambda m, root: tables.instance_table(m.runs),
+    "signs": lambda m, root: tables.side_test_table(m.runs),
+    "accuracy": lambda m, root: joined(accuracy_results.table(m.knobs), figure_line(m, root)),
+}
+
+
+def machine_blocks(machines, root):
+    """The text of each block; with several machines, one part under the name of each."""
+    def text(make):
+        parts = [(machine.context["cpu"], make(machine, root)) for machine in machines]
+        return joined(*(joined(f"**{cpu}**", part) if part and len(machines) > 1 else part
+                        for cpu, part in parts)) or "Not measured."
+    return {name: text(make) for name, make in MACHINE_BLOCKS.items()}
+
+
+# Documents and figures
+
+def blocks_of(root, machines):
+    """{document: {block: text}}."""
+    objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
+    newest = max(machines, key=lambda machine: machine.context["date"])
+    return {
+        README: {"a4": a4_block(objects), "headline": headline_block(newest),
+                 "machine": machine_block(newest)},
+        RESULTS: {"objects": tables.objects_table(objects), **machine_blocks(machines, root)},
+    }
+
+
+def figures_of(root):
+    """{path: content} of the figures that our own code draws."""
+    folder = root / "benchmarks/results/paper_objects"
+    try:
+        return {folder / "a4.svg": a4_figure.svg_of(folder),
+                root / "haptics/proxy/groove.svg": groove_figure.draw()}
+    except (OSError, ValueError, KeyError) as error:
+        raise BadInput(f"{folder}: expected a4.json and objects.json of measure_objects.py "
+                       f"({error!r})") from error
+
+
+def marker(name, end):
+    return f"<!-- measured:{name}:{end} -->"
+
+
+def with_blocks(text, blocks, path):
+    found = re.findall(r"<!-- measured:(\S*?):(?:begin|end) -->", text)
+    unknown = sorted(set(found) - set(blocks))
+    if unknown:
+        raise BadInput(f"{path}: the marker measured:{unknown[0]} names no block; the blocks are "
+                       f"{', '.join(blocks)}")
+    for name, content in blocks.items():
+        begin, end = marker(name, "begin"), marker(name, "end")
+        if text.count(begin) != 1 or text.count(end) != 1 or text.index(begin) > text.index(end):
+            raise BadInput(f"{path}: expected one line {begin} and, after it, one line {end}")
+        before, rest = text.split(begin)
+        after = rest.split(end)[1]
+        if "<!-- measured:" in rest.split(end)[0]:
+            raise BadInput(f"{path}: another marker stands between {begin} and {end}")
+        text = f"{before}{begin}\n{content}\n{end}{after}"
+    return text
+
+
+def read(path):
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror}") from error
+
+
+def update(path, content, check):
+    """Brings a file to this content, or with check raises BadInput if it has another."""
+    old = read(path) if check or path.exists() else None
+    if old == content:
+        return
+    if check:
+        raise BadInput(f"{path}: differs from the results; run benchmarks/update_results.py")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(content, encoding="utf-8")
+    print(f"wrote {path}")
+
+
+def update_accuracy_figure(machine, check):
+    """Draws the figure if it is missing or drawn from other data; removes it if there is no data."""
+    figure, script = machine.figure, accuracy_results.script(machine.knobs)
+    if accuracy_results.is_figure_of(script, figure) if script else not figure.exists():
+        return
+    if check:
+        raise BadInput(f"{figure}: differs from {machine.path.name}; "
+                       "run benchmarks/update_results.py")
+    try:
+        if script:
+            accuracy_results.draw(script, figure)
+        else:
+            figure.unlink()
+    except OSError as error:
+        raise BadInput(f"{figure}: {error}; is gnuplot-nox installed?") from error
+    print(f"{'drew' if script else 'removed'} {figure}")
+
+
+def run(root, check):
+    results = root / "benchmarks/results"
+    machines = [Machine(path) for path in sorted(results.glob("*.json"))]
+    if not machines:
+        raise BadInput(f"{results}: no results; run benchmarks/run.sh")
+    documents = {root / name: with_blocks(read(root / name), blocks, root / name)
+                 for name, blocks in blocks_of(root, machines).items()}
+    figures = figures_of(root)
+    for machine in machines:
+        update_accuracy_figure(machine, check)
+    for path, content in {**figures, **documents}.items():
+        update(path, content, check)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="change nothing, only compare")
+    parser.add_argument("--root", type=pathlib.Path,
+                        default=pathlib.Path(__file__).resolve().parent.parent)
+    options = parser.parse_args()
+    try:
+        run(options.root.resolve(), options.check)
+        return 0
+    except BadInput as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+"""RESULTS.md, the README and the figures follow the results that they are made from.
+
+update_results_test.py UPDATE_RESULTS.py PROJECT_DIR
+
+Works on a copy of the committed results, with invented rows of accuracy.
+"""
+
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77
+
+
+def row(knob, method, level_name, level, error, time, **more):
+    return {"name": f"accuracy_{knob}/{method}/{level_name}/iterations:1/manual_time",
+            "error": error, "error_low": 0.8 * error, "error_high": 1.25 * error, "time": time,
+            "time_low": 0.9 * time, "time_high": 1.1 * time, "level": level, "iterations": 2.0,
+            **more}
+
+
+def rows():
+    made = [row("mesh_depth", method, str(n), 0.06 / 2 ** n, (0.06 / 2 ** n) ** 2 / 0.3,
+                cost * 1.1 ** n, is_default=float(method == "point-proxy" and n == 4))
+            for method, cost in (("point-proxy", 150.0), ("sphere-proxy", 420.0))
+            for n in range(2, 8)]
+    made += [row("solver_iterations", "steps", str(2 ** n), 2 ** n, 0.0 if n > 3 else 1e-4 / 4 ** n,
+                 134.0 * (n + 1), is_default=float(n == 4)) for n in range(7)]
+    made.append(row("servo_rate", "bounce", "250-hz", 0.004, 0.5, 75.0, failures=21.0))
+    return made
+
+
+def timed(name, first_ns):
+    times = {key: (n + 1) * first_ns
+             for n, key in enumerate(("p50_ns", "p99_ns", "p999_ns", "max_ns"))}
+    return {"name": name + "/iterations:6/manual_time", "clock_ns": 20.0, **times}
+
+
+class Copy:
+    """The project's documents, results and drawn figures in a folder of their own."""
+
+    def __init__(self, script, project, folder):
+        self.script = script
+        self.root = folder
+        shutil.copytree(project / "benchmarks/results", folder / "benchmarks/results")
+        for name in ("README.md", "benchmarks/RESULTS.md", "haptics/proxy/groove.svg"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(project / name, folder / name)
+        self.readme = folder / "README.md"
+        self.tables = folder / "benchmarks/RESULTS.md"
+        results = folder / "benchmarks/results"
+        self.objects = results / "paper_objects/objects.json"
+        self.a4_figure = results / "paper_objects/a4.svg"
+        self.path = next(results.glob("*.json"))
+        self.document = json.loads(self.path.read_text())
+        self.committed = self.path.read_text()
+        self.document["benchmarks"] = [
+            run for run in self.document["benchmarks"]
+            if not run["name"].startswith(("accuracy_", "scan_", "worst_"))]
+        self.without_rows = list(self.document["benchmarks"])
+        self.figure = self.path.parent / self.path.stem / "accuracy.svg"
+
+    def put(self, more):
+        self.document["benchmarks"] = self.without_rows + more
+        self.path.write_text(json.dumps(self.document))
+
+    def block(self, name):
+        text = self.tables.read_text()
+        return text.split(f"measured:{name}:begin -->\n")[1].split("\n<!-- measured:")[0]
+
+    def run(self, *options):
+        done = subprocess.run([sys.executable, self.script, "--root", self.root, *options],
+                              capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+
+def expect(condition, statement):
+    if not condition:
+        sys.exit(f"false: {statement}")
+
+
+def expect_refused(copy, statement, word):
+    code, output = copy.run("--check")
+    expect(code == 1 and word in output, f"{statement} ({code}: {output})")
+
+
+def check_accuracy(copy):
+    """The table and the figure of the invented rows; the figure's text, for later changes."""
+    copy.put(rows())
+    expect_refused(copy, "--check reports a missing figure", "accuracy.svg")
+    expect(not copy.figure.exists(), "--check draws nothing")
+    expect(copy.run()[0] == 0 and copy.run("--check")[0] == 0, "--check accepts fresh documents")
+    text, figure = copy.block("accuracy"), copy.figure.read_text()
+    expect("| mesh resolution: mean edge | penetration depth, tick | 15 mm: 750 um, 182 ns | "
+           "3.75 mm: 46.9 um, 220 ns | 469 um: 732 nm, 292 ns |" in text,
+           "the table has the coarsest, the default and the finest level")
+    expect("| 1: 100 um, 134 ns | 16: 0, 670 ns |" in text, "an error of 0 is 0")
+    expect("servo" not in text, "the table leaves out a failed level")
+    expect(re.search(r"!\[[^]]{10,}\]\(results/[^)]*accuracy\.svg\)", text),
+           "the document shows the figure, with an alternative text")
+    for part in ("penetration depth (um)", "tick (ns)", "sphere proxy", "default",
+                 "mesh resolution: mean edge"):
+        expect(f">{part}<" in figure, f"the figure has the text {part}")
+    expect(not re.search(r"\bnan\b|\binf\b|http(?!://www\.w3\.org/)", figure, re.IGNORECASE),
+           "the figure has finite numbers only and refers to no other file")
+
+    copy.figure.write_text(figure.replace("<path ", "<path data-other='1' "))
+    expect(copy.run("--check")[0] == 0, "--check accepts a figure of another gnuplot version")
+    changed = rows()
+    changed[1]["error_high"] *= 1.5  # not in the table
+    copy.put(changed)
+    expect_refused(copy, "--check reports a figure of other data", "accuracy.svg")
+    copy.put([row("no_such_knob", "m", "l", 1.0, 1.0, 1.0)])
+    expect_refused(copy, "an error names a knob without units", "no_such_knob")
+
+
+def check_rows(copy):
+    copy.put(rows() + [timed("scan_point/500k", 100.0), timed("worst_moving_bodies/256", 5e3),
+                       timed("worst_moving_bodies_magnets/256", 1e6)])
+    expect(copy.run()[0] == 0, "scans and slow inputs are accepted")
+    expect("| point proxy | 0.10 / 0.20 / 0.30 / 0.40 |" in copy.block("scans"),
+           "the table shows a measured scan")
+    expect("| moving nodes that close in on the proxy | 256 nodes | 20.0 | - | 4000 | - |"
+           in copy.block("worst"), "the table shows the longest time and a dash if not measured")
+    expect("256" not in copy.block("ticks").splitlines()[0], "256 nodes are no size of the sphere")
+    expect("took 0.02 ms" in copy.readme.read_text(), "the README leaves out the effect")
+
+
+def check_markers(copy):
+    for document in (copy.readme, copy.tables):
+        text = document.read_text()
+        name = re.search(r"measured:(\w+):begin", text)[1]
+        begin, end = f"<!-- measured:{name}:begin -->", f"<!-- measured:{name}:end -->"
+        for broken, statement in (
+                (text.replace(begin, ""), "a missing begin"), (text.replace(end, ""), "a missing end"),
+                (text + begin, "a repeated begin"),
+                (text.replace(begin, "?").replace(end, begin).replace("?", end), "a swapped pair"),
+                (text.replace(f":{name}:", ":no_such_block:"), "an unknown block")):
+            document.write_text(broken)
+            expect_refused(copy, f"--check reports {statement}", document.name)
+            expect(copy.run()[0] == 1 and document.read_text() == broken,
+                   f"{statement} leaves the document as it is")
+        for changed in (re.sub(r"(measured:\w+:begin -->\n[^\d]*)\d", r"\g<1>x", text, count=1),):
+            document.write_text(changed)
+            expect_refused(copy, "--check reports a changed figure in a block", document.name)
+        document.write_text("By hand.\n" + text)
+        expect(copy.run("--check")[0] == 0, "text outside the blocks is free")
+        document.write_text(text)
+
+
+def check_pictures(copy):
+    for figure in (copy.a4_figure, copy.root / "haptics/proxy/groove.svg"):
+        drawn = figure.read_text()
+        figure.write_text(drawn.replace("<polygon", "<polygon id='x'", 1))
+        expect_refused(copy, f"--check reports a changed {figure.name}", figure.name)
+        figure.unlink()
+        expect_refused(copy, f"--check reports a missing {figure.name}", figure.name)
+        expect(copy.run()[0] == 0 and figure.read_text() == drawn, f"{figure.name} is drawn again")
+    committed = copy.objects.read_text()
+    objects = json.loads(committed)
+    objects["star"][1]["losses_of_contact"] = 4321
+    copy.objects.write_text(json.dumps(objects))
+    expect_refused(copy, "--check reports documents of other results", "differs")
+    expect(copy.run()[0] == 0, "other results are accepted")
+    for document in (copy.readme, copy.tables, copy.a4_figure):
+        expect("4321" in document.read_text(), f"{document.name} shows the other result")
+    copy.objects.write_text(committed)
+
+
+def check_two_machines(copy):
+    other = copy.path.with_name("other.json")
+    document = json.loads(copy.committed)
+    document["context"]["cpu"] = "Another CPU"
+    document["context"]["date"] = "2001-01-01T00:00:00+00:00"
+    other.write_text(json.dumps(document))
+    expect(copy.run()[0] == 0, "results of two machines are accepted")
+    expect(copy.block("ticks").count("| sliding |") == 2 and "**Another CPU**" in copy.block("ticks"),
+           "RESULTS.md shows both machines by name")
+    expect("Another CPU" not in copy.readme.read_text(), "the README shows the newest result")
+
+
+def main():
+    script, project = sys.argv[1], pathlib.Path(sys.argv[2])
+    if not shutil.which("gnuplot"):
+        print("skipped: gnuplot is not installed")
+        return SKIPPED
+    with tempfile.TemporaryDirectory() as name:
+        copy = Copy(script, project, pathlib.Path(name))
+        expect(copy.run("--check")[0] == 0, "the committed documents match the committed results")
+        copy.put([])
+        code, output = copy.run()
+        expect(code == 0, f"the script runs: {output}")
+        without = copy.tables.read_text()
+        expect(copy.block("accuracy") == "Not measured." and not copy.figure.exists(),
+               "without rows of accuracy the table and the figure are left out")
+        expect(copy.run("--check")[0] == 0, "--check accepts documents without rows of accuracy")
+        check_accuracy(copy)
+        check_rows(copy)
+        copy.put([])
+        expect_refused(copy, "--check reports a figure without data", "accuracy.svg")
+        expect(copy.run()[0] == 0 and not copy.figure.exists(), "a figure without data is removed")
+        expect(copy.tables.read_text() == without, "a table without data is removed")
+        copy.path.write_text(copy.committed)
+        expect(copy.run()[0] == 0, "the committed results are accepted")
+        check_markers(copy)
+        check_pictures(copy)
+        check_two_machines(copy)
+    print("the documents follow their results")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
