@@ -131,8 +131,8 @@ class SurfaceIndex {
   // near a first part of the segment are visited this way, and then all packs in ascending order.
   //
   // Unlike the order of Embree's tree, the visited packs and their grouping do not depend on the
-  // instruction set. Returns the number of packs that were found without being visited, because a
-  // search found too many; the caller adds them to its count of work.
+  // instruction set. Returns the number of packs that were found but not visited because a search
+  // found too many, as a measure of the additional work.
   std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
                                 std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
                                 void* state) const noexcept;
