@@ -46,8 +46,8 @@ class SourceTriangles {
 // area are dropped; of triangles with the same three positions, in any order, the first is kept.
 //
 // Load time only. A SurfaceMesh moves the data that only adjacency needs out of this object. Other
-// threads may read positions and faces at the same time; both stay valid as long as both objects
-// exist.
+// threads may read positions and faces at the same time. Positions and faces stay valid while both
+// this object and the SurfaceMesh exist.
 class WeldedSurface {
  public:
   WeldedSurface() = default;  // no faces
