@@ -331,9 +331,9 @@ std::size_t boxes_along(const BoxPack* packs, std::size_t pack_count, const doub
                         const double* d, double reach, const FloatBox& within, std::uint32_t* out) {
   const Doubles start = load3(p);
   const Doubles move = load3(d);
-  const Doubles none{};
-  const Floats from = __builtin_convertvector(start + (move < none ? move : none) - reach, Floats);
-  const Floats to = __builtin_convertvector(start + (move > none ? move : none) + reach, Floats);
+  const Doubles zero{};
+  const Floats from = __builtin_convertvector(start + (move < zero ? move : zero) - reach, Floats);
+  const Floats to = __builtin_convertvector(start + (move > zero ? move : zero) + reach, Floats);
   const Floats low = most4(from - outwards(from), *reinterpret_cast<const Floats*>(within.low));
   const Floats high = least4(to + outwards(to), *reinterpret_cast<const Floats*>(within.high));
   std::size_t found = 0;

@@ -216,10 +216,10 @@ std::vector<Box> SurfaceIndex::build_clusters() {
     const std::size_t lane = id % TrianglePack::kLanes;
     if (lane == 0) {
       cluster_bounds.push_back(surface_.boxes[id]);
-      BoxPack& none = cluster_boxes_.emplace_back();
+      BoxPack& empty = cluster_boxes_.emplace_back();
       for (int k = 0; k < 3; ++k) {
-        std::fill(std::begin(none.low[k]), std::end(none.low[k]), infinity);
-        std::fill(std::begin(none.high[k]), std::end(none.high[k]), -infinity);
+        std::fill(std::begin(empty.low[k]), std::end(empty.low[k]), infinity);
+        std::fill(std::begin(empty.high[k]), std::end(empty.high[k]), -infinity);
       }
     }
     Box& bounds = cluster_bounds.back();
