@@ -26,9 +26,9 @@ using CornerNormals = std::array<std::array<float, 3>, 3>;
 //
 // An edge is a crease in three cases: the angle between the mapped normals of its two faces exceeds
 // crease_angle_rad (as in OpenMesh's find_feature_edges(); clamped to 0 .. pi), the edge is a
-// boundary edge, or three or more faces meet at the edge. A face with the opposite orientation to
-// its neighbours does not cause a crease: its normal is reversed in the neighbours' mean, and
-// theirs in its own mean.
+// boundary edge, or three or more faces meet at the edge. A face whose orientation is opposite to
+// its neighbours does not cause a crease: the mean at a neighbour's corner uses the reversed normal
+// of this face, and vice versa.
 //
 // Load time only: allocates less than 100 bytes per face in addition to the result. O(n), except
 // for the search for neighbours across edges that SurfaceMesh::surface() cuts. Thread-safe.

@@ -12,9 +12,9 @@ namespace palpate {
 
 // The stretch of one surface: a linear map from the index frame to the body frame. The index only
 // finds candidate triangles. Crossings, heights, distances and normals are computed on triangles in
-// the body frame, which are mapped on demand from the index's vertices in double. The result
-// therefore differs from the scene only by the rounding of vertices, and a vertex shared by two
-// triangles stays shared in the body frame.
+// the body frame, which are mapped on demand from the index's vertices in double. Results are
+// therefore exact up to the rounding of the mapped vertices, and a vertex shared by two triangles
+// stays shared in the body frame.
 //
 // The search in the index uses a larger radius: a ball in the body frame is contained in a ball in
 // the index frame whose radius is most_per_metre_ times as large, plus a margin for the rounding of

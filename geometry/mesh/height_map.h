@@ -11,15 +11,15 @@ namespace palpate {
 // The continuation of a map outside [0, 1], as in glTF's samplers.
 enum class MapWrap : std::uint8_t { kRepeat, kClamp, kMirror };
 
-// Values at the centres of texels, ((column + 0.5) / width, (row + 0.5) / height) for texture
-// coordinates (u, v) as in glTF: v grows downwards.
+// A map given by values at the centres of texels. The centre of a texel has the texture coordinates
+// (u, v) = ((column + 0.5) / width, (row + 0.5) / height), with v downwards as in glTF.
 //
 // Within a level the map is the cubic convolution with a = -1/2 (R. G. Keys, "Cubic Convolution
 // Interpolation for Digital Image Processing", 1981; the Catmull-Rom spline): it passes through the
 // texels, and value and slope are continuous everywhere, including the borders of the map. The
 // slopes are the exact derivatives of the interpolant. For a sine wave of n texels, n large, the
-// error of the value is (2 pi / n)^3 / 62 of the amplitude, and the error of the slope is (2 pi /
-// n)^2 / 6 of the largest slope.
+// relative error of the value is (2pi/n)^3 / 62, and that of the slope (2pi/n)^2 / 6; the
+// references are the amplitude and the largest slope.
 //
 // Each level halves width and height, rounded down, until 1 x 1. A texel is the mean of the box
 // that it covers in the finer level, weighted by area if the size is odd, so that every level has

@@ -32,8 +32,8 @@ struct ManifoldSplit {
 // order of faces. mates: the mates of these faces' half-edges. Requires that each vertex is used by
 // at least one face. Linear time.
 //
-// The two ends of an open fan may be one edge of the welded surface, from which a third face was
-// separated. The split surface then has two boundary edges with the same two ends.
+// The two ends of an open fan may lie on the same welded edge, if a third face was separated from
+// this edge. The split surface then has two boundary edges with the same two ends.
 ManifoldSplit split_to_manifold(std::span<const Triangle> faces, const HalfEdgeMates& mates,
                                 std::size_t vertex_count);
 

@@ -45,8 +45,8 @@ struct PlanarPieces {
 // rounding of largest_m requires it. largest_m: the largest coordinate from which the segments were
 // computed.
 //
-// Deterministic. O(n log n); gives up beyond these limits, where n is the number of segments: ten
-// million + 32 n overlapping pairs of bounding boxes, and one million + 32 n vertices.
+// Deterministic. O(n log n); gives up if more than ten million + 32 n pairs of bounding boxes
+// overlap, or if more than one million + 32 n vertices arise, for n segments.
 PlanarPieces planar_pieces(const std::vector<PlanarSegment>& segments, double largest_m);
 
 }  // namespace palpate
