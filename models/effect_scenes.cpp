@@ -19,7 +19,7 @@ constexpr Colour kRed = {0.65, 0.12, 0.10, 1.0};
 constexpr Colour kWhite = {0.90, 0.90, 0.90, 1.0};
 constexpr Colour kGlass = {0.20, 0.55, 0.80, 0.35};
 
-// Three slabs, or two, side by side along x: 0.1 m wide.
+// Sizes and positions of two or three slabs side by side along x: 0.1 m in total.
 const Vec3 kThird_m(0.03, 0.08, 0.01);
 const Vec3 kHalf_m(0.04, 0.08, 0.01);
 const Vec3 kWhole_m(0.08, 0.08, 0.01);
@@ -41,8 +41,8 @@ struct Object {
   NodeContent& node;
 };
 
-// Adds a node with a mesh and a material of its own, all of one name. The references hold until
-// the next is added.
+// Adds a node with its own mesh and material, all with the same name. The references are valid
+// until the next object is added.
 Object add_object(SceneContent& scene, const std::string& name, TriangleMesh mesh,
                   const Vec3& centre_m, const Colour& colour, json palpate) {
   scene.meshes.push_back(
@@ -153,7 +153,8 @@ SceneContent vibration_scene() {
   return scene;
 }
 
-// The draft knows neither the mass nor the duration, and has friction unless it is told not to.
+// The draft of KHR_physics_rigid_bodies has no impact mass and no duration, and its friction is not
+// zero by default.
 SceneContent restitution_scene() {
   SceneContent scene;
   add_object(scene, "restitution_half", box(kHalf_m), kLeft_m, kGreen,
@@ -182,8 +183,8 @@ void append(std::vector<Content>& to, const std::vector<Content>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-// Puts all that `from` has beside what is there, moved; its extras of the scene are kept if there
-// are none yet.
+// Adds the content of `from`, translated by moved_m, to `to`. The scene extras of `from` are used
+// if `to` has none.
 void append(SceneContent& to, SceneContent from, const Vec3& moved_m) {
   for (MeshContent& mesh : from.meshes) {
     mesh.material = shifted(mesh.material, to.materials.size());
@@ -211,7 +212,7 @@ void append(SceneContent& to, SceneContent from, const Vec3& moved_m) {
   if (to.extras.is_null()) to.extras = from.extras;
 }
 
-// In rows of three from the far left, as one reads.
+// Rows of three in reading order, from the far left.
 SceneContent gallery_of(const std::vector<EffectScene>& effects) {
   SceneContent gallery;
   for (std::size_t i = 0; i < effects.size(); ++i) {

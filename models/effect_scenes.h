@@ -1,11 +1,11 @@
 #pragma once
 
-// One scene for each haptic effect, and a gallery of all of them. models/README.md says what each
-// declares and what a hand feels there.
+// One scene for each haptic effect, and a gallery of all effects. models/README.md describes what
+// each scene declares and how it feels.
 //
-// Frame: scene; slabs lie in x and y, z is up, as the thin plate has it; metres. An effect takes at
-// most 0.1 x 0.1 m about the origin, the gallery 0.34 x 0.38 m. Not for the haptic thread.
-// Thread-safe.
+// Frame: scene, metres; slabs lie in x and y and z is up, as in the thin plate. An effect scene
+// covers at most 0.1 x 0.1 m around the origin, the gallery 0.34 x 0.38 m. Not for the haptic
+// thread. Thread-safe.
 
 #include <string>
 #include <vector>
@@ -19,8 +19,8 @@ struct EffectScene {
   SceneContent content;
 };
 
-// The gallery, "gallery", comes last: the nodes of all others, with the gravity of effect_gravity.
-// A node is named after its effect, and so are its mesh and its material.
+// The last scene is "gallery": the nodes of all other scenes, with the gravity of effect_gravity. A
+// node, its mesh and its material are named after the effect.
 std::vector<EffectScene> effect_scenes();
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// generate_models OUTPUT_DIR: writes the model files of this folder anew.
+// generate_models OUTPUT_DIR: regenerates the model files of this folder.
 
 #include <cstdio>
 #include <string>

@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-// Numbers that the glTF specification gives a meaning.
+// Constants of the glTF specification.
 constexpr std::uint32_t kMagicGlb = 0x46546c67;
 constexpr std::uint32_t kChunkJson = 0x4e4f534a;
 constexpr std::uint32_t kChunkBin = 0x004e4942;
@@ -38,7 +38,7 @@ constexpr int kRepeat = 10497;
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 
-// glTF is little-endian whatever the machine is.
+// glTF is little-endian on every machine.
 void append_little_endian(std::string& bytes, std::uint32_t value, int byte_count) {
   for (int i = 0; i < byte_count; ++i) bytes += static_cast<char>(value >> 8 * i & 0xffu);
 }
@@ -56,7 +56,7 @@ bool is_finite_float(double x) {
   return std::isfinite(static_cast<float>(x));
 }
 
-// Why the mesh cannot be written; empty if it can.
+// The reason why a mesh cannot be written; empty if it can.
 std::string find_mesh_defect(const MeshContent& content) {
   const TriangleMesh& mesh = content.mesh;
   const std::size_t vertices = mesh.positions_m.size();
@@ -69,14 +69,15 @@ std::string find_mesh_defect(const MeshContent& content) {
   for (const Triangle& triangle : mesh.triangles) {
     for (const std::uint32_t vertex : triangle) {
       if (vertex >= vertices) {
-        return "vertex " + std::to_string(vertex) + " of " + std::to_string(vertices);
+        return "a triangle uses vertex " + std::to_string(vertex) + ", but the mesh has " +
+               std::to_string(vertices) + " vertices";
       }
     }
   }
   const std::vector<Point2>& uv = content.texture_coordinates;
   if (!uv.empty() && uv.size() != vertices) {
-    return std::to_string(uv.size()) + " texture coordinates for " + std::to_string(vertices) +
-           " vertices";
+    return "the mesh has " + std::to_string(uv.size()) + " texture coordinates for " +
+           std::to_string(vertices) + " vertices";
   }
   for (const Point2& p : uv) {
     if (!is_finite_float(p.x()) || !is_finite_float(p.y())) {
@@ -98,36 +99,37 @@ bool fits(const Index& index, std::size_t count) {
 // The first mesh, material or node that cannot be written.
 std::optional<Error> find_defect(const SceneContent& content) {
   const std::size_t images = content.images.size();
-  if (content.meshes.empty()) return invalid("meshes", 0, "is missing; a scene needs a mesh");
+  if (content.meshes.empty()) return invalid("meshes", 0, "is missing: a scene needs a mesh");
   for (std::size_t i = 0; i < content.meshes.size(); ++i) {
     const MeshContent& mesh = content.meshes[i];
     const std::string defect = find_mesh_defect(mesh);
     if (!defect.empty()) return invalid("meshes", i, defect);
     if (!fits(mesh.material, content.materials.size()) ||
         !fits(mesh.haptic_material, content.haptic_materials.size())) {
-      return invalid("meshes", i, "has a material that is not there");
+      return invalid("meshes", i, "refers to a material that does not exist");
     }
   }
   for (std::size_t i = 0; i < content.materials.size(); ++i) {
     const MaterialContent& material = content.materials[i];
     if (!fits(material.base_color_image, images) || !fits(material.normal_image, images)) {
-      return invalid("materials", i, "has an image that is not there");
+      return invalid("materials", i, "refers to an image that does not exist");
     }
   }
   for (std::size_t i = 0; i < content.haptic_materials.size(); ++i) {
     const HapticMaterialContent& material = content.haptic_materials[i];
     if (!fits(material.friction_image, images) || !fits(material.vibrotactile_image, images)) {
       return invalid("extensions/MPEG_haptic_material/materials", i,
-                     "has an image that is not there");
+                     "refers to an image that does not exist");
     }
   }
   for (std::size_t i = 0; i < content.nodes.size(); ++i) {
     const NodeContent& node = content.nodes[i];
     if (!fits(node.mesh, content.meshes.size()) ||
         !fits(node.physics_material, content.physics_materials.size())) {
-      return invalid("nodes", i, "has a mesh or a physics material that is not there");
+      return invalid("nodes", i, "refers to a mesh or a physics material that does not exist");
     }
-    if (!node.translation_m.allFinite()) return invalid("nodes", i, "is not at a finite place");
+    if (!node.translation_m.allFinite())
+      return invalid("nodes", i, "has a translation that is not finite");
   }
   return std::nullopt;
 }
@@ -192,11 +194,11 @@ json texture_coordinate_accessor(const std::vector<Point2>& uv) {
   return {{"componentType", kFloat}, {"count", uv.size()}, {"type", "VEC2"}};
 }
 
-// The binary chunk and the JSON that tells what lies where in it.
+// The binary chunk, and the JSON that describes its layout.
 class Binary {
  public:
-  // What lies in a view begins at a multiple of four bytes, as floats and indices ask. Returns the
-  // index of the view; target: kNoTarget for an image.
+  // Adds a view, aligned to four bytes as floats and indices require. Returns the index of the
+  // view. target: kNoTarget for an image.
   std::size_t add_view(const std::string& bytes, int target) {
     pad_to_four(bytes_, '\0');
     json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
@@ -313,7 +315,7 @@ void describe_extensions(const SceneContent& content, json& root) {
   if (!content.haptic_materials.empty()) root["extensionsUsed"].push_back(kHaptic);
 }
 
-// glTF allows no empty list: what there is none of is not mentioned.
+// glTF forbids empty lists, so empty lists are omitted.
 json describe(const SceneContent& content, Binary& binary) {
   json root;
   root["asset"] = {{"version", "2.0"}, {"generator", "Palpate generate_models"}};
@@ -344,7 +346,7 @@ Result<std::string> container_of(std::string text, std::string bin) {
   if (size > 0xffffffffu) {
     return Error{
         ErrorCode::kLimitExceeded, "", "",
-        "a GLB file holds at most 4 GiB, this one needs " + std::to_string(size) + " bytes", ""};
+        "a GLB file has at most 4 GiB, but this file needs " + std::to_string(size) + " bytes", ""};
   }
   std::string glb;
   glb.reserve(size);
@@ -383,11 +385,11 @@ Result<std::string> encode_glb(GlbContent content, const json& node_extras) {
 
 Result<std::size_t> write_file(const std::string& path, const std::string& bytes) {
   const Error unwritable{ErrorCode::kFileUnwritable, path, "", "cannot be written",
-                         "check that its folder exists and has room"};
+                         "check that the folder exists and that the disk is not full"};
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return unwritable;
   const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file);
-  const bool closed = std::fclose(file) == 0;  // what is still buffered is written only here
+  const bool closed = std::fclose(file) == 0;  // writes the rest of the buffer
   if (written != bytes.size() || !closed) return unwritable;
   return written;
 }

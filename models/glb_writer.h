@@ -14,24 +14,26 @@ namespace palpate {
 
 struct SceneContent;
 
-// The bytes of a GLB container (glTF 2.0, section 4) of one scene: positions and texture
-// coordinates as float, rounded from double; indices of 16 bit where they suffice, else of 32. No
-// normals, so a viewer shades it flat. Extensions are listed as used, never as required. The same
-// content gives the same bytes. kInvalidArgument if there is no mesh, a mesh has no triangle, an
-// index is out of range, a number is not a finite float or a vertex lacks texture coordinates that
-// others have; kLimitExceeded beyond 4 GiB. Not for the haptic thread. Thread-safe.
+// Returns the bytes of a GLB container (glTF 2.0, section 4) with one scene. Positions and texture
+// coordinates are floats, rounded from double. Indices have 16 bits if these suffice, otherwise 32.
+// There are no normals, so a viewer shades the scene flat. Extensions are listed as used, never as
+// required. The same content gives the same bytes. Returns kInvalidArgument if there is no mesh, a
+// mesh has no triangle, an index is out of range, a number is not a finite float or some but not
+// all vertices have texture coordinates. Returns kLimitExceeded beyond 4 GiB. Not for the haptic
+// thread. Thread-safe.
 Result<std::string> encode_scene(const SceneContent& content);
 
 struct GlbContent {
-  std::string name;      // of the mesh and of the one node, which has no transform
-  std::string material;  // name of the one material
+  std::string name;      // of the mesh and of the only node, which has no transform
+  std::string material;  // name of the only material
   TriangleMesh mesh;
 };
 
-// encode_scene() for one mesh. node_extras goes to the node's "extras" unless it is null.
+// Encodes a scene with one mesh. node_extras becomes the node's "extras" unless it is null.
 Result<std::string> encode_glb(GlbContent content, const nlohmann::json& node_extras);
 
-// Replaces the file. Returns the number of bytes written, or kFileUnwritable.
+// Writes the file, replacing an existing one. Returns the number of bytes written, or
+// kFileUnwritable.
 Result<std::size_t> write_file(const std::string& path, const std::string& bytes);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// The phase of the waves in the middle of a pixel.
+// The phase of the waves at the centre of a pixel.
 double phase_rad(int pixel) {
   return 2.0 * std::numbers::pi * kMapWaves * (pixel + 0.5) / kMapSide;
 }

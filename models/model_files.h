@@ -1,6 +1,6 @@
 #pragma once
 
-// The model files of this folder, made from code.
+// Generates the model files of this folder.
 
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ struct ModelFile {
   std::string bytes;
 };
 
-// Every .glb of models/, as models/README.md describes them. Deterministic: the same bytes on every
-// run and platform. Not for the haptic thread. Thread-safe.
+// All .glb files of models/, as described in models/README.md. Deterministic: the same bytes on
+// every run and platform. Not for the haptic thread. Thread-safe.
 Result<std::vector<ModelFile>> model_files();
 
 }  // namespace palpate

@@ -7,10 +7,11 @@
 namespace palpate {
 namespace {
 
-// Both labyrinths are drawn on a grid of 5 x 5 cells, from the lower right corner upwards: `moves`
-// holds the grid line that each wall leads to, in turn a y and an x. Walls and corridors are one
-// cell wide: 32 mm leaves a hand room to overshoot, and makes the contour 36 cells = 1.152 m long,
-// 43 mm/s for a turn in 27 s. In whole millimetres, so that every coordinate is a rounded decimal.
+// Both labyrinths lie on a grid of 5 x 5 cells. The contour starts at the lower right corner,
+// upwards; `moves` has the grid line where each wall ends, alternating between y and x. Walls and
+// corridors are one cell wide. A cell of 32 mm has enough clearance for a hand that overshoots, and
+// gives a contour of 36 cells = 1.152 m, which is 43 mm/s for a turn in 27 s. Whole millimetres
+// make every coordinate a rounded decimal.
 Contour grid_contour(const std::vector<int>& moves) {
   std::array<int, 2> cell{5, 0};
   Contour contour;
@@ -27,10 +28,11 @@ Point2 millimetres(double x, double y) {
 
 }  // namespace
 
-// A pentagram, tip towards +y, in a circle of radius 100 mm: notches on the circle smaller by the
-// golden ratio squared put each wall in line with the one across the tip between them, so that the
-// ten walls have five directions 36 deg apart. That keeps the mean angle to any line between 43.2
-// and 46.8 deg. Walls 72.7 mm, contour 0.727 m. Sines from square roots, the same everywhere.
+// A pentagram with a tip towards +y in a circle of radius 100 mm. The radius of the notches is
+// smaller by the golden ratio squared, so that the walls lie on the five lines of a pentagram, 36
+// deg apart. The mean angle to any line is therefore between 43.2 and 46.8 deg. The walls are 72.7
+// mm long, the contour 0.727 m. Sines are computed from square roots, which give the same result on
+// every platform.
 Contour star_contour() {
   const double root5 = std::sqrt(5.0);
   const double golden = (1.0 + root5) / 2.0;
@@ -52,8 +54,9 @@ Contour star_contour() {
           millimetres(notch * sin36, notch * cos36)};
 }
 
-// A corridor with a dead end from the left, and one with a side arm from below. Horizontal and
-// vertical walls are equally long, 18 cells each, which makes the mean angle to any line 45 deg.
+// A dead-end corridor from the left, and a corridor with a side arm from below. Horizontal and
+// vertical walls have the same total length, 18 cells each, so that the mean angle to any line is
+// 45 deg.
 //   # # # # #
 //   . . # . #
 //   # # # . #
@@ -63,9 +66,9 @@ Contour labyrinth_contour() {
   return grid_contour({5, 0, 4, 2, 3, 0, 0, 3, 1, 1, 2, 3, 4, 4, 0, 5});
 }
 
-// The corridors of the labyrinth made solid and joined around its lower left corner: laid over it
-// one cell further left and down, the two fit into each other without gap or overlap. Again 18
-// cells of horizontal and 18 of vertical wall.
+// The corridors of the labyrinth as a solid, joined around its lower left corner. If this shape is
+// placed over the labyrinth one cell further left and down, the two shapes fit without gap or
+// overlap. Horizontal and vertical walls again have 18 cells each.
 //   # # # . #
 //   # . . . #
 //   # . # # #
@@ -75,11 +78,11 @@ Contour inverted_labyrinth_contour() {
   return grid_contour({5, 4, 3, 2, 2, 4, 1, 1, 4, 3, 5, 0, 0, 5});
 }
 
-// An open padlock: a body of 160 x 90 mm, and a shackle of which the left leg hangs 30 mm above it.
-// The bow is half a hexagon, inside and out, so that a wall of it is as long as its radius: 52 mm
-// outside and 26 mm inside, just above the least wall. The body is wide rather than high because
-// that balances the walls: the mean angle to any line lies between 43.3 and 46.7 deg. Contour 0.894
-// m.
+// An open padlock: a body of 160 x 90 mm, and a shackle whose left leg ends 30 mm above the body.
+// The bow is half a hexagon, inside and outside, so that its walls are as long as its radius: 52 mm
+// outside and 26 mm inside, just above the minimum wall length. The body is wider than high to
+// balance the walls: the mean angle to any line is between 43.3 and 46.7 deg. The contour is 0.894
+// m long.
 Contour lock_contour() {
   const double half_root3 = std::sqrt(3.0) / 2.0;
   const double bow = 50.0;  // y of the centre of the bow
@@ -128,7 +131,8 @@ double mean_contact_angle_rad(const Contour& contour_m, double orientation_rad) 
     const Point2 wall = contour_m[(i + 1) % contour_m.size()] - contour_m[i];
     const double x = c * wall.x() - s * wall.y();
     const double y = s * wall.x() + c * wall.y();
-    // The normal is (y, -x): its angle to the line of the x axis is that of the wall to the y axis.
+    // The normal is (y, -x), so the angle of the normal to the x axis is the angle of the wall to
+    // the y axis.
     const double wall_m = std::hypot(x, y);
     sum_m_rad += wall_m * std::atan2(std::abs(x), std::abs(y));
     length_m += wall_m;

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// Numbers that the specifications give a meaning.
+// Constants of the specifications.
 constexpr const char* kSignature = "\x89PNG\r\n\x1a\n";
 constexpr std::uint32_t kColourGrey = 0;
 constexpr std::uint32_t kColourRgb = 2;
@@ -34,8 +34,7 @@ std::string chunk(const std::string& type, const std::string& content) {
   return bytes;
 }
 
-// A stored block: one byte, 1 in the last, then its size and the complement of that, low byte
-// first.
+// A stored block: one byte (1 in the last block), then the size and its complement, low byte first.
 void append_block(std::string& bytes, const std::string& content, bool is_last) {
   bytes += static_cast<char>(is_last);
   for (const std::size_t word : {content.size(), ~content.size()}) {
@@ -71,7 +70,7 @@ std::string encode(const Image<Pixel>& image, std::uint32_t bit_depth, std::uint
   std::string header;
   append_big_endian(header, static_cast<std::uint32_t>(image.width), 4);
   append_big_endian(header, static_cast<std::uint32_t>(image.height), 4);
-  // Compression and filter method have one value each; not interlaced.
+  // The compression and filter methods have only the value 0; no interlace.
   for (const std::uint32_t value : {bit_depth, colour_type, 0u, 0u, 0u}) {
     append_big_endian(header, value, 1);
   }

@@ -1,8 +1,8 @@
 #pragma once
 
-// Writes images as PNG files that are the same bytes on every platform: no filter, nothing
-// compressed, no time, no colour space. A library that compresses may split the same pixels
-// otherwise in its next version, so only the checksums are a library's. Thread-safe.
+// Writes images as PNG files with identical bytes on every platform: no filter, no compression, no
+// time, no colour space. A compression library may divide the same pixels differently in its next
+// version, so only the checksums come from a library. Thread-safe.
 
 #include <array>
 #include <cstddef>
@@ -23,9 +23,10 @@ struct Image {
 using GreyImage = Image<std::uint16_t>;               // 65535 is one
 using RgbImage = Image<std::array<std::uint8_t, 3>>;  // 255 is one
 
-// The bytes of the file: grey of 16 bit, or red, green and blue of 8. Requires width and height of
-// 1 to 2^14 and width * height pixels. Source: PNG Specification, third edition (W3C, 2025), with
-// the stored blocks of RFC 1951, section 3.2.4, in the wrapper of RFC 1950.
+// Returns the bytes of the file: grey with 16 bits, or red, green and blue with 8 bits each.
+// Requires width and height from 1 to 2^14 and width * height pixels. Source: PNG Specification,
+// third edition (W3C, 2025), with the stored blocks of RFC 1951, section 3.2.4, in the wrapper of
+// RFC 1950.
 std::string encode_png(const GreyImage& image);
 std::string encode_png(const RgbImage& image);
 

@@ -16,7 +16,7 @@ Vec3 to_floats(const Vec3& p) {
   return {to_float(p.x()), to_float(p.y()), to_float(p.z())};
 }
 
-// Written out, so that no library's order of summation decides about the last bit.
+// Written out, so that the last bit does not depend on a library's order of summation.
 Vec3 unit(const Vec3& v) {
   const double length = std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
   return {v.x() / length, v.y() / length, v.z() / length};
@@ -30,7 +30,7 @@ TriangleMesh icosahedron() {
       corners.insert(corners.end(), {{0.0, one, phi}, {one, phi, 0.0}, {phi, 0.0, one}});
     }
   }
-  // Distances between corners are 2, 2 golden = 3.2 and more: 3 tells edges from diagonals.
+  // Distances between corners are 2 (edges) and at least 2 golden = 3.2 (diagonals).
   const auto joined = [&](std::uint32_t a, std::uint32_t b) {
     return (corners[a] - corners[b]).norm() < 3.0;
   };
@@ -48,7 +48,7 @@ TriangleMesh icosahedron() {
   return mesh;
 }
 
-// Splits every triangle of a mesh on the unit sphere in four.
+// Splits every triangle of a mesh on the unit sphere into four.
 void subdivide(TriangleMesh& mesh) {
   const std::size_t edge_count = mesh.triangles.size() / 2 * 3;
   std::unordered_map<std::uint64_t, std::uint32_t> middles;
@@ -92,8 +92,8 @@ double chebyshev(int degree, double x) {
   return current;
 }
 
-// 4 * 2^doublings points, counter-clockwise from (1, 0). Bisecting arcs keeps the points on the
-// axes exact and the result the same on every platform, which sin and cos would not.
+// 4 * 2^doublings points, counter-clockwise from (1, 0). Unlike sin and cos, bisecting arcs keeps
+// the points on the axes exact and gives the same result on every platform.
 std::vector<Point2> unit_circle(int doublings) {
   std::vector<Point2> circle = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
   for (int level = 0; level < doublings; ++level) {
@@ -110,10 +110,10 @@ std::vector<Point2> unit_circle(int doublings) {
   return circle;
 }
 
-// The exact sign of a sum, barring underflow: Shewchuk, Adaptive Precision Floating-Point
-// Arithmetic and Fast Robust Geometric Predicates (1997), Grow-Expansion.
+// The exact sign of a sum, unless an operation underflows: Shewchuk, Adaptive Precision
+// Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997), Grow-Expansion.
 int sign_of_sum(const std::array<double, 6>& terms) {
-  std::array<double, 6> parts{};  // adds up to the terms so far, nonoverlapping, ascending
+  std::array<double, 6> parts{};  // sum of the terms so far: nonoverlapping, ascending
   for (std::size_t count = 0; count < terms.size(); ++count) {
     double carry = terms[count];
     for (std::size_t i = 0; i < count; ++i) {
@@ -130,8 +130,8 @@ int sign_of_sum(const std::array<double, 6>& terms) {
   return *largest > 0.0 ? 1 : -1;
 }
 
-// +1 if a, b, c turn left, -1 if right, 0 if they lie on one line. Exact for float values, whose
-// products are doubles.
+// +1 if a, b, c turn left, -1 if they turn right, 0 if they lie on one line. Exact for float
+// values, because their products are exact in double.
 int turn(const Point2& a, const Point2& b, const Point2& c) {
   return sign_of_sum({a.x() * b.y(), -a.y() * b.x(), b.x() * c.y(), -b.y() * c.x(), c.x() * a.y(),
                       -c.y() * a.x()});
@@ -147,7 +147,7 @@ bool between(const Point2& p, const Point2& a, const Point2& b) {
   return !lexicographically_less(p, low) && !lexicographically_less(high, p);
 }
 
-// Whether the closed segments ab and cd have a point in common.
+// Whether the closed segments ab and cd have a common point.
 bool touch(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   const int abc = turn(a, b, c);
   const int abd = turn(a, b, d);
@@ -158,9 +158,10 @@ bool touch(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
          (cda == 0 && between(a, c, d)) || (cdb == 0 && between(b, c, d));
 }
 
-// Whether no two walls have a point in common but neighbours their corner. A repeated vertex or a
-// wall folded back on its neighbour shows as well, in the walls next to these; only a triangle has
-// none, and without area it is not counter-clockwise.
+// Whether no two walls have a common point, except the shared corner of neighbours. The test of
+// walls that are not neighbours also detects a repeated vertex or a wall folded back on its
+// neighbour, through the adjacent walls. A triangle has no such walls, but a triangle without area
+// fails the test for counter-clockwise order.
 bool is_simple(const Contour& contour) {
   const std::size_t n = contour.size();
   const auto corner = [&](std::size_t i) { return contour[i % n]; };
@@ -173,7 +174,8 @@ bool is_simple(const Contour& contour) {
   return true;
 }
 
-// Of a simple polygon: it turns left at its lexicographically least vertex, which is never flat.
+// A simple polygon is counter-clockwise if it turns left at its lexicographically smallest vertex,
+// which is never flat.
 bool is_counter_clockwise(const Contour& contour) {
   const std::size_t n = contour.size();
   const auto least = std::min_element(contour.begin(), contour.end(), lexicographically_less);
@@ -181,8 +183,8 @@ bool is_counter_clockwise(const Contour& contour) {
   return turn(contour[(i + n - 1) % n], contour[i], contour[(i + 1) % n]) > 0;
 }
 
-// Whether the corner at place k of the remaining polygon can be cut off: it is convex and no other
-// remaining vertex lies in its triangle, boundary included.
+// Whether corner k of the remaining polygon is an ear: the corner is convex, and no other remaining
+// vertex lies in its triangle, boundary included.
 bool is_ear(const Contour& contour, const std::vector<std::uint32_t>& remaining, std::size_t k) {
   const std::size_t n = remaining.size();
   const Point2& a = contour[remaining[(k + n - 1) % n]];
@@ -196,9 +198,9 @@ bool is_ear(const Contour& contour, const std::vector<std::uint32_t>& remaining,
   return true;
 }
 
-// The n - 2 triangles of a simple counter-clockwise polygon. Of all ears the one with the shortest
-// cut goes first, which keeps slivers rare. A simple polygon always has an ear (Meisters 1975), and
-// cutting it off leaves a simple one.
+// The n - 2 triangles of a simple counter-clockwise polygon. The ear with the shortest cut is
+// removed first, so that slivers are rare. A simple polygon always has an ear (Meisters 1975), and
+// the polygon without the ear is simple too.
 std::vector<Triangle> clip_ears(const Contour& contour) {
   std::vector<std::uint32_t> remaining;
   for (std::uint32_t i = 0; i < contour.size(); ++i) remaining.push_back(i);
@@ -298,8 +300,8 @@ Result<TriangleMesh> prism(const Contour& contour_m, double z_low_m, double z_hi
                         return std::isfinite(p.x()) && std::isfinite(p.y());
                       });
   if (!finite) return invalid("a coordinate is not a finite float");
-  if (!(low_m < high_m)) return invalid("the top does not lie above the bottom");
-  if (contour.size() < 3) return invalid("a contour needs three vertices");
+  if (!(low_m < high_m)) return invalid("z_high_m is not above z_low_m");
+  if (contour.size() < 3) return invalid("the contour has fewer than three vertices");
   if (!is_simple(contour)) return invalid("the contour touches or crosses itself");
   if (!is_counter_clockwise(contour)) return invalid("the contour runs clockwise");
 

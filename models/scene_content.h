@@ -1,8 +1,8 @@
 #pragma once
 
-// What a glTF scene is made of, before it is written: several meshes, materials and nodes, and what
-// they declare about how they feel. Frame: each mesh in that of its node, the nodes in that of the
-// scene; metres. Plain values; thread-safe.
+// The content of a glTF scene before encoding: meshes, materials and nodes with their haptic
+// properties. Frames: each mesh in the frame of its node, the nodes in the frame of the scene;
+// metres. Plain values; thread-safe.
 
 #include <array>
 #include <cstddef>
@@ -17,13 +17,14 @@
 
 namespace palpate {
 
-// Each optional index counts within the vector of SceneContent that it is named after.
+// An optional index into the vector of SceneContent that the member's name indicates, for example
+// into images for base_color_image.
 using Index = std::optional<std::size_t>;
 
 struct MeshContent {
   std::string name;
   TriangleMesh mesh;
-  std::vector<Point2> texture_coordinates = {};  // u to the right, v down; one a vertex, or none
+  std::vector<Point2> texture_coordinates = {};  // u to the right, v down; one per vertex, or none
   Index material = {};
   Index haptic_material = {};
 };
@@ -36,7 +37,7 @@ struct MaterialContent {
   Index normal_image = {};
 };
 
-// Haptic maps by MPEG_haptic_material (ISO/IEC 23090-14).
+// Haptic maps in the extension MPEG_haptic_material (ISO/IEC 23090-14).
 struct HapticMaterialContent {
   std::string name;
   Index friction_image = {};
@@ -47,7 +48,7 @@ struct NodeContent {
   std::string name;
   Index mesh = {};
   Vec3 translation_m = Vec3::Zero();
-  Index physics_material = {};  // of a collider that has the node's own mesh
+  Index physics_material = {};  // of a collider with the node's own mesh
   nlohmann::json extras = nullptr;
 };
 
@@ -55,9 +56,9 @@ struct SceneContent {
   std::vector<MeshContent> meshes = {};
   std::vector<MaterialContent> materials = {};
   std::vector<HapticMaterialContent> haptic_materials = {};
-  std::vector<nlohmann::json> physics_materials = {};  // as KHR_physics_rigid_bodies has them
-  std::vector<std::string> images = {};                // PNG files; each repeats as a texture
-  std::vector<NodeContent> nodes = {};                 // all of them roots
+  std::vector<nlohmann::json> physics_materials = {};  // in the form of KHR_physics_rigid_bodies
+  std::vector<std::string> images = {};                // PNG files; each is a repeating texture
+  std::vector<NodeContent> nodes = {};                 // all are roots
   nlohmann::json extras = nullptr;
 };
 

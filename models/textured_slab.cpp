@@ -11,11 +11,12 @@ TexturedMesh textured_slab(const Vec3& size_m, double tile_m) {
   TexturedMesh slab;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      // right, up and the way out of the face are a right-handed frame.
+      // right, up and the outward normal of the face form a right-handed frame.
       const int right = (axis + (side > 0.0 ? 1 : 2)) % 3;
       const int up = (axis + (side > 0.0 ? 2 : 1)) % 3;
       const auto first = static_cast<std::uint32_t>(slab.mesh.positions_m.size());
-      for (const auto& [u, v] : {std::pair(0, 1), {1, 1}, {1, 0}, {0, 0}}) {  // shares of the face
+      for (const auto& [u, v] :
+           {std::pair(0, 1), {1, 1}, {1, 0}, {0, 0}}) {  // fractions of the face
         Vec3 p;
         p[axis] = to_float(0.5 * side * size_m[axis]);
         p[right] = to_float((u - 0.5) * size_m[right]);

@@ -11,15 +11,15 @@ namespace palpate {
 
 struct TexturedMesh {
   TriangleMesh mesh;
-  std::vector<Point2> texture_coordinates;  // one a vertex: u to the right, v down; no unit
+  std::vector<Point2> texture_coordinates;  // one per vertex: u to the right, v down; no unit
 };
 
-// Where box() has its corners, but each face has four vertices of its own, so that the texture runs
-// straight across it, unmirrored as seen from outside: an image is tile_m wide and high on the
-// surface and repeats. On the top, u runs along +x and v along -y, and the first image's upper left
-// corner lies at the low x and high y. Coordinates are float values. Frame: the slab's own, its
-// centre at the origin; metres. Requires every component of size_m > 0 and tile_m > 0.
-// Thread-safe.
+// A box with the corners of box(), but with four separate vertices per face, so that the texture
+// runs straight across each face and is not mirrored as seen from outside. An image is tile_m wide
+// and high on the surface and repeats. On the top, u runs along +x and v along -y, and the upper
+// left corner of the first image is at low x and high y. Coordinates are float values. Frame: the
+// slab's own, with its centre at the origin; metres. Requires every component of size_m > 0 and
+// tile_m > 0. Thread-safe.
 TexturedMesh textured_slab(const Vec3& size_m, double tile_m);
 
 }  // namespace palpate

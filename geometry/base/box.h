@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-// An axis-aligned box, metres, in a frame that its owner names.
+// An axis-aligned box in metres. The owner of the box defines the frame.
 struct Box {
   Vec3 low, high;
 
-  // Holds nothing: united with a box, it is that box.
+  // The box of no points: the union of empty() and a box is that box.
   static Box empty() {
     const double infinity = std::numeric_limits<double>::infinity();
     return {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
@@ -27,7 +27,8 @@ struct Box {
   Box united(const Box& other) const {
     return {low.cwiseMin(other.low), high.cwiseMax(other.high)};
   }
-  // Narrows [enter, leave] to the part of p + [enter, leave] d inside; false if there is none.
+  // Narrows [enter, leave] to the part of the segment p + [enter, leave] d that lies inside the
+  // box. Returns false if no part does.
   bool clip(const Vec3& p, const Vec3& d, double& enter, double& leave) const;
 };
 

@@ -14,8 +14,8 @@ struct Buckets {
   std::vector<std::uint32_t> items;
 };
 
-// Groups items 0 .. item_count - 1 by key_of(item), each less than key_count. Fewer than 2^32
-// items.
+// Groups the items 0 .. item_count - 1 by key_of(item). Requires every key to be less than
+// key_count and item_count < 2^32.
 template <typename KeyOf>
 Buckets group_by_key(std::size_t item_count, std::size_t key_count, KeyOf key_of) {
   Buckets buckets;

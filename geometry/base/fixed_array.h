@@ -1,6 +1,6 @@
 #pragma once
 
-// An array whose size is known before what goes into it.
+// An array of fixed size whose elements are not initialised.
 
 #include <cstddef>
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// As a vector of that many elements, except that nothing is written until somebody does: the pages
-// of a large one are first touched by the thread that fills them, and only once.
+// Unlike std::vector, the constructor does not initialise the elements. The pages of a large array
+// are therefore written once only, by the thread that fills the array.
 template <typename T>
 class FixedArray {
  public:

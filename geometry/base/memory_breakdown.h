@@ -1,7 +1,7 @@
 #pragma once
 
-// What surfaces take: what making them will, and what those that are compiled do, by what it is
-// for.
+// Memory of surfaces: the memory needed to build a surface, and the memory that a compiled surface
+// uses, by purpose.
 
 #include <algorithm>
 #include <cstddef>
@@ -10,18 +10,18 @@
 
 namespace palpate {
 
-// What it keeps, with the room for more.
+// The allocated bytes, including unused capacity.
 template <typename T>
 std::size_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
-// Bytes that making something takes, told before it is made.
+// Bytes needed to build an object, known before the object is built.
 struct MemoryNeed {
   std::uint64_t kept = 0;
-  std::uint64_t peak = 0;  // at any time while it is made, with what is kept
+  std::uint64_t peak = 0;  // the most in use at any time during the build, including `kept`
 
-  // One after the other.
+  // The need of two builds in sequence.
   MemoryNeed operator+(const MemoryNeed& next) const {
     return {kept + next.kept, std::max(peak, kept + next.peak)};
   }
@@ -30,17 +30,17 @@ struct MemoryNeed {
   }
 };
 
-// Bytes. Those of a mesh and of an index add up.
+// Bytes by purpose. The sum of two breakdowns is valid, for example of a mesh and its index.
 struct MemoryBreakdown {
   std::size_t adjacency = 0;        // OpenMesh's vertices, half-edges and faces
-  std::size_t positions = 0;        // of OpenMesh's vertices, which are the welded ones, too
-  std::size_t maps = 0;             // to the triangles and vertices that cleaning was given
-  std::size_t index_triangles = 0;  // in double, with the number of the face
-  std::size_t index_packs = 0;      // the same in float, sixteen at a time
-  std::size_t index_boxes = 0;      // around packs, and Embree's tree over them
+  std::size_t positions = 0;        // of OpenMesh's vertices, shared with the welded surface
+  std::size_t maps = 0;             // from cleaned faces and vertices to the input's
+  std::size_t index_triangles = 0;  // in double, with their face numbers
+  std::size_t index_packs = 0;      // the same triangles in float, in packs of sixteen
+  std::size_t index_boxes = 0;      // boxes around packs, and Embree's tree
 
-  std::size_t places = 0;   // of a scene's nodes: names, poses, and the tree over them
-  std::size_t effects = 0;  // of a scene: what surfaces keep for them, maps, and their parameters
+  std::size_t places = 0;   // of a scene: its nodes' names and poses, and its box tree
+  std::size_t effects = 0;  // of a scene: maps, parameters and data per surface
 
   std::size_t total() const {
     return adjacency + positions + maps + index_triangles + index_packs + index_boxes + places +

@@ -12,7 +12,7 @@ std::string bytes_text(std::uint64_t bytes) {
   if (bytes < 1000) return std::to_string(bytes) + " bytes";
   double amount = static_cast<double>(bytes) / kStep;
   std::size_t unit = 0;
-  // A number that rounds to 1000 is 1.00 of the next unit.
+  // A number that rounds to 1000 is printed as 1.00 of the next unit.
   for (; amount >= 999.5 && unit + 1 < kUnits.size(); ++unit) amount /= kStep;
   std::array<char, 32> text;
   std::snprintf(text.data(), text.size(),
@@ -26,27 +26,27 @@ std::string bytes_text(std::uint64_t bytes) {
 void MemoryLedger::begin(const char* step, std::string element) {
   step_ = step;
   element_ = std::move(element);
-  asked_ = 0;
+  declared_ = 0;
 }
 
 std::optional<Error> MemoryLedger::take(const MemoryNeed& need) {
-  asked_ = std::max(need.kept, need.peak);
-  if (asked_ <= left()) {
+  declared_ = std::max(need.kept, need.peak);
+  if (declared_ <= left()) {
     taken_ += need.kept;
     return std::nullopt;
   }
-  std::string problem = std::string(step_) + " takes " + bytes_text(asked_);
-  if (taken_ > 0) problem += ", with " + bytes_text(taken_) + " for what comes before";
+  std::string problem = std::string(step_) + " needs " + bytes_text(declared_);
+  if (taken_ > 0) problem += " in addition to the " + bytes_text(taken_) + " already in use";
   problem += "; the limit is " + bytes_text(limit_.bytes) + ", " + limit_.origin;
   return Error{ErrorCode::kLimitExceeded, "", element_, std::move(problem),
-               with_advice("allow more with " + limit_.option)};
+               with_advice("raise the limit with " + limit_.option)};
 }
 
 Error MemoryLedger::out_of_memory() const {
-  std::string problem = std::string("there is not enough memory for ") + step_;
-  if (asked_ > 0) problem += ", which takes " + bytes_text(asked_);
+  std::string problem = std::string("the system has not enough memory for ") + step_;
+  if (declared_ > 0) problem += ", which needs " + bytes_text(declared_);
   return Error{ErrorCode::kOutOfMemory, "", element_, std::move(problem),
-               with_advice("free some, or raise the limit of the process (ulimit -v)")};
+               with_advice("free memory, or raise the limit of the process (ulimit -v)")};
 }
 
 std::string MemoryLedger::with_advice(std::string hint) const {

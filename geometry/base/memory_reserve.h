@@ -1,36 +1,38 @@
 #pragma once
 
-// Memory that is set aside for when there is none left.
+// Memory reserved for handling an out-of-memory error.
 
 #include <cstddef>
 
 namespace palpate {
 
-// While an object of this class lives, operator new that fails is helped out twice in the process:
-// once where it is an error that frees things (destructors may take memory, as those of JSON
-// do, and must not throw), and once where it is not, for the same reason. The third time it throws.
-// It is done by std::set_new_handler, for the whole process; the handler that was there before is
-// put back in the end. Any thread. Several add up to the largest.
+// Holds two blocks of memory in reserve. While an object of this class lives, a failing operator
+// new frees one block and tries again: one block during stack unwinding, the other at any other
+// time. Both cases matter because destructors may allocate and must not throw, for example those of
+// JSON values. Once the matching block is used, the previous handler is called; without a previous
+// handler, operator new throws. The mechanism is std::set_new_handler, which affects the whole
+// process; the last object restores the previous handler. Thread-safe. Objects that live at the
+// same time share the two blocks, which have the largest requested size.
 class MemoryReserve {
  public:
-  // bytes: of each of the two parts, at least. Throws std::bad_alloc.
+  // bytes: minimum size of each block. Throws std::bad_alloc.
   explicit MemoryReserve(std::size_t bytes = kEnoughForAnError);
   ~MemoryReserve();
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  // Gives up what is left of it: memory was short, and an error is to be told.
+  // Frees the remaining blocks, so that an error can be reported after memory was short.
   static void give_up() noexcept;
-  // Whether memory has been short. Some libraries keep that to themselves and say that they failed.
+  // Whether memory has been short. Some libraries report a shortage only as a general failure.
   static bool has_helped_out() noexcept;
 
  private:
-  // Small enough for the C library to hand it out again in parts.
+  // Small enough for the C library to reuse a freed block for smaller allocations.
   static constexpr std::size_t kEnoughForAnError = std::size_t{1} << 16;
 };
 
-// Throws std::bad_alloc if so many bytes cannot be had at once: before what cannot do with less,
-// and would end the process.
+// Throws std::bad_alloc if one allocation of this size fails. Call it before code that needs this
+// memory and would otherwise end the process.
 void expect_available(std::size_t bytes);
 
 }  // namespace palpate

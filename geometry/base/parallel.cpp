@@ -13,7 +13,7 @@ std::size_t cores_of_this_process() {
   if (sched_getaffinity(0, sizeof bound_to, &bound_to) == 0) {
     return static_cast<std::size_t>(CPU_COUNT(&bound_to));
   }
-  return std::thread::hardware_concurrency();  // more cores than the set has room for
+  return std::thread::hardware_concurrency();  // more cores than a cpu_set_t can hold
 }
 
 std::atomic<std::size_t>& cores() {
@@ -21,7 +21,7 @@ std::atomic<std::size_t>& cores() {
   return count;
 }
 
-std::atomic<std::size_t> used = 1;  // the one that starts it all
+std::atomic<std::size_t> used = 1;  // the main thread's core
 
 }  // namespace
 

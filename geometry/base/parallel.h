@@ -1,9 +1,9 @@
 #pragma once
 
-// Work shared among the cores of the machine. Load time only: threads are started.
+// Parallel work on the cores of the machine. Load time only: the functions start threads.
 //
-// What is done must not depend on which thread does it, or on how many there are. Work may itself
-// be shared again: no more threads run at once than there are cores.
+// Results must not depend on the thread that does the work or on the number of threads. Work may
+// itself start parallel work: the number of running threads never exceeds the number of cores.
 
 #include <algorithm>
 #include <cstddef>
@@ -14,16 +14,17 @@
 
 namespace palpate {
 
-// How many cores the work here uses: those of the machine, or of its part that the process was
-// bound to when this was first called; 1 at least.
+// The number of cores used for parallel work, at least 1: the cores that the process was bound to
+// at the first call, or all cores of the machine.
 std::size_t core_count();
-// The parts that work is divided into of which each goes through all there is: as many as cores,
-// but no more than gain by it.
+// The number of parts for work in which each part reads the whole input: the number of cores, up to
+// the number beyond which more parts no longer save time.
 std::size_t pass_count();
-// As if there were so many, for tests. Not while work is being done.
+// Overrides core_count() for tests. Must not be called while parallel work runs.
 void assume_cores(std::size_t count);
 
-// A core on which no work that is shared here runs, until this object ends. There may be none.
+// Reserves a core that runs no parallel work, until this object is destroyed. is_taken() is false
+// if no core was free.
 class SpareCore {
  public:
   SpareCore();
@@ -37,8 +38,8 @@ class SpareCore {
   bool is_taken_;
 };
 
-// Calls work() on a thread of its own. No future where the system has no memory for one, or no
-// thread: work() is not called then.
+// Calls work() on a new thread. If the system lacks memory or threads, does not call work() and
+// returns an invalid future.
 template <typename Work>
 std::future<void> start_thread(const Work& work) {
   try {
@@ -49,8 +50,8 @@ std::future<void> start_thread(const Work& work) {
   return {};
 }
 
-// Calls first() and second(), at the same time if a core is to spare. Returns when both have
-// returned; throws what one of them threw, of two the first.
+// Calls first() and second(), in parallel if a core is free. Returns when both have returned.
+// Rethrows an exception of either; if both throw, that of first().
 template <typename First, typename Second>
 void run_both(const First& first, const Second& second) {
   SpareCore core;
@@ -77,11 +78,11 @@ void run_each(std::size_t begin, std::size_t end, const Work& work) {
   run_both([&] { run_each(begin, middle, work); }, [&] { run_each(middle, end, work); });
 }
 
-// Calls work(begin, end) for ranges that together are 0 .. items, of `least` or more each, in any
-// order.
+// Divides 0 .. items into ranges of at least `least` items (a single range may be shorter) and
+// calls work(begin, end) for each range, in any order.
 template <typename Work>
 void run_ranges(std::size_t items, std::size_t least, const Work& work) {
-  // More than cores: one may become free only later.
+  // More ranges than cores, since a core may become free later.
   constexpr std::size_t kRangesPerCore = 8;
   const std::size_t most = core_count() == 1 ? 1 : kRangesPerCore * core_count();
   const std::size_t ranges = std::clamp<std::size_t>(items / least, 1, most);

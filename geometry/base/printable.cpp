@@ -10,7 +10,7 @@ namespace {
 constexpr char32_t kLargest = 0x10FFFF;
 constexpr char32_t kFirstSurrogate = 0xD800;
 constexpr char32_t kLastSurrogate = 0xDFFF;
-// Of the basic plane's end; XML has no place for them.
+// The noncharacters at the end of the basic plane: XML does not allow them.
 constexpr char32_t kFirstNoncharacter = 0xFFFE;
 constexpr char32_t kLastNoncharacter = 0xFFFF;
 
@@ -18,7 +18,7 @@ bool is_continuation(char c) {
   return (static_cast<std::uint8_t>(c) & 0xC0) == 0x80;
 }
 
-// How many bytes the sequence at the front has, by its first one; 0 if none begins so.
+// The length in bytes of a UTF-8 sequence, from its first byte; 0 if no sequence begins with it.
 std::size_t announced_length(std::uint8_t first) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first < 0xE0) return 2;
@@ -27,8 +27,8 @@ std::size_t announced_length(std::uint8_t first) {
   return 0;
 }
 
-// The character at the front of a text that is not empty. The front is the longest part that could
-// begin a character; without one it is a byte.
+// The first character of a text that is not empty. `length` covers the whole character, the
+// available bytes of an unfinished character, or one byte of a broken sequence.
 struct Front {
   enum class Kind { kShown, kControl, kBroken, kUnfinished };
   Kind kind;
@@ -39,9 +39,10 @@ bool is_between(char32_t code, char32_t first, char32_t last) {
   return code >= first && code <= last;
 }
 
-// Of Unicode's property Default_Ignorable_Code_Point what can hide a text, or a difference between
-// two: it shows nothing of its own. Soft hyphen, fillers and joiners; signs of zero width; the byte
-// order mark; and tags, of which whole sentences are made. Variation selectors stay.
+// Characters without a glyph that can hide a text or a difference between two texts: the soft
+// hyphen, fillers, joiners, zero-width characters, the byte order mark, and tags, which can spell
+// whole sentences. They are a subset of Unicode's property Default_Ignorable_Code_Point; variation
+// selectors are not included.
 bool is_invisible(char32_t code) {
   return code == 0x00AD || code == 0x034F || is_between(code, 0x115F, 0x1160) ||
          is_between(code, 0x17B4, 0x17B5) || code == 0x180E || is_between(code, 0x200B, 0x200F) ||
@@ -49,8 +50,9 @@ bool is_invisible(char32_t code) {
          is_between(code, 0xE0000, 0xE00FF);
 }
 
-// C0, DEL and C1; what ends a line or a paragraph; what turns the direction of writing, with which
-// a text can be made to show another one (Unicode's property Bidi_Control); and what is not seen.
+// Control characters (C0, DEL, C1), line and paragraph separators, bidirectional controls
+// (Unicode's property Bidi_Control), which can make a text display as a different text, and
+// invisible characters.
 bool is_control(char32_t code) {
   return code < 0x20 || is_between(code, 0x7F, 0x9F) || code == 0x061C ||
          is_between(code, 0x2028, 0x202E) || is_invisible(code);
@@ -75,13 +77,13 @@ Front front_of(std::string_view text) {
   return {is_control(code) ? Front::Kind::kControl : Front::Kind::kShown, length};
 }
 
-// What is shown of it: itself, or what stands for it.
+// The output for a character: the character itself, or its replacement.
 std::string_view shown(std::string_view text, const Front& front) {
   if (front.kind == Front::Kind::kShown) return text.substr(0, front.length);
   return front.kind == Front::Kind::kControl ? " " : "?";
 }
 
-// Most texts are made of these.
+// Most texts contain only plain characters.
 bool is_plain(char c) {
   return (c >= ' ' && c <= '~') || c == '\n';
 }
@@ -131,7 +133,8 @@ bool PrintableBuffer::put(std::string_view text) {
   return true;
 }
 
-// Of a character that is broken the first byte is, and others may be held that begin another one.
+// Writes the complete characters of the held bytes. For a broken sequence, only its first byte is
+// replaced: the following held bytes may begin another character.
 bool PrintableBuffer::put_held(bool is_last) {
   while (held_count_ > 0) {
     const std::string_view held(held_.data(), held_count_);
@@ -156,7 +159,7 @@ PrintableStream::PrintableStream(std::ostream& stream)
 PrintableStream::~PrintableStream() {
   buffer_.finish();
   const auto state = stream_.rdstate();
-  stream_.rdbuf(unfiltered_);  // which clears the state
+  stream_.rdbuf(unfiltered_);  // clears the state
   stream_.clear(state);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Text that comes from outside (names in files, arguments), made fit for one line of a document or
-// a terminal.
+// Filters untrusted text (names in files, arguments) for output on one line of a document or
+// terminal.
 
 #include <array>
 #include <cstddef>
@@ -12,18 +12,20 @@
 
 namespace palpate {
 
-// The same text, with a space for each control character, end of a line, change of the direction of
-// writing and invisible character that can hide a text (soft hyphen, signs of zero width, fillers,
-// U+FEFF, and the tags U+E0000 to U+E007F: two names that look alike would differ by them, or say
-// what nobody reads), and "?" for each byte that is not part of valid UTF-8. Variation selectors
-// stay: they choose how the character before them looks.
+// Returns the text with a space in place of each control character, line end, bidirectional control
+// and invisible character, and with "?" in place of each byte that is not part of valid UTF-8.
+//
+// The invisible characters are the soft hyphen, zero-width characters, fillers, U+FEFF and the tags
+// U+E0000 to U+E007F. With these characters, two different names could look alike, or a name could
+// contain hidden text. Variation selectors are kept, because they select the glyph of the
+// preceding character.
 std::string printable(std::string_view text);
 
-// Passes on what is written to it likewise, but for ends of lines. Allocates nothing.
+// A stream buffer that filters text like printable() but keeps line ends. Does not allocate.
 class PrintableBuffer final : public std::streambuf {
  public:
   explicit PrintableBuffer(std::streambuf* to) : to_(to) {}
-  // What has begun as a character ends here.
+  // Ends the output: an incomplete character is written as broken.
   void finish() { put_held(true); }
 
  protected:
@@ -37,13 +39,13 @@ class PrintableBuffer final : public std::streambuf {
   bool put_held(bool is_last);
 
   std::streambuf* to_;
-  std::array<char, 4> held_;  // the beginning of a character
+  std::array<char, 4> held_;  // the first bytes of an incomplete character
   std::size_t held_count_ = 0;
 };
 
-// While it lives, nothing but printable text gets out of a stream, whoever writes to it: no name in
-// a file commands a terminal. The names in a line must be printable() all the same, which takes the
-// ends of lines out of them.
+// While this object lives, all text written to a stream is filtered by a PrintableBuffer, so that a
+// name in a file cannot send control sequences to a terminal. Code that writes a name must still
+// call printable(), because the stream keeps the line ends of a name.
 class PrintableStream {
  public:
   explicit PrintableStream(std::ostream& stream);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Seeded randomness: one seed gives the same numbers on every platform. The distributions of the
-// standard library do not, so these are made from the bits of its engine.
+// Seeded random numbers: one seed gives the same numbers on every platform. The standard library's
+// distributions differ between platforms, so the functions here use the bits of its engine
+// directly.
 
 #include <cmath>
 #include <cstdint>
@@ -20,9 +21,9 @@ class SeededRandom {
   double uniform(double low, double high) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
-  // In [0, count), count > 0.
+  // An integer in [0, count). Requires count > 0.
   std::uint64_t index(std::uint64_t count) { return engine_() % count; }
-  // Of mean 0 and variance 1.
+  // Normal distribution with mean 0 and variance 1 (Box-Muller transform).
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform(0.0, 1.0)));
     return radius * std::cos(uniform(0.0, 2.0 * std::numbers::pi));
@@ -32,13 +33,13 @@ class SeededRandom {
     const double y = uniform(-half_extent, half_extent);
     return {x, y, uniform(-half_extent, half_extent)};
   }
-  // Uniform over the sphere.
+  // Uniform over the unit sphere.
   Vec3 unit_vector() {
     const double x = normal();
     const double y = normal();
     return Vec3(x, y, normal()).normalized();
   }
-  // Uniform over rotations.
+  // Uniform over all rotations.
   Quat rotation() {
     const double w = normal();
     const double x = normal();

@@ -14,15 +14,16 @@ enum class ErrorCode {
   kFileUnreadable,
   kFileUnwritable,
   kNotGltf,         // neither a GLB container nor JSON that is a glTF asset
-  kUnsupported,     // valid, but needs something this build does not know
+  kUnsupported,     // valid, but needs a feature that this build does not support
   kInvalidContent,  // breaks a rule of its format
   kLimitExceeded,   // within its format's rules, beyond this program's documented limits
-  kOutOfMemory,     // the system refused memory; kLimitExceeded if a limit of ours did
+  kOutOfMemory,     // the system refused memory; a limit of this program gives kLimitExceeded
   kEmptyScene,      // no triangle with area
   kInvalidArgument,
 };
 
-// What went wrong, where, what was expected and what to do, each in a few words.
+// An error: where it occurred, what was found, what was expected and what to do, each in a few
+// words.
 struct Error {
   ErrorCode code = ErrorCode::kInvalidArgument;
   std::string path;     // the file, as the caller named it; empty if none
@@ -45,12 +46,12 @@ struct Error {
   }
 };
 
-// Of what a caller gave: the argument, setting or option is the element.
+// An Error for an argument, setting or option that the caller passed; `element` names it.
 inline Error invalid_argument(std::string element, std::string problem, std::string hint = "") {
   return {ErrorCode::kInvalidArgument, "", std::move(element), std::move(problem), std::move(hint)};
 }
 
-// A value of type T, or the Error that kept it from being made.
+// A value of type T, or the Error that prevented the value.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -60,7 +61,7 @@ class [[nodiscard]] Result {
   bool ok() const { return std::holds_alternative<T>(content_); }
   explicit operator bool() const { return ok(); }
 
-  // Only when ok().
+  // Requires ok().
   T& value() {
     assert(ok());
     return std::get<T>(content_);
@@ -74,7 +75,7 @@ class [[nodiscard]] Result {
   T& operator*() { return value(); }
   const T& operator*() const { return value(); }
 
-  // Only when !ok().
+  // Requires !ok().
   const Error& error() const {
     assert(!ok());
     return std::get<Error>(content_);

@@ -21,8 +21,8 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise from the front
 
-// u . (v x w). Written out: Eigen takes the cross product through memory, scalar stores and a
-// vector load that has to wait for them.
+// u . (v x w). Written out, because Eigen computes the cross product through memory: scalar stores,
+// then a vector load that waits for them.
 inline double triple_product(const Vec3& u, const Vec3& v, const Vec3& w) {
   return u.x() * (v.y() * w.z() - v.z() * w.y()) + u.y() * (v.z() * w.x() - v.x() * w.z()) +
          u.z() * (v.x() * w.y() - v.y() * w.x());
@@ -41,24 +41,25 @@ struct RigidTransform {
   Vec3 inverse_direction(const Vec3& v_to) const { return rotation.conjugate() * v_to; }
 };
 
-// How far the squared length of a rotation may be from 1: that of a quaternion in single precision,
-// several times over.
+// Largest accepted deviation of a rotation quaternion's squared length from 1: several times the
+// rounding error of a unit quaternion in single precision.
 inline constexpr double kUnitQuaternion = 32 * std::numeric_limits<float>::epsilon();
 
-// Finite, and turned by a quaternion of length 1 to within single precision.
+// Whether T is a rigid pose: finite, with a rotation quaternion of length 1 within single
+// precision.
 inline bool is_pose(const RigidTransform& T) noexcept {
   return std::abs(T.rotation.squaredNorm() - 1.0) <= kUnitQuaternion && T.translation_m.allFinite();
 }
 
-// The same pose, turned by a quaternion of length 1 to within the rounding of double.
+// The same pose, with its quaternion normalised to length 1 within the rounding of double.
 inline RigidTransform unit_pose(const RigidTransform& T) noexcept {
   constexpr double kRounded = 4 * std::numeric_limits<double>::epsilon();
   if (std::abs(T.rotation.squaredNorm() - 1.0) <= kRounded) return T;
   return {T.rotation.normalized(), T.translation_m};
 }
 
-// Of length 1, to within four times as much: so far off is an axis that the matrix of such a
-// rotation turns.
+// Whether the direction has length 1 within 4 kUnitQuaternion: the error of a unit axis after
+// rotation by the matrix of a quaternion that is_pose() accepts.
 inline bool is_unit(const Vec3& direction) noexcept {
   return std::abs(direction.squaredNorm() - 1.0) <= 4 * kUnitQuaternion;
 }

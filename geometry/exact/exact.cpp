@@ -9,8 +9,8 @@
 
 #include "geometry/exact/expansion.h"
 
-// On x86-64 std::fma is a call, unless a function is compiled for processors that have it: then it
-// is one instruction, in whatever is inlined there.
+// On x86-64, std::fma is a library call, except in functions compiled for processors with FMA and
+// in code inlined there, where it is one instruction.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define PALPATE_HAS_FMA_TARGET 1
 #define PALPATE_INLINE [[gnu::always_inline]] inline
@@ -26,8 +26,9 @@ constexpr double kHalfUlpOfOne = 0x1p-53;
 constexpr int kMantissaBits = 52;
 constexpr int kBias = 1023;
 
-// The component of (b - a) x (c - a) along the axis that completes axes i and j, within two ulp of
-// itself and zero iff it is zero, for corners from scaled_corners().
+// The component of (b - a) x (c - a) along the axis that completes axes i and j, for corners from
+// scaled_corners(). The relative error is at most two ulp, and the result is zero iff the exact
+// component is zero.
 PALPATE_INLINE double cross_component(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
   const TwoTerms b_i = two_difference(b[i], a[i]);
   const TwoTerms b_j = two_difference(b[j], a[j]);
@@ -39,17 +40,18 @@ PALPATE_INLINE double cross_component(const Vec3& a, const Vec3& b, const Vec3& 
       (b_i.high * c_j.low + b_i.low * c_j.high) - (b_j.high * c_i.low + b_j.low * c_i.high);
   const double value = (left.high - right.high) + (mixed + (left.low - right.low));
 
-  // With e half an ulp of 1 and m the size below, rounding costs 6 e^2 m in `mixed`, e^2 m in the
-  // low terms and 3 e^2 m in their sum; the products of two low terms, left out, are at most e^2 m.
-  // All of it is less than e |value| when m <= |value| / (16 e). The difference of the high terms
-  // is exact where they nearly cancel, else within e |value|; so is the last sum.
+  // With e half an ulp of 1 and m the size below, the rounding errors are 6 e^2 m in `mixed`, e^2 m
+  // in the low terms and 3 e^2 m in their sum. The omitted products of two low terms are at most
+  // e^2 m. The total is less than e |value| if m <= |value| / (16 e). The difference of the high
+  // terms is exact if they nearly cancel, and otherwise has an error of at most e |value|, as does
+  // the last sum.
   const double size = std::abs(left.high) + std::abs(right.high);
   if (16.0 * kHalfUlpOfOne * size <= std::abs(value)) return value;
 
   return sum(product(expansion(b_i), c_j), product(expansion(negated(b_j)), c_i)).rounded();
 }
 
-// True if that component certainly is not zero, judged from the corners as they are.
+// True if this component is certainly not zero, computed from the unscaled corners.
 bool component_certainly_nonzero(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
   const double left = (b[i] - a[i]) * (c[j] - a[j]);
   const double right = (b[j] - a[j]) * (c[i] - a[i]);
@@ -59,13 +61,14 @@ bool component_certainly_nonzero(const Vec3& a, const Vec3& b, const Vec3& c, in
   return std::abs(left - right) > rounding + std::numeric_limits<double>::min();
 }
 
-// As std::ilogb(), without the call for numbers that are neither zero nor subnormal.
+// Like std::ilogb(), but without a library call for normal numbers.
 PALPATE_INLINE int exponent_of(double magnitude) {
   if (!(magnitude >= std::numeric_limits<double>::min())) return std::ilogb(magnitude);
   return static_cast<int>(std::bit_cast<std::uint64_t>(magnitude) >> kMantissaBits) - kBias;
 }
 
-// 2^exponent, for one that a normal double has. As std::ldexp(1.0, exponent), without the call.
+// 2^exponent, for the exponent of a normal double. Like std::ldexp(1.0, exponent), but without a
+// library call.
 PALPATE_INLINE double power_of_two(int exponent) {
   assert(-kBias < exponent && exponent <= kBias);
   return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kMantissaBits);
@@ -75,13 +78,13 @@ struct Corners {
   Vec3 a, b, c;
 };
 
-// The corners times one power of two, which brings the largest coordinate to about 2^500: squares
-// of coordinates are then far from overflow, products of their last bits above underflow.
+// The corners times a power of two that scales the largest coordinate to about 2^500. Squares of
+// coordinates are then far from overflow, and products of their last bits do not underflow.
 PALPATE_INLINE Corners scaled_corners(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double largest =
       std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
   if (largest == 0.0) return {a, b, c};
-  // Not more than a double can hold: what is scaled by less has no bits further down.
+  // The scale is limited to the range of a double: corners scaled by less have no lower bits.
   const double scale = power_of_two(std::min(500 - exponent_of(largest), 1023));
   return {a * scale, b * scale, c * scale};
 }
@@ -97,7 +100,7 @@ PALPATE_INLINE Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 cross = scaled_cross(a, b, c);
   const double largest = cross.cwiseAbs().maxCoeff();
   assert(largest > 0.0);
-  // In two steps: the power of two may be out of a double's range, its square root is not.
+  // In two steps: the power of two may be out of a double's range, but its square root is not.
   const int exponent = exponent_of(largest);
   const Vec3 near_one =
       (cross * power_of_two(-exponent / 2)) * power_of_two(exponent / 2 - exponent);
@@ -109,7 +112,7 @@ Vec3 unit_normal_baseline(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 #if PALPATE_HAS_FMA_TARGET
-// The same bits: products are split exactly, one way or the other.
+// Identical results: both variants split products exactly.
 [[gnu::target("fma")]] Vec3 unit_normal_fma(const Vec3& a, const Vec3& b, const Vec3& c) {
   return unit_normal(a, b, c);
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 // Exact arithmetic on sums of doubles (J. R. Shewchuk, "Adaptive Precision Floating-Point
-// Arithmetic and Fast Robust Geometric Predicates", 1997). Private to geometry. Rounding must be to
-// nearest, and nothing may overflow or underflow.
+// Arithmetic and Fast Robust Geometric Predicates", 1997). Private to geometry. Requires rounding
+// to nearest; no operation may overflow or underflow.
 
 #include <array>
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-struct TwoTerms {  // their exact sum is meant; high is that sum rounded
+// The exact sum of two doubles: `high` is the rounded sum, `low` the rounding error.
+struct TwoTerms {
   double high;
   double low;
 };
@@ -41,16 +42,16 @@ inline TwoTerms negated(const TwoTerms& a) {
   return {-a.high, -a.low};
 }
 
-// An exact sum held as terms that do not overlap, the smallest first; none of them is zero.
+// An exact sum, stored as nonzero terms that do not overlap, in increasing order of magnitude.
 template <std::size_t kCapacity>
 struct Expansion {
-  std::array<double, kCapacity> terms;  // only the first size have a value
+  std::array<double, kCapacity> terms;  // only the first `size` terms are set
   std::size_t size = 0;
 
   void append(double term) {
     if (term != 0.0) terms[size++] = term;
   }
-  // Within an ulp, and zero iff the sum is.
+  // The sum, rounded to within one ulp; zero iff the exact sum is zero.
   double rounded() const {
     double sum = 0.0;
     for (std::size_t i = 0; i < size; ++i) sum += terms[i];
@@ -69,7 +70,7 @@ inline Expansion<2> expansion(const TwoTerms& a) {
   return e;
 }
 
-// Shewchuk's FAST-EXPANSION-SUM: merges by size, then sums from the smallest up.
+// Shewchuk's FAST-EXPANSION-SUM: merges the terms by magnitude, then sums from the smallest up.
 template <std::size_t kA, std::size_t kB>
 Expansion<kA + kB> sum(const Expansion<kA>& a, const Expansion<kB>& b) {
   Expansion<kA + kB> result;

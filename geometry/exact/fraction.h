@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-// A place on a straight segment, as a part of its length: 0 at the start, 1 at the end. `Segment`
-// is a tag that names the segment, so that a fraction of one cannot be taken for a fraction of
-// another, such as of the part of it that a search was cut to.
+// A position on a straight segment as a fraction of its length: 0 at the start, 1 at the end.
+// `Segment` is a tag type that names the segment. The tag prevents mixing fractions of different
+// segments, for example of a query segment and of the part of it that a search is limited to.
 template <typename Segment>
 class FractionOf {
  public:
@@ -21,7 +21,7 @@ class FractionOf {
   double value_;
 };
 
-// Of the segment p to p + d that an index or a tree is asked about.
+// A fraction of the query segment p to p + d of an index or a tree.
 using QueryFraction = FractionOf<struct QueriedSegment>;
 
 }  // namespace palpate

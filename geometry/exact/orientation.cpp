@@ -28,7 +28,7 @@ TwoTerms multiply(const TwoTerms& a, const TwoTerms& b) {  // 6
   return ordered_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
-// The sign of u . (v x w) by pairs of doubles, or 0 in doubt.
+// The sign of u . (v x w) by pairs of doubles, or 0 if it is undecided.
 int paired_sign(const Difference& u, const Difference& v, const Difference& w) {
   TwoTerms volume{0.0, 0.0};
   double magnitude = 0.0;
@@ -40,8 +40,8 @@ int paired_sign(const Difference& u, const Difference& v, const Difference& w) {
     volume = add(volume, multiply(add(left, negated(right)), u[i]));
     magnitude += (std::abs(left.high) + std::abs(right.high)) * std::abs(u[i].high);
   }
-  // Two products 6 each, a difference 3, two sums 3 each: 21 e^2 of the magnitude; the rest is for
-  // higher orders and for the magnitude's own rounding.
+  // Two products have 6 each, a difference 3 and two sums 3 each: 21 e^2 of the magnitude. The rest
+  // of the bound covers higher orders and the rounding of the magnitude.
   const double bound = 40.0 * 0x1p-106 * magnitude;
   return volume.high > bound ? 1 : volume.high < -bound ? -1 : 0;
 }

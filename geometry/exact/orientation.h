@@ -1,6 +1,6 @@
 #pragma once
 
-// On which side of a plane a point lies: exact.
+// An exact orientation predicate: the side of a plane on which a point lies.
 
 #include <cmath>
 
@@ -8,23 +8,24 @@
 
 namespace palpate {
 
-// How many signs double could not tell, by what told them.
+// Counts the signs that double arithmetic left undecided, by the arithmetic that decided them.
 struct SignWork {
-  int by_pairs = 0;  // of doubles
+  int by_pairs = 0;  // pairs of doubles
   int by_expansions = 0;
 };
 
 // The sign of (q - p) . ((r - p) x (s - p)): -1, 0 or 1. Zero iff the four points lie in one plane.
-// It says on which side of the triangle p q r the point s is (1: on the side its normal points
-// to), and on which side the line p q passes the edge r s.
+// The sign is the side of the triangle p q r on which the point s lies (1: the side that the
+// triangle's normal points to). It is also the side on which the line p q passes the edge r s.
 //
-// Double arithmetic settles nearly every call, pairs of doubles nearly all of the rest, exact
-// expansions what remains. 113-bit arithmetic in software takes longer and cannot settle all,
-// CGAL's filtered kernel takes as long: the README has the table, predicate_benchmark.cpp makes it.
+// Double arithmetic decides nearly every call, pairs of doubles decide nearly all remaining calls,
+// and exact expansions decide the rest. 113-bit arithmetic in software is slower and leaves some
+// signs undecided; CGAL's filtered kernel takes as long as expansions. The README has the measured
+// times, and predicate_benchmark.cpp measures them.
 //
-// Adds to `work` what it took. Any frame, any unit, as long as no product of three coordinate
-// differences overflows and none of their last bits underflows: coordinates from 1e-80 to 1e100.
-// noexcept, no allocation.
+// Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
+// of three coordinate differences overflows and that none of its last bits underflows, which holds
+// for coordinates from 1e-80 to 1e100. noexcept, no allocation.
 int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
                 SignWork& work) noexcept;
 inline int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) noexcept {
@@ -32,7 +33,7 @@ inline int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& 
   return orientation(p, q, r, s, work);
 }
 
-// The same without the first filter, for those who have evaluated it themselves.
+// The same without the first filter, for callers that have already evaluated this filter.
 int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
                          SignWork& work) noexcept;
 

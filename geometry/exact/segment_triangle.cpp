@@ -7,17 +7,17 @@
 namespace palpate {
 namespace {
 
-// Sign of a computed value with a bound on its rounding; 0 in doubt.
+// The sign of a computed value with a bound on its rounding error; 0 if it is undecided.
 int certain_sign(double value, double bound) {
   return value > bound ? 1 : value < -bound ? -1 : 0;
 }
 
-// Which side of the plane of t a point is on that double cannot tell: 1 in front.
+// The side of the plane of t on which p lies, if double cannot decide it: 1 in front.
 int exact_side(const TriangleGeometry& t, const Vec3& p, SignWork& work) {
   return orientation_in_doubt(t.a, t.b, t.c, p, work);
 }
 
-// On which sides of the edges ab, bc, ca the line from p to q passes.
+// The sides on which the line from p to q passes the edges ab, bc, ca.
 std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                               SignWork& work) {
   const Vec3 d = q - p;
@@ -31,7 +31,7 @@ std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Ve
   std::array<int, 3> sides = {certain_sign(triple_product(d, a, b), scale * size_a * size_b),
                               certain_sign(triple_product(d, b, c), scale * size_b * size_c),
                               certain_sign(triple_product(d, c, a), scale * size_c * size_a)};
-  // Two certain sides that differ settle it.
+  // Two certain sides that differ decide that the line misses the triangle.
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return sides;
   if (sides[0] == 0) sides[0] = orientation_in_doubt(p, q, t.a, t.b, work);
@@ -40,8 +40,9 @@ std::array<int, 3> line_sides(const TriangleGeometry& t, const Vec3& p, const Ve
   return sides;
 }
 
-// Whether a segment and a triangle in one plane meet: exact. They are apart if a line along one of
-// their edges separates them, and a plane through that line and a point off theirs tells the sides.
+// An exact test whether a coplanar segment and triangle meet. They are apart if the line along one
+// of their edges separates them. The sides of this line are tested with the plane through the line
+// and a point outside the common plane.
 bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q, SignWork& work) {
   int axis = 0;
   t.normal.cwiseAbs().maxCoeff(&axis);
@@ -66,7 +67,7 @@ bool meets_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q, Sig
 }
 
 // The segment lies in the plane of the triangle to the last bit: clips it against the three edges
-// and reports where it comes in, up to rounding.
+// and reports the entry point, up to rounding.
 void cross_in_plane(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                     SegmentCrossing& crossing) {
   if (!meets_in_plane(t, p, q, crossing.signs)) return;
@@ -105,7 +106,7 @@ SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Ve
   int start = certain_sign(crossing.height_start, bound_start);
   int end = certain_sign(crossing.height_end, bound_end);
   if (start * end > 0) return crossing;
-  // The line first: it is what settles most that remain, and without the exact sides.
+  // The line is tested first: it decides most of the remaining cases without the exact sides.
   const std::array<int, 3> sides = line_sides(t, p, q, crossing.signs);
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*least * *most < 0) return crossing;

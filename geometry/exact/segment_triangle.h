@@ -1,6 +1,6 @@
 #pragma once
 
-// Whether a segment touches a triangle: exact.
+// An exact test whether a segment meets a triangle.
 
 #include "geometry/base/types.h"
 #include "geometry/exact/orientation.h"
@@ -8,31 +8,32 @@
 
 namespace palpate {
 
-// Bound on the rounding of a height normal . (p - a) as computed here, relative to |p - a|_1.
-// Three subtractions, three products, two sums give 6 roundings; the unit normal itself is good to
-// 4; doubled for the second-order terms.
+// Bound on the rounding of a height normal . (p - a) as computed here, relative to |p - a|_1. Three
+// subtractions, three products and two sums give 6 roundings, and the unit normal has an error of
+// 4; the bound is twice their sum because of second-order terms.
 inline constexpr double kHeightRoundoff = 20 * kUnitRoundoff;
 
 // The result of crossing the closed segment from p to q with a closed triangle.
 struct SegmentCrossing {
   enum class Kind : std::uint8_t {
-    kMiss,     // apart
-    kThrough,  // meets it, coming from one side of its plane
-    kEdgeOn,   // runs in its plane and meets it at an edge from outside
-    kWithin    // starts on it
+    kMiss,     // no common point
+    kThrough,  // enters the triangle from one side of its plane
+    kEdgeOn,   // lies in its plane and enters across an edge
+    kWithin    // starts on the triangle
   };
   Kind kind = Kind::kMiss;
-  double fraction = 0.0;            // where they meet, in [0, 1]
-  double height_start = 0.0;        // of p over the plane, along the triangle's normal, metres
+  double fraction = 0.0;            // the first common point: a fraction of the segment, in [0, 1]
+  double height_start = 0.0;        // of p above the plane, along the triangle's normal, metres
   double height_end = 0.0;          // of q
   int side = 0;                     // kThrough: 1 if p is in front of the triangle, -1 behind
-  Vec3 edge_normal = Vec3::Zero();  // kEdgeOn: unit, in the plane, out of the triangle at that edge
-  Vec3 edge_point = Vec3::Zero();   // kEdgeOn: a corner on that edge
+  Vec3 edge_normal = Vec3::Zero();  // kEdgeOn: unit, in the plane, outwards at the crossed edge
+  Vec3 edge_point = Vec3::Zero();   // kEdgeOn: a corner on the crossed edge
   SignWork signs;
 };
 
-// Any frame, metres. Whether they meet, and from which side, is decided exactly; fraction, edge and
-// heights are rounded. The plane is that of the three corners. noexcept, no allocation.
+// Crosses the closed segment p q with the closed triangle t. Any frame, metres. The decision
+// whether they meet, and from which side, is exact for the plane of the three corners. Fraction,
+// edge and heights are rounded. noexcept, no allocation.
 SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& q) noexcept;
 
 }  // namespace palpate

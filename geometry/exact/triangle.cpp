@@ -9,23 +9,23 @@
 namespace palpate {
 namespace {
 
-// A unit normal is good to 4 roundings, so is a difference of two points turned into a direction.
+// A unit normal has an error of 4 roundings, and so has a direction computed from two points.
 constexpr double kDirectionRoundoff = 4 * kUnitRoundoff;
 
-// What rounding makes of a place relative to an edge, of its distance from the nearer end of that
-// edge: 3 for the projection, 1 for the product, 1 for the difference.
+// Rounding error of a position relative to an edge, as a fraction of the distance from the nearer
+// end of the edge: 3 for the projection, 1 for the product, 1 for the difference.
 constexpr double kEdgeRoundoff = 8 * kUnitRoundoff;
 
-// One edge as seen from the query point.
+// An edge relative to the query point.
 struct SeenEdge {
   Vec3 along;        // to - from
   Vec3 p_from;       // p - from
   Vec3 p_to;         // p - to
-  double past_from;  // of the projection of p, in edge lengths squared: > 0 inside or beyond `to`
+  double past_from;  // projection of p, times the squared edge length: > 0 inside or beyond `to`
   double past_to;    // < 0 inside or before `from`
-  double side;       // of p, times the edge's length: < 0 beyond the edge, outside the triangle
+  double side;       // of p, times the edge's length: < 0 outside the triangle
 
-  // Everything is measured from the nearer end, so that rounding stays small next to it.
+  // Positions are measured from the nearer end, so that the rounding error there is small.
   SeenEdge(const TriangleGeometry& t, const Vec3& from, const Vec3& to, const Vec3& p)
       : along(to - from),
         p_from(p - from),
@@ -54,8 +54,8 @@ TrianglePoint on_edge(const SeenEdge& e, const Vec3& p, const Vec3& normal) {
             TriangleFeature::kEdge, normal);
 }
 
-// Over the face the direction is the normal's, unless p is so close to being beyond an edge that
-// rounding cannot tell.
+// Above or below the face, the direction is the normal or its opposite. Its error is larger if p is
+// so close to an edge that rounding cannot decide whether p is outside this edge.
 TrianglePoint on_face(const TriangleGeometry& t, const SeenEdge (&edges)[3], const Vec3& p) {
   const double height = t.normal.dot(edges[0].p_from);
   double error_m = 0.0;
@@ -83,9 +83,9 @@ TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p
   const auto consider = [&](const TrianglePoint& candidate) {
     if (candidate.distance < nearest.distance) nearest = candidate;
   };
-  // Which feature is nearest is decided by the regions that p can lie in, not by comparing
-  // distances: those of a vertex and of the edge beside it agree to the last bit where their
-  // directions are still far apart.
+  // The nearest feature is found from the region that contains p, not by comparing distances. The
+  // distances to a vertex and to its edge can agree to the last bit while their directions still
+  // differ considerably.
   for (std::size_t i = 0; i < 3; ++i) {
     const SeenEdge& in = edges[(i + 2) % 3];
     const SeenEdge& out = edges[i];
@@ -93,7 +93,7 @@ TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p
     if (in.past_to >= 0.0 && out.past_from <= 0.0) consider(on_vertex(out.p_from, p, t.normal));
   }
   if (nearest.distance < kNone) return nearest;
-  // Rounding has put p between all regions.
+  // Due to rounding, p lies in none of the regions.
   for (const SeenEdge& edge : edges) {
     if (edge.is_beside()) consider(on_edge(edge, p, t.normal));
     consider(on_vertex(edge.p_from, p, t.normal));

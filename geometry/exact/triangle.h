@@ -19,11 +19,12 @@ struct TriangleGeometry {
 struct TrianglePoint {
   Vec3 point;       // on the closed triangle
   double distance;  // from the query point, metres, >= 0
-  // Unit, from point to the query point. Exactly the triangle's normal or its opposite over the
-  // face, however near; elsewhere the difference of the points, which loses digits near the edge.
-  // The triangle's normal where the two points coincide.
+  // Unit vector from `point` to the query point. Above or below the face: exactly the triangle's
+  // normal or its opposite, however near the query point is. Elsewhere: the normalised difference
+  // of the points, which loses digits near an edge. If the two points coincide: the triangle's
+  // normal.
   Vec3 direction;
-  double direction_error_rad;  // bound on the rounding of direction
+  double direction_error_rad;  // bound on the rounding error of `direction`
   TriangleFeature feature = TriangleFeature::kFace;
 };
 
@@ -35,20 +36,22 @@ inline bool prism_contains(const TriangleGeometry& t, const Vec3& p) noexcept {
   return std::min(std::min(ab, bc), ca) >= 0.0;
 }
 
-// Whether p lies beside an edge, seen along the normal, by more than this: then it is farther away.
-// Tells most of what is farther at a fraction of the cost of the nearest point.
+// Whether p, seen along the normal, lies outside an edge by more than `distance`. If so, p is
+// farther than `distance` from the triangle. The test rejects most distant triangles at a fraction
+// of the cost of the nearest point.
 inline bool is_far_beside(const TriangleGeometry& t, const Vec3& p, double distance) noexcept {
   const auto is_far = [&](const Vec3& from, const Vec3& to) {
     const Vec3 edge = to - from;
-    const double inwards = triple_product(t.normal, edge, p - from);  // times the edge's length
+    const double inwards =
+        triple_product(t.normal, edge, p - from);  // distance times the edge's length
     return inwards < 0.0 && inwards * inwards > distance * distance * edge.squaredNorm();
   };
   return is_far(t.a, t.b) || is_far(t.b, t.c) || is_far(t.c, t.a);
 }
 
-// The point of the closed triangle nearest to p. Decides by the given unit normal and by in-plane
-// edge normals rather than by barycentric coordinates, which lose all digits on a sliver.
-// Error: a few ulp of the largest coordinate difference. noexcept, no allocation.
+// The point of the closed triangle nearest to p. The nearest feature is found from the given unit
+// normal and in-plane edge normals instead of barycentric coordinates, which lose all digits on a
+// sliver. Error: a few ulp of the largest coordinate difference. noexcept, no allocation.
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept;
 
 }  // namespace palpate

@@ -12,16 +12,16 @@
 namespace palpate {
 namespace {
 
-// Boxes that are found at once, to be sorted; where there are more, they are searched in order.
+// The largest number of boxes that a query collects and sorts; more boxes are searched in order.
 constexpr std::size_t kFoundAtOnce = 256;
 
-// What Embree leads to, as long as there is room.
+// The boxes that Embree finds, up to the capacity.
 struct FoundBoxes {
   std::array<std::uint32_t, kFoundAtOnce> numbers;
   std::size_t count = 0;
   bool are_too_many = false;
 
-  // Returns whether there is room for more.
+  // Returns false if the capacity is exceeded.
   bool add(std::uint32_t number) {
     are_too_many = are_too_many || count == numbers.size();
     if (!are_too_many) numbers[count++] = number;
@@ -40,8 +40,8 @@ void visit_box(const RTCIntersectFunctionNArguments* args) {
   if (!query->found->add(args->primID)) SegmentQuery::end(args);
 }
 
-// Visits those that were found, or if they are too many all, from number `first` on: those that
-// pass the test.
+// Visits the boxes that pass the test, from number `first` on: the found boxes, or boxes of the
+// whole tree if too many were found.
 template <typename Test>
 void visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups, const OrderedBoxes& ordered,
                     std::uint32_t first, const Test& test, BoxTree::Visitor visitor, void* state) {
@@ -71,7 +71,7 @@ Box around(const std::vector<Box>& boxes) {
   return box;
 }
 
-// In float, rounded outwards, sixteen to a group.
+// The boxes in float, rounded outwards, sixteen per group.
 std::vector<BoxPack> groups_of(const std::vector<Box>& boxes, double margin) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<BoxPack> groups((boxes.size() + kBoxLanes - 1) / kBoxLanes);
@@ -94,7 +94,7 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, double sweep_radius_m)
       std::max(bounds_.low.cwiseAbs().maxCoeff(), bounds_.high.cwiseAbs().maxCoeff());
   const double float_margin =
       kFloatMarginUlps * std::numeric_limits<float>::epsilon() * (reach + sweep_radius_m);
-  // Twice the margin for Embree: its tree leads to each box that passes on its own.
+  // Twice the margin for Embree, so that its tree finds each box that passes the test on its own.
   std::vector<Box> grown;
   grown.reserve(boxes.size());
   for (const Box& box : boxes) grown.push_back(box.grown(2 * float_margin + sweep_radius_m));
@@ -126,7 +126,7 @@ void BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visi
   FoundBoxes found;
   found.are_too_many = search == NearSearch::kInOrder;
   if (search == NearSearch::kWithEmbree) {
-    // Embree goes on to boxes at no distance, and to the rest of a leaf, whatever radius is left.
+    // Embree visits boxes at distance zero and the rest of a leaf even with a radius of zero.
     boxes_->query_point(near.p, near.radius,
                         [&](std::uint32_t box) { return found.add(box) ? near.radius : 0.0f; });
   }

@@ -16,8 +16,8 @@ namespace {
 
 using HalfEdge = OpenMesh::HalfedgeHandle;
 
-// Two unit normals are farther apart than an angle where the square of their difference exceeds
-// this. Unlike the cosine, that does not lose small angles.
+// The squared length of the difference of two unit vectors at this angle. Unlike the cosine, it
+// keeps its precision at small angles.
 double squared_chord(double angle_rad) {
   if (angle_rad >= std::numbers::pi) return std::numeric_limits<double>::infinity();
   const double half = std::sin(0.5 * std::max(angle_rad, 0.0));
@@ -61,14 +61,14 @@ class CreaseNormals {
   }
 
  private:
-  // A face at a vertex, by the half-edge of the face that leaves the vertex; turned if the face is
-  // oriented against the one that a fan was begun with.
+  // A face at a vertex, identified by the face's half-edge that leaves the vertex. `turned`: the
+  // face has the opposite orientation to the first face of the fan.
   struct Corner {
     HalfEdge out;
     bool turned;
   };
 
-  // As the index has it.
+  // The same normal as in the index.
   Vec3 face_normal(Triangle corners, const AffineMap& map) const {
     const auto of = [&](const auto& positions) {
       return accurate_unit_normal(positions[corners[0]], positions[corners[1]],
@@ -81,7 +81,7 @@ class CreaseNormals {
     return of(positions_);
   }
 
-  // From corner e of a face to the next one.
+  // The half-edge from corner e of a face to the next corner.
   HalfEdge half_edge(std::size_t face, std::size_t e) const {
     HalfEdge h = surface_.halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
     for (std::size_t i = 0; i <= e; ++i) h = surface_.next_halfedge_handle(h);
@@ -101,8 +101,8 @@ class CreaseNormals {
     return mesh_.welded_vertex(static_cast<std::size_t>(surface_.to_vertex_handle(h).idx()));
   }
 
-  // The half-edge that runs the same way as h where surface() is cut because of that; invalid if
-  // there is none.
+  // The half-edge of the neighbouring face that runs in the same direction as h, at an edge that
+  // surface() cuts because of orientation; invalid if there is none.
   HalfEdge misaligned_mate(HalfEdge h) const {
     const std::uint32_t neighbour =
         mesh_.welded_neighbour(face_of(h), static_cast<int>(number_in_face(h)));
@@ -114,17 +114,18 @@ class CreaseNormals {
     return HalfEdge();
   }
 
-  // The next corner around the vertex, counter-clockwise as the first face of the fan sees it or
-  // clockwise; none beyond a crease.
+  // The next corner around the vertex, counter-clockwise or clockwise as seen from the front of the
+  // fan's first face; no value beyond a crease.
   std::optional<Corner> next(const Corner& corner, bool counter_clockwise) const {
-    // Counter-clockwise, a face is left over the half-edge that comes in.
+    // In counter-clockwise order, the path leaves a face across the half-edge into the vertex.
     const bool incoming = counter_clockwise != corner.turned;
     const HalfEdge h = incoming ? surface_.prev_halfedge_handle(corner.out) : corner.out;
     HalfEdge across = surface_.opposite_halfedge_handle(h);
     const bool cut = surface_.is_boundary(across);
     if (cut) across = misaligned_mate(h);
     if (!across.is_valid()) return std::nullopt;
-    // An aligned neighbour's half-edge leaves the vertex where ours comes in.
+    // An aligned neighbour's half-edge leaves the vertex where the half-edge of this face enters
+    // it.
     const HalfEdge out = incoming != cut ? across : surface_.next_halfedge_handle(across);
     const Vec3& here = normals_[face_of(h)];
     const Vec3& there = normals_[face_of(out)];
@@ -133,7 +134,7 @@ class CreaseNormals {
     return Corner{out, corner.turned != cut};
   }
 
-  // All corners at a vertex that hang together with one, in order.
+  // Finds all corners at a vertex that are connected to one corner without a crease, in order.
   void find_fan(const Corner& corner) {
     Corner first = corner;
     for (auto before = next(first, false); before && before->out != corner.out;
@@ -154,7 +155,7 @@ class CreaseNormals {
     return std::atan2(u.cross(v).norm(), u.dot(v));
   }
 
-  // Zero where the faces cancel.
+  // Zero if the normals of the faces cancel.
   Vec3 normal_of_fan() const {
     Vec3 sum = Vec3::Zero();
     double weight = 0.0;
@@ -163,8 +164,8 @@ class CreaseNormals {
       sum += (corner.turned ? -own : own) * normals_[face_of(corner.out)];
       weight += own;
     }
-    // What is less may be rounding alone: 4 roundings of each normal, as many of its angle and one
-    // of the product, as much again for second-order terms and small angles, and one of each sum.
+    // A shorter sum may be rounding alone: 4 roundings of each normal, 4 of its angle and 1 of the
+    // product, doubled for second-order terms and small angles, and 1 of each addition.
     const double rounding = kUnitRoundoff * (18.0 + static_cast<double>(fan_.size())) * weight;
     const double norm = sum.norm();
     return norm > rounding ? Vec3(sum / norm) : Vec3::Zero();
@@ -176,7 +177,7 @@ class CreaseNormals {
   const double crease_;
   std::vector<Vec3> positions_;  // of welded vertices, frame of the index
   std::vector<Vec3> normals_;    // of faces
-  std::vector<Corner> fan_;      // kept, so that a vertex does not allocate
+  std::vector<Corner> fan_;      // a member, so that a vertex does not allocate
 };
 
 }  // namespace

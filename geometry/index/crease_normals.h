@@ -10,27 +10,28 @@
 
 namespace palpate {
 
-// Unit normals at the corners of one face, in the order a, b, c of the TriangleGeometry that a
-// SurfaceIndex keeps for it. That is the order of SurfaceMesh::face(), but under a mirroring map
-// the index exchanges b and c, and so does this.
+// Unit normals at the corners of one face, in the order a, b, c of the face's TriangleGeometry in a
+// SurfaceIndex. This is the order of SurfaceMesh::face(), except that a mirroring map exchanges b
+// and c.
 using CornerNormals = std::array<std::array<float, 3>, 3>;
 
-// Of every face of the mesh, in the frame of the index that SurfaceIndex(mesh, map) is:
+// Returns the corner normals of every face, in the index frame of SurfaceIndex(mesh, map):
 // normals[index.face(slot)] belongs to index.triangle(slot).
 //
-// The normal at a corner is the mean of those of the faces around the vertex that can be reached
-// from its face without crossing a crease, each weighted by its angle there (G. Thuermer and C. A.
-// Wuethrich, "Computing Vertex Normals from Polygonal Facets", 1998): how a face is cut into
-// triangles does not matter. Where the faces cancel down to rounding, it is that of the face
-// itself.
+// The normal at a corner is a weighted mean of face normals. The mean includes the faces around the
+// vertex that are connected to the corner's face without a crease between them. The weights are the
+// faces' angles at the vertex (G. Thuermer and C. A. Wuethrich, "Computing Vertex Normals from
+// Polygonal Facets", 1998), so that the result does not depend on the triangulation of a polygon.
+// If the weighted normals cancel to within rounding, the face's own normal is used.
 //
-// A crease is an edge where the normals of its two faces, mapped, are more than crease_angle_rad
-// apart (as with OpenMesh's find_feature_edges(); 0 to pi, what lies outside is clamped), a
-// boundary edge, and one where three faces or more meet. A face turned over among its neighbours
-// makes none: the others count for it with their normals reversed, and it for them.
+// An edge is a crease in three cases: the angle between the mapped normals of its two faces exceeds
+// crease_angle_rad (as in OpenMesh's find_feature_edges(); clamped to 0 .. pi), the edge is a
+// boundary edge, or three or more faces meet at the edge. A face whose orientation is opposite to
+// its neighbours does not cause a crease: the mean at a neighbour's corner uses the reversed normal
+// of this face, and vice versa.
 //
-// Load time only: it allocates, less than 100 bytes a face besides the result. O(n), apart from the
-// search for neighbours across edges that surface() cuts. Thread-safe.
+// Load time only: allocates less than 100 bytes per face in addition to the result. O(n), except
+// for the search for neighbours across edges that SurfaceMesh::surface() cuts. Thread-safe.
 std::vector<CornerNormals> crease_normals(const SurfaceMesh& mesh, const AffineMap& map,
                                           double crease_angle_rad);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The one place that knows which Embree is installed. Private to geometry: no public header
-// includes this file. Written for 3.13 and 4.
+// The only file that depends on the version of Embree, 3.13 or 4. Private to geometry: no public
+// header includes this file.
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -36,7 +36,7 @@ inline void intersect(RTCScene scene, RTCRayHit& ray, RayContext& context) {
 }
 #endif
 
-// All bits, in either version: Embree 4 gives a geometry mask 1 by default, Embree 3 all bits.
+// A geometry mask with all bits set. The default mask is 1 in Embree 4 and all bits in Embree 3.
 inline constexpr unsigned kAllRays = 0xffffffffu;
 
 }  // namespace palpate::embree

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-// Of the thread that builds a tree: bytes that Embree holds more than when it began.
+// Net bytes that Embree has allocated on this thread, the thread that builds a tree.
 thread_local std::int64_t embree_bytes = 0;
 
 bool count_bytes(void*, ssize_t bytes, bool) {
@@ -21,7 +21,7 @@ bool count_bytes(void*, ssize_t bytes, bool) {
   return true;
 }
 
-// What a builder runs out of is told as several errors, by where it was found out.
+// Embree reports a memory shortage as several errors, depending on where it occurs.
 [[noreturn]] void throw_embree_error(RTCError error) {
   if (error == RTC_ERROR_UNSUPPORTED_CPU) {
     throw std::runtime_error("Embree does not support this processor");
@@ -29,8 +29,9 @@ bool count_bytes(void*, ssize_t bytes, bool) {
   throw std::bad_alloc();
 }
 
-// Whether commit_on_this_thread() can keep a device from other threads. If not, the device must be
-// made with one thread: of TBB's, that would be all that the process has from then on.
+// Whether commit_on_this_thread() can prevent a device from using other threads. If not, the device
+// must be created with one thread. With TBB, this setting would limit the whole process to one
+// thread.
 bool is_kept_to_one_thread([[maybe_unused]] RTCDevice device) {
 #ifdef PALPATE_HAS_TBB
   constexpr ssize_t kTbb = 1;
@@ -40,7 +41,8 @@ bool is_kept_to_one_thread([[maybe_unused]] RTCDevice device) {
 #endif
 }
 
-// Nothing is subdivided here, and Embree's cache for that would take 128 MB of addresses.
+// No subdivision surfaces are used, and Embree's cache for them would reserve 128 MB of address
+// space.
 RTCDevice new_device() {
   RTCDevice device = rtcNewDevice("tessellation_cache_size=0");
   if (device != nullptr && !is_kept_to_one_thread(device)) {
@@ -58,15 +60,15 @@ RTCDevice shared_device() {
   return device;
 }
 
-// Throws what the calling thread has met since it was last asked.
+// Throws for an Embree error on the calling thread since the last check.
 void check_device() {
   const RTCError error = rtcGetDeviceError(shared_device());
   if (error != RTC_ERROR_NONE) throw_embree_error(error);
 }
 
-// On the calling thread alone. A thread of TBB's that finds no memory when it starts ends the
-// process, and nobody can prevent it; and what is built here is small: a box stands for 256
-// triangles, or a body.
+// Builds on the calling thread only. A TBB thread that runs out of memory at its start ends the
+// process, which cannot be prevented. One thread suffices because trees are small: a box represents
+// 256 triangles or a body.
 void commit_on_this_thread(RTCScene scene) {
 #ifdef PALPATE_HAS_TBB
   tbb::task_arena(1, 1).execute([scene] { rtcCommitScene(scene); });
@@ -85,7 +87,7 @@ struct ReleaseGeometry {
 using OwnedScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 using OwnedGeometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
 
-// Embree's objects, and what blocks are larger by than what was asked for: measured.
+// Embree's objects, and the excess of allocated over requested block sizes: measured.
 constexpr std::uint64_t kEmbreeBytesAtAll = 1500;
 
 void write_bounds(const RTCBoundsFunctionArguments* args) {
@@ -130,7 +132,7 @@ EmbreeBoxes::EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN vi
   const std::int64_t bytes_before = embree_bytes;
   OwnedScene scene(rtcNewScene(shared_device()));
   OwnedGeometry geometry(rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_USER));
-  check_device();  // none of the two is missing
+  check_device();  // scene and geometry both exist
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   rtcSetGeometryUserPrimitiveCount(geometry.get(), static_cast<unsigned>(boxes.size()));
@@ -150,11 +152,11 @@ EmbreeBoxes::EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN vi
 }
 
 MemoryNeed EmbreeBoxes::memory_need(std::uint64_t boxes) {
-  // What the builder of its BVH takes for user geometry, measured over 1 to 1,000,000 boxes: blocks
-  // are handed out by halves and doubles, so it is between 76 and 138 bytes a box for 100 and more.
+  // Memory of the BVH builder for user geometry, measured for 1 to 1,000,000 boxes. Block sizes
+  // vary by factors of two, so a box uses between 76 and 138 bytes if there are 100 boxes or more.
   constexpr std::uint64_t kAtAll = 2304;
   constexpr std::uint64_t kPerBox = 132;
-  constexpr std::uint64_t kPerBoxBuilding = 34;  // the boxes themselves, and their order
+  constexpr std::uint64_t kPerBoxBuilding = 34;  // the boxes and their order
   const std::uint64_t kept = kEmbreeBytesAtAll + kAtAll + kPerBox * boxes;
   return {kept, kept + kPerBoxBuilding * boxes};
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Boxes in a BVH of Embree's: what SurfaceIndex and BoxTree search with. Private to geometry.
+// Boxes in an Embree BVH, used by SurfaceIndex and BoxTree. Private to geometry.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-// At least to the next float; without a call, since queries do it.
+// Returns a float of at least x. Written without a library call because queries use it.
 inline float round_up(double x) {
   constexpr float kUlp = std::numeric_limits<float>::epsilon();
   const auto rounded = static_cast<float>(x);
@@ -27,50 +27,51 @@ inline float round_down(double x) {
   return -round_up(-x);
 }
 
-// How far a float box may be off: rounding of the box (1 ulp), of a query point inside it (1), of a
-// ray's origin, direction and end (4), with as much again in hand. In ulp of the largest float
-// coordinate.
+// Margin for the rounding of a float box, in ulp of the largest float coordinate: 1 ulp for the
+// box, 1 for a query point inside the box, 4 for a ray's origin, direction and end; doubled for
+// safety.
 inline constexpr int kFloatMarginUlps = 12;
 
-// What rounding a query point to float can cost, when it lies outside the box that the margins of
-// the boxes are for.
+// Bound on the rounding of a query point to float. kFloatMarginUlps covers only points inside the
+// bounds of the boxes; this margin also covers points outside.
 inline double float_point_margin_m(const Vec3& p) {
   return 4 * std::numeric_limits<float>::epsilon() * p.cwiseAbs().maxCoeff();
 }
 
-// A segment on its way through boxes, as a ray. The Embree context is the first member, so that a
-// callback can find the rest from the pointer it is given.
+// A segment query in progress, as an Embree ray. The Embree context is the first member, so that a
+// callback can cast the context pointer to the query.
 struct SegmentQuery {
   embree::RayContext context;
-  // The ray begins at the segment's fraction `enter`, and its direction has length 1 (largest
-  // component), which the caller's segment has not.
+  // The ray begins at the segment's fraction `enter`. Its direction is scaled to a largest
+  // component of 1; length_m is the largest component of the caller's d.
   double enter;
   double length_m;
-  float origin[3], displacement[3];  // the part of the segment that is inside the bounds
+  float origin[3], displacement[3];  // the part of the segment inside the bounds
   RTCRayHit ray;
 
-  // The segment p to p + d. It is clipped to the bounds in double first: Embree then works on
-  // coordinates no larger than those. False if none of it, or no length, is inside.
+  // Starts a query along the segment p to p + d. The segment is first clipped to the bounds in
+  // double, so that Embree's coordinates are no larger than the bounds. Returns false if d is zero
+  // or no part of the segment is inside the bounds.
   bool begin(const Box& bounds, const Vec3& p, const Vec3& d);
 
-  // For the callback: the ray need go no farther than this fraction of the segment. Embree compares
-  // boxes with tfar in float, so the new end is rounded up; nothing is ever reported as a hit,
-  // because a report would let Embree skip boxes at equal distance.
+  // For the callback: shortens the ray to this fraction of the segment. Embree compares boxes with
+  // tfar in float, so the new end is rounded up. The callback never reports a hit, because Embree
+  // would then skip boxes at equal distance.
   void end_at(QueryFraction fraction, const RTCIntersectFunctionNArguments* args) const {
     if (fraction >= QueryFraction::end()) return;
     float& tfar = RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0);
     tfar = std::min(tfar, round_up((fraction.value() - enter) * length_m));
   }
 
-  // For the callback: nothing more is wanted, not even boxes that hold the origin.
+  // For the callback: ends the search, including boxes that contain the origin.
   static void end(const RTCIntersectFunctionNArguments* args) {
     RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0) =
         -std::numeric_limits<float>::infinity();
   }
 };
 
-// Which of sixteen boxes come within a radius of a point: a bit each. The point is rounded, and the
-// radius allows for that.
+// Tests which of sixteen boxes are within a radius of a point; returns one bit per box. The point
+// is rounded to float, and the radius includes this rounding.
 struct BoxesNear {
   float p[3];
   float radius;
@@ -85,7 +86,8 @@ struct BoxesNear {
   }
 };
 
-// Which of sixteen boxes, grown by a radius, a segment meets that has begun: a bit each.
+// Tests which of sixteen boxes, grown by a radius, meet a segment query in progress; returns one
+// bit per box.
 struct BoxesAlong {
   SegmentQuery segment;
   float radius;
@@ -97,20 +99,20 @@ struct BoxesAlong {
 
 class EmbreeBoxes {
  public:
-  // boxes: grown by every margin. visit: called for each box that a ray meets; args->context is
-  // that of the SegmentQuery. Works on the calling thread alone, so that what Embree runs out of is
-  // thrown here: std::bad_alloc.
+  // boxes: grown by all margins. visit: called for each box that a ray meets; args->context is the
+  // context of the SegmentQuery. Builds on the calling thread only, so that a memory shortage in
+  // Embree is thrown here as std::bad_alloc.
   EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN visit);
   ~EmbreeBoxes();
   EmbreeBoxes(const EmbreeBoxes&) = delete;
   EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;
 
-  // What a tree over so many boxes takes.
+  // The memory needed for a tree over this number of boxes.
   static MemoryNeed memory_need(std::uint64_t boxes);
   std::size_t memory_bytes() const { return memory_bytes_; }
 
-  // Calls `visit` for every box within the radius. The visitor returns the radius it still needs,
-  // margins included.
+  // Calls `visit` for every box within the radius. The visitor returns the search radius for the
+  // remaining boxes, including margins.
   template <typename Visit>
   void query_point(const float (&p)[3], float radius, Visit visit) const noexcept {
     RTCPointQuery query;

@@ -17,19 +17,21 @@ constexpr std::size_t kPackFaces = TrianglePack::kLanes;
 constexpr std::size_t kCluster = kPackFaces * kPackFaces;
 
 constexpr std::size_t kCentresWorthAThread = 20000;  // a millisecond of work
-// So many places along an axis are told apart at once.
+// The number of bins along an axis.
 constexpr int kBins = 128;
-// A part of this extent beside its distance from where its centres are measured from is measured
-// anew: its centres have 14 bits left of the 24 of a float.
+// A part is measured again if its extent, relative to its distance from the origin of its places,
+// is below this limit: at the limit, 14 of a float's 24 bits resolve the centres.
 constexpr float kLeastExtent = 0x1p-10f;
-// Or of this one: where its centres are measured from is at them.
+// The same limit as an absolute extent, for parts near the origin of their places.
 constexpr float kLeastExtentAtAll = 0x1p-60f;
-// A bin with more than one in so many of the faces is divided into bins itself, if the median is
-// there. So often at most: what is left then, 2^-56 of the part or less, is sorted as it is.
+// The bin of the median is divided into bins again if it has more than 1 / kFullBin of the faces.
+// This repeats at most kMostRefinements times; the remaining bin, 2^-56 of the part or less, is
+// sorted directly.
 constexpr std::size_t kFullBin = 16;
 constexpr int kMostRefinements = 8;
 
-// A face and the place of its centre, relative to some part that it belongs to, in its size.
+// A face and the place of its centre, relative to a part that contains the face and in units of the
+// part's size.
 struct alignas(16) Centre {
   float place[3];
   std::uint32_t face;
@@ -39,12 +41,12 @@ static_assert(kOrderBytesPerFace == 2 * sizeof(Centre));
 
 struct Part {
   Centre* centres;
-  Centre* spare;         // room for as many
-  std::uint32_t* order;  // what comes out; before that, the bin of each
+  Centre* spare;         // scratch space of the same size
+  std::uint32_t* order;  // the result; used for bin numbers before
   std::size_t size;
-  bool is_point = false;     // all centres are in one place
-  bool is_measured = false;  // anew, since it was taken from another part
-  bool is_mixed = false;     // some faces have places that are relative to less than the part
+  bool is_point = false;     // all centres coincide
+  bool is_measured = false;  // places are measured in this part
+  bool is_mixed = false;     // some places are relative to a smaller part
 
   Part from(std::size_t begin, std::size_t end) const {
     return {centres + begin, spare + begin, order + begin, end - begin, is_point, false, false};
@@ -75,13 +77,13 @@ struct Extent {
     return widest;
   }
   bool is_too_small() const {
-    float reach = 0.0f;  // from where places are measured from
+    float reach = 0.0f;  // from the origin of places
     for (std::size_t k = 0; k < 3; ++k) reach = std::max({reach, -low[k], high[k]});
     return along(widest_axis()) < std::max(kLeastExtent * reach, kLeastExtentAtAll);
   }
 };
 
-// Which faces of a part come before its median along its widest axis.
+// Selects the faces of a part that are below its median along its widest axis.
 class MedianSplit {
  public:
   MedianSplit(const Extent& extent, std::size_t middle)
@@ -90,11 +92,11 @@ class MedianSplit {
         low_(extent.low[axis_]),
         bins_per_length_(static_cast<float>(kBins) / extent.along(axis_)) {}
 
-  // Puts them into the first `middle` places.
+  // Moves these faces to the first `middle` positions.
   void select(const Part& part) const { select(part.centres, part.centres + part.size, middle_); }
 
-  // As select(), except that the faces of the bin of the median, whose range it returns, are not
-  // ordered yet. Leaves the result in the spare room.
+  // Like select(), except that the faces in the median's bin are not yet ordered. Returns their
+  // range. The result is in part.spare.
   struct Range {
     std::size_t begin;
     std::size_t end;
@@ -110,7 +112,7 @@ class MedianSplit {
     std::uint32_t median = 0;
     while (before + counts[median] <= middle_) before += counts[median++];
     const Range range{before, before + counts[median]};
-    // Where the next one goes that is in a bin before that of the median, in that one, and after.
+    // The next output position for bins below the median's bin, for this bin, and for bins above.
     std::array<Centre*, 3> next{part.spare, part.spare + range.begin, part.spare + range.end};
     for (std::size_t i = 0; i < part.size; ++i) {
       const std::uint32_t b = part.order[i];
@@ -124,7 +126,7 @@ class MedianSplit {
   }
 
  private:
-  // Rises with the place.
+  // Increases with the place.
   std::uint32_t bin(const Centre& c) const {
     const float bin = (c.place[axis_] - low_) * bins_per_length_;
     return static_cast<std::uint32_t>(std::min(static_cast<float>(kBins - 1), bin));
@@ -146,13 +148,14 @@ class Orderer {
  public:
   explicit Orderer(const MappedFaces& faces) : faces_(faces) {}
 
-  // Notes the places of the centres of a part, relative to its middle and in its size.
+  // Computes the places of the centres of a part, relative to its middle and in units of its size.
   void measure(Part& part) const {
     const Box box = box_of_centres(part);
     part.is_point = box.low == box.high;
     part.is_measured = true;
     const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
-    // A power of two, so that only the conversion to float rounds. Not beyond a double's.
+    // A power of two, so that only the conversion to float rounds. Limited to the range of a
+    // double.
     int exponent = 0;
     std::frexp((box.high - box.low).maxCoeff(), &exponent);
     const double scale = std::ldexp(1.0, std::min(-exponent, 1000));
@@ -186,7 +189,8 @@ class Orderer {
   }
 
  private:
-  // An eighth of the sum of the corners: neither it nor an extent of many overflows.
+  // An eighth of the sum of the corners, so that neither the centre nor the extent of many centres
+  // overflows.
   Vec3 centre(std::uint32_t face) const {
     return 0.125 * faces_.corner(face, 0) + 0.125 * faces_.corner(face, 1) +
            0.125 * faces_.corner(face, 2);
@@ -208,7 +212,7 @@ class Orderer {
     return all;
   }
 
-  // Brings the `middle` faces that come first to the front.
+  // Moves the first `middle` faces in the order to the front.
   void partition(Part& part, std::size_t middle, int refinements) const {
     Extent extent(part);
     if (!part.is_point && extent.is_too_small()) {
@@ -225,7 +229,7 @@ class Orderer {
     if (range.begin < middle) partition_bin(part, range, middle, refinements - 1);
   }
 
-  // Of faces that are so close together that one bin has many of them.
+  // Partitions the median's bin again, for faces so close together that one bin has many of them.
   void partition_bin(Part& part, const MedianSplit::Range& range, std::size_t middle,
                      int refinements) const {
     Part bin = part.from(range.begin, range.end);

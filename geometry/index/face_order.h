@@ -1,6 +1,6 @@
 #pragma once
 
-// Which faces of a surface lie close together.
+// A spatial order of the faces of a surface.
 
 #include <cstdint>
 #include <span>
@@ -9,13 +9,14 @@
 
 namespace palpate {
 
-// Writes the numbers of all faces, in an order of which each sixteen are neighbours, and each 256:
-// by recursive median splits of the centres along the widest axis. All sixteens but the last are
-// full. Corners must be finite, mapped as well. Centres are compared in single precision, relative
-// to the part that is split; those that are equal by face number. Deterministic, for any number of
-// threads. O(n log n). order: room for all of them.
+// Writes the numbers of all faces to `order`, so that each group of 16 consecutive faces, and each
+// group of 256, is compact in space. Every group except the last is full. The order results from
+// recursive median splits of the face centres along the widest axis. Centres are compared in single
+// precision, relative to the part being split; ties are broken by face number. Requires finite
+// corners, before and after mapping, and order.size() equal to the number of faces. Deterministic
+// for any number of threads. O(n log n).
 void order_faces(const MappedFaces& faces, std::span<std::uint32_t> order);
-// Bytes that this takes for a face, beside what it writes.
+// Temporary memory of order_faces() per face, in addition to `order`.
 inline constexpr std::uint64_t kOrderBytesPerFace = 32;
 
 }  // namespace palpate

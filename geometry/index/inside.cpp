@@ -19,12 +19,13 @@ namespace {
 struct Crossings {
   const SurfaceIndex* index;
   Vec3 p, q, d;
-  // No slot is counted twice, even if its pack were visited twice.
+  // Each slot is counted once, even if its pack is visited twice.
   std::array<std::uint32_t, kMostCrossings> slots;
   std::size_t count = 0;
   bool undecided = false;
 
-  // Whether the segment, which meets the triangle, does so between its edges and ends beyond it.
+  // Whether the segment, which meets the triangle, crosses its interior and does not end in its
+  // plane.
   bool is_proper(const TriangleGeometry& t) const {
     return orientation(t.a, t.b, t.c, q) != 0 && orientation(p, q, t.a, t.b) != 0 &&
            orientation(p, q, t.b, t.c) != 0 && orientation(p, q, t.c, t.a) != 0;
@@ -58,8 +59,8 @@ struct Crossings {
   }
 };
 
-// Number `attempt` of a sequence that fills (-1/2, 1/2) evenly and, being irrational, avoids the
-// directions that meshes are made of.
+// Element `attempt` of a sequence that fills (-1/2, 1/2) evenly. Its irrational step avoids typical
+// edge directions of meshes.
 double slant(int attempt, double step) {
   const double x = (attempt + 1) * step;
   return x - std::floor(x) - 0.5;
@@ -70,7 +71,7 @@ double slant(int attempt, double step) {
 bool is_closed(const SurfaceMesh& mesh) {
   if (mesh.report().boundary_edges > 0) return false;
   if (mesh.report().non_manifold_edges == 0) return true;
-  // Where other than two aligned faces meet, surface() is cut along each face.
+  // surface() is cut along every face of an edge that does not have exactly two aligned faces.
   std::vector<std::uint64_t> cuts;
   const OpenMeshSurface& surface = mesh.surface();
   for (const auto h : surface.halfedges()) {
@@ -112,7 +113,7 @@ std::optional<bool> is_inside(const SurfaceIndex& index, const Vec3& p) noexcept
 }
 
 Vec3 probe_end(const Box& box, const Vec3& p, int attempt) noexcept {
-  // Faces 0 to 2 are the low ones of the axes, 3 to 5 the high ones.
+  // Faces 0 to 2 are the low faces of the axes, 3 to 5 the high faces.
   std::array<double, 6> distances;
   std::array<std::size_t, 6> faces;
   for (std::size_t face = 0; face < 6; ++face) {
@@ -125,10 +126,11 @@ Vec3 probe_end(const Box& box, const Vec3& p, int attempt) noexcept {
   });
   const std::size_t face = faces[static_cast<std::size_t>(attempt % 6)];
   const auto axis = static_cast<Eigen::Index>(face % 3);
-  // The size of the box is certainly more than a rounding of its coordinates.
+  // The size of the box certainly exceeds the rounding of its coordinates.
   const double beyond = (box.high - box.low).maxCoeff();
   const double reach = distances[face] + beyond;
-  // Steps of the plane's most even sequence: powers of 1 / 1.3247, the root of x^3 = x + 1.
+  // Steps of a low-discrepancy sequence in the plane: powers of 1 / 1.3247, where 1.3247 is the
+  // root of x^3 = x + 1.
   constexpr double kStep = 0.7548776662466927;
   Vec3 end = p;
   end[axis] = face < 3 ? box.low[axis] - beyond : box.high[axis] + beyond;

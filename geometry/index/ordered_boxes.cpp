@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-// The boxes around groups, sixteen to a pack.
+// The bounding boxes of groups, sixteen per pack.
 std::vector<BoxPack> boxes_around(std::span<const BoxPack> groups) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<BoxPack> around((groups.size() + kBoxLanes - 1) / kBoxLanes);

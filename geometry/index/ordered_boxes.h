@@ -1,6 +1,6 @@
 #pragma once
 
-// Boxes that are visited in the order of their numbers, from any of them on.
+// A tree that visits boxes in ascending order of their numbers, starting at any number.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,26 +12,26 @@
 
 namespace palpate {
 
-inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // of a BoxPack
+inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // boxes of a BoxPack
 
-// How what is near a point is searched for. Embree is fast where few boxes are near, but can't be
-// stopped where very many hold the point; in order of their numbers, a search ends at once.
+// The method of a search near a point. Embree is fast if few boxes are near, but its search cannot
+// be stopped while many boxes contain the point. A search in order of numbers can stop at any box.
 enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };
 
-// An immutable tree over groups of sixteen boxes (BoxPack): sixteen neighbouring groups have a box
-// around each of them in one BoxPack of the level above, and so on up to a level of one. It answers
-// what Embree's trees can't: which group comes next, whatever the instruction set, so that a search
-// can end anywhere and go on from there later.
+// An immutable tree over groups of sixteen boxes (BoxPack). One BoxPack of the next level holds the
+// bounding boxes of sixteen consecutive groups, and so on up to a level of one BoxPack. Unlike
+// Embree's trees, the tree finds the next group in a fixed order that does not depend on the
+// instruction set. A search can therefore stop at any group and resume there later.
 //
 // Queries: no allocation, lock or exception; thread-safe.
 class OrderedBoxes {
  public:
   OrderedBoxes() = default;
-  // groups: sixteen boxes each, some of which may be empty (low > high).
+  // groups: sixteen boxes each; a box may be empty (low > high).
   explicit OrderedBoxes(std::span<const BoxPack> groups);
 
-  // The first group, of number `from` or higher, the box around which passes `test`: a function
-  // that tells which boxes of a BoxPack do, a bit each. A box around boxes that pass must pass.
+  // Returns the first group with number >= `from` whose bounding box passes `test`. `test` takes a
+  // BoxPack and returns one bit per box. If a box passes, every box that contains it must pass.
   template <typename Test>
   std::optional<std::uint32_t> next(std::uint32_t from, Test test) const noexcept {
     std::size_t level = 0;
@@ -53,7 +53,7 @@ class OrderedBoxes {
     return std::nullopt;
   }
 
-  // What a tree over so many groups takes.
+  // The bytes needed for a tree over this number of groups.
   static std::uint64_t memory_need(std::uint64_t groups);
   std::size_t memory_bytes() const;
 

@@ -19,17 +19,19 @@ namespace {
 constexpr std::size_t kSlots = TrianglePack::kLanes;
 
 constexpr std::size_t kPacksWorthAThread = 1000;  // a millisecond of work
-// Faces whose packs take so much more than what is free by then that it counts: 20 MB.
+// The number of faces from which freed memory is returned to the system before packing: their packs
+// use 20 MB.
 constexpr std::size_t kLarge = 100000;
 
-// To the system. The C library would keep what loading has freed so far, beside what follows.
+// Returns free memory to the system. Otherwise, the C library would keep the memory that loading
+// has freed, in addition to the memory allocated next.
 void give_back_free_memory() {
 #if defined(__GLIBC__)
   ::malloc_trim(0);
 #endif
 }
 
-// The faces of a mesh as the index has them.
+// Makes the index's triangles from the faces of a mesh.
 class TriangleMaker {
  public:
   explicit TriangleMaker(const MappedFaces& faces)
@@ -44,7 +46,8 @@ class TriangleMaker {
   }
 
  private:
-  // Where the map squeezes a thin face to no area in double: normals map by the inverse transpose.
+  // The normal of a thin face that the map compresses to zero area in double: normals map by the
+  // inverse transpose.
   Vec3 normal_from_mesh(std::uint32_t face) const {
     const auto& p = faces_.positions_mesh_m;
     const Triangle& corners = faces_.faces[face];
@@ -65,8 +68,8 @@ Box box_around(std::span<const TriangleGeometry> triangles) {
   return box;
 }
 
-// The power of two that brings lengths up to `reach` to at most 1. For a reach so small that it
-// would overflow the exponent is limited; coordinates are then smaller than they could be.
+// The power of two that brings lengths up to `reach` to at most 1. The exponent is limited, because
+// the scale of a very small reach would overflow. Coordinates are then smaller than possible.
 double scale_for(double reach) {
   constexpr int kMostExponent = 1000;
   int exponent = 0;
@@ -113,7 +116,7 @@ TrianglePack to_local(std::span<const TriangleGeometry> triangles, const Box& bo
   return pack;
 }
 
-// Fills pack `id`, of which the first `count` faces are there. Lanes past them repeat the last.
+// Fills pack `id` from its first `count` faces. The remaining lanes repeat the last face.
 void write_pack(const TriangleMaker& maker, std::size_t id, std::size_t count,
                 PackedSurface& surface) {
   std::uint32_t* const faces = &surface.faces[id * kSlots];
@@ -136,7 +139,8 @@ PackedSurface pack_surface(const MappedFaces& faces) {
   PackedSurface surface{FixedArray<TrianglePack>(pack_count), FixedArray<Box>(pack_count),
                         FixedArray<TriangleGeometry>(pack_count * kSlots),
                         FixedArray<std::uint32_t>(pack_count * kSlots)};
-  // First the order of all, so that what that takes and what comes of it never share the memory.
+  // All faces are ordered first, so that the temporary memory for ordering is free before packs are
+  // filled.
   order_faces(faces, {surface.faces.data(), face_count});
   if (face_count >= kLarge) give_back_free_memory();
   const TriangleMaker maker(faces);

@@ -6,8 +6,8 @@
 namespace palpate {
 
 // Groups the faces of a mesh, mapped to the index frame, into packs and clusters of sixteen packs,
-// in the order of order_faces(). All but the last pack and the last cluster of the surface are
-// full. Deterministic, for any number of threads. O(n log n).
+// in the order of order_faces(). Only the last pack and the last cluster may be partly filled.
+// Deterministic for any number of threads. O(n log n).
 PackedSurface pack_surface(const MappedFaces& faces);
 
 }  // namespace palpate

@@ -4,7 +4,7 @@
 
 #include "geometry/index/simd.h"
 
-// GCC can compile parts of a file for other processors; elsewhere the baseline serves alone.
+// GCC can compile parts of a file for other processors. Other compilers build only the baseline.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define PALPATE_WIDER_SIMD 1
 #include <immintrin.h>
@@ -12,7 +12,7 @@
 #define PALPATE_WIDER_SIMD 0
 #endif
 
-// Vectors wider than the baseline's registers are only passed between functions of this file.
+// Vectors wider than the baseline's registers are passed only between functions of this file.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace palpate::baseline {

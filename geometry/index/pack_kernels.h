@@ -1,7 +1,7 @@
 #pragma once
 
-// The loops over the lanes of packs, once for every instruction set. Private to geometry: the
-// questions as others ask them are in pack_queries.h.
+// The loops over the lanes of packs, compiled for each instruction set. Private to geometry:
+// pack_queries.h has the public interface.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,17 +13,17 @@ namespace palpate {
 // Distances of a point to the triangles of one pack, local units.
 struct alignas(64) LaneDistances {
   float squared[TrianglePack::kLanes];
-  float error;  // bound on that of each distance
+  float error;  // bound on the error of each distance
 
-  // Whether the triangle may be as near as distance_local, for one rounded up.
+  // Whether the triangle may be within distance_local, which must be rounded up.
   bool may_be_within(int lane, float distance_local) const {
     const float limit = distance_local + error;
     return !(squared[lane] > limit * limit * (1 + 0x1p-20f));
   }
 };
 
-// Plain arrays and no Eigen: these functions are compiled with other -m flags than the rest, and
-// an inline function of a library, compiled so, could be the one that the linker keeps.
+// The kernels use plain arrays and no Eigen types. They are compiled with different -m flags, and
+// the linker could otherwise keep a library's inline function that was compiled with these flags.
 struct PackKernels {
   // See lanes_in_the_way(). Returns how many entries of out were written, at most count.
   std::size_t (*in_the_way)(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
@@ -35,18 +35,18 @@ struct PackKernels {
   std::size_t (*boxes_along)(const BoxPack* packs, std::size_t pack_count, const double* p,
                              const double* d, double reach, const FloatBox& within,
                              std::uint32_t* out);
-  // See boxes_within(). `squared_distances` is aligned as a pack is.
+  // See boxes_within(). `squared_distances` has the alignment of a pack.
   std::uint32_t (*boxes_within)(const BoxPack& boxes, const float* p, float radius,
                                 float* squared_distances);
   // See boxes_on_segment().
   std::uint32_t (*boxes_on_segment)(const BoxPack& boxes, const float* p, const float* d,
                                     float radius);
-  // See lanes_within(). `distances` is aligned as a pack is.
+  // See lanes_within(). `distances` has the alignment of a pack.
   std::uint32_t (*within)(const TrianglePack& pack, const double* p, double distance,
                           LaneDistances& distances);
 };
 
-// Those of simd_level().
+// The kernels for simd_level().
 const PackKernels& pack_kernels() noexcept;
 
 }  // namespace palpate

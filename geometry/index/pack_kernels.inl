@@ -1,11 +1,11 @@
-// The loops over the lanes of a pack, in vectors of kWidth lanes. Included by pack_kernels.cpp once
-// for every instruction set, inside a namespace that defines Lanes, Mask and greater(), which
-// returns a bit a lane. No operation is fused or reordered, so every instruction set gives the same
-// bits.
+// The loops over the lanes of a pack, in vectors of kWidth lanes. pack_kernels.cpp includes this
+// file once for each instruction set, inside a namespace that defines Lanes, Mask and greater(),
+// which returns one bit per lane. No operation is fused or reordered, so that all instruction sets
+// give identical results.
 //
-// Bounds. u = 2^-24. A local coordinate has an error of at most u |q| + centre_roundoff for the
-// point q asked about, u for a corner or a component of a normal. All magnitudes are taken as
-// 1-norms, which exceed the Euclidean ones.
+// Error bounds, with u = 2^-24: a local coordinate has an error of at most u |q| + centre_roundoff
+// for the query point q, and u for a corner or a component of a normal. All magnitudes are 1-norms,
+// which are at least the Euclidean norms.
 
 namespace {
 
@@ -15,15 +15,16 @@ constexpr std::uint32_t kAll = (1u << kWidth) - 1u;
 constexpr std::uint32_t kEveryLane = (1u << TrianglePack::kLanes) - 1u;
 constexpr float kUnit = 0x1p-24f;
 
-// A height n . q - h: three products and sums of inputs that are off by u each give 7 u (|q| + 2).
+// A height n . q - h: three products and sums of inputs with an error of u each give 7 u (|q| + 2).
 constexpr float kHeightError = 16 * kUnit;
-// A triple product d . (v x w) with v and w off by 2 u (1 + |q|) each: 12 u for the arithmetic, 4 u
-// for each of them.
+// A triple product d . (v x w) with an error of 2 u (1 + |q|) in each of v and w: 12 u for the
+// arithmetic, 4 u for v and for w.
 constexpr float kVolumeError = 32 * kUnit;
-// A distance from the point q to a triangle whose corners are off by u: 4 u (1 + |q|) for what is
-// given, 16 u for the arithmetic, and as much for deciding beside an edge that q is over the face.
+// A distance from the point q to a triangle whose corners have an error of u: 4 u (1 + |q|) for the
+// inputs, 16 u for the arithmetic, and 16 u for a wrong decision beside an edge that q is above the
+// face.
 constexpr float kDistanceError = 64 * kUnit;
-// Products of coordinates below this have underflowed: part of every bound on a product.
+// Bound on the underflow of products of coordinates; part of every bound on a product.
 constexpr float kUnderflow = 0x1p-100f;
 
 inline Lanes fill(float x) {
@@ -102,8 +103,9 @@ inline LaneVector normals(const TrianglePack& pack, int lane) {
   return {load(pack.normal[0] + lane), load(pack.normal[1] + lane), load(pack.normal[2] + lane)};
 }
 
-// Lanes from `lane` on whose plane some point of the segment from q along d comes within margin of.
-// Comparisons with NaN, where coordinates overflow, are false: such a lane is kept.
+// The lanes from `lane` on for which a point of the segment q to q + d is within margin of the
+// triangle's plane. Comparisons with NaN, where coordinates overflow, are false, so that such a
+// lane is kept.
 inline std::uint32_t near_planes(const TrianglePack& pack, int lane, const Local& q, const Local& d,
                                  float margin) {
   const LaneVector normal = normals(pack, lane);
@@ -115,8 +117,8 @@ inline std::uint32_t near_planes(const TrianglePack& pack, int lane, const Local
   return ~(above | below) & kAll;
 }
 
-// Lanes whose triangle the line through q along d does not certainly pass by farther than
-// clearance: on no two edges is it certainly on opposite sides.
+// The lanes whose triangle may be within clearance of the line through q along d: the line does not
+// certainly pass two edges on opposite sides.
 inline std::uint32_t near_line(const TrianglePack& pack, int lane, const Local& q, const Local& d,
                                float clearance) {
   const LaneVector a = from_point(pack.a, lane, q);
@@ -141,7 +143,7 @@ inline std::uint32_t near_line(const TrianglePack& pack, int lane, const Local& 
   return ~(left & right) & kAll;
 }
 
-// The way from the nearest point of each triangle to the origin, and its squared length.
+// The vector from the nearest point of each triangle to the origin, and its squared length.
 struct Nearest {
   LaneVector apart;
   Lanes squared;
@@ -151,7 +153,8 @@ inline LaneVector select(const Mask& mask, const LaneVector& x, const LaneVector
   return {mask ? x.x : y.x, mask ? x.y : y.y, mask ? x.z : y.z};
 }
 
-// Takes the edge from -> to into account, and clears `inside` where the origin is beyond it.
+// Updates `nearest` with the edge from -> to, and clears `inside` where the origin is outside this
+// edge.
 inline void fold_edge(const LaneVector& normal, const LaneVector& from, const LaneVector& to,
                       const Lanes& per_squared_edge, Nearest& nearest, Mask& inside) {
   const LaneVector edge{to.x - from.x, to.y - from.y, to.z - from.z};
@@ -175,7 +178,7 @@ inline void fold_edge(const LaneVector& normal, const LaneVector& from, const La
   inside &= dot(cross(normal, edge), from) <= Lanes{};
 }
 
-// From the triangles from `lane` on to the point q.
+// The vectors from the triangles from `lane` on to the point q.
 inline Nearest nearest_points(const TrianglePack& pack, int lane, const Local& q) {
   const LaneVector normal = normals(pack, lane);
   const LaneVector a = from_point(pack.a, lane, q);
@@ -193,8 +196,8 @@ inline Nearest nearest_points(const TrianglePack& pack, int lane, const Local& q
   return nearest;
 }
 
-// Squared distances of the point q to the triangles from `lane` on: as nearest_points(), for those
-// who do not ask where the nearest points are.
+// Squared distances from the point q to the triangles from `lane` on: like nearest_points(),
+// without the nearest points.
 inline Lanes squared_distances(const TrianglePack& pack, int lane, const Local& q) {
   const LaneVector normal = normals(pack, lane);
   const LaneVector a = from_point(pack.a, lane, q);
@@ -209,18 +212,18 @@ inline Lanes squared_distances(const TrianglePack& pack, int lane, const Local& 
   return inside ? height * height : squared;
 }
 
-// Bound on the error of a distance, of which the square may have underflowed.
+// Bound on the error of a distance whose square may have underflowed.
 inline float distance_error(const TrianglePack& pack, const Local& q) {
   return kDistanceError * (2 + q.norm1()) + 4 * pack.centre_roundoff;
 }
 
-// What a squared distance is compared with to be no more than `distance`.
+// The limit for the square of a distance of at most `distance`, including the error bound.
 inline float squared_limit(float distance, float error) {
   const float limit = distance + error;
   return limit * limit * (1 + 8 * kUnit);
 }
 
-// In two passes without a branch in the first: which packs a step comes near to is hard to predict.
+// In two passes. The first pass has no branch, because the packs near a step are hard to predict.
 std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,
                        const double* p, const double* d, double clearance, PackLanes* out) {
   const Doubles start = load3(p);
@@ -231,8 +234,8 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
     const Local step = scaled(pack, move);
     const float error =
         kHeightError * (q.norm1() + step.norm1() + 2) + 4 * pack.centre_roundoff + kUnderflow;
-    const float room = local_length(pack, clearance);
-    const float margin = error + room;
+    const float local_clearance = local_length(pack, clearance);
+    const float margin = error + local_clearance;
     std::uint32_t lanes = 0;
     for (int part = 0; part < kParts; ++part) {
       lanes |= near_planes(pack, part * kWidth, q, step, margin) << (part * kWidth);
@@ -245,10 +248,10 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
     const TrianglePack& pack = packs[out[i].pack];
     const Local q = to_local(pack, start);
     const Local step = scaled(pack, move);
-    const float room = local_length(pack, clearance);
+    const float local_clearance = local_length(pack, clearance);
     std::uint32_t crossed = 0;
     for (int part = 0; part < kParts; ++part) {
-      crossed |= near_line(pack, part * kWidth, q, step, room) << (part * kWidth);
+      crossed |= near_line(pack, part * kWidth, q, step, local_clearance) << (part * kWidth);
     }
     const PackLanes doubtful{out[i].pack, out[i].lanes & crossed};
     out[found] = doubtful;
@@ -257,9 +260,9 @@ std::size_t in_the_way(const TrianglePack* packs, const std::uint32_t* ids, std:
   return found;
 }
 
-// By what angle the direction to the nearest point of a triangle out of reach may be off, whose
-// distance is off by `error`: the point found is in the triangle but for that, and no farther away
-// than the nearest by more.
+// Bound on the angular error of the direction to the nearest point of a triangle beyond `reach`,
+// for a distance error of `error`: the computed point is within `error` of the triangle, and its
+// distance exceeds the smallest distance by at most `error`.
 inline float direction_error(float reach, float error) {
   const float part = error / reach;
   return __builtin_sqrtf(part * (2 + part)) + part;
@@ -286,7 +289,8 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
     const float distance_off = distance_error(pack, q);
     const float length = step.norm1();
     const float limit = radius + distance_off + kHeightError * length;
-    // Of triangles that a step so long can reach, distance times slope may be off by so much.
+    // Bound on the error of distance times slope, for triangles within reach of a step of this
+    // length.
     const float fall_off = direction_error(radius, distance_off) * length * (limit + 2 * length);
     PackApproach& approach = out[found];
     approach.squared_limit = limit * limit * (1 + 16 * kUnit);
@@ -294,7 +298,8 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
     std::uint32_t apart = 0;
     for (int part = 0; part < kParts; ++part) {
       const Nearest nearest = nearest_points(pack, part * kWidth, q);
-      // Out of reach at the start, and d + n . step still is, times d.
+      // A lane is apart if it is out of reach at the start and d + n . step, multiplied by d, is
+      // too.
       const Lanes fall = most(-dot(nearest.apart, step), Lanes{}) + fall_off;
       const Lanes end = nearest.squared - fall;
       *reinterpret_cast<Lanes*>(approach.squared + part * kWidth) = nearest.squared;
@@ -310,8 +315,8 @@ std::size_t in_reach(const TrianglePack* packs, const std::uint32_t* ids, std::s
   return found;
 }
 
-// Away from the inside of a box. Two ulp, of which the conversion to float takes one half; what
-// underflows is pushed beyond the smallest number that did not.
+// The outward margin of a box bound: two ulp, of which the conversion to float needs half an ulp,
+// plus the smallest normal float for values that underflow.
 inline Floats most4(const Floats& x, const Floats& y) {
   return x > y ? x : y;
 }
@@ -326,9 +331,9 @@ std::size_t boxes_along(const BoxPack* packs, std::size_t pack_count, const doub
                         const double* d, double reach, const FloatBox& within, std::uint32_t* out) {
   const Doubles start = load3(p);
   const Doubles move = load3(d);
-  const Doubles none{};
-  const Floats from = __builtin_convertvector(start + (move < none ? move : none) - reach, Floats);
-  const Floats to = __builtin_convertvector(start + (move > none ? move : none) + reach, Floats);
+  const Doubles zero{};
+  const Floats from = __builtin_convertvector(start + (move < zero ? move : zero) - reach, Floats);
+  const Floats to = __builtin_convertvector(start + (move > zero ? move : zero) + reach, Floats);
   const Floats low = most4(from - outwards(from), *reinterpret_cast<const Floats*>(within.low));
   const Floats high = least4(to + outwards(to), *reinterpret_cast<const Floats*>(within.high));
   std::size_t found = 0;
@@ -369,11 +374,12 @@ std::uint32_t boxes_within(const BoxPack& boxes, const float* p, float radius,
   return ~apart & kEveryLane;
 }
 
-// A slab's fractions are good to 3 u; 8 u of the larger end keep what only rounding separates.
+// The fractions at a slab have an error of 3 u. A margin of 8 u on each end keeps boxes that only
+// rounding separates from the segment.
 std::uint32_t boxes_on_segment(const BoxPack& boxes, const float* p, const float* d, float radius) {
   std::uint32_t apart = 0;
   for (int lane = 0; lane < TrianglePack::kLanes; lane += kWidth) {
-    apart |= greater(load(boxes.low[0] + lane), load(boxes.high[0] + lane)) << lane;  // not there
+    apart |= greater(load(boxes.low[0] + lane), load(boxes.high[0] + lane)) << lane;  // empty box
     Lanes enter{};
     Lanes leave = fill(1.0f);
     for (int k = 0; k < 3; ++k) {

@@ -1,9 +1,9 @@
 #pragma once
 
-// Questions asked of all triangles of a pack at once. They only sort out: whatever may matter is
-// decided afterwards, one triangle at a time, by the exact code (triangle.h, segment_triangle.h).
-// None ever leaves out a triangle that it should name; each may name some that rounding brings
-// near. All coordinates in the frame of the index, metres. No allocation, noexcept.
+// Filters that test all triangles or boxes of a pack in parallel. The filters are conservative:
+// they never drop an element in range and may keep an element that is out of range by a rounding
+// error. Code in double (triangle.h, segment_triangle.h) decides the remaining triangles one at a
+// time. All coordinates are in the index frame, metres. No allocation, noexcept.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +14,9 @@
 
 namespace palpate {
 
-// Triangles that the closed segment p to p + d, or any part of it, may come as near to as
-// clearance_m. Writes the packs that have any; out must have room for all of ids.
+// Finds the triangles that may be within clearance_m of the closed segment p to p + d. Writes the
+// packs with at least one such triangle and returns their number. `out` must have ids.size()
+// entries.
 inline std::size_t lanes_in_the_way(const TrianglePack* packs, std::span<const std::uint32_t> ids,
                                     const Vec3& p, const Vec3& d, double clearance_m,
                                     PackLanes* out) noexcept {
@@ -23,17 +24,18 @@ inline std::size_t lanes_in_the_way(const TrianglePack* packs, std::span<const s
                                    out);
 }
 
-// Triangles that the segment may come as near to as reach_m > 0. Sorts out the better the shorter
-// the segment is next to the reach. Writes the packs that have any; out must have room for all of
-// ids.
+// Finds the triangles that may be within reach_m > 0 of the segment p to p + d. The filter is more
+// selective for segments that are short compared with reach_m. Writes the packs with at least one
+// such triangle and returns their number. `out` must have ids.size() entries.
 inline std::size_t lanes_in_reach(const TrianglePack* packs, std::span<const std::uint32_t> ids,
                                   const Vec3& p, const Vec3& d, double reach_m,
                                   PackApproach* out) noexcept {
   return pack_kernels().in_reach(packs, ids.data(), ids.size(), p.data(), d.data(), reach_m, out);
 }
 
-// Which of the boxes meet the box around the segment p to p + d, grown by reach_m, where that is
-// within another. Writes their numbers in ascending order; out must have room for all lanes.
+// Finds the boxes that meet the query box: the bounding box of the segment p to p + d, grown by
+// reach_m and intersected with `within`. Writes their numbers in ascending order and returns the
+// count. `out` must have one entry per lane.
 inline std::size_t boxes_along(std::span<const BoxPack> packs, const Vec3& p, const Vec3& d,
                                double reach_m, const FloatBox& within,
                                std::uint32_t* out) noexcept {
@@ -41,25 +43,26 @@ inline std::size_t boxes_along(std::span<const BoxPack> packs, const Vec3& p, co
                                     out);
 }
 
-// Squared distances of a point to sixteen boxes, m2.
+// Squared distances from a point to sixteen boxes, m2.
 struct alignas(64) BoxDistances {
   float squared[TrianglePack::kLanes];
 };
 
-// Boxes that come within radius of p: a bit each. The rounding of p is the caller's to allow for.
+// Finds the boxes within `radius` of p; returns one bit per box. The caller must include the
+// rounding of p in `radius`.
 inline std::uint32_t boxes_within(const BoxPack& boxes, const float (&p)[3], float radius,
                                   BoxDistances& distances) noexcept {
   return pack_kernels().boxes_within(boxes, p, radius, distances.squared);
 }
 
-// Boxes that, grown by radius, meet the segment p to p + d: a bit each. The rounding of p and d is
-// the caller's to allow for.
+// Finds the boxes that, grown by `radius`, meet the segment p to p + d; returns one bit per box.
+// The caller must allow for the rounding of p and d.
 inline std::uint32_t boxes_on_segment(const BoxPack& boxes, const float (&p)[3],
                                       const float (&d)[3], float radius) noexcept {
   return pack_kernels().boxes_on_segment(boxes, p, d, radius);
 }
 
-// Triangles that may be as near to p as distance_m: a bit each.
+// Finds the triangles that may be within distance_m of p; returns one bit per lane.
 inline std::uint32_t lanes_within(const TrianglePack& pack, const Vec3& p, double distance_m,
                                   LaneDistances& distances) noexcept {
   return pack_kernels().within(pack, p.data(), distance_m, distances);
@@ -70,7 +73,7 @@ inline float local_length(const TrianglePack& pack, double length_m) {
   return static_cast<float>(length_m * pack.per_metre) * (1 + 0x1p-20f);
 }
 
-// The lane of a set that is not empty with the least of `values`.
+// Returns the lane with the smallest value. Requires at least one lane in the set.
 inline int least_lane(std::uint32_t lanes, const float (&values)[TrianglePack::kLanes]) {
   int least = __builtin_ctz(lanes);
   for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) {
@@ -80,7 +83,7 @@ inline int least_lane(std::uint32_t lanes, const float (&values)[TrianglePack::k
   return least;
 }
 
-// Takes the lowest lane out of a set that is not empty.
+// Removes the lowest lane from the set and returns it. Requires at least one lane in the set.
 inline int take_lane(std::uint32_t& lanes) {
   const int lane = __builtin_ctz(lanes);
   lanes &= lanes - 1;

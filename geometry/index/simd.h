@@ -1,6 +1,6 @@
 #pragma once
 
-// Which vector instructions the queries use: chosen once, at run time, from what the processor has.
+// The SIMD instruction set of the queries, chosen once at run time for the processor.
 
 #include <cstdint>
 #include <string_view>
@@ -11,14 +11,15 @@ enum class SimdLevel : std::uint8_t { kBaseline, kAvx2, kAvx512 };  // baseline 
 
 inline constexpr std::string_view kSimdLevelNames[] = {"sse2", "avx2", "avx512"};
 
-// The widest this processor has and this build knows. Only GCC on x86-64 builds more than the
-// baseline.
+// The widest instruction set that both the processor and this build support. Only GCC on x86-64
+// builds more than the baseline.
 SimdLevel widest_simd_level() noexcept;
 
-// What queries use: the widest, unless limited. The answers are the same to the bit.
+// The instruction set that queries use: the widest, unless limit_simd_level() sets a lower one. All
+// instruction sets give identical results.
 SimdLevel simd_level() noexcept;
 
-// For measurements and tests: nothing wider than this from now on. Not while queries are running.
+// Limits the instruction set for measurements and tests. Must not be called while queries run.
 void limit_simd_level(SimdLevel level) noexcept;
 
 }  // namespace palpate

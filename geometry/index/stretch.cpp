@@ -12,15 +12,15 @@
 namespace palpate {
 namespace {
 
-// Rounding, in units of the unit roundoff times |L| |M| |p|, L and M the maps between the frames: 3
-// for a point or a displacement mapped to the index, 3 for a vertex of the index mapped to the body
-// frame, 2 for what the difference of two points has lost.
+// Rounding in units of the unit roundoff times |L| |M| |p|, where L and M are the maps between the
+// frames: 3 for a point or a displacement mapped to the index, 3 for a vertex of the index mapped
+// to the body frame, 2 for the difference of two points.
 constexpr double kMapRoundoff = 8 * kUnitRoundoff;
 
-// Of a length next to which only second-order terms count.
+// A factor on a length that covers second-order terms.
 constexpr double kSlack = 1 + 0x1p-30;
 
-// The search for the nearest point in flight.
+// A nearest-point search in progress.
 struct NearestSearch {
   const SurfaceIndex& index;
   const Stretch& stretch;
@@ -35,7 +35,8 @@ struct NearestSearch {
     const TrianglePack& pack = index.pack(id);
     double radius = stretch.reach_index(best_m, p_body);
     for (std::uint32_t lanes = lanes_within(pack, p_index, radius, distances); lanes != 0;) {
-      // The one that looks nearest goes first: as a rule it settles most of the others.
+      // The lane with the smallest distance estimate is first: it usually rules out most other
+      // lanes.
       const int lane = least_lane(lanes, distances.squared);
       lanes &= ~(1u << lane);
       if (!distances.may_be_within(lane, local_length(pack, radius))) break;

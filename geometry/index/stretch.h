@@ -1,6 +1,6 @@
 #pragma once
 
-// Surfaces that are felt stretched or sheared, through an index that has them as they are.
+// Queries on a stretched or sheared surface through the index of the unstretched surface.
 
 #include <optional>
 
@@ -10,61 +10,66 @@
 
 namespace palpate {
 
-// The stretch of one surface. The index only sorts out: whatever is decided, crossing, height,
-// distance and normal, is decided on triangles that are made when they are asked for, in the body
-// frame, from the vertices that the index has in double. So all is as in the scene, to the rounding
-// of a vertex, and one that two triangles share is one in the body frame, too.
+// The stretch of one surface: a linear map from the index frame to the body frame. The index only
+// finds candidate triangles. Crossings, heights, distances and normals are computed on triangles in
+// the body frame, which are mapped on demand from the index's vertices in double. Results are
+// therefore exact up to the rounding of the mapped vertices, and a vertex shared by two triangles
+// stays shared in the body frame.
 //
-// What sorts out looks farther: a ball of the body frame is within a ball of the index frame that
-// is most_per_metre as large, and more by what rounding can make of a point on its way there.
+// The search in the index uses a larger radius: a ball in the body frame is contained in a ball in
+// the index frame whose radius is most_per_metre_ times as large, plus a margin for the rounding of
+// the mapped point.
 //
 // Immutable. No allocation, lock or exception.
 class Stretch {
  public:
-  // Whether one of these singular values is not too different from another: a surface that is
-  // stretched more has an index of its own.
+  // The largest accepted ratio of two singular values of the map. A surface with a larger ratio has
+  // its own index.
   static constexpr double kMostRatio = 100.0;
 
-  // linear_body_index: p_body = linear p_index. Not singular to within rounding.
+  // linear_body_index: p_body = linear_body_index * p_index. Requires a map that is not singular to
+  // within rounding.
   Stretch(const Mat3& linear_body_index, const Box& box_index);
 
   const Mat3& linear_body_index() const { return linear_body_index_; }
   bool is_mirrored() const { return is_mirrored_; }
 
-  // Of a point or a displacement, to within reach_index().
+  // Maps a point or a displacement to the index frame. reach_index() includes the rounding error of
+  // the result.
   Vec3 to_index(const Vec3& v_body) const { return linear_index_body_ * v_body; }
 
-  // What is within reach_m of a segment that begins at p_body, or of that point, is within so much
-  // of it in the index frame.
+  // Maps a search distance to the index frame: every point within reach_m of p_body, or of a
+  // segment that begins at p_body, is within the returned distance of the mapped point or segment.
   double reach_index(double reach_m, const Vec3& p_body) const {
     const double rounding_m = roundoff_ * (2 * p_body.lpNorm<1>() + size_m_ + reach_m);
     return (reach_m + rounding_m) * most_per_metre_;
   }
-  // The same for a ball around p_body, and what its box is in the index frame.
+  // The same for a ball around p_body, with its bounding box in the index frame.
   StretchedBall ball_index(double radius_m, const Vec3& p_body) const;
 
-  // A triangle of the index as it is felt. Where it has no area left in double, its normal is that
-  // of the index under the inverse transpose.
+  // Maps a triangle of the index to the body frame. If the mapped triangle has no area in double,
+  // its normal is the index's normal mapped by the inverse transpose.
   TriangleGeometry triangle(const TriangleGeometry& t_index) const noexcept;
 
-  // Around the surface, body frame.
+  // The bounding box of the surface in the body frame.
   Box box_body(const Box& box_index) const;
-  // A length of the index frame, in a direction of no interest. Metres.
+  // Maps a length of the index frame to metres, as the quadratic mean over all directions.
   double mean_length_m(double length_index) const { return mean_metres_ * length_index; }
 
  private:
   Mat3 linear_body_index_;
   Mat3 linear_index_body_;
-  double most_per_metre_;  // length in the index frame of one in the body frame, at most
-  double mean_metres_;     // the other way, quadratic mean over directions
-  double roundoff_;        // of a point mapped to the index, in the body frame, of its 1-norm
-  double size_m_;          // how far the surface reaches from the origin of the body frame, 1-norm
+  double most_per_metre_;  // largest index-frame length of a unit body-frame vector
+  double mean_metres_;     // body-frame length of a unit index-frame vector: quadratic mean over
+                           // directions
+  double roundoff_;  // of a point mapped to the index, in the body frame, relative to its 1-norm
+  double size_m_;    // largest 1-norm of a surface point in the body frame
   bool is_mirrored_;
 };
 
-// The nearest point of a stretched surface at most radius_m away from p; of equally near faces the
-// one found first. Body frame. As SurfaceIndex::closest_point(), but it looks at all triangles in
-// a ball of the index that holds that of the body frame.
+// The nearest point of a stretched surface within radius_m of p_body. Of equally near faces, the
+// first one found is returned. Body frame. Like SurfaceIndex::closest_point(), but the search
+// covers a ball in the index frame that contains the ball in the body frame.
 std::optional<SurfacePoint> closest_point(const SurfaceIndex& index, const Stretch& stretch,
                                           const Vec3& p_body, double radius_m) noexcept;
 

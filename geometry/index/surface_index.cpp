@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// A segment query in flight.
+// A segment query in progress.
 struct PackSearch {
   SegmentQuery segment;
   const SurfaceIndex* index;
@@ -23,7 +23,7 @@ struct PackSearch {
   float radius;
 };
 
-// The packs of a set of lanes of one cluster.
+// The packs in a set of lanes of one cluster.
 struct ClusterPacks {
   std::array<std::uint32_t, TrianglePack::kLanes> ids;
   std::size_t count = 0;
@@ -33,22 +33,23 @@ struct ClusterPacks {
   std::span<const std::uint32_t> span() const { return std::span(ids).first(count); }
 };
 
-// Adds some packs, in order, to others in order: behind them as a rule.
+// Inserts some packs in ascending order into a sorted list, usually at its end.
 void insert_in_order(std::span<const std::uint32_t> some, std::span<std::uint32_t> packs) {
   std::size_t i = packs.size() - some.size();
   for (; i > 0 && packs[i - 1] > some.front(); --i) packs[i - 1 + some.size()] = packs[i - 1];
   std::copy(some.begin(), some.end(), packs.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-// Packs that are found at once. Where a segment has more, they are visited in order, and before
-// that those of a part of it that has so few: so many times shorter each time, so often at most.
+// The largest number of packs that a search collects. If a segment has more packs, a shorter first
+// part of the segment with few enough packs is visited first, and then all packs in order. Each try
+// shortens the part by kShorterEachTime, at most kMostShortenings times.
 constexpr std::size_t kMostPacksAtOnce = 256;
 constexpr double kShorterEachTime = 1.0 / 16;
-constexpr std::size_t kFewPacks = 2;  // that are visited first
+constexpr std::size_t kFewPacks = 2;  // in the first call of the visitor
 constexpr int kMostShortenings = 5;
-constexpr double kShortestPart = 0x1p-20;  // after so many
+constexpr double kShortestPart = 0x1p-20;  // after all shortenings
 
-// So many packs at most that come near a segment.
+// The packs near a segment, up to kMostPacksAtOnce.
 class FoundPacks {
  public:
   FoundPacks(const SurfaceIndex& index, const Vec3& p, const Vec3& d, double radius_m)
@@ -63,9 +64,10 @@ class FoundPacks {
 
   bool are_too_many() const { return are_too_many_; }
 
-  // In the order in which the segment comes near them, until no more are needed: a few at first,
-  // one of which ends it as a rule.
-  // The segment is this part of one of which the visitor tells what it needs, and so is the answer.
+  // Visits packs in the order in which the segment reaches them, until the visitor needs no more.
+  // The first call has only a few packs, because one of them usually ends the search. The searched
+  // segment is the fraction `part` of the visitor's segment; the visitor's answers and the result
+  // are fractions of the visitor's segment.
   QueryFraction visit(double part, OrderedPackVisitor visitor, void* state) {
     std::sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_));
     std::array<std::uint32_t, TrianglePack::kLanes> packs;
@@ -82,7 +84,7 @@ class FoundPacks {
 
  private:
   struct Found {
-    double entry;  // where the segment comes near it: a fraction, too early by the box's margins
+    double entry;  // where the segment reaches the box with margins: a fraction
     std::uint32_t pack;
     friend auto operator<=>(const Found&, const Found&) = default;
   };
@@ -122,7 +124,7 @@ bool may_hold_some(const Box& box, const Vec3& p, const StretchedBall& ball) {
          box.squared_distance(p) <= ball.radius_m * ball.radius_m;
 }
 
-// Which of sixteen boxes come into a ball that has been stretched: a bit each.
+// Tests which of sixteen boxes meet a stretched ball; returns one bit per box.
 struct BoxesInStretchedBall : BoxesNear {
   StretchedBall needed;
   float low[3], high[3];
@@ -149,7 +151,7 @@ struct BoxesInStretchedBall : BoxesNear {
   }
 };
 
-// Visits the packs of clusters in order, from one on: those whose boxes pass the test.
+// Visits the packs whose boxes pass the test, in ascending order from pack `first` on.
 template <typename Test, typename Visit>
 void visit_clusters(const OrderedBoxes& ordered, std::span<const BoxPack> clusters,
                     std::uint32_t first, const Test& test, const Visit& visit) {
@@ -200,7 +202,7 @@ SurfaceIndex::SurfaceIndex(const MappedFaces& faces, double sweep_radius_m)
       kFloatMarginUlps * std::numeric_limits<float>::epsilon() * (reach + sweep_radius_m_);
   clusters_ = std::make_unique<EmbreeBoxes>(build_clusters(), visit_cluster);
   surface_.boxes = {};
-  pack_kernels();  // chosen here, not by the first query
+  pack_kernels();  // selects the kernels now, not in the first query
 }
 
 // Returns the boxes of the clusters, with all margins.
@@ -214,10 +216,10 @@ std::vector<Box> SurfaceIndex::build_clusters() {
     const std::size_t lane = id % TrianglePack::kLanes;
     if (lane == 0) {
       cluster_bounds.push_back(surface_.boxes[id]);
-      BoxPack& none = cluster_boxes_.emplace_back();
+      BoxPack& empty = cluster_boxes_.emplace_back();
       for (int k = 0; k < 3; ++k) {
-        std::fill(std::begin(none.low[k]), std::end(none.low[k]), infinity);
-        std::fill(std::begin(none.high[k]), std::end(none.high[k]), -infinity);
+        std::fill(std::begin(empty.low[k]), std::end(empty.low[k]), infinity);
+        std::fill(std::begin(empty.high[k]), std::end(empty.high[k]), -infinity);
       }
     }
     Box& bounds = cluster_bounds.back();
@@ -230,7 +232,7 @@ std::vector<Box> SurfaceIndex::build_clusters() {
     }
   }
   ordered_clusters_ = OrderedBoxes(cluster_boxes_);
-  // Twice the margin of the packs: Embree's tree leads to each pack whose own box passes.
+  // Twice the margin of the packs, so that Embree's tree finds each pack whose own box passes.
   for (Box& bounds : cluster_bounds) bounds = bounds.grown(2 * float_margin_m_ + sweep_radius_m_);
   return cluster_bounds;
 }
@@ -242,7 +244,7 @@ SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 MemoryNeed SurfaceIndex::memory_need(std::uint64_t triangles) {
   constexpr std::uint64_t kLanes = TrianglePack::kLanes;
   constexpr std::uint64_t kSlot = sizeof(TriangleGeometry) + sizeof(std::uint32_t);
-  // Of the blocks that an index is made of, each rounded up, and those in them.
+  // Allowance for the rounding of block sizes and for small blocks.
   constexpr std::uint64_t kBlocks = 512;
   const std::uint64_t packs = (triangles + kLanes - 1) / kLanes;
   const std::uint64_t clusters = (packs + kLanes - 1) / kLanes;
@@ -280,7 +282,7 @@ std::optional<SurfacePoint> SurfaceIndex::closest_point(const Vec3& p,
   const auto visit_pack = [&](std::uint32_t id) {
     LaneDistances distances;
     std::uint32_t lanes = lanes_within(pack(id), p, best, distances);
-    // The one that looks nearest goes first: as a rule it settles all the others.
+    // The lane with the smallest distance estimate is first: it usually rules out all other lanes.
     while (lanes != 0) {
       const int lane = least_lane(lanes, distances.squared);
       lanes &= ~(1u << lane);
@@ -310,7 +312,7 @@ template <typename Test>
 std::size_t SurfaceIndex::packs_that_pass(const Test& test, std::span<std::uint32_t> packs,
                                           NearSearch search) const noexcept {
   std::size_t count = 0;
-  // Whether there is room for more.
+  // Returns false if the capacity is exceeded.
   const auto add = [&](std::span<const std::uint32_t> some) {
     count += some.size();
     if (count > packs.size()) return false;
@@ -322,7 +324,7 @@ std::size_t SurfaceIndex::packs_that_pass(const Test& test, std::span<std::uint3
     return count;
   }
   clusters_->query_point(test.p, test.radius, [&](std::uint32_t cluster) {
-    if (count > packs.size()) return 0.0f;  // Embree goes on to all boxes at no distance
+    if (count > packs.size()) return 0.0f;  // Embree still visits boxes at distance zero
     const ClusterPacks found(cluster, test(cluster_boxes_[cluster]));
     return found.count == 0 || add(found.span()) ? test.radius : 0.0f;
   });
@@ -382,32 +384,32 @@ std::size_t SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double
                                             std::optional<std::uint32_t> first,
                                             OrderedPackVisitor visitor,
                                             void* state) const noexcept {
-  std::size_t in_vain = 0;
+  std::size_t unvisited = 0;
   QueryFraction needed = QueryFraction::end();
   if (!first) {
     const auto are_visited = [&](double part) {
       FoundPacks found(*this, p, part * d, radius_m);
       if (found.are_too_many()) {
-        in_vain += kMostPacksAtOnce;
+        unvisited += kMostPacksAtOnce;
         return false;
       }
       needed = found.visit(part, visitor, state);
       return true;
     };
-    if (are_visited(1.0)) return in_vain;
-    // If the shortest part has too many, all have.
-    in_vain += kMostPacksAtOnce;
+    if (are_visited(1.0)) return unvisited;
+    // If the shortest part has too many packs, every part has.
+    unvisited += kMostPacksAtOnce;
     int shortenings =
         FoundPacks(*this, p, kShortestPart * d, radius_m).are_too_many() ? 0 : kMostShortenings;
     for (double part = kShorterEachTime; shortenings > 0; --shortenings, part *= kShorterEachTime) {
       if (!are_visited(part)) continue;
-      if (needed <= QueryFraction(part)) return in_vain;
+      if (needed <= QueryFraction(part)) return unvisited;
       break;
     }
   }
   const Box bounds = box_.grown(grown_by_m(radius_m));
   BoxesAlong along{{}, round_up(radius_m)};
-  if (!along.segment.begin(bounds, p, d)) return in_vain;
+  if (!along.segment.begin(bounds, p, d)) return unvisited;
   const auto visit = [&](std::span<const std::uint32_t> packs) {
     const QueryFraction now_needed = visitor(state, packs, true);
     if (now_needed == kNothingMore) return false;
@@ -419,7 +421,7 @@ std::size_t SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double
     return true;
   };
   visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0), along, visit);
-  return in_vain;
+  return unvisited;
 }
 
 void SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Spatial queries on a surface: Embree finds clusters of triangles, double precision decides.
+// Spatial queries on a surface: Embree finds clusters of triangles, and double precision decides.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,59 +31,63 @@ struct SurfacePoint {
   std::uint32_t face;  // of the SurfaceMesh
 };
 
-// Where a segment first meets the surface.
+// The first point where a segment meets the surface.
 struct SegmentHit {
   double fraction;  // of the segment, in [0, 1]
   Vec3 point_m;
   std::uint32_t face;
 };
 
-// What holds a ball that has been stretched: a ball, and a box, by its half extents.
+// Bounds of a stretched ball: a ball, and a box given by its half extents.
 struct StretchedBall {
   double radius_m;
   Vec3 by_axis_m;
 };
 
-// The triangles of a surface in the order of their packs: slot n is lane n % kLanes of pack
-// n / kLanes. Slots past a pack's count repeat its last triangle. Packs n kLanes to
-// (n + 1) kLanes - 1 lie close together, too: cluster n.
+// The triangles of a surface in the order of their packs: slot n is lane n % kLanes of pack n /
+// kLanes. Slots past a pack's count repeat its last triangle. Packs n kLanes to (n + 1) kLanes - 1
+// are close to each other and form cluster n.
 struct PackedSurface {
   FixedArray<TrianglePack> packs;
-  FixedArray<Box> boxes;                   // of the packs; not kept in an index
-  FixedArray<TriangleGeometry> triangles;  // a slot each, in double: what decides
-  FixedArray<std::uint32_t> faces;         // a slot each: of the mesh
+  FixedArray<Box> boxes;                   // of the packs; an index frees them
+  FixedArray<TriangleGeometry> triangles;  // one per slot, in double: used for decisions
+  FixedArray<std::uint32_t> faces;         // one per slot: face of the mesh
 };
 
-// What a visitor of a segment returns to see nothing more at all, not even at the start.
+// A segment visitor returns kNothingMore to end the search, even for packs at the start of the
+// segment.
 inline constexpr QueryFraction kNothingMore{-1.0};
 
-// Called with up to sixteen packs near a segment; returns the fraction of the segment beyond which
-// packs are of no interest any more (its end to see them all), or kNothingMore. Must not throw.
+// Receives up to sixteen packs near a segment. Returns the fraction of the segment up to which the
+// search should continue (QueryFraction::end() to visit all packs), or kNothingMore. Must not
+// throw.
 using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs);
 
-// Called with up to sixteen packs; returns the fraction of the segment beyond which packs are of no
-// interest any more (its end to see them all), or kNothingMore. in_order: they are in ascending
-// order, and all before them have been visited. Must not throw.
+// Receives up to sixteen packs and returns the same as a PackVisitor. in_order: the packs are in
+// ascending order, and all packs before them have been visited. Must not throw.
 using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
                                              bool in_order);
-// Called with a pack; returns how far around the point packs are still of interest. Must not throw.
+// Receives a pack. Returns the bounds around the query point in which the search should continue.
+// Must not throw.
 using NearestPackVisitor = StretchedBall (*)(void* state, std::uint32_t pack);
-// Called with up to sixteen packs, in ascending order; returns whether more are wanted.
+// Receives up to sixteen packs in ascending order. Returns whether the search should continue. Must
+// not throw.
 using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> packs);
 
-// An immutable index over one surface, in a frame of its own (the index frame), which should have
-// its origin near the middle of the surface: then nothing is lost to large coordinates. Embree's
-// BVH finds clusters of sixteen packs of sixteen triangles; within those, boxes and then triangles
-// are sorted out sixteen at a time. All that is single precision and only narrows the search: boxes
-// are grown by the roundings (kFloatMarginUlps), and every answer is decided on
-// double vertices.
+// An immutable index over one surface in its own frame, the index frame. The origin of the index
+// frame should be near the middle of the surface, so that large coordinates do not cost precision.
+//
+// Embree's BVH finds clusters of sixteen packs of sixteen triangles. Within a cluster, boxes and
+// then triangles are filtered sixteen at a time. These filters use single precision and only narrow
+// the search: boxes are grown by the rounding errors (kFloatMarginUlps), and every result is
+// decided on vertices in double.
 //
 // Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. Query points
 // must be finite.
 class SurfaceIndex {
  public:
-  // sweep_radius_m: largest radius that visit_segment() will be asked for. Uses all cores; the same
-  // for any number of them.
+  // sweep_radius_m: the largest radius allowed in visit_segment() and visit_packs_along(). Builds
+  // on all cores; the result does not depend on their number.
   explicit SurfaceIndex(const MappedFaces& faces, double sweep_radius_m = 0.0);
   explicit SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map = {},
                         double sweep_radius_m = 0.0)
@@ -92,53 +96,57 @@ class SurfaceIndex {
   SurfaceIndex(SurfaceIndex&&) noexcept;
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
 
-  // The nearest surface point at most radius_m away; of equally near faces the one found first.
+  // The nearest surface point within radius_m of p. Of equally near faces, the first one found is
+  // returned.
   std::optional<SurfacePoint> closest_point(const Vec3& p, double radius_m) const noexcept;
 
-  // First point where the closed segment from p to p + d meets a closed triangle.
+  // The first point where the closed segment from p to p + d meets a closed triangle.
   std::optional<SegmentHit> first_hit(const Vec3& p, const Vec3& d) const noexcept;
 
-  // Writes the ids of all packs whose box comes within radius_m of p, ascending. Returns how many
-  // there are; when that exceeds packs.size(), only some were written and the search ended early.
+  // Writes the ids of all packs whose box is within radius_m of p, in ascending order, and returns
+  // their number. A result above packs.size() means that the search ended early and only some ids
+  // were written.
   std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
                          NearSearch search = NearSearch::kWithEmbree) const noexcept;
 
-  // The same of all packs whose boxes come into a ball that has been stretched, around p.
+  // The same for all packs whose boxes meet a stretched ball around p.
   std::size_t packs_near(const Vec3& p, const StretchedBall& ball, std::span<std::uint32_t> packs,
                          NearSearch search) const noexcept;
-  // Visits those packs, the nearest first, roughly, until nothing is left of what is of interest.
+  // Visits the packs that meet a stretched ball around p, roughly nearest first. Each call of the
+  // visitor returns smaller or equal bounds for the rest of the search.
   void visit_nearest_packs(const Vec3& p, const StretchedBall& ball, NearestPackVisitor visitor,
                            void* state) const noexcept;
 
-  // Visits all packs that come within radius_m <= sweep_radius_m of the segment p to p + d,
-  // roughly in order along it, until the visitor says that the rest is of no interest. A segment of
-  // no length visits nothing.
+  // Visits all packs within radius_m <= sweep_radius_m of the segment p to p + d, roughly in order
+  // along the segment, until the visitor ends the search. A segment of zero length visits no pack.
   void visit_segment(const Vec3& p, const Vec3& d, double radius_m, PackVisitor visitor,
                      void* state) const noexcept;
 
-  // Whether there is anything to visit: the segment, grown by radius_m, meets the index's box.
+  // Whether the segment, grown by radius_m, meets the bounding box of the surface.
   bool may_meet(const Vec3& p, const Vec3& d, double radius_m) const noexcept;
 
-  // Visits the same packs so that a search can end anywhere and go on from there: in ascending
-  // order, from number `first` on if it is given. If not, those that the segment comes near first
-  // come first; where there are very many, in the first part of it, and then all in ascending
-  // order. Which packs they are and how they are grouped does not depend on the instruction set,
-  // unlike the boxes that Embree's tree leads to. Returns how many more were found, but not visited
-  // in that turn, because there were too many.
+  // Visits the same packs in an order that allows a search to stop at any pack and resume there.
+  // With `first`: in ascending order, starting at pack `first`. Without `first`: in the order in
+  // which the segment reaches the packs. If there are too many packs for this order, only the packs
+  // near a first part of the segment are visited this way, and then all packs in ascending order.
+  //
+  // Unlike the order of Embree's tree, the visited packs and their grouping do not depend on the
+  // instruction set. Returns the number of packs that were found but not visited because a search
+  // found too many, as a measure of the additional work.
   std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
                                 std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
                                 void* state) const noexcept;
-  // Visits the packs that packs_near() writes in ascending order, from number `first` on.
+  // Visits the packs of packs_near() in ascending order, starting at pack `first`.
   void visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
                         NearPackVisitor visitor, void* state) const noexcept;
 
-  // Triangles are named by slots: slot n is lane n % kLanes of pack n / kLanes.
+  // A slot identifies a triangle: slot n is lane n % kLanes of pack n / kLanes.
   static std::uint32_t slot(std::uint32_t pack, int lane) {
     return pack * TrianglePack::kLanes + static_cast<std::uint32_t>(lane);
   }
   const TriangleGeometry& triangle(std::uint32_t slot) const { return surface_.triangles[slot]; }
   std::uint32_t face(std::uint32_t slot) const { return surface_.faces[slot]; }
-  // Starts to bring what a trace asks of a pack into the cache, to be used a little later.
+  // Prefetches the part of a pack that a trace reads into the cache.
   void prefetch_pack(std::uint32_t id) const {
     constexpr std::size_t kCacheLine = 64;
     const char* lines = reinterpret_cast<const char*>(&surface_.packs[id]);
@@ -146,20 +154,21 @@ class SurfaceIndex {
       __builtin_prefetch(lines + i);
     }
   }
-  // Box n % kLanes of entry n / kLanes is around pack n, with margins for rounding.
+  // The boxes of the packs of one cluster, with rounding margins: lane n % kLanes of cluster n /
+  // kLanes is the box of pack n.
   const BoxPack& cluster_boxes(std::uint32_t cluster) const { return cluster_boxes_[cluster]; }
   const TrianglePack& pack(std::uint32_t id) const { return surface_.packs[id]; }
   const TrianglePack* packs() const { return surface_.packs.data(); }
   std::size_t pack_count() const { return surface_.packs.size(); }
   const Box& box() const { return box_; }
   double mean_pack_diagonal_m() const { return mean_pack_diagonal_m_; }
-  // How far a triangle may reach from the centre of its pack, at most, along one axis.
+  // Bound on the distance of a triangle from the centre of its pack along one axis.
   double largest_pack_reach_m() const { return largest_pack_reach_m_; }
   double sweep_radius_m() const { return sweep_radius_m_; }
-  // No sweep is larger, whatever the index was built for: Embree leaves out boxes that reach beyond
-  // 1.8e18.
+  // Upper limit for every sweep radius, because Embree ignores boxes that extend beyond 1.8e18.
   static constexpr double kLargestSweep_m = 1e18;
-  // What an index of so many triangles takes, and memory() will be.
+  // The memory needed for an index of this number of triangles; memory() reports the same kept
+  // bytes.
   static MemoryNeed memory_need(std::uint64_t triangles);
   MemoryBreakdown memory() const;
   std::size_t memory_bytes() const { return memory().total(); }

@@ -16,7 +16,7 @@ bool meet(const Box& a, const Box& b) {
   return true;
 }
 
-// Cuts space in two, again and again; boxes on both sides of a cut go along with either side.
+// Bisects space recursively. A box on both sides of a cut belongs to both halves.
 class TouchSearch {
  public:
   TouchSearch(std::span<const Box> boxes, const std::vector<bool>& marked)
@@ -49,10 +49,10 @@ class TouchSearch {
     std::vector<std::uint32_t> low, high;
     bool are_smaller;
   };
-  static constexpr std::size_t kFew = 32;  // are compared one by one
-  // So are more that no plane across an axis cuts well, up to so many; beyond, they are a crowd.
+  static constexpr std::size_t kFew = 32;  // up to this many boxes are compared one by one
+  // The same for boxes that no plane perpendicular to an axis divides well. More boxes are a crowd.
   static constexpr std::size_t kMostCompared = 512;
-  // A cut must leave out one of so many on either side.
+  // Each half of a cut must exclude at least 1 / kOneLeftOutOf of the boxes.
   static constexpr std::size_t kOneLeftOutOf = 4;
   static constexpr int kDeepest = 64;
 
@@ -67,7 +67,7 @@ class TouchSearch {
     }
   }
 
-  // Of where the boxes begin, by axis; that along which they are spread most comes first.
+  // The midpoints of the boxes' low ends, one cut per axis, in descending order of spread.
   std::array<Cut, 3> middles(std::span<const std::uint32_t> some) const {
     Vec3 low = boxes_[some[0]].low;
     Vec3 high = low;
@@ -94,8 +94,8 @@ class TouchSearch {
     return *middle;
   }
 
-  // Below the cut is what has less than it, above what has as much or more: two boxes that meet
-  // have a point in common that is either.
+  // A box belongs to the low half if it has points below the cut, and to the high half if it has
+  // points at or above the cut. Two boxes that meet have a common point in one of the halves.
   Halves split(std::span<const std::uint32_t> some, const Cut& cut) const {
     Halves halves;
     halves.low.reserve(some.size());

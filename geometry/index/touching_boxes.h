@@ -7,8 +7,9 @@
 
 namespace palpate {
 
-// For each box whether it is one of two that meet, one of which at least is marked. All such are
-// found; where boxes crowd, some are named that are not. O(n log n) where few crowd. Deterministic.
+// Returns for each box whether it may belong to a pair of boxes that meet, with at least one of the
+// two marked. Finds every box of such a pair. Where many boxes overlap, it may also report other
+// boxes. O(n log n) if few boxes overlap. Deterministic.
 std::vector<bool> may_touch_marked(std::span<const Box> boxes, const std::vector<bool>& marked);
 
 }  // namespace palpate

@@ -1,73 +1,74 @@
 #pragma once
 
-// Sixteen neighbouring triangles, in single precision, to be asked all at once.
+// A pack: sixteen neighbouring triangles in single precision, tested in parallel.
 
 #include <cstdint>
 
 namespace palpate {
 
-// A pack only sorts out: whatever may matter is decided afterwards on the triangle's own doubles.
-// Its coordinates are relative to the pack's centre and in units of its size, so float keeps 24
-// bits of what counts, whatever the size of the scene and wherever in it the pack is:
+// A pack is a filter only: the remaining triangles are decided on their vertices in double. The
+// coordinates are relative to the pack's centre and in units of its size, so that float has 24 bits
+// of precision at the scale of the pack, for any size of the scene and any position of the pack:
 //
 //     local = (p - centre_m) * per_metre,     every corner within [-1/2, 1/2]
 //
-// Lanes past `count` repeat the last triangle.
+// Lanes at or beyond `count` repeat the last triangle.
 struct alignas(64) TrianglePack {
   static constexpr int kLanes = 16;
 
-  double centre_m[3];  // frame of the index
+  double centre_m[3];  // index frame
   double per_metre;    // a power of two
-  // Bound on the rounding in double of p - centre_m that the centre itself is the cause of, local
-  // units. It counts only for packs a hundred million times smaller than their distance from the
-  // origin.
+  // Bound on the rounding of p - centre_m in double due to the magnitude of the centre, local
+  // units. It is significant only for a pack whose distance from the origin exceeds its size by a
+  // factor of 1e8.
   float centre_roundoff;
   std::int32_t count;
 
   alignas(64) float normal[3][kLanes];  // unit
-  float height[kLanes];                 // of the plane: normal . local = height on it
+  float height[kLanes];                 // of the plane: normal . local = height
   float a[3][kLanes];
   float b[3][kLanes];
   float c[3][kLanes];
-  // Only for distances: 1 / length squared of the edges ab, bc, ca; 0 for one that has none in
-  // float.
+  // For distances only: 1 / (squared length) of the edges ab, bc, ca; 0 if the edge has no length
+  // in float.
   float per_squared_edge[3][kLanes];
 
-  std::uint32_t lanes() const { return (1u << count) - 1u; }  // a bit each
+  std::uint32_t lanes() const { return (1u << count) - 1u; }  // one bit per triangle
 };
 
-// Sixteen axis-aligned boxes, metres. Boxes that are not there are empty: low > high.
+// Sixteen axis-aligned boxes, metres. Unused lanes hold empty boxes: low > high.
 struct alignas(64) BoxPack {
   float low[3][TrianglePack::kLanes];
   float high[3][TrianglePack::kLanes];
 };
 
-// One box in float, metres. The fourth numbers are zero.
+// One box in float, metres. The fourth component is zero.
 struct alignas(16) FloatBox {
   float low[4];
   float high[4];
 };
 
-// Some lanes of one pack.
+// A set of lanes of one pack.
 struct PackLanes {
   std::uint32_t pack;
   std::uint32_t lanes;
 };
 
-// Some lanes of one pack that a sphere may come near to on a step, and by when it may.
+// The lanes of one pack that a moving sphere may reach during a step, and the earliest time of
+// each.
 struct alignas(64) PackApproach {
   std::uint32_t pack;
   std::uint32_t lanes;
-  float squared_limit;  // of a distance out of reach
-  // Squared distances at the start, and by how much they fall in all of the step: distance times
-  // its derivative there. Local units.
+  float squared_limit;  // squared distances above are out of reach
+  // Squared distances at the start of the step, and a bound on the fall over the whole step: the
+  // distance times its rate of decrease at the start. Local units.
   alignas(64) float squared[TrianglePack::kLanes];
   float fall[TrianglePack::kLanes];
 
   bool is_in_reach_at_start(int lane) const { return !(squared[lane] > squared_limit); }
 
-  // Whether a triangle may be in reach by that fraction of the step, rounded up. A distance is
-  // convex along the step, so it stays above its tangent at the start.
+  // Whether a triangle may be in reach before this fraction of the step, which must be rounded up.
+  // The distance is a convex function along the step, so it stays above its tangent at the start.
   bool may_be_in_reach_by(float fraction, int lane) const {
     const float end = squared[lane] - fraction * fall[lane];
     return is_in_reach_at_start(lane) || !(end > 0.0f && end * end > squared_limit * squared[lane]);

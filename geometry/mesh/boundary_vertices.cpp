@@ -10,8 +10,8 @@ namespace {
 
 using VertexPair = std::pair<std::uint32_t, std::uint32_t>;  // vertices, the lower one first
 
-// An edge for every half-edge that has no aligned mate: where three faces meet, or two that are
-// misoriented, an edge is there once for each.
+// One edge for every half-edge without an aligned mate. An edge with three faces, or with two
+// misaligned faces, is listed once for each face.
 std::vector<VertexPair> unmatched_edges(const WeldedSurface& surface) {
   std::vector<VertexPair> edges;
   for (std::uint32_t h = 0; h < surface.mates().aligned.size(); ++h) {

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-// The vertices at the ends of edges that have one face, in rising order. O(n) in the faces of the
-// surface, O(b log b) in its edges that do not have two faces oriented alike. Not after a
-// SurfaceMesh has been made of it.
+// The vertices at the ends of boundary edges (edges with one face), in ascending order. O(n) in the
+// number of faces, and O(b log b) in the number of edges without two faces oriented alike. Must not
+// be called after a SurfaceMesh has been constructed from the surface.
 std::vector<std::uint32_t> boundary_vertices(const WeldedSurface& surface);
 
 }  // namespace palpate

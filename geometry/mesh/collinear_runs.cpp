@@ -5,8 +5,8 @@
 namespace palpate {
 namespace {
 
-// The directions from one point along which a line passes all points added within the tolerance.
-// Points must lie in one half-plane, which a run that does not turn back does.
+// The cone of directions from an apex in which a line passes within the tolerance of all added
+// points. Requires points in one half-plane, which holds for a run that does not turn back.
 class DirectionCone {
  public:
   DirectionCone(const Vec3& plane_normal, double tolerance_m)
@@ -19,7 +19,7 @@ class DirectionCone {
     left_ = offset_m + aside;
   }
   void narrow(const Vec3& offset_m) {
-    if (offset_m.norm() <= tolerance_m_) return;  // every line through the apex passes it
+    if (offset_m.norm() <= tolerance_m_) return;  // within tolerance of every line through the apex
     const Vec3 aside = sideways(offset_m);
     if (turn(right_, offset_m - aside) > 0.0) right_ = offset_m - aside;
     if (turn(left_, offset_m + aside) < 0.0) left_ = offset_m + aside;
@@ -60,7 +60,7 @@ std::vector<Vec3> without_collinear_points(std::vector<Vec3> points_m, bool clos
   }
   std::vector<Vec3> kept = {points_m.front()};
   DirectionCone cone(plane_normal, tolerance_m);
-  bool has_end = false;  // a segment from kept.back() to `end` stands for all points so far
+  bool has_end = false;  // the segment from kept.back() to `end` represents the points so far
   Vec3 end = points_m.front();
   for (const Vec3& point : points_m) {
     if ((point - end).norm() <= tolerance_m) {

@@ -11,20 +11,20 @@ namespace {
 
 constexpr std::size_t kMatchingWorthAThread = 10000;  // faces: a millisecond of work
 
-// Vertices from begin to before end.
+// The vertices in [begin, end).
 struct VertexRange {
   std::uint32_t begin;
   std::uint32_t end;
   bool contains(std::uint32_t v) const { return v - begin < end - begin; }
 };
 
-// From the corner where a half-edge starts to where it ends.
+// The start and end vertices of a half-edge.
 std::pair<std::uint32_t, std::uint32_t> ends_of(std::span<const Triangle> faces, std::uint32_t h) {
   const Triangle& face = faces[h / 3];
   return {face[h % 3], face[next_half_edge(h) % 3]};
 }
 
-// The half-edges of the edges whose lower ends are in a range, grouped by that end.
+// The half-edges whose edge has its lower end in a range, grouped by this end.
 class EdgeTable {
  public:
   EdgeTable(std::span<const Triangle> faces, VertexRange range)
@@ -34,12 +34,12 @@ class EdgeTable {
     for (std::size_t v = 1; v < end_.size(); ++v) end_[v] += end_[v - 1];
     half_edges_ = FixedArray<std::uint32_t>(end_.back());
     for_each_edge(faces, [&](std::uint32_t lower, std::uint32_t half_edge) {
-      // Filling moves the start of each group on to its end.
+      // Filling advances the start of each group to its end.
       half_edges_[end_[lower - range_.begin]++] = half_edge;
     });
   }
 
-  // Those of the vertex that is number v in the range, rising.
+  // The half-edges of vertex number v in the range, ascending.
   std::span<const std::uint32_t> at_vertex(std::size_t v) const {
     const std::size_t begin = v == 0 ? 0 : end_[v - 1];
     return half_edges_.span().subspan(begin, end_[v] - begin);
@@ -63,7 +63,8 @@ class EdgeTable {
   FixedArray<std::uint32_t> half_edges_;
 };
 
-// Ranges of vertices that are the lower ends of about as many edges each, by a sample of them.
+// Divides the vertices into ranges with about the same number of edges each, counted by lower ends
+// in a sample.
 std::vector<VertexRange> balanced_ranges(std::span<const Triangle> faces, std::size_t vertex_count,
                                          std::size_t count) {
   constexpr std::size_t kSamples = 4096;
@@ -116,7 +117,7 @@ class Matcher {
     return static_cast<std::uint32_t>(entry);
   }
 
-  // Enters the half-edges of one edge.
+  // Matches the half-edges of one edge.
   void match_edge(std::span<const std::uint64_t> edge) {
     if (edge.size() == 1) {
       ++found_.boundary_edges;

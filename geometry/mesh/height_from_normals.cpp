@@ -16,12 +16,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// The largest prime factor p of a size that is transformed as it is, by factors, each of which
-// takes p multiplications a value. By chirps a value takes as many as a factor of 30 to 60, the
-// fewer the less is padded.
+// The largest prime factor of a size that is transformed directly. A direct transform takes p
+// multiplications per value for each prime factor p. A chirp transform takes as many
+// multiplications per value as a factor of 30 to 60, fewer with less padding.
 constexpr std::size_t kLargestDirectFactor = 31;
 
-// The greatest size whose chirps' transform has a plan: its key, twice the size, is an int.
+// The largest size for which the chirp transform has a plan: the key of the plan, twice the size,
+// is an int.
 [[maybe_unused]] constexpr std::uint32_t kMostAlong = std::uint32_t{1} << 28;
 
 std::size_t largest_prime_factor(std::size_t n) {
@@ -35,10 +36,10 @@ std::size_t largest_prime_factor(std::size_t n) {
   return std::max(largest, n);
 }
 
-// The discrete Fourier transform of lines of one size n, in n log n for any n. With a large prime
-// factor it is a convolution, done by transforms of a power of two: L. Bluestein, "A Linear
-// Filtering Approach to the Computation of Discrete Fourier Transform", 1970. From
-// 2 j k = j^2 + k^2 - (k - j)^2 follows, with the chirp c_k = exp(-i pi k^2 / n),
+// The discrete Fourier transform of lines of one size n, in O(n log n) for any n. A size with a
+// large prime factor is computed as a convolution by transforms of a power of two: L. Bluestein, "A
+// Linear Filtering Approach to the Computation of Discrete Fourier Transform", 1970. From 2 j k =
+// j^2 + k^2 - (k - j)^2 follows, with the chirp c_k = exp(-i pi k^2 / n),
 //
 //   X_k = sum_j x_j exp(-2 pi i j k / n) = c_k sum_j (x_j c_j) c*_(k-j)
 class LineTransform {
@@ -48,7 +49,7 @@ class LineTransform {
     chirp_.resize(size);
     before_.assign(std::bit_ceil(2 * size - 1), 0.0);
     for (std::size_t k = 0; k < size; ++k) {
-      // A turn is 2 n squares: taken modulo that, the angle loses no digits.
+      // A full turn is k^2 = 2 n. The angle keeps all digits because k^2 is reduced modulo 2 n.
       const auto squares = static_cast<double>(k * k % (2 * size));
       chirp_[k] = std::polar(1.0, -std::numbers::pi * squares / static_cast<double>(size));
       before_[k] = std::conj(chirp_[k]);
@@ -58,7 +59,7 @@ class LineTransform {
     forward(before_, filter_);
   }
 
-  // In place; a line of the size.
+  // In place. Requires a line of the transform's size.
   void transform(std::vector<Complex>& line) {
     if (size_ == 1) return;
     if (chirp_.empty()) {
@@ -82,7 +83,7 @@ class LineTransform {
   }
 
   std::size_t size_;
-  std::vector<Complex> chirp_;   // empty: the size is transformed as it is
+  std::vector<Complex> chirp_;   // empty: the size is transformed directly
   std::vector<Complex> filter_;  // transform of the conjugate chirp, periodic in a power of two
   std::vector<Complex> before_, after_;
   Eigen::FFT<double> fft_;
@@ -103,7 +104,8 @@ class Plane {
   }
 
  private:
-  // Lines start `apart` values from each other, and their values are `stride` apart.
+  // Consecutive lines start `apart` values from each other; consecutive values of a line are
+  // `stride` apart.
   void transform_lines(std::size_t count, std::size_t apart, std::size_t size, std::size_t stride) {
     LineTransform of_line(size);
     std::vector<Complex> line(size);
@@ -119,17 +121,18 @@ class Plane {
   std::vector<Complex> values_;
 };
 
-// What differentiating multiplies coefficient k of a line by, over i. For the wave of two texels it
-// is 0: its slope vanishes at every sample.
+// The factor of differentiation for coefficient k of a line, divided by i. The factor is 0 for a
+// wave of two texels, because its slope is zero at every sample.
 double frequency(std::size_t k, std::size_t size) {
   if (2 * k == size) return 0.0;
   const double turns = 2 * k < size ? static_cast<double>(k) : -static_cast<double>(size - k);
   return 2.0 * std::numbers::pi * turns / static_cast<double>(size);
 }
 
-// Coefficients of the heights, from those of p + i q for the slopes p along rows and q along
-// columns. With f and g the coefficients of p + i q at frequencies w and -w, those of p and q at w
-// are (f + g*) / 2 and (f - g*) / 2i; put in eq. 21, -i (w_x P + w_y Q) / |w|^2.
+// The coefficient of the heights from the coefficients of p + i q, where p are the slopes along
+// rows and q along columns. If f and g are the coefficients of p + i q at frequencies w and -w, the
+// coefficients of p and q at w are P = (f + g*) / 2 and Q = (f - g*) / 2i. Eq. 21 then gives -i
+// (w_x P + w_y Q) / |w|^2.
 Complex height_coefficient(Complex f, Complex g, double w_x, double w_y) {
   const double squared = w_x * w_x + w_y * w_y;
   if (squared == 0.0) return 0.0;
@@ -138,7 +141,8 @@ Complex height_coefficient(Complex f, Complex g, double w_x, double w_y) {
   return Complex(0.0, -1.0) * (w_x * p + w_y * q) / squared;
 }
 
-// p + i q. Exact, to 2^29 texels, if all slopes are the same: sums of floats have the digits.
+// The mean of p + i q. Exact for up to 2^29 texels if all slopes are equal, because a double can
+// hold their sum.
 Complex mean_slope(std::span<const TexelSlope> slopes) {
   Complex sum;
   for (const TexelSlope& slope : slopes) sum += Complex(slope[0], slope[1]);
@@ -175,11 +179,13 @@ std::vector<float> heights_from_slopes(std::uint32_t width, std::uint32_t height
     for (std::size_t column = 0; column < width; ++column) {
       const std::size_t opposite_row = row == 0 ? 0 : height - row;
       const std::size_t opposite_column = column == 0 ? 0 : width - column;
-      // Each pair once: the coefficients of a real map at opposite frequencies are conjugate.
+      // Each pair of opposite frequencies is computed once: the coefficients of a real map are
+      // conjugate.
       if (std::pair(opposite_row, opposite_column) < std::pair(row, column)) continue;
       Complex& f = plane.at(row, column);
       Complex& g = plane.at(opposite_row, opposite_column);
-      // Exchanged, so that the forward transform inverts, but for the number of texels.
+      // Exchanged, so that the forward transform acts as the inverse, up to the factor of the
+      // number of texels.
       g = height_coefficient(f, g, frequency(column, width), w_y);
       f = std::conj(g);
     }

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// The texel that is shown at index i, which may lie outside.
+// The texel for index i, which may lie outside the map.
 std::size_t wrapped(std::int64_t i, std::int64_t size, MapWrap wrap) {
   if (wrap == MapWrap::kClamp)
     return static_cast<std::size_t>(std::clamp<std::int64_t>(i, 0, size - 1));
@@ -18,11 +18,11 @@ std::size_t wrapped(std::int64_t i, std::int64_t size, MapWrap wrap) {
   return static_cast<std::size_t>(i < size ? i : period - 1 - i);
 }
 
-// Half as many values, or one, each the mean of the part of the line that it covers. The line has
-// one value every `stride`.
+// Halves a line: each of the `half` results is the mean of the part of the line that it covers.
+// Consecutive values of the line are `stride` apart.
 void halve(const float* line, std::size_t size, std::size_t stride, std::size_t half, float* halved,
            std::size_t halved_stride) {
-  const std::size_t odd = size - 2 * half;  // nothing or one; in units of 1 / half of a texel
+  const std::size_t odd = size - 2 * half;  // 0 or 1; in units of 1 / half of a texel
   for (std::size_t i = 0; i < half; ++i) {
     // From texel 2 i + i odd / half to 2 (i + 1) + (i + 1) odd / half.
     const float* const texel = line + 2 * i * stride;
@@ -33,7 +33,7 @@ void halve(const float* line, std::size_t size, std::size_t stride, std::size_t 
   }
 }
 
-// Weights of four values at -1, 0, 1, 2 in the interpolant at t in [0, 1], and in its slope.
+// Weights of the values at -1, 0, 1, 2 for the interpolant at t in [0, 1], and for its slope.
 struct Weights {
   std::array<double, 4> value;
   std::array<double, 4> slope;
@@ -118,13 +118,13 @@ std::size_t HeightMap::memory_bytes() const {
   return sizeof(*this) + levels_.capacity() * sizeof(Level) + texels_.capacity() * sizeof(float);
 }
 
-// Every branch leaves x, in texels from the first one's centre, between -1 and size; the border is
-// enough for that.
+// In every branch, x (in texels from the centre of the first texel) is between -1 and size, which
+// the border covers.
 HeightMap::Place HeightMap::place(double coordinate, std::uint32_t size, MapWrap wrap) noexcept {
   double sense = 1.0;
   double x = 0.0;
   if (wrap == MapWrap::kClamp) {
-    // Half a texel outside the map the interpolant has come to rest.
+    // The interpolant is constant beyond half a texel outside the map.
     x = std::clamp(coordinate * size - 0.5, -1.0, static_cast<double>(size));
   } else if (wrap == MapWrap::kMirror) {
     double folded = coordinate - 2.0 * std::floor(0.5 * coordinate);
@@ -136,7 +136,7 @@ HeightMap::Place HeightMap::place(double coordinate, std::uint32_t size, MapWrap
   } else {
     x = (coordinate - std::floor(coordinate)) * size - 0.5;
   }
-  // The last taps serve the very end of the range, too.
+  // The last taps also cover the end of the range.
   const double second = std::min(std::floor(x), static_cast<double>(size) - 1.0);
   return {static_cast<std::uint32_t>(static_cast<std::int64_t>(second) + (kBorder - 1)), x - second,
           sense};

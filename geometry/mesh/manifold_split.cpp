@@ -5,8 +5,8 @@
 namespace palpate {
 namespace {
 
-// The corner at the same vertex in the next face, counter-clockwise and clockwise seen from the
-// front, or kNoHalfEdge. An aligned mate of the half-edge into a vertex starts there.
+// The corner at the same vertex in the next face, counter-clockwise or clockwise as seen from the
+// front, or kNoHalfEdge. If a half-edge ends at a vertex, its aligned mate starts there.
 std::uint32_t counter_clockwise(const HalfEdgeMates& mates, std::uint32_t corner) {
   return mates.aligned[previous_half_edge(corner)];
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The faces of a surface, on their way into an index.
+// The faces of a surface, with the map to the frame of an index.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace palpate {
 
-// p_index = linear * p_mesh + translation_m: how a surface is placed in the frame of its index.
+// The map from the frame of a surface to the frame of its index: p_index = linear * p_mesh +
+// translation_m.
 struct AffineMap {
-  Mat3 linear = Mat3::Identity();  // not singular; a mirror turns the faces over again
+  Mat3 linear = Mat3::Identity();  // not singular; under a mirror, faces are reversed
   Vec3 translation_m = Vec3::Zero();
 
   Vec3 operator()(const Vec3& p) const { return linear * p + translation_m; }
 };
 
-// Faces in welded vertices, and the map to the frame of an index.
+// Faces as welded vertex indices, and the map to the frame of an index.
 struct MappedFaces {
   std::span<const Vec3> positions_mesh_m;
   std::span<const Triangle> faces;

@@ -40,13 +40,14 @@ class Writer {
     return OpenMesh::HalfedgeHandle(static_cast<int>(half_edges_[h]));
   }
 
-  // Edges in the order in which faces come to them; the first face has the first half-edge. Each
-  // half-edge's number in OpenMesh takes the place of its mate.
+  // Numbers the edges in the order in which the faces reach them; the first face has the edge's
+  // first half-edge. Replaces each entry of half_edges_, the mate, by the half-edge's number in
+  // OpenMesh.
   void number_edges() {
     int next_edge = 0;
     for (std::uint32_t h = 0; h < half_edges_.size(); ++h) {
       const std::uint32_t mate = half_edges_[h];
-      const bool is_second = mate < h;  // kNoHalfEdge is not
+      const bool is_second = mate < h;  // false for kNoHalfEdge
       const OpenMesh::HalfedgeHandle own =
           is_second ? mesh_.opposite_halfedge_handle(handle(mate))
                     : mesh_.halfedge_handle(OpenMesh::EdgeHandle(next_edge++), 0);
@@ -60,7 +61,7 @@ class Writer {
   void link_faces() {
     for (std::uint32_t first = 0; first < half_edges_.size(); first += 3) {
       const OpenMesh::FaceHandle face(static_cast<int>(first / 3));
-      // OpenMesh lists a face's vertices from the one that this half-edge points to.
+      // OpenMesh lists a face's vertices starting where this half-edge ends.
       mesh_.set_halfedge_handle(face, handle(first + 2));
       for (std::uint32_t h = first; h < first + 3; ++h) {
         mesh_.set_face_handle(handle(h), face);
@@ -70,8 +71,8 @@ class Writer {
     }
   }
 
-  // A split vertex has one fan, so at most one boundary half-edge leaves it. OpenMesh wants that
-  // one as the vertex's own.
+  // A split vertex has one fan, so at most one boundary half-edge leaves it. OpenMesh requires this
+  // half-edge as the half-edge of the vertex.
   void link_boundaries() {
     const auto for_each_boundary = [this](const auto& visit) {
       for (std::uint32_t h = 0; h < half_edges_.size(); ++h) {
@@ -88,7 +89,7 @@ class Writer {
   }
 
   std::span<const Triangle> faces_;
-  FixedArray<std::uint32_t> half_edges_;  // of OpenMesh, per half-edge; first the mate of each
+  FixedArray<std::uint32_t> half_edges_;  // number in OpenMesh, per half-edge; initially the mate
   OpenMeshSurface& mesh_;
 };
 

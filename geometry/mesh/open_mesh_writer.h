@@ -1,6 +1,6 @@
 #pragma once
 
-// A split surface as an OpenMesh.
+// Writes a split surface into an OpenMesh.
 
 #include <cstdint>
 #include <span>
@@ -12,12 +12,14 @@
 
 namespace palpate {
 
-// Fills an empty surface: face f is face f, starting with the same corner. faces: in vertices that
-// have one fan of faces each (manifold_split.h). mates: of their half-edges, kNoHalfEdge at the
-// boundary. points: of the vertices; they stay where they are in memory.
+// Fills an empty surface. Face f of the surface is faces[f], starting with the same corner. faces:
+// indices of split vertices, each with one fan of faces (manifold_split.h). mates: the mate of each
+// half-edge, kNoHalfEdge at the boundary. points: the positions of the vertices; their memory is
+// moved, not copied.
 //
-// Links half-edges directly. add_face() searches all edges of a vertex for each face, which is
-// quadratic at the apex of a large fan. Linear time. No normals.
+// The function links half-edges directly, because OpenMesh's add_face() searches all edges of a
+// vertex for each face, which is quadratic at the apex of a large fan. Linear time. Computes no
+// normals.
 void write_open_mesh(std::span<const Triangle> faces, FixedArray<std::uint32_t> mates,
                      std::vector<Vec3> points, OpenMeshSurface& surface);
 

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kFew = 8;  // are compared one by one
+constexpr std::uint32_t kFew = 8;  // up to this many boxes form a leaf
 
 }  // namespace
 
@@ -16,7 +16,7 @@ PlanarBoxes::PlanarBoxes(std::vector<GridBox> boxes)
   if (!order_.empty()) add_node(0, static_cast<std::uint32_t>(order_.size()));
 }
 
-// Halves by number, along the axis that the middles are spread more along.
+// Splits at the median of the boxes' middles, along the axis with the larger spread of middles.
 GridBox PlanarBoxes::add_node(std::uint32_t begin, std::uint32_t end) {
   const auto middle = [&](std::uint32_t i) {
     return GridPoint{boxes_[i].low.x + boxes_[i].high.x, boxes_[i].low.y + boxes_[i].high.y};

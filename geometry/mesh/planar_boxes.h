@@ -1,6 +1,6 @@
 #pragma once
 
-// Points of a plane on an integer grid, and which of many boxes around such points meet another.
+// Points and boxes on an integer grid in a plane, and a tree that finds the boxes that meet a box.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// Coordinates below 2^27, so that cross products of differences are exact.
+// Requires coordinates below 2^27, so that cross products of differences are exact.
 struct GridPoint {
   std::int64_t x, y;
 
@@ -39,12 +39,12 @@ struct GridBox {
   }
 };
 
-// An immutable tree. Thread-safe.
+// An immutable tree over boxes. Thread-safe.
 class PlanarBoxes {
  public:
   explicit PlanarBoxes(std::vector<GridBox> boxes);
 
-  // Calls visit(index) for each box that meets another, in an order of its own.
+  // Calls visit(index) for each box that meets `box`, in the order of the tree.
   template <typename Visit>
   void visit(const GridBox& box, const Visit& visit) const {
     for (std::size_t n = 0; n < nodes_.size();) {
@@ -62,14 +62,14 @@ class PlanarBoxes {
  private:
   struct Node {
     GridBox box;
-    std::uint32_t begin, end;  // of a leaf; none otherwise
-    std::size_t next;          // behind all that is below
+    std::uint32_t begin, end;  // boxes of a leaf; empty for inner nodes
+    std::size_t next;          // the node after this subtree
   };
   GridBox add_node(std::uint32_t begin, std::uint32_t end);
 
   std::vector<GridBox> boxes_;
   std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;  // each before those below
+  std::vector<Node> nodes_;  // each node before its descendants
 };
 
 }  // namespace palpate

@@ -9,24 +9,26 @@ namespace {
 
 // See planar_pieces().
 constexpr double kMergedPerExtent = 0x1p-20;
-constexpr double kRoundoff = 64 * 0x1p-53;  // of a few products and sums
+constexpr double kRoundoff = 64 * 0x1p-53;  // rounding of a few products and sums
 
-// Of the grid: rounding to it is far below what is merged, and coordinates stay below 2^27.
+// Grid cells per merging distance: the rounding to the grid is far below merged_m, and coordinates
+// stay below 2^27.
 constexpr std::int64_t kCellsPerMerged = 64;
 
-// A vertex is on a piece if it is within half of what is merged of it: it is farther than what is
-// merged from the ends, so the angle at which it bends the piece is 120 degrees or more, and both
-// parts are shorter than the whole. Where pieces cross, both are cut whatever the angle. A cut may
-// bend a piece on to another vertex or across another piece: all are looked at again until nothing
-// is to be cut. Two to four rounds are usual; the bound is against a few short pieces about one
-// place that have no end.
+// A vertex lies on a piece if its distance from the piece is at most half of merged_m. The vertex
+// is farther than merged_m from the ends, so the cut piece has an angle of at least 120 degrees
+// there, and both parts are shorter than the whole. Pieces that cross are both cut at any angle. A
+// cut may bend a piece on to another vertex or across another piece, so new pieces are tested again
+// until no cut is left. Two to four rounds are usual; the limit stops endless cuts of a few short
+// pieces around one place.
 constexpr int kMostRounds = 64;
 constexpr double kOnPiece = 0.5 * static_cast<double>(kCellsPerMerged);
-// The vertex of a crossing is as far from it as what is merged, and the rounding of the crossing.
+// The vertex of a crossing may be as far from the crossing as merged_m plus the rounding of the
+// crossing.
 constexpr double kCrossed = static_cast<double>(kCellsPerMerged) + 2.0;
 
-// Pairs of pieces that are looked at, at most, and vertices that are made: for the time and for the
-// memory. Usual are fewer than ten a segment.
+// The largest numbers of examined pairs of pieces, which limits the time, and of vertices, which
+// limits the memory. Usual numbers are below ten per segment.
 constexpr std::uint64_t kMostPairs = 10'000'000;
 constexpr std::uint64_t kMostVertices = 1'000'000;
 constexpr std::uint64_t kMostPerSegment = 32;
@@ -92,7 +94,7 @@ class PieceCutter {
     return x >= 0 ? x / kCellsPerMerged : -((kCellsPerMerged - 1 - x) / kCellsPerMerged);
   }
 
-  // The nearest there is within what is merged, or a new one.
+  // The nearest vertex within merged_m of p, or a new vertex.
   std::uint32_t vertex_at(const GridPoint& p, std::uint32_t segment, double share) {
     const std::int64_t column = cell_of(p.x);
     const std::int64_t row = cell_of(p.y);
@@ -126,7 +128,7 @@ class PieceCutter {
     return GridBox{a, a}.united({b, b});
   }
 
-  // One round; false if there was nothing to cut.
+  // One round of cuts. Returns false if no piece was cut.
   bool cut() {
     std::vector<GridBox> boxes;
     boxes.reserve(result_.pieces.size());
@@ -160,7 +162,7 @@ class PieceCutter {
     return result_.gave_up;
   }
 
-  // Finds where two pieces have to be cut because of each other.
+  // Finds the cuts that two pieces cause in each other.
   void meet(std::uint32_t i, std::uint32_t k) {
     const PlanarPiece a = result_.pieces[i];
     const PlanarPiece b = result_.pieces[k];
@@ -186,7 +188,7 @@ class PieceCutter {
     cut_at(k, vertex, kCrossed);
   }
 
-  // How much of the way along a segment a point is.
+  // The position of a point along a segment, as a fraction of its length.
   double share_of(std::uint32_t segment, const GridPoint& p) const {
     const PlanarSegment& s = segments_[segment];
     const Eigen::Vector2d way = s.to - s.from;
@@ -195,7 +197,7 @@ class PieceCutter {
     return std::clamp((p_m - s.from).dot(way) / way.squaredNorm(), 0.0, 1.0);
   }
 
-  // If the vertex lies on the piece and is no end of it.
+  // Adds a cut if the vertex lies on the piece and is not one of its ends.
   void cut_at(std::uint32_t piece, std::uint32_t vertex, double within = kOnPiece) {
     const PlanarPiece& p = result_.pieces[piece];
     if (vertex == p.from || vertex == p.to) return;
@@ -209,7 +211,7 @@ class PieceCutter {
     cuts_.push_back({piece, vertex, along});
   }
 
-  // What goes straight back along the last piece of the same segment goes with it.
+  // Adds a piece. A piece that returns along the last piece of the same segment cancels that piece.
   static void add_piece(const PlanarPiece& piece, bool is_cut, std::vector<PlanarPiece>& pieces,
                         std::vector<bool>& is_new) {
     if (piece.from == piece.to) return;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Segments of a plane, cut into pieces that meet at their ends only.
+// Cuts segments in a plane into pieces that meet only at their ends.
 
 #include <cstdint>
 #include <vector>
@@ -15,14 +15,15 @@ struct PlanarSegment {
   Eigen::Vector2d from, to;
 };
 
-// A vertex, and where it comes from: so much of the way along a segment, 0 and 1 being its ends.
+// A vertex and its origin: a segment, and the position on it as a fraction of its length, from 0 to
+// 1.
 struct PlanarVertex {
   GridPoint at;
   std::uint32_t segment;
   double share;
 };
 
-// From vertex to vertex, in the direction of the segment that it is a part of.
+// A part of a segment between two vertices, in the direction of the segment.
 struct PlanarPiece {
   std::uint32_t from, to;
   std::uint32_t segment;
@@ -31,20 +32,21 @@ struct PlanarPiece {
 struct PlanarPieces {
   std::vector<PlanarVertex> vertices;
   std::vector<PlanarPiece> pieces;  // by segment, along it
-  double merged_m = 0.0;            // what is nearer than this is one
-  bool gave_up = false;  // so many segments are near to each other that not all were looked at
+  double merged_m = 0.0;            // points within this distance are merged
+  bool gave_up = false;  // too many segments are close together: not all pairs were examined
 };
 
-// Vertices lie on a grid, so that what is asked of them has an exact answer, and more than merged_m
-// apart. Where segments cross, touch or lie on one another within half of merged_m they have
-// vertices in common; pieces that coincide have both. A segment that closes a chain still does so.
+// Vertices lie on a grid, so that geometric predicates on them are exact, and they are more than
+// merged_m apart. Segments that cross, touch or overlap within half of merged_m share vertices;
+// pieces that coincide share both vertices. A closed chain of segments stays closed.
 //
-// merged_m is 2^-20 of the extent, some sixteen times what coordinates in single precision are
-// rounded by: what coincides in a model does so to its rounding. It is more where largest_m, the
-// largest coordinate that the segments were computed from, has been rounded by more.
+// merged_m is 2^-20 of the extent, about sixteen times the rounding of coordinates in single
+// precision, because parts of a model coincide only up to this rounding. merged_m is larger if the
+// rounding of largest_m requires it. largest_m: the largest coordinate from which the segments were
+// computed.
 //
-// Deterministic. O(n log n); gives up where boxes around the segments overlap more than ten million
-// others and 32 a segment, or where they cross in more than a million places and 32 a segment.
+// Deterministic. O(n log n); gives up if more than ten million + 32 n pairs of bounding boxes
+// overlap, or if more than one million + 32 n vertices arise, for n segments.
 PlanarPieces planar_pieces(const std::vector<PlanarSegment>& segments, double largest_m);
 
 }  // namespace palpate

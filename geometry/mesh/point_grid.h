@@ -1,6 +1,6 @@
 #pragma once
 
-// Points sorted by where they are, for those very near to a point.
+// A spatial hash of points that finds the points very near to a given point.
 
 #include <cmath>
 #include <cstddef>
@@ -14,14 +14,15 @@
 
 namespace palpate {
 
-// Cubic cells without end, of which only those that hold points take memory. Any frame, metres.
+// An unbounded grid of cubic cells; only cells with points use memory. Any frame, metres.
 // Coordinates below 2^62 cells. Deterministic. Not for the haptic thread.
 class PointGrid {
  public:
-  // What a query looks at, at most: a crowd in one cell cannot make a query long.
+  // The largest number of points that a query examines, so that a crowded cell does not make a
+  // query slow.
   static constexpr std::size_t kMostVisited = 64;
 
-  // capacity: points that will be inserted, at most.
+  // capacity: the largest number of points that will be inserted.
   PointGrid(double cell_m, std::size_t capacity) : per_cell_(1.0 / cell_m) {
     first_.assign(bucket_count(capacity), kNone);
     entries_.reserve(capacity);
@@ -38,10 +39,9 @@ class PointGrid {
     first = static_cast<std::uint32_t>(entries_.size() - 1);
   }
 
-  // Calls visit(id) for the points in all cells that come within radius_m of p, the last inserted
-  // of a cell first, as long as it returns true: all that are so near, and some that are not.
-  // Returns false if it gave up before it had looked at all of them, because they are a crowd.
-  // radius_m: less than half a cell.
+  // Calls visit(id) for the points in all cells within radius_m of p, last inserted first within a
+  // cell, until visit() returns false. These are all points within radius_m and some points beyond.
+  // Returns false if the query gave up after kMostVisited points. radius_m: less than half a cell.
   template <typename Visit>
   bool visit_near(const Vec3& p, double radius_m, Visit visit) const {
     std::size_t visited = 0;
@@ -60,7 +60,7 @@ class PointGrid {
   struct Entry {
     std::uint64_t key;
     std::uint32_t id;
-    std::uint32_t next;  // of the same bucket
+    std::uint32_t next;  // next entry of the same bucket
   };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -71,28 +71,28 @@ class PointGrid {
   }
 
   double per_cell_;
-  std::vector<std::uint32_t> first_;  // by the low bits of the key; their number is a power of two
+  std::vector<std::uint32_t> first_;  // by the low bits of the key; its size is a power of two
   std::vector<Entry> entries_;
 };
 
-// Which parts of a box have points in them: a question that is answered from the cache, before one
-// to a PointGrid of many points, which is not.
+// Marks the parts of a box that contain points. The marks fit into the CPU cache, unlike a
+// PointGrid with many points, and a test of a mark avoids most queries of the PointGrid.
 class OccupiedCells {
  public:
-  // box: around the points that will be marked. A cell is no smaller than the margin around them,
-  // so that each marks 27 at most.
+  // box: contains the points that will be marked. A cell is at least as wide as the margin, so that
+  // each point marks at most 27 cells.
   OccupiedCells(const Box& box, double margin_m)
       : box_(box),
         margin_m_(margin_m),
         cells_per_m_((kAlongAxis / (box.high - box.low).array()).min(1.0 / margin_m)) {
-    // No width: all in the first cell.
+    // A box without width along an axis has one cell there.
     for (int k = 0; k < 3; ++k) {
       if (!std::isfinite(cells_per_m_[k])) cells_per_m_[k] = 0.0;
     }
     bits_.assign(kAlongAxis * kAlongAxis * kAlongAxis / 64, 0);
   }
 
-  // Points that come within the margin of p are in an occupied cell from now on.
+  // Marks all cells within the margin of p.
   void mark(const Vec3& p) {
     const Vec3 margin = Vec3::Constant(margin_m_);
     const Eigen::Array3i low = cell_of(p - margin);

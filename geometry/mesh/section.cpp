@@ -21,15 +21,16 @@ EdgeKey edge_key(std::uint32_t u, std::uint32_t v) {
   return static_cast<EdgeKey>(std::min(u, v)) << 32 | std::max(u, v);
 }
 
-// The segment in which one triangle is cut, directed with the triangle's back on its left: from the
-// edge that goes down through the plane, in the triangle's orientation, to the one that comes up.
+// The segment where the plane cuts one triangle, directed with the triangle's back on its left. In
+// the triangle's orientation, `from` is the edge that crosses the plane downwards and `to` the edge
+// that crosses it upwards.
 struct Cut {
   std::uint32_t triangle;
   EdgeKey from;
   EdgeKey to;
 };
 
-// A segment's end, seen from the edge it lies on.
+// An end of a segment, on an edge.
 struct CutEnd {
   EdgeKey edge;
   std::uint32_t cut;
@@ -61,8 +62,8 @@ class Section {
   }
 
  private:
-  // Zero counts as above: the plane is moved down by less than anything (simulation of simplicity,
-  // Edelsbrunner and Muecke 1990), and no vertex is ever in it.
+  // Zero counts as above, as if the plane were moved down by an infinitesimal amount (simulation of
+  // simplicity, Edelsbrunner and Muecke 1990), so that no vertex lies in the plane.
   bool above(std::uint32_t v) const { return heights_m_[v] >= 0.0; }
 
   void cut_triangles() {
@@ -83,7 +84,7 @@ class Section {
     }
   }
 
-  // Finds which segment goes on where one ends.
+  // Links each segment to the segment that continues it.
   void link_cuts() {
     next_.assign(cuts_.size(), kNoCut);
     has_previous_.assign(cuts_.size(), false);
@@ -117,7 +118,8 @@ class Section {
   }
 
   // Material fills the angle from a leaving segment, counter-clockwise, to an arriving one. Pairs
-  // them like brackets on a circle, so that what arrives turns left around its own material.
+  // the segments like brackets on a circle, so that an arriving segment turns left around its own
+  // material.
   template <typename Iterator>
   void link_around_edge(Iterator begin, Iterator end) {
     const Vec3 u = normal_.unitOrthogonal();
@@ -150,8 +152,8 @@ class Section {
     return (positions_m_[t[1]] - origin_m).cross(positions_m_[t[2]] - origin_m).stableNormalized();
   }
 
-  // From its vertex above, so that both triangles at the edge get the same point, and a vertex in
-  // the plane is met exactly.
+  // Computed from the edge's vertex above the plane, so that both triangles at the edge have the
+  // same point, and a vertex in the plane is the exact result.
   Vec3 crossing_m(EdgeKey edge) const {
     auto upper = static_cast<std::uint32_t>(edge >> 32);
     auto lower = static_cast<std::uint32_t>(edge);
@@ -181,7 +183,7 @@ class Section {
   std::vector<double> heights_m_;  // of each position above the plane
   double largest_m_ = 0.0;         // coordinate of a triangle that is cut
   std::vector<Cut> cuts_;
-  std::vector<std::uint32_t> next_;  // per cut, the one that goes on from its end
+  std::vector<std::uint32_t> next_;  // per cut: the cut that continues it
   std::vector<bool> has_previous_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which small parts of space hold points of more than one owner.
+// Finds the cells of space that contain points of more than one owner.
 
 #include <algorithm>
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace palpate {
 
-// Cubic cells without end, of which those that hold points take 8 bytes each, however many points
-// they hold: many times less than a PointGrid of the same points, so that it can sort out points
-// that are alone before one is made. Names all cells that are shared, and rarely one that is not.
-// Any frame, metres. Coordinates below 2^62 cells. Owners below 2^31. Deterministic. Not for the
-// haptic thread.
+// An unbounded grid of cubic cells. A cell with points uses 8 bytes, regardless of the number of
+// points. This is far less than a PointGrid of the same points, so that isolated points can be
+// filtered out before a PointGrid is built. Reports every shared cell, and rarely a cell that is
+// not shared. Any frame, metres. Coordinates below 2^62 cells. Owners below 2^31. Deterministic.
+// Not for the haptic thread.
 class SharedCells {
  public:
-  // capacity: points that will be added, at most.
+  // capacity: the largest number of points that will be added.
   SharedCells(double cell_m, std::size_t capacity)
       : per_cell_(1.0 / cell_m), slots_(slot_count(capacity), 0) {}
 
@@ -27,11 +27,11 @@ class SharedCells {
     return slot_count(capacity) * sizeof(std::uint64_t);
   }
 
-  // So many points of one owner in one cell are a crowd.
+  // The number of points of one owner in one cell that counts as a crowd.
   static constexpr std::uint64_t kCrowd = 64;
 
-  // A point of an owner, in its own cell; those of one owner come one after the other. False where
-  // the cell holds a crowd of that owner's.
+  // Adds a point of an owner to the cell of the point. All points of one owner must be added
+  // consecutively. Returns false if the cell contains a crowd of this owner's points.
   bool add(const Vec3& p, std::uint32_t owner) {
     const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
     std::uint64_t& slot = slots_[find(key)];
@@ -43,8 +43,8 @@ class SharedCells {
     return count < kCrowd;
   }
 
-  // Marks as shared the cells within radius_m of p that hold points of others; whether there are
-  // any. radius_m: less than half a cell.
+  // Marks the cells within radius_m of p that contain points of other owners as shared. Returns
+  // whether there are any. radius_m: less than half a cell.
   bool share_near(const Vec3& p, double radius_m, std::uint32_t owner) {
     bool is_any = false;
     visit_cells_near(p, radius_m, per_cell_, [&](std::uint64_t key) {
@@ -56,22 +56,22 @@ class SharedCells {
     return is_any;
   }
 
-  // Whether no other cell than that of p is within radius_m of it: if p has been added,
-  // share_near() has nothing to mark.
+  // Whether the cell of p is the only cell within radius_m of p. If so, and if p has been added,
+  // share_near() has no cell to mark.
   bool is_inside_cell(const Vec3& p, double radius_m) const {
     const SpatialCell low = spatial_cell((p.array() - radius_m).matrix(), per_cell_);
     const SpatialCell high = spatial_cell((p.array() + radius_m).matrix(), per_cell_);
     return low.x == high.x && low.y == high.y && low.z == high.z;
   }
 
-  // Whether the cell of a point that was added is shared.
+  // Whether the cell of a previously added point is shared.
   bool is_shared(const Vec3& p) const {
     return (slots_[find(spatial_key(spatial_cell(p, per_cell_)))] & kIsShared) != 0;
   }
 
  private:
-  // A slot: 24 bits of the key, how many points the last owner has there, whether others have, the
-  // last owner, and a one. 0: empty.
+  // A slot, from the high bits: 24 bits of the key, the number of the last owner's points in the
+  // cell, the shared flag, the last owner, and a one. 0 is an empty slot.
   static constexpr std::uint64_t kIsThere = 1;
   static constexpr std::uint64_t kIsShared = std::uint64_t{1} << 32;
   static constexpr int kCountBegin = 33;
@@ -82,15 +82,15 @@ class SharedCells {
     return static_cast<std::uint32_t>(slot) >> 1;
   }
 
-  // At most two in three are taken, so that runs are short.
+  // At most two thirds of the slots are used, so that probe runs are short.
   static std::size_t slot_count(std::size_t capacity) {
     std::size_t count = 16;
     while (2 * count < 3 * capacity) count *= 2;
     return count;
   }
 
-  // The slot of a cell, or the empty one where it would be. Two cells in one run whose tags are
-  // alike are as if they were one.
+  // The slot of a cell, or the empty slot where it would be inserted. Two cells in one probe run
+  // with equal tags are treated as one cell.
   std::size_t find(std::uint64_t key) const {
     std::size_t i = key & (slots_.size() - 1);
     while (slots_[i] != 0 && (slots_[i] & kTag) != tag_of(key)) i = (i + 1) & (slots_.size() - 1);
@@ -98,7 +98,7 @@ class SharedCells {
   }
 
   double per_cell_;
-  std::vector<std::uint64_t> slots_;  // their number is a power of two
+  std::vector<std::uint64_t> slots_;  // its size is a power of two
 };
 
 }  // namespace palpate

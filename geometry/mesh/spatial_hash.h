@@ -1,6 +1,6 @@
 #pragma once
 
-// Cubic cells without end, by a key of 64 bits each.
+// An unbounded grid of cubic cells, each identified by a 64-bit key.
 
 #include <cmath>
 #include <cstdint>
@@ -21,8 +21,8 @@ inline SpatialCell spatial_cell(const Vec3& p, double cells_per_m) {
   return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
 }
 
-// SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with one key are as
-// if they were one.
+// SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with the same key
+// are treated as one cell.
 inline std::uint64_t spatial_key(const SpatialCell& cell) {
   std::uint64_t key = 0;
   for (const std::int64_t c : {cell.x, cell.y, cell.z}) {
@@ -34,7 +34,7 @@ inline std::uint64_t spatial_key(const SpatialCell& cell) {
   return key;
 }
 
-// Calls visit(key) for the cells that come within radius_m of p: at most eight for a radius of less
+// Calls visit(key) for the cells within radius_m of p: at most eight cells for a radius of less
 // than half a cell.
 template <typename Visit>
 void visit_cells_near(const Vec3& p, double radius_m, double cells_per_m, Visit visit) {

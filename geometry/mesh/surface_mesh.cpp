@@ -11,7 +11,7 @@ namespace {
 
 std::size_t adjacency_bytes(std::size_t vertices, std::size_t edges, std::size_t faces) {
   using Items = OpenMesh::ArrayItems;
-  // With every item and half-edge OpenMesh keeps a property for the traits, which are empty here.
+  // OpenMesh stores a property for the traits, which are empty here, with every item and half-edge.
   constexpr std::size_t kTraits = 1;
   return sizeof(SurfaceMesh) + sizeof(OpenMeshSurface) +
          vertices * (sizeof(Items::Vertex) + kTraits) +
@@ -32,7 +32,7 @@ SurfaceMesh::SurfaceMesh(WeldedSurface& welded)
   const auto surface = std::make_shared<OpenMeshSurface>();
   try {
     write_open_mesh(faces, std::move(mates.aligned), points(welded.positions_), *surface);
-  } catch (...) {  // for want of memory; others may still read the positions
+  } catch (...) {  // memory is short; others may still read the positions
     std::vector<Vec3>& taken = surface->property(surface->points_property_handle()).data_vector();
     if (copied_vertices_.empty()) welded.positions_ = std::move(taken);
     throw;
@@ -42,7 +42,7 @@ SurfaceMesh::SurfaceMesh(WeldedSurface& welded)
   cut_edges_.shrink_to_fit();
 }
 
-// The positions of all vertices. Where none is a copy, they stay where they are in memory.
+// The positions of all vertices. Without copied vertices, the memory is moved.
 std::vector<Vec3> SurfaceMesh::points(std::vector<Vec3>& welded) const {
   if (copied_vertices_.empty()) return std::move(welded);
   std::vector<Vec3> points;
@@ -89,12 +89,12 @@ std::uint32_t SurfaceMesh::welded_neighbour(std::size_t face, int e) const {
 }
 
 MemoryNeed SurfaceMesh::memory_need(const WeldedSurface& welded) {
-  constexpr std::uint64_t kBlocks = 1024;  // what blocks are larger by, and small ones
+  constexpr std::uint64_t kBlocks = 1024;  // rounding of block sizes, and small blocks
   const std::span<const std::uint32_t> mates = welded.mates().aligned.span();
   const std::uint64_t faces = welded.face_count();
   std::vector<bool> is_open(welded.positions().size(), false);
-  std::uint64_t open_fans = 0;  // each of them ends at one half-edge that has no mate
-  std::uint64_t copies = 0;     // where a vertex has several
+  std::uint64_t open_fans = 0;  // each open fan ends at one half-edge without a mate
+  std::uint64_t copies = 0;     // for vertices with several open fans
   for (std::size_t h = 0; h < mates.size(); ++h) {
     if (mates[h] != kNoHalfEdge) continue;
     const std::uint32_t vertex = welded.faces()[h / 3][h % 3];
@@ -106,7 +106,7 @@ MemoryNeed SurfaceMesh::memory_need(const WeldedSurface& welded) {
   const std::uint64_t kept = kBlocks +
                              adjacency_bytes(vertices, (3 * faces + open_fans) / 2, faces) +
                              copies * (sizeof(Vec3) + sizeof(std::uint32_t));
-  // Marks of corners and vertices; and where there are copies, faces and all positions once more.
+  // Marks of corners and vertices; with copies, also a second copy of faces and positions.
   std::uint64_t split = (3 * faces + vertices) / 8;
   if (copies > 0) split += faces * sizeof(Triangle) + welded.positions().size() * sizeof(Vec3);
   return {kept, kept + split};

@@ -23,7 +23,7 @@ std::uint64_t mixed(std::uint64_t bits) {
   return bits ^ (bits >> 31);
 }
 
-// -0 + 0 is +0; any other sum with 0 changes nothing.
+// -0 + 0 is +0; adding 0 to any other number does not change it.
 Vec3 without_minus_zero(const Vec3& p) {
   return p.array() + 0.0;
 }
@@ -45,7 +45,7 @@ FixedArray<std::uint32_t> hashes_of(const std::vector<Vec3>& positions_m) {
   return hashes;
 }
 
-// Finds the first of equal positions, among those whose hashes are in a part of their range.
+// Finds the first of equal positions, among the positions with hashes in one part of the range.
 class PartWelder {
  public:
   PartWelder(const std::vector<Vec3>& positions_m, const FixedArray<std::uint32_t>& hashes,
@@ -53,14 +53,14 @@ class PartWelder {
       : positions_m_(positions_m), hashes_(hashes), part_(part), parts_(parts) {
     const auto own = static_cast<std::size_t>(
         std::count_if(hashes.begin(), hashes.end(), [this](std::uint32_t h) { return is_own(h); }));
-    // At most half full, so that probing ends after a step or two.
+    // At most half full, so that a probe run has one or two steps.
     table_.assign(std::bit_ceil(2 * std::max<std::size_t>(own, 1)), kEmpty);
   }
 
-  // Per position: number of the first that equals it.
+  // Per position: the number of the first equal position.
   void find_first(std::vector<std::uint32_t>& first_of) {
     for (std::size_t i = 0; i < positions_m_.size(); ++i) {
-      constexpr std::size_t kAhead = 24;  // as long as memory takes to answer
+      constexpr std::size_t kAhead = 24;  // covers the latency of memory
       if (i + kAhead < hashes_.size() && is_own(hashes_[i + kAhead])) {
         __builtin_prefetch(&table_[hashes_[i + kAhead] & (table_.size() - 1)]);
       }
@@ -70,10 +70,11 @@ class PartWelder {
   }
 
  private:
-  // The hash in the upper half, so that most positions need not be fetched to be compared.
+  // The upper half of an entry holds the hash, so that most positions need no fetch for a
+  // comparison.
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
-  // By the upper bits: the lower ones choose the place in the table.
+  // Tests the upper bits, because the lower bits select the slot in the table.
   bool is_own(std::uint32_t hash) const { return (std::uint64_t{hash} * parts_) >> 32 == part_; }
 
   std::uint32_t enter(std::uint32_t i) {
@@ -100,13 +101,14 @@ class PartWelder {
 
 std::uint64_t weld_memory(std::uint64_t positions) {
   const std::uint64_t parts = positions < kPositionsWorthAThread ? 1 : pass_count();
-  // What a part of the hashes has more than its share: by chance, seldom four times as much.
+  // A part of the hashes may exceed its share by chance: rarely by more than four standard
+  // deviations, where sqrt(share) is one.
   const double share = static_cast<double>(positions) / static_cast<double>(parts);
   const auto most = static_cast<std::uint64_t>(share + 4 * std::sqrt(share) + 1);
   const std::uint64_t tables = parts * sizeof(std::uint64_t) * std::bit_ceil(2 * most);
   const std::uint64_t vertex_of = positions * sizeof(std::uint32_t);
   const std::uint64_t hashes = positions * sizeof(std::uint32_t);
-  const std::uint64_t positions_once_more = positions * sizeof(Vec3);  // in less room
+  const std::uint64_t positions_once_more = positions * sizeof(Vec3);  // when the vector shrinks
   return vertex_of + std::max(hashes + tables, positions_once_more);
 }
 
@@ -121,7 +123,8 @@ Weld weld_equal_positions(std::vector<Vec3> positions_m) {
       PartWelder(positions_m, hashes, part, parts).find_first(weld.vertex_of);
     });
   }
-  // Numbers take the place of first positions, which come before those that equal them.
+  // Replaces first positions by vertex numbers. A first position precedes all positions equal to
+  // it.
   std::uint32_t distinct = 0;
   for (std::size_t i = 0; i < positions_m.size(); ++i) {
     std::uint32_t& vertex = weld.vertex_of[i];

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kFacesWorthAThread = 50000;  // a millisecond of work
 
-// Puts triangles in welded vertices. Returns those that have no area, rising.
+// Replaces the vertex indices of triangles by welded vertices. Returns the triangles without area,
+// ascending.
 std::vector<std::uint32_t> weld_triangles(const Weld& weld, std::vector<Triangle>& triangles) {
   std::vector<std::uint32_t> dropped;
   std::mutex mutex;
@@ -41,7 +42,7 @@ std::vector<std::uint32_t> weld_triangles(const Weld& weld, std::vector<Triangle
   return dropped;
 }
 
-// dropped: rising.
+// dropped: ascending.
 void erase_faces(const std::vector<std::uint32_t>& dropped, std::vector<Triangle>& faces) {
   if (dropped.empty()) return;
   std::size_t kept = dropped.front();
@@ -56,7 +57,7 @@ void erase_faces(const std::vector<std::uint32_t>& dropped, std::vector<Triangle
   faces.resize(kept);
 }
 
-// Faces of which an earlier one has the same three vertices, rising.
+// The faces with the same three vertices as an earlier face, ascending.
 std::vector<std::uint32_t> find_duplicates(std::span<const Triangle> faces,
                                            std::size_t vertex_count) {
   std::vector<Triangle> keys(faces.begin(), faces.end());
@@ -112,13 +113,13 @@ WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> 
   report_.triangles_in = faces_.size();
   Weld weld = weld_equal_positions(std::move(positions));
   std::vector<std::uint32_t> dropped = weld_triangles(weld, faces_);
-  weld.vertex_of = std::vector<std::uint32_t>();  // {} would keep its room
+  weld.vertex_of = std::vector<std::uint32_t>();  // {} would keep its memory
   positions_ = std::move(weld.positions_m);
   erase_faces(dropped, faces_);
   report_.dropped_degenerate = dropped.size();
   mates_ = match_half_edges(faces_, positions_.size());
   if (mates_.has_duplicates) {
-    mates_ = {};  // first, so that two of them never share the memory
+    mates_ = {};  // frees the old mates before new ones are computed
     drop_duplicates(dropped);
     mates_ = match_half_edges(faces_, positions_.size());
   }
@@ -133,17 +134,18 @@ WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> 
 }
 
 MemoryNeed WeldedSurface::memory_need(std::uint64_t positions, std::uint64_t triangles) {
-  constexpr std::uint64_t kBlocks = 1024;  // what blocks are larger by, and small ones
+  constexpr std::uint64_t kBlocks = 1024;  // rounding of block sizes, and small blocks
   constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
   const std::uint64_t mates = 3 * kIndex * triangles;
-  // Each half-edge by its lower end. Of duplicates, faces with their corners sorted, by the lowest.
+  // Each half-edge by its lower end. The search for duplicates, with sorted faces by lowest vertex,
+  // needs no more.
   const std::uint64_t match = mates + 3 * kIndex * triangles + kIndex * positions;
-  // A sample of lower ends, in a list that grows.
+  // A sample of lower ends, in a growing list.
   const std::uint64_t sample = mates + 9 * kIndex * std::min<std::uint64_t>(triangles, 4096);
   return {mates + kBlocks, std::max({weld_memory(positions), match, sample}) + kBlocks};
 }
 
-// Adds them to the triangles that have been dropped.
+// Drops duplicate faces and adds their triangles to `dropped`.
 void WeldedSurface::drop_duplicates(std::vector<std::uint32_t>& dropped) {
   const std::vector<std::uint32_t> duplicates = find_duplicates(faces_, positions_.size());
   const SourceTriangles sources(dropped);
@@ -153,7 +155,7 @@ void WeldedSurface::drop_duplicates(std::vector<std::uint32_t>& dropped) {
   erase_faces(duplicates, faces_);
 }
 
-// Leaves only the positions that faces use, in their order; faces are renumbered.
+// Removes the positions that no face uses, keeps the order of the others, and renumbers the faces.
 void WeldedSurface::drop_unused_positions() {
   const FixedArray<std::uint8_t> is_used = used_vertices(faces_, positions_.size());
   if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return;

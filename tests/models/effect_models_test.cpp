@@ -38,7 +38,7 @@ using test::Random;
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 
-// ---- a reader that knows nothing of the writer --------------------------------------------------
+// ---- a reader independent of the writer ---------------------------------------------------------
 
 struct Asset {
   Json root;
@@ -56,7 +56,7 @@ Asset parse(const std::string& bytes) {
   return {Json::parse(bytes.substr(20, json_size)), bytes.substr(28 + json_size)};
 }
 
-// From the committed files, by name without ".glb".
+// The committed files, by name without ".glb".
 std::map<std::string, Asset> committed_effects() {
   std::map<std::string, Asset> assets;
   for (const EffectScene& scene : effect_scenes()) {
@@ -85,7 +85,7 @@ std::vector<Vec3> positions_m(const Asset& asset, const Json& mesh) {
   return positions;
 }
 
-// Vertices at one place are one.
+// Merges vertices at the same position.
 TriangleMesh welded(const TriangleMesh& mesh) {
   std::map<std::array<double, 3>, std::uint32_t> places;
   TriangleMesh result;
@@ -107,8 +107,8 @@ Vec3 unit_normal(const TriangleMesh& mesh, const Triangle& t) {
   return (mesh.positions_m[t[1]] - a).cross(mesh.positions_m[t[2]] - a).normalized();
 }
 
-// The angles between the normals of neighbours. Empty unless every edge has two faces, which run
-// through it in opposite directions.
+// The angles between the normals of neighbouring faces. Empty unless every edge has two faces that
+// traverse it in opposite directions.
 std::vector<double> edge_angles_deg(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> normals;
   for (const Triangle& t : mesh.triangles) {
@@ -133,8 +133,8 @@ double signed_volume_m3(const TriangleMesh& mesh) {
   return sum_m3 / 6.0;
 }
 
-// The samples of a PNG file as libpng reads them, 1 to a grey pixel and 3 to one in colour. Empty
-// if it has anything to say about the file.
+// The samples of a PNG file as read by libpng: 1 per grey pixel, 3 per colour pixel. Empty if
+// libpng reports an error or a warning.
 template <typename Sample>
 std::vector<Sample> decoded_png(const std::string& bytes, std::size_t width, std::size_t height) {
   const bool is_grey = sizeof(Sample) == 2;
@@ -168,7 +168,7 @@ std::string haptic_image_bytes(const Asset& asset, const char* property) {
                      asset.root["extensions"][kHaptic]["materials"][0][property][0]["texture"]);
 }
 
-// ---- what is declared ---------------------------------------------------------------------------
+// ---- declarations -------------------------------------------------------------------------------
 
 const Json& mesh_of(const Asset& asset, const Json& node) {
   return asset.root["meshes"].at(node["mesh"].get<std::size_t>());
@@ -188,7 +188,7 @@ Json haptic_material_of(const Asset& asset, const Json& node) {
   return asset.root["extensions"][kHaptic]["materials"].at(index);
 }
 
-// All that is said of each node and of the "scene", by whom.
+// All declarations about each node and the "scene", with the declaring element.
 Json declarations(const Asset& asset) {
   const auto palpate = [](const Json& object) {
     return object.value("extras", Json::object()).value("palpate", Json());
@@ -197,20 +197,20 @@ Json declarations(const Asset& asset) {
   const Json scene = palpate(asset.root["scenes"][0]);
   if (!scene.is_null()) all["scene"]["scene"] = scene;
   for (const Json& node : asset.root["nodes"]) {
-    Json said;
-    if (node.contains("extras")) said["node"] = palpate(node);
+    Json declared;
+    if (node.contains("extras")) declared["node"] = palpate(node);
     const Json material = material_of(asset, node);
-    if (material.contains("extras")) said["material"] = palpate(material);
-    if (material.contains("normalTexture")) said["maps"].push_back("normalTexture");
+    if (material.contains("extras")) declared["material"] = palpate(material);
+    if (material.contains("normalTexture")) declared["maps"].push_back("normalTexture");
     for (const char* map : {"friction", "vibrotactileTexture"}) {
-      if (haptic_material_of(asset, node).contains(map)) said["maps"].push_back(map);
+      if (haptic_material_of(asset, node).contains(map)) declared["maps"].push_back(map);
     }
     if (node.contains("extensions")) {
       const Json& collider = node["extensions"][kPhysics]["collider"];
       const std::size_t index = collider["physicsMaterial"];
-      said["physics"] = asset.root["extensions"][kPhysics]["physicsMaterials"].at(index);
+      declared["physics"] = asset.root["extensions"][kPhysics]["physicsMaterials"].at(index);
     }
-    all[node["name"].get<std::string>()] = said;
+    all[node["name"].get<std::string>()] = declared;
   }
   return all;
 }
@@ -264,13 +264,13 @@ std::map<std::string, Json> expected_declarations() {
         {"scene", {{"scene", {{"gravity", {0, 0, -9.81}}, {"toolMass", 0.05}}}}}}}};
 }
 
-TEST(EffectModels, DeclareWhatTheyAreNamedAfterAndNothingElse) {
+TEST(EffectModels, DeclareOnlyTheEffectInTheirName) {
   const auto assets = committed_effects();
   for (const auto& [name, expected] : expected_declarations()) {
     ASSERT_EQ(assets.count(name), 1u) << name;
     EXPECT_EQ(declarations(assets.at(name)), expected) << name;
   }
-  EXPECT_EQ(assets.size(), expected_declarations().size() + 1);  // and the gallery
+  EXPECT_EQ(assets.size(), expected_declarations().size() + 1);  // plus the gallery
 }
 
 TEST(EffectModels, AreAllInTheGallery) {
@@ -287,7 +287,7 @@ TEST(EffectModels, AreAllInTheGallery) {
   EXPECT_EQ(gallery.root["nodes"].size(), nodes);
 }
 
-// Indices that were shifted wrongly could still lead to something.
+// A wrongly shifted index could still be valid, so the contents are compared.
 TEST(EffectModels, HaveTheSameMeshesAndImagesInTheGallery) {
   const auto assets = committed_effects();
   const Asset& gallery = assets.at("gallery");
@@ -316,8 +316,9 @@ TEST(EffectModels, HaveTheSameMeshesAndImagesInTheGallery) {
   }
 }
 
-// The keys of extras.palpate of a material, a node and a scene, and the range of the numbers.
-TEST(EffectModels, UseOnlyTheFormatsKeysWithinTheirRange) {
+// The keys of extras.palpate in a material, a node and a scene, and the valid ranges of their
+// numbers.
+TEST(EffectModels, UseOnlyKeysOfTheFormatWithValuesInRange) {
   const std::map<std::string, std::map<std::string, std::pair<double, double>>> ranges = {
       {"material",
        {{"stiffness", {0, 1e6}},
@@ -339,8 +340,8 @@ TEST(EffectModels, UseOnlyTheFormatsKeysWithinTheirRange) {
   const std::set<std::string> others = {"material.solid", "material.vibrationWhen", "node.medium",
                                         "node.size", "scene.gravity"};
   std::set<std::string> found;
-  const auto check = [&](const std::string& place, const Json& said) {
-    for (const auto& [key, value] : said.items()) {
+  const auto check = [&](const std::string& place, const Json& declared) {
+    for (const auto& [key, value] : declared.items()) {
       SCOPED_TRACE(key);
       found.insert(place + "." + key);
       if (others.count(place + "." + key) != 0) continue;
@@ -352,10 +353,10 @@ TEST(EffectModels, UseOnlyTheFormatsKeysWithinTheirRange) {
   };
   for (const auto& [name, asset] : committed_effects()) {
     const Json all = declarations(asset);
-    for (const auto& [element, said] : all.items()) {
+    for (const auto& [element, declared] : all.items()) {
       SCOPED_TRACE(name + ": " + element);
       for (const char* place : {"material", "node", "scene"}) {
-        if (said.contains(place)) check(place, said[place]);
+        if (declared.contains(place)) check(place, declared[place]);
       }
     }
   }
@@ -415,7 +416,7 @@ Eigen::AlignedBox3d box_of(const Asset& asset, const Json& node) {
   return box;
 }
 
-TEST(EffectModels, AreInReachOfADesktopDeviceAndApartFromEachOther) {
+TEST(EffectModels, FitADesktopDeviceAndAreSeparateFromEachOther) {
   for (const auto& [name, asset] : committed_effects()) {
     SCOPED_TRACE(name);
     std::vector<Eigen::AlignedBox3d> boxes;
@@ -427,7 +428,7 @@ TEST(EffectModels, AreInReachOfADesktopDeviceAndApartFromEachOther) {
       all.extend(box);
     }
     const double limit_m = name == "gallery" ? 0.4 : 0.1;
-    const double roundoff = 1.0 + 0x1p-23;  // of coordinates that were rounded to float
+    const double roundoff = 1.0 + 0x1p-23;  // of coordinates rounded to float
     EXPECT_LE(all.sizes().maxCoeff(), limit_m * roundoff);
     EXPECT_GE(all.sizes().maxCoeff(), limit_m / 2.0);
     EXPECT_LE(all.center().norm(), limit_m * 0x1p-20);
@@ -444,7 +445,7 @@ TEST(EffectModels, SmoothTheSphereAndKeepTheCreasesOfTheBox) {
       const double sharpest_deg = *std::max_element(angles_deg.begin(), angles_deg.end());
       if (mesh.name == "shading_sphere") {
         EXPECT_LT(sharpest_deg, crease_deg);
-        EXPECT_GT(sharpest_deg, 15.0) << "too fine for shading to be felt";
+        EXPECT_GT(sharpest_deg, 15.0) << "too fine for a noticeable effect of shading";
       } else {
         EXPECT_NEAR(sharpest_deg, 90.0, 1e-3);
       }
@@ -452,8 +453,8 @@ TEST(EffectModels, SmoothTheSphereAndKeepTheCreasesOfTheBox) {
   }
 }
 
-// Of every face: u to the right, v down, in lengths of the tile.
-TEST(TexturedSlab, IsTheBoxWithAnUprightImageThatIsToScaleOnEveryFace) {
+// On every face, u points to the right and v down, in units of the tile.
+TEST(TexturedSlab, IsABoxWithAnUprightImageToScaleOnEveryFace) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const Vec3 size_m(random.uniform(0.01, 1.0), random.uniform(0.01, 1.0),
@@ -474,7 +475,7 @@ TEST(TexturedSlab, IsTheBoxWithAnUprightImageThatIsToScaleOnEveryFace) {
       const double det = uv_ab.x() * uv_ac.y() - uv_ac.x() * uv_ab.y();
       const Vec3 right = (uv_ac.y() * ab - uv_ab.y() * ac) / det / tile_m;
       const Vec3 up = -(uv_ab.x() * ac - uv_ac.x() * ab) / det / tile_m;
-      const double tolerance = 16 * 0x1p-24;  // of rounding positions and coordinates to float
+      const double tolerance = 16 * 0x1p-24;  // for rounding positions and coordinates to float
       EXPECT_NEAR(right.norm(), 1.0, tolerance);
       EXPECT_NEAR(up.norm(), 1.0, tolerance);
       EXPECT_LT((right.cross(up) - unit_normal(mesh, t)).norm(), tolerance);
@@ -488,7 +489,7 @@ TEST(TexturedSlab, IsTheBoxWithAnUprightImageThatIsToScaleOnEveryFace) {
 
 // ---- maps ---------------------------------------------------------------------------------------
 
-TEST(EffectModels, CarryASineOfTwoMillimetresToHalfAUnit) {
+TEST(EffectModels, HaveASineOfTwoMillimetresWithinHalfAUnit) {
   const Asset asset = committed_effects().at("effect_texture");
   const auto pixels =
       decoded_png<std::uint16_t>(haptic_image_bytes(asset, "vibrotactileTexture"), 64, 64);
@@ -497,10 +498,10 @@ TEST(EffectModels, CarryASineOfTwoMillimetresToHalfAUnit) {
     const double u = (static_cast<double>(i % 64) + 0.5) / 64.0;
     const double value = 65535.0 * (0.5 + 0.5 * std::sin(2.0 * std::numbers::pi * 4.0 * u));
     ASSERT_LE(std::abs(pixels[i] - value), 0.5) << i;
-    // Far from a tie: a sine that errs in its last bits gives the same pixel.
+    // Far from a rounding tie: a sine with an error in its last bits gives the same pixel.
     ASSERT_LT(std::abs(pixels[i] - value), 0.5 - 1e-6) << i;
   }
-  // 4 waves to an image, 2 mm each: 5 images of 8 mm on the 40 mm of the slab.
+  // 4 waves of 2 mm per image: 5 images of 8 mm on the slab's 40 mm.
   double widest = 0.0;
   const std::string uv = view_bytes(asset, 2);
   for (std::size_t at = 0; at < uv.size(); at += 8) {
@@ -509,12 +510,12 @@ TEST(EffectModels, CarryASineOfTwoMillimetresToHalfAUnit) {
   EXPECT_NEAR(widest, 0.08 / 0.008, 1e-5);
 }
 
-TEST(EffectModels, CarryNormalsOfUnitLengthThatAreThoseOfBumpsOfTheDeclaredHeight) {
+TEST(EffectModels, HaveUnitNormalsOfBumpsOfTheDeclaredHeight) {
   const Asset asset = committed_effects().at("effect_texture");
   const auto samples = decoded_png<std::uint8_t>(
       image_bytes(asset, asset.root["materials"][1]["normalTexture"]), 64, 64);
   ASSERT_EQ(samples.size(), 3u * 64u * 64u);
-  const double half_unit = 1.0 / 255.0;  // components go from -1 to 1 in 255 steps
+  const double half_unit = 1.0 / 255.0;  // components from -1 to 1 in 255 steps
   const double image_m = 0.016;
   const auto height_m = [&](double u, double v) {
     return 0.00015 *
@@ -531,11 +532,11 @@ TEST(EffectModels, CarryNormalsOfUnitLengthThatAreThoseOfBumpsOfTheDeclaredHeigh
                        (height_m(u, v + step) - height_m(u, v - step)) / (2.0 * step * image_m),
                        1.0);
     const double difference = (normal - surface.normalized()).cwiseAbs().maxCoeff();
-    ASSERT_LE(difference, half_unit * (1.0 + 1e-4)) << i;  // the differences err by 1e-6 of it
+    ASSERT_LE(difference, half_unit * (1.0 + 1e-4)) << i;  // differences: relative error 1e-6
   }
 }
 
-TEST(BumpNormalMap, IsFarFromATieInEveryPixel) {
+TEST(BumpNormalMap, IsFarFromARoundingTieInEveryPixel) {
   const double steepest = std::numbers::pi * 4.0 * 0.0003 / 0.016;
   for (int i = 0; i < 16; ++i) {
     for (int j = 0; j < 16; ++j) {
@@ -552,7 +553,7 @@ TEST(BumpNormalMap, IsFarFromATieInEveryPixel) {
   }
 }
 
-TEST(EffectModels, CarryStripesOfFrictionOneCentimetreWide) {
+TEST(EffectModels, HaveFrictionStripesOneCentimetreWide) {
   const Asset asset = committed_effects().at("effect_friction_map");
   const auto pixels = decoded_png<std::uint16_t>(haptic_image_bytes(asset, "friction"), 64, 64);
   ASSERT_EQ(pixels.size(), 64u * 64u);
@@ -565,9 +566,9 @@ TEST(EffectModels, CarryStripesOfFrictionOneCentimetreWide) {
 
 // ---- PNG writer ---------------------------------------------------------------------------------
 
-TEST(PngWriter, WritesWhatLibpngGetsBack) {
+TEST(PngWriter, WritesPixelsThatLibpngReadsBack) {
   Random random(2);
-  // The last has rows of more bytes than a stored block takes.
+  // The last image has rows with more bytes than a stored block can hold.
   for (const auto& [width, height] :
        {std::pair<std::size_t, std::size_t>(1, 1), {5, 3}, {1, 200}, {181, 181}, {40000 / 3, 6}}) {
     GreyImage grey{width, height, {}};
@@ -584,9 +585,9 @@ TEST(PngWriter, WritesWhatLibpngGetsBack) {
   }
 }
 
-// At the size where a second block begins, to the byte: 2 to a pixel and one for the row's filter.
+// The exact size at which a second block begins: 2 bytes per pixel and one for the row's filter.
 TEST(PngWriter, FillsStoredBlocksToTheLastByte) {
-  // 15 rows of 2 * 2184 + 1 bytes are 65535; one row more and there are two blocks.
+  // 15 rows of 2 * 2184 + 1 bytes are 65535 bytes; one more row requires a second block.
   for (const auto& [height, blocks] : {std::pair<std::size_t, std::size_t>(15, 1), {16, 2}}) {
     const GreyImage image{2184, height, std::vector<std::uint16_t>(2184 * height, 7)};
     const std::string bytes = encode_png(image);
@@ -611,7 +612,7 @@ SceneContent small_scene() {
   return scene;
 }
 
-TEST(GlbWriter, RefusesIndicesThatLeadNowhereByTheirElement) {
+TEST(GlbWriter, RejectsInvalidIndicesAndNamesTheElement) {
   ASSERT_TRUE(encode_scene(small_scene()).ok());
   const auto refuse = [](const char* element, auto spoil) {
     SceneContent scene = small_scene();
@@ -636,7 +637,7 @@ TEST(GlbWriter, RefusesIndicesThatLeadNowhereByTheirElement) {
   refuse("/nodes/0", [](SceneContent& s) { s.nodes[0].translation_m.x() = HUGE_VAL; });
 }
 
-// Floats and indices of 32 bit lie at multiples of four, whatever comes before them.
+// Floats and 32-bit indices are at multiples of four bytes, regardless of the preceding views.
 TEST(GlbWriter, AlignsEveryView) {
   SceneContent scene = small_scene();
   TriangleMesh odd = box({1.0, 1.0, 1.0});

@@ -28,13 +28,13 @@ namespace {
 
 using test::Random;
 
-// Coordinates are rounded to 2^-24 of themselves, a volume multiplies three of them.
+// Coordinates have a relative rounding error of 2^-24, and a volume multiplies three coordinates.
 constexpr double kFloatVolumeTolerance = 4.0 * 0x1p-24;
 
 // ---- oracles
-// -------------------------------------------------------------------------------------
 
-// By the divergence theorem, in a random pose: no shape may rely on its frame.
+// The volume by the divergence theorem, in a random pose, so that the result does not depend on the
+// frame.
 double signed_volume_m3(const TriangleMesh& mesh, const RigidTransform& pose) {
   double sum_m3 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -45,7 +45,7 @@ double signed_volume_m3(const TriangleMesh& mesh, const RigidTransform& pose) {
   return sum_m3 / 6.0;
 }
 
-// Every edge is run through once in each direction, no vertex is idle, and V - E + F fits.
+// Every edge is traversed once in each direction, every vertex is used, and V - E + F is correct.
 void expect_closed(const TriangleMesh& mesh, int euler_characteristic) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> runs;
   std::vector<bool> used(mesh.positions_m.size(), false);
@@ -92,14 +92,14 @@ double area_m2(const Contour& contour_m) {
 }
 
 double torus_volume_m3(double major_m, double minor_m, double ring, double tube) {
-  // A wedge of the polygonal ring is a wedge of revolution scaled by cos(half)/cos(angle) across.
+  // A wedge of the polygonal ring is a wedge of revolution, scaled by cos(half)/cos(angle) in its
+  // radial direction.
   const double section_m2 =
       tube / 2.0 * std::sin(2.0 * std::numbers::pi / tube) * minor_m * minor_m;
   return ring * std::sin(2.0 * std::numbers::pi / ring) * major_m * section_m2;
 }
 
-// ---- a reader that knows nothing of the writer
-// ---------------------------------------------------
+// ---- a reader independent of the writer ---------------------------------------------------
 
 struct Glb {
   nlohmann::json root;
@@ -166,7 +166,6 @@ GlbContent content_with(TriangleMesh mesh) {
 }
 
 // ---- contours
-// ------------------------------------------------------------------------------------
 
 Point2 wall_vector(const Contour& contour, std::size_t i) {
   return contour[(i + 1) % contour.size()] - contour[i];
@@ -179,8 +178,8 @@ double distance_to_wall_m(const Contour& contour, std::size_t wall, const Point2
   return (from - share * along).norm();
 }
 
-// How far a point may go from `origin` along `direction` before it meets a wall other than `self`
-// and its two neighbours; infinite if it meets none.
+// The distance from `origin` along `direction` to the first wall other than `self` and its two
+// neighbours; infinite if there is none.
 double free_path_m(const Contour& contour, std::size_t self, const Point2& origin,
                    const Point2& direction) {
   const std::size_t n = contour.size();
@@ -199,9 +198,10 @@ double free_path_m(const Contour& contour, std::size_t self, const Point2& origi
 }
 
 // The mean angle between the walls' normals and the x axis over one turn in 27 s at constant speed,
-// while the object, at first turned by orientation_rad, is aligned: about z, the shorter way, at
-// 5 + (85/30) a deg/s for angles a below 30 deg and 90 deg/s above. The normal is turned towards
-// that end of the axis which it was turned to before, unless it points away from it by 2 deg.
+// with scene alignment. The object starts at orientation_rad. Alignment rotates it about z by the
+// shorter angle, at 5 + (85/30) a deg/s for angles a below 30 deg and at 90 deg/s above. The normal
+// is rotated towards the same end of the axis as before, unless it points away from this end by 2
+// deg.
 double mean_aligned_angle_rad(const Contour& contour, double orientation_rad) {
   const double step_s = 0.001;
   const double degree = std::numbers::pi / 180.0;
@@ -212,7 +212,7 @@ double mean_aligned_angle_rad(const Contour& contour, double orientation_rad) {
   double sign = 0.0;
   double sum_rad = 0.0;
   double steps = 0.0;
-  for (std::size_t i = 0; i <= n; ++i) {  // the first wall in two halves
+  for (std::size_t i = 0; i <= n; ++i) {  // visits the first wall in two halves
     const Point2 wall = wall_vector(contour, i % n);
     const double share = i % n == 0 ? 0.5 : 1.0;
     const double wall_s = share * 27.0 * wall.norm() / length_m;
@@ -267,9 +267,8 @@ bool is_inside(const Contour& contour, const Point2& p) {
 }
 
 // ---- model files
-// ---------------------------------------------------------------------------------
 
-TEST(ModelFiles, EqualTheCommittedOnesByteForByte) {
+TEST(ModelFiles, EqualTheCommittedFilesByteForByte) {
   const auto files = model_files();
   ASSERT_TRUE(files.ok()) << files.error().to_string();
   ASSERT_EQ(files->size(), 19u);
@@ -310,7 +309,7 @@ TEST(ModelFiles, SphereHas20480TrianglesOnTheUnitSphere) {
   for (const Vec3& p : mesh.positions_m) ASSERT_NEAR(p.norm(), 1.0, 0x1p-23);
 }
 
-TEST(ModelFiles, SayWhereATurnAlongTheContourStartsAndEnds) {
+TEST(ModelFiles, ContainTheStartAndEndOfATurnAlongTheContour) {
   const auto models = decoded_models();
   for (const PaperObject& object : paper_objects()) {
     ASSERT_EQ(models.count(object.name + ".glb"), 1u);
@@ -326,9 +325,8 @@ TEST(ModelFiles, SayWhereATurnAlongTheContourStartsAndEnds) {
 }
 
 // ---- paper objects
-// -------------------------------------------------------------------------------
 
-TEST(PaperObjects, HaveAtMost16CornersAndLabyrinthsOnlyRightAngles) {
+TEST(PaperObjects, HaveAtMost16CornersAndRightAnglesInLabyrinths) {
   for (const PaperObject& object : paper_objects()) {
     SCOPED_TRACE(object.name);
     EXPECT_LE(object.contour_m.size(), 16u);
@@ -353,7 +351,7 @@ TEST(PaperObjects, KeepWalls25MillimetresLongAnd20Apart) {
   }
 }
 
-// Apart at their ends, walls could still cross.
+// Walls with separate ends could still cross.
 TEST(PaperObjects, AreSimplePolygons) {
   for (const PaperObject& object : paper_objects()) {
     const Contour& contour = object.contour_m;
@@ -365,7 +363,7 @@ TEST(PaperObjects, AreSimplePolygons) {
   }
 }
 
-TEST(PaperObjects, LeaveAHand30MillimetresInFrontOfEveryWall) {
+TEST(PaperObjects, HaveAClearanceOf30MillimetresInFrontOfEveryWall) {
   for (const PaperObject& object : paper_objects()) {
     const Contour& contour = object.contour_m;
     for (std::size_t i = 0; i < contour.size(); ++i) {
@@ -379,7 +377,7 @@ TEST(PaperObjects, LeaveAHand30MillimetresInFrontOfEveryWall) {
   }
 }
 
-TEST(PaperObjects, MeetAFixedLineAtMoreThan42DegreesOnAverageInEveryOrientation) {
+TEST(PaperObjects, HaveAMeanAngleAbove42DegreesToAFixedLineInEveryOrientation) {
   for (const PaperObject& object : paper_objects()) {
     for (int orientation_deg = 0; orientation_deg < 180; ++orientation_deg) {
       const double mean_rad =
@@ -392,8 +390,8 @@ TEST(PaperObjects, MeetAFixedLineAtMoreThan42DegreesOnAverageInEveryOrientation)
   }
 }
 
-// The ranges of models/README.md, and the bound that the evaluation relies on: 33 deg.
-TEST(PaperObjects, MeetTheAxisAtASmallAngleWhileTheyAreAligned) {
+// The ranges in models/README.md, and the bound of 33 deg that the evaluation assumes.
+TEST(PaperObjects, HaveASmallMeanAngleToTheAxisWithAlignment) {
   const std::array<std::array<double, 2>, 4> range_deg = {
       {{8.0, 10.0}, {22.9, 24.8}, {21.3, 23.2}, {17.9, 19.8}}};
   for (std::size_t i = 0; i < range_deg.size(); ++i) {
@@ -435,11 +433,12 @@ TEST(PaperObjects, StartAndEndOnTheFirstWall20MillimetresApart) {
   }
 }
 
-TEST(PaperObjects, TheInvertedLabyrinthFitsIntoTheLabyrinthWithoutGapOrOverlap) {
+TEST(PaperObjects, InvertedLabyrinthFitsIntoTheLabyrinthWithoutGapOrOverlap) {
   const Contour labyrinth = labyrinth_contour();
   const Contour inverted = inverted_labyrinth_contour();
   const double cell_m = 0.032;
-  // The 4 x 4 cells that both frames cover once the inverted one is moved a cell left and down.
+  // The 4 x 4 cells that both shapes cover after the inverted labyrinth is moved one cell left and
+  // down.
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
       const Point2 middle(cell_m * (column - 2.0), cell_m * (row - 2.0));
@@ -460,9 +459,8 @@ TEST(MeanContactAngle, IsTheAngleOfTheWallsOfAThinStrip) {
 }
 
 // ---- primitives
-// ----------------------------------------------------------------------------------
 
-TEST(Icosphere, QuartersTrianglesAtEveryLevelAndStaysClosed) {
+TEST(Icosphere, HasFourTimesTheTrianglesPerLevelAndIsClosed) {
   std::size_t triangles = 20;
   for (int level = 0; level <= 5; ++level, triangles *= 4) {
     const TriangleMesh mesh = icosphere(level, 0.1);
@@ -493,7 +491,7 @@ TEST(Icosphere, ApproachesTheVolumeOfTheSphereFromBelowInSecondOrder) {
   }
 }
 
-TEST(BumpySphere, IsClosedAndItsBumpsStayWithinTheirHeight) {
+TEST(BumpySphere, IsClosedWithBumpsWithinTheirHeight) {
   const double radius_m = 0.1;
   const double height_m = 0.01;
   const TriangleMesh mesh = bumpy_sphere(5, radius_m, height_m, 8);
@@ -508,13 +506,13 @@ TEST(BumpySphere, IsClosedAndItsBumpsStayWithinTheirHeight) {
   EXPECT_GE(lowest_m, (radius_m - height_m) * (1.0 - 0x1p-22));
   EXPECT_LE(highest_m, (radius_m + height_m) * (1.0 + 0x1p-22));
   EXPECT_GT(highest_m - lowest_m, height_m);
-  for (const Triangle& t : mesh.triangles) {  // radial everywhere: no triangle is turned over
+  for (const Triangle& t : mesh.triangles) {  // radial everywhere: no triangle is reversed
     const Vec3& a = mesh.positions_m[t[0]];
     ASSERT_GT(a.dot(mesh.positions_m[t[1]].cross(mesh.positions_m[t[2]])), 0.0);
   }
 }
 
-TEST(BumpySphere, FollowsTheProductOfCosinesOfTheAnglesToTheAxes) {
+TEST(BumpySphere, IsTheProductOfCosinesOfTheAnglesToTheAxes) {
   const int waves = 5;
   for (const Vec3& p : bumpy_sphere(3, 1.0, 0.1, waves).positions_m) {
     const Vec3 u = p.normalized();
@@ -567,8 +565,8 @@ TEST(Prism, HasTheVolumeOfItsContourTimesItsHeight) {
   }
 }
 
-// Of the caps: a triangle of the wrong sign would cancel out of the volume.
-TEST(Prism, CutsCapsIntoTrianglesThatAllFaceOutward) {
+// The caps are tested directly, because a reversed triangle would cancel in the volume.
+TEST(Prism, TriangulatesCapsWithOutwardTriangles) {
   Random random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const std::size_t n = 5 + random.index(60);
@@ -583,14 +581,15 @@ TEST(Prism, CutsCapsIntoTrianglesThatAllFaceOutward) {
   }
 }
 
-TEST(Prism, TakesStraightCornersAndVerticesInLine) {
-  // A comb on a grid: every tooth has a vertex halfway, and all the teeth's corners lie in line.
+TEST(Prism, AcceptsStraightCornersAndVerticesOnOneLine) {
+  // A comb on a grid: every tooth has a vertex at half its height, and the corners of all teeth lie
+  // on one line.
   Contour comb = {{0.0, 0.0}, {21.0, 0.0}};
   for (int x = 21; x >= 1; x -= 4) {
     comb.insert(comb.end(), {{x + 0.0, 3.0}, {x + 0.0, 5.0}, {x - 1.0, 5.0}, {x - 1.0, 3.0}});
     if (x > 1) comb.insert(comb.end(), {{x - 1.0, 1.0}, {x - 4.0, 1.0}});
   }
-  // The corner with the shortest cut of all, at the origin, has a notch on that cut.
+  // The corner with the shortest cut, at the origin, has a notch on this cut.
   const Contour notched = {{0.0, 0.0}, {1.0, 1.0},  {4.0, 4.5},  {4.0, 5.0},
                            {0.0, 1.0}, {-4.0, 5.0}, {-4.0, 4.5}, {-1.0, 1.0}};
   Random random(7);
@@ -602,7 +601,7 @@ TEST(Prism, TakesStraightCornersAndVerticesInLine) {
   }
 }
 
-TEST(Prism, RefusesContoursThatAreNotSimpleAndCounterClockwise) {
+TEST(Prism, RejectsContoursThatAreNotSimpleOrNotCounterClockwise) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Contour square = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}};
   const std::vector<std::pair<std::string, Contour>> refused = {
@@ -636,9 +635,9 @@ TEST(Prism, RefusesContoursThatAreNotSimpleAndCounterClockwise) {
   EXPECT_FALSE(prism(square, 0.0, nan).ok());
 }
 
-// Triangles with two corners far out on one ray from the origin and the third beside it. Their area
-// is 2^-40 and less of the products it is made of, beyond what a double can hold.
-TEST(Prism, DecidesByExactOrientation) {
+// Triangles with two distant corners on one ray from the origin and the third corner beside the
+// ray. The area is at most 2^-40 of the products in its formula, which a double cannot resolve.
+TEST(Prism, UsesExactOrientation) {
   Random random(9);
   const auto integer = [&](double bound) { return std::round(random.uniform(-bound, bound)); };
   for (int trial = 0; trial < 2000; ++trial) {
@@ -654,9 +653,8 @@ TEST(Prism, DecidesByExactOrientation) {
 }
 
 // ---- GLB writer
-// ----------------------------------------------------------------------------------
 
-TEST(GlbWriter, WritesWhatAReaderGetsBack) {
+TEST(GlbWriter, WritesContentThatAReaderReadsBack) {
   Random random(8);
   const TriangleMesh mesh = bumpy_sphere(2, random.uniform(0.1, 10.0), 0.01, 3);
   const nlohmann::json extras = {{"a", {{"b", 0.1}}}};
@@ -694,7 +692,7 @@ TEST(GlbWriter, Uses16BitIndicesUpToTheReservedValueAnd32BitBeyond) {
   EXPECT_EQ(decode(*large).mesh.triangles[0][2], 0xffffu);
 }
 
-TEST(GlbWriter, RefusesAMeshThatNoReaderWouldTake) {
+TEST(GlbWriter, RejectsAMeshThatNoReaderAccepts) {
   const TriangleMesh good = box({1.0, 1.0, 1.0});
   TriangleMesh empty = good;
   empty.triangles.clear();

@@ -1,4 +1,4 @@
-// Text from outside, made fit for a line of a terminal.
+// Untrusted text, filtered for one line of a terminal.
 
 #include "geometry/base/printable.h"
 
@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// Whatever the parts are in which it is written.
+// The filtered output of a text that is written in several parts.
 std::string through_stream(const std::string& text, test::Random& random) {
   std::ostringstream stream;
   {
@@ -31,14 +31,14 @@ std::string through_stream(const std::string& text, test::Random& random) {
       begin += size;
     }
   }
-  stream << "\x1b";  // it is as it was
+  stream << "\x1b";  // the stream is restored
   std::string out = stream.str();
   EXPECT_EQ(out.back(), '\x1b');
   out.pop_back();
   return out;
 }
 
-TEST(Printable, PutsASpaceForWhatCommandsATerminalOrTurnsText) {
+TEST(Printable, ReplacesControlAndBidirectionalCharactersBySpaces) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"\x1b[31mred\x1b[0m", " [31mred [0m"},
       {"a\nb\rc\td\x07\x08\x7f", "a b c d   "},
@@ -49,7 +49,7 @@ TEST(Printable, PutsASpaceForWhatCommandsATerminalOrTurnsText) {
       {"\u200e\u200f\u061c\u2028\u2029", "     "},
       {"\u2027\u202f\u00a0", "\u2027\u202f\u00a0"},
       {"\u00e4\u6f22\U0001f600\ufe0f\U000e0100", "\u00e4\u6f22\U0001f600\ufe0f\U000e0100"},
-      // What is not seen, and can hide a text.
+      // Invisible characters, which can hide a text.
       {"a\u00adb\u200bc\u200cd\u200de\u2060f\u2064g\u2065h\u206ai\ufeffj", "a b c d e f g h i j"},
       {"\u034f\u115f\u1160\u17b4\u180e\u3164\uffa0", "       "},
       {"a\U000e0000\U000e0041\U000e007fb", "a   b"},
@@ -67,12 +67,12 @@ TEST(Printable, PutsASpaceForWhatCommandsATerminalOrTurnsText) {
   }
 }
 
-TEST(Printable, GivesAStreamWhatItGivesAText) {
+TEST(Printable, FiltersAStreamLikeAText) {
   test::Random random(32);
   for (int round = 0; round < 2000; ++round) {
     std::string text;
     for (std::size_t n = random.index(40); n > 0; --n) {
-      // Bytes that begin and go on with characters, and others.
+      // Bytes that start or continue a character, and other bytes.
       static const std::string kBytes = "\x1b\xe2\x80\xae\xc2\x85\xf0\x9f\x98\x80 a\xff\xed\xa0";
       text += random.index(8) == 0 ? static_cast<char>(random.index(256))
                                    : kBytes[random.index(kBytes.size())];
@@ -84,7 +84,7 @@ TEST(Printable, GivesAStreamWhatItGivesAText) {
   }
 }
 
-TEST(Printable, PassesOnThatAStreamCannotBeWrittenTo) {
+TEST(Printable, ReportsAStreamThatCannotBeWritten) {
   struct Full final : std::streambuf {
     int sync() override { return -1; }
   } full;

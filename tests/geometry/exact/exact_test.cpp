@@ -32,8 +32,7 @@ bool is_zero(const std::array<Int128, 3>& cross) {
   return cross[0] == 0 && cross[1] == 0 && cross[2] == 0;
 }
 
-// Exact: a grid coordinate has at most 53 bits between its first and last, the unit is a power of
-// two.
+// Exact, because a grid coordinate has at most 53 significant bits and the unit is a power of two.
 Vec3 to_vec3(const GridPoint& p, double unit = 1.0) {
   return {static_cast<double>(p[0]) * unit, static_cast<double>(p[1]) * unit,
           static_cast<double>(p[2]) * unit};
@@ -60,7 +59,7 @@ double ulp(double x) {
   return std::nextafter(size, std::numeric_limits<double>::infinity()) - size;
 }
 
-// Each component against the exact cross product, normalised in long double.
+// Compares each component with the exact cross product, normalised in long double.
 void expect_normal(const std::array<Int128, 3>& cross, const Vec3& normal) {
   std::array<long double, 3> exact;
   for (std::size_t i = 0; i < 3; ++i) exact[i] = static_cast<long double>(cross[i]);
@@ -89,8 +88,8 @@ Sliver random_sliver(test::Random& random, double half_length) {
   return s;
 }
 
-// Three corners on a line through the origin, a near it, b and c so far that their doubles have
-// lost the units.
+// Three corners on a line through the origin: a near the origin, b and c so far away that their
+// doubles cannot represent the units.
 Sliver random_sliver_of_mixed_size(test::Random& random) {
   const GridPoint origin = {0, 0, 0};
   const GridPoint step = random_grid_point(random, 0x1p9);
@@ -111,7 +110,7 @@ TEST(ExactlyCollinear, FindsCornersOnOneLineInAnyDirection) {
   }
 }
 
-TEST(ExactlyCollinear, SeesOneUnitInTheLastPlace) {
+TEST(ExactlyCollinear, DetectsOneUnitInTheLastPlace) {
   test::Random random(102);
   int seen_with_area = 0;
   for (int trial = 0; trial < 20000; ++trial) {
@@ -130,7 +129,7 @@ TEST(ExactlyCollinear, SeesOneUnitInTheLastPlace) {
 TEST(ExactlyCollinear, DoesNotDependOnOrderOrScale) {
   test::Random random(103);
   for (int trial = 0; trial < 3000; ++trial) {
-    const Sliver s = random_sliver(random, 40.0);  // so coarse a grid that many are degenerate
+    const Sliver s = random_sliver(random, 40.0);  // a coarse grid: many slivers are degenerate
     const bool expected = is_zero(exact_cross(s.a, s.b, s.c));
     for (const double unit : {1.0, 0x1p-1074, 0x1p-1030, 0x1p-540, 0x1p300, 0x1p1017}) {
       std::array<Vec3, 3> corners = {to_vec3(s.a, unit), to_vec3(s.b, unit), to_vec3(s.c, unit)};
@@ -143,7 +142,7 @@ TEST(ExactlyCollinear, DoesNotDependOnOrderOrScale) {
   }
 }
 
-TEST(ExactlyCollinear, HoldsForCornersOfVeryDifferentSize) {
+TEST(ExactlyCollinear, IsExactForCornersOfVeryDifferentMagnitude) {
   const Vec3 direction(3.0, -5.0, 7.0);
   const Vec3 far = direction * 0x1p400;
   const Vec3 near = direction * 0x1p-400;
@@ -157,8 +156,9 @@ TEST(ExactlyCollinear, HoldsForCornersOfVeryDifferentSize) {
   }
 }
 
-// Differences of the corners have up to 61 bits, so that rounding them already would be wrong.
-TEST(ExactlyCollinear, HoldsWhereDifferencesDoNotFitADouble) {
+// Differences of the corners have up to 61 bits, so that rounding the differences would give wrong
+// results.
+TEST(ExactlyCollinear, IsExactIfDifferencesDoNotFitADouble) {
   test::Random random(108);
   for (int trial = 0; trial < 20000; ++trial) {
     Sliver s = random_sliver_of_mixed_size(random);
@@ -203,7 +203,7 @@ TEST(AccurateUnitNormal, IsWithinFourUlpHoweverThinTheTriangle) {
 
 TEST(AccurateUnitNormal, IsAccurateForSliversFarFromTheOrigin) {
   test::Random random(106);
-  for (int trial = 0; trial < 5000; ++trial) {  // aspect 1e8, a thousand lengths away
+  for (int trial = 0; trial < 5000; ++trial) {  // aspect ratio 1e8, a thousand lengths away
     const GridPoint far = random_grid_point(random, 0x1p49);
     Sliver s = random_sliver(random, 0x1p38);
     for (GridPoint* corner : {&s.a, &s.b, &s.c}) *corner = along(*corner, far, 1);
@@ -213,7 +213,7 @@ TEST(AccurateUnitNormal, IsAccurateForSliversFarFromTheOrigin) {
   }
 }
 
-TEST(AccurateUnitNormal, IsAccurateWhereDifferencesDoNotFitADouble) {
+TEST(AccurateUnitNormal, IsAccurateIfDifferencesDoNotFitADouble) {
   test::Random random(109);
   for (int trial = 0; trial < 5000; ++trial) {
     Sliver s = random_sliver_of_mixed_size(random);
@@ -234,7 +234,7 @@ TEST(AccurateUnitNormal, StaysFiniteAndUnitAtTheEndsOfTheRange) {
   }
 }
 
-TEST(AccurateUnitNormal, TurnsOverWithTheTriangle) {
+TEST(AccurateUnitNormal, ChangesSignIfTheTriangleIsReversed) {
   test::Random random(107);
   for (int trial = 0; trial < 1000; ++trial) {
     const Vec3 a = random.in_box(1.0);

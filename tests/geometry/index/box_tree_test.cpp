@@ -1,4 +1,4 @@
-// Which boxes are near a point or a segment: all of them, in order, the same ones every time.
+// BoxTree finds all boxes near a point or a segment, in order, with the same result every time.
 
 #include "geometry/index/box_tree.h"
 
@@ -50,7 +50,7 @@ std::vector<Box> some_boxes(Random& random, std::size_t count, double size_m) {
   return boxes;
 }
 
-// Few of them, so that Embree finds them all at once, and very many.
+// Few boxes, so that Embree finds all of them at once, and very many boxes.
 TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
   Random random(41);
   constexpr double kSweep_m = 0.1;
@@ -92,7 +92,7 @@ TEST(BoxTree, FindsEachBoxInOrderWithEachInstructionSet) {
   }
 }
 
-TEST(BoxTree, StopsWhenNoMoreAreWanted) {
+TEST(BoxTree, StopsWhenTheVisitorReturnsFalse) {
   Random random(42);
   const BoxTree tree(some_boxes(random, 5000, 1.5), 0.0);
   for (const auto search : {NearSearch::kWithEmbree, NearSearch::kInOrder}) {

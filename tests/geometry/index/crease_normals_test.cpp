@@ -41,8 +41,8 @@ Vec3 face_normal(const SurfaceMesh& mesh, std::size_t f) {
   return accurate_unit_normal(p[face[0]], p[face[1]], p[face[2]]);
 }
 
-// ---- The definition, the slow way: from every corner to all faces around its vertex that can be
-// reached, through a table of welded edges.
+// ---- A slow implementation of the definition: from every corner to all connected faces around its
+// vertex, through a table of welded edges.
 
 std::vector<CornerNormals> reference(const SurfaceMesh& mesh, double crease_angle_rad) {
   const auto positions = mesh.welded_positions();
@@ -105,7 +105,7 @@ void expect_as_defined(const SurfaceMesh& mesh, double crease_angle_rad) {
   ASSERT_EQ(normals.size(), expected.size());
   for (std::size_t f = 0; f < normals.size(); ++f) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      // Angles from acos are good to half the digits.
+      // Angles from acos have half of the digits.
       ASSERT_NEAR((to_vec3(normals[f][corner]) - to_vec3(expected[f][corner])).norm(), 0.0, 1e-6)
           << "face " << f << " corner " << corner;
     }
@@ -129,7 +129,8 @@ TriangleMesh sheet(std::uint32_t n, double bend) {
   return mesh;
 }
 
-// Faces in another order, each begun with another corner; order[i] is where face i went.
+// The faces in another order, each starting with another corner. order[i] is the new position of
+// face i.
 TriangleMesh shuffled(TriangleMesh mesh, Random& random, std::vector<std::size_t>& order,
                       std::vector<std::size_t>& turns) {
   const TriangleMesh before = mesh;
@@ -146,7 +147,7 @@ TriangleMesh shuffled(TriangleMesh mesh, Random& random, std::vector<std::size_t
   return mesh;
 }
 
-// The farthest that corner normals, and face normals, are from those of the shape.
+// The largest errors of corner normals and of face normals against the normals of the shape.
 struct Deviation {
   double corners = 0.0;
   double faces = 0.0;
@@ -165,9 +166,9 @@ Deviation deviation(const SurfaceMesh& mesh, NormalAt normal_at) {
   return worst;
 }
 
-// A mean is never farther from the radius than the worst of its faces, which are off by their
-// circumradius: O(h). To that order the halves of a ring cancel if it is symmetric about its
-// vertex; the rings of an icosphere are not quite, along edges of its coarser levels.
+// The error of a mean is at most the error of its worst face, which is the face's circumradius:
+// O(h). The errors cancel to this order if a ring of faces is symmetric about its vertex. Along
+// edges of coarser levels, the rings of an icosphere are not quite symmetric.
 TEST(CreaseNormals, OfASphereAreRadialUpToTheSkewOfTheMesh) {
   double before = 0.0;
   for (const int level : {0, 1, 2, 3, 4, 5}) {
@@ -175,7 +176,7 @@ TEST(CreaseNormals, OfASphereAreRadialUpToTheSkewOfTheMesh) {
         deviation(surface_of(icosphere(level, 0.5)), [&](const Vec3& p) { return p.normalized(); });
     EXPECT_LT(worst.corners, worst.faces / 9.0) << level;
     if (level == 0) {
-      EXPECT_LT(worst.corners, 8 * kFloatRoundoff);  // five alike
+      EXPECT_LT(worst.corners, 8 * kFloatRoundoff);  // five equal faces
     }
     if (level > 2) {
       EXPECT_LT(worst.corners, before / 1.9) << level;
@@ -184,14 +185,15 @@ TEST(CreaseNormals, OfASphereAreRadialUpToTheSkewOfTheMesh) {
   }
 }
 
-// The rings of a smooth grid are symmetric up to O(h), so that corners are right to O(h^2).
-TEST(CreaseNormals, OfATorusAreItsOwnToSecondOrder) {
+// The rings of a smooth grid are symmetric up to O(h), so that corner normals have an error of
+// O(h^2).
+TEST(CreaseNormals, OfATorusAreAccurateToSecondOrder) {
   double before = 0.0;
   for (const int level : {2, 3, 4, 5}) {
     const Deviation worst = deviation(surface_of(torus(1.0, 0.4, level)), [](const Vec3& p) {
       return Vec3(p - Vec3(p.x(), p.y(), 0.0).normalized()).normalized();
     });
-    // Faces are off by some h / 2; so this is h^2 / 2.
+    // The error of faces is about h / 2, so this bound is h^2 / 2.
     EXPECT_LT(worst.corners, 2.0 * worst.faces * worst.faces) << level;
     if (before > 0.0) {
       EXPECT_LT(worst.corners, before / 3.5) << level;
@@ -200,7 +202,7 @@ TEST(CreaseNormals, OfATorusAreItsOwnToSecondOrder) {
   }
 }
 
-TEST(CreaseNormals, OfABoxAreThoseOfItsFacesOrOfItsCorners) {
+TEST(CreaseNormals, OfABoxAreFaceNormalsOrCornerNormals) {
   Random random(601);
   for (int trial = 0; trial < 20; ++trial) {
     TriangleMesh cube = box(Vec3(0.2, 0.3, 0.7));
@@ -242,7 +244,7 @@ TEST(CreaseNormals, KeepTheCapsOfACylinderFlatAndItsSideRound) {
   }
 }
 
-TEST(CreaseNormals, OfAnOpenSheetStayOnItsSide) {
+TEST(CreaseNormals, OfAnOpenSheetPointToItsFront) {
   const SurfaceMesh flat = surface_of(sheet(6, 0.0));
   for (const CornerNormals& face : crease_normals(flat, {}, 30 * kDegree)) {
     for (const auto& normal : face) EXPECT_EQ(to_vec3(normal), Vec3::UnitZ());
@@ -253,7 +255,7 @@ TEST(CreaseNormals, OfAnOpenSheetStayOnItsSide) {
   }
 }
 
-TEST(CreaseNormals, TakeAFaceTurnedOverForNoCrease) {
+TEST(CreaseNormals, DoNotTreatAReversedFaceAsACrease) {
   Random random(602);
   for (int trial = 0; trial < 50; ++trial) {
     TriangleMesh mesh = trial % 2 == 0 ? sheet(5, 0.3) : icosphere(2, 1.0);
@@ -278,7 +280,7 @@ TEST(CreaseNormals, TakeAFaceTurnedOverForNoCrease) {
 }
 
 TEST(CreaseNormals, DoNotCrossAnEdgeOfThreeFaces) {
-  // A roof of two gentle slopes, and the same with a wall under its ridge.
+  // A roof of two gentle slopes, and the same roof with a wall under its ridge.
   TriangleMesh roof;
   roof.positions_m = {{0, -1, 0}, {0, 1, 0}, {1, 0, -0.2}, {-1, 0, -0.2}, {0, 0, -1}};
   roof.triangles = {{0, 2, 1}, {1, 3, 0}};
@@ -298,8 +300,9 @@ TEST(CreaseNormals, DoNotCrossAnEdgeOfThreeFaces) {
   }
 }
 
-// A map is nothing but other positions: mirrored, faces must be turned over to face outwards again.
-TEST(CreaseNormals, FollowTheCornersOfTheIndexUnderAnyMap) {
+// A map only changes positions. Under a mirroring map, faces must be reversed to face outwards
+// again.
+TEST(CreaseNormals, MatchTheCornersOfTheIndexUnderAnyMap) {
   Random random(603);
   for (int trial = 0; trial < 30; ++trial) {
     const TriangleMesh mesh = trial % 2 == 0 ? torus(1.0, 0.4, 1) : icosphere(1, 1.0);
@@ -369,8 +372,8 @@ TEST(CreaseNormals, DoNotDependOnTheOrderOfFaces) {
   }
 }
 
-// Every defect there is: faces removed, turned over, added at random.
-TEST(CreaseNormals, AreAsDefinedOnDamagedMeshes) {
+// All kinds of defects: faces removed, reversed and added at random.
+TEST(CreaseNormals, MatchTheDefinitionOnDamagedMeshes) {
   Random random(605);
   for (int trial = 0; trial < 100; ++trial) {
     TriangleMesh mesh = random_closed_mesh(random);
@@ -390,8 +393,8 @@ TEST(CreaseNormals, AreAsDefinedOnDamagedMeshes) {
   }
 }
 
-TEST(CreaseNormals, AreThoseOfTheFaceWhereAllCancel) {
-  // A square of no thickness: its two sides are cut along different diagonals.
+TEST(CreaseNormals, AreFaceNormalsIfTheSumCancels) {
+  // A square without thickness, whose two sides are divided along different diagonals.
   TriangleMesh pillow;
   pillow.positions_m = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   pillow.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
@@ -406,7 +409,7 @@ TEST(CreaseNormals, AreThoseOfTheFaceWhereAllCancel) {
   }
 }
 
-TEST(CreaseNormals, OfSliversAreThoseOfTheSheetTheyLieIn) {
+TEST(CreaseNormals, OfSliversAreNormalsOfTheirSheet) {
   // A strip whose middle row of vertices is next to one of its sides.
   TriangleMesh strip;
   const std::uint32_t n = 20;
@@ -426,7 +429,7 @@ TEST(CreaseNormals, OfSliversAreThoseOfTheSheetTheyLieIn) {
   }
 }
 
-TEST(CreaseNormals, OfNothingAreNone) {
+TEST(CreaseNormals, AreEmptyForAnEmptyMesh) {
   EXPECT_TRUE(crease_normals(SurfaceMesh::build({}, {}), {}, 1.0).empty());
 }
 

@@ -1,4 +1,5 @@
-// Faces that lie close together come one after the other, however small they are beside the rest.
+// Faces that are close together are consecutive in the order, however small they are compared with
+// the scene.
 
 #include "geometry/index/face_order.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 using test::Soup;
 
-// Small triangles at random places of a box.
+// Small triangles at random positions in a box.
 Soup confetti(test::Random& random, std::size_t count, double size_m) {
   Soup soup;
   for (std::size_t i = 0; i < count; ++i) {
@@ -39,8 +40,8 @@ std::vector<std::uint32_t> order_of(const Soup& soup) {
   return order;
 }
 
-// The mean extent of the boxes of sixteen faces each, of those made of faces before `count` only,
-// which must be nearly all that can be.
+// The mean extent of the boxes around groups of sixteen faces. Only groups whose faces are all
+// below `count` are included; nearly all such faces must be in these groups.
 double mean_extent(const Soup& soup, std::size_t count) {
   const std::vector<std::uint32_t> order = order_of(soup);
   double sum = 0.0;
@@ -71,8 +72,8 @@ TEST(FaceOrder, HasEveryFaceOnce) {
   }
 }
 
-// By the definition: of a median split of 512 faces each of 256 is on its side along the widest
-// axis, to the precision of the places.
+// By definition, a median split of 512 faces puts the 256 faces of each half on their side along
+// the widest axis, to the precision of the places.
 TEST(FaceOrder, PutsTheHalvesOnTheirSidesOfTheMedian) {
   test::Random random(7206);
   for (int i = 0; i < 50; ++i) {
@@ -99,14 +100,15 @@ void add(const Soup& part, const Vec3& middle, Soup& soup) {
   }
 }
 
-// What is very small beside the scene is ordered as if it were alone. It is around the origin,
-// where nothing is lost to the coordinates themselves; most of the faces are there, or half, or
-// few.
-TEST(FaceOrder, TellsFacesApartHoweverSmallBesideTheRest) {
+// A cluster of faces that is very small compared with the scene is ordered as if it were alone. The
+// cluster is around the origin, where coordinates keep their precision. It has most, half or few of
+// the faces.
+TEST(FaceOrder, OrdersAClusterHoweverSmallComparedWithTheScene) {
   constexpr std::size_t kCount = 20000;
   for (const std::size_t others : {40, 10000, 20000, 100000}) {
     for (const double size_m : {1e-3, 1e-6, 1e-9, 1e-12, 1e-50, 1e-150}) {
-      // The middle of all is in the cluster, or somewhere else; or they are all around it.
+      // The middle of the scene is inside or outside the cluster, or the other faces surround the
+      // cluster.
       for (const double side : {-10.0, -11.0, 0.0}) {
         test::Random random(7207);
         Soup soup = confetti(random, kCount, size_m);
@@ -122,7 +124,7 @@ TEST(FaceOrder, TellsFacesApartHoweverSmallBesideTheRest) {
   }
 }
 
-TEST(FaceOrder, TellsTheFacesOfTwoSmallClustersApart) {
+TEST(FaceOrder, SeparatesTheFacesOfTwoSmallClusters) {
   constexpr std::size_t kCount = 16384;
   for (const double size_m : {1e-3, 1e-5, 1e-7, 1e-9}) {
     test::Random random(7210);
@@ -133,8 +135,8 @@ TEST(FaceOrder, TellsTheFacesOfTwoSmallClustersApart) {
   }
 }
 
-// Sizes below what single precision has, and all in one place.
-TEST(FaceOrder, TakesAnySizeThereIs) {
+// Sizes below the range of single precision, and all faces in one place.
+TEST(FaceOrder, AcceptsAnySize) {
   constexpr std::size_t kCount = 3000;
   test::Random random(7208);
   const Soup unit = confetti(random, kCount, 1.0);
@@ -144,8 +146,8 @@ TEST(FaceOrder, TakesAnySizeThereIs) {
     for (Vec3& p : soup.positions) p *= scale;
     EXPECT_NEAR(mean_extent(soup, kCount) / scale, of_unit, 0.1 * of_unit) << scale;
   }
-  // A power of two rounds nothing. At the largest the sum of three corners is beyond a double's
-  // range, and so is the extent of all.
+  // A power of two causes no rounding. For the largest power, the sum of three corners and the
+  // extent of the scene exceed the range of a double.
   const std::vector<std::uint32_t> order_of_unit = order_of(unit);
   for (const int exponent : {-900, -60, 60, 900, 1022, 1023}) {
     Soup soup = unit;
@@ -159,8 +161,8 @@ TEST(FaceOrder, TakesAnySizeThereIs) {
   for (std::size_t i = 0; i < kCount; ++i) ASSERT_EQ(order[i], i);
 }
 
-// Ever smaller clusters in each other: most faces are in one bin again and again.
-TEST(FaceOrder, EndsWhereClustersHoldClusters) {
+// Nested clusters of decreasing size: in every round, most faces are in one bin.
+TEST(FaceOrder, TerminatesForNestedClusters) {
   test::Random random(7209);
   Soup soup;
   double size_m = 1.0;

@@ -31,7 +31,7 @@ void append(TriangleMesh& mesh, const TriangleMesh& more, const Vec3& at = Vec3:
   }
 }
 
-// Turned, moved, scaled and, half of the time, mirrored.
+// A random map with rotation, translation, scale and, with probability 1/2, a mirror.
 AffineMap random_map(Random& random) {
   AffineMap map;
   map.linear = random.rotation().toRotationMatrix() * random.uniform(0.01, 10.0);
@@ -40,7 +40,8 @@ AffineMap random_map(Random& random) {
   return map;
 }
 
-// The least distance of a face's plane from the origin: what an icosphere encloses at least.
+// The smallest distance of a face's plane from the origin: the radius of a ball inside an
+// icosphere.
 double inradius(const TriangleMesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (const Triangle& t : mesh.triangles) {
@@ -51,8 +52,8 @@ double inradius(const TriangleMesh& mesh) {
   return least;
 }
 
-// Of all triangles as seen from p, over the whole turn (A. van Oosterom and J. Strackee, "The Solid
-// Angle of a Plane Triangle", 1983, eq. 8).
+// The winding number: the solid angle of all triangles seen from p, divided by the full solid angle
+// (A. van Oosterom and J. Strackee, "The Solid Angle of a Plane Triangle", 1983, eq. 8).
 double winding_number(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
                       const Vec3& p) {
   double turns = 0.0;
@@ -69,7 +70,7 @@ double winding_number(const std::vector<Vec3>& positions, const std::vector<Tria
 
 using Cell = std::array<int, 3>;
 
-// Each face has corners of its own.
+// Each face has separate corners.
 TriangleMesh faces_of(const std::set<Cell>& cells) {
   TriangleMesh mesh;
   for (const Cell& cell : cells) {
@@ -111,7 +112,7 @@ std::set<Cell> random_cells(Random& random, int size) {
   return cells;
 }
 
-// No value on the surface: where cells around p differ.
+// No value on the surface, that is, if the cells around p differ.
 std::optional<bool> in_cells(const std::set<Cell>& cells, const Vec3& p) {
   bool any = false;
   bool all = true;
@@ -132,7 +133,7 @@ TEST(IsClosed, MeansThatEveryEdgeHasAnEvenNumberOfFaces) {
   TriangleMesh sphere = icosphere(2, 1.0);
   EXPECT_TRUE(is_closed(surface_of(sphere)));
   std::swap(sphere.triangles[7][0], sphere.triangles[7][1]);
-  EXPECT_TRUE(is_closed(surface_of(sphere)));  // a face turned over leaves no gap
+  EXPECT_TRUE(is_closed(surface_of(sphere)));  // a reversed face leaves no gap
   TriangleMesh open = sphere;
   open.triangles.pop_back();
   EXPECT_FALSE(is_closed(surface_of(open)));
@@ -142,7 +143,8 @@ TEST(IsClosed, MeansThatEveryEdgeHasAnEvenNumberOfFaces) {
   finned.triangles.push_back(
       {t[0], t[1], static_cast<std::uint32_t>(finned.positions_m.size() - 1)});
   EXPECT_FALSE(is_closed(surface_of(finned)));
-  // Two tetrahedra that share a face: its edges have three faces, and none has one.
+  // Two tetrahedra that share a face: the edges of this face have three faces, and no edge has one
+  // face.
   const SurfaceMesh three = SurfaceMesh::build(
       {{1, 0, 0}, {0, 1, 0}, {-1, -1, 0}, {0, 0, 1}, {0, 0, -1}},
       {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}, {0, 1, 2}});
@@ -154,7 +156,7 @@ TEST(IsClosed, MeansThatEveryEdgeHasAnEvenNumberOfFaces) {
   EXPECT_TRUE(is_closed(SurfaceMesh::build({}, {})));
 }
 
-TEST(IsInside, KnowsASphereInAnyPose) {
+TEST(IsInside, IsCorrectForASphereInAnyPose) {
   Random random(701);
   for (int trial = 0; trial < 60; ++trial) {
     const TriangleMesh sphere = icosphere(trial % 5, 1.0);
@@ -164,17 +166,18 @@ TEST(IsInside, KnowsASphereInAnyPose) {
     for (int i = 0; i < 300; ++i) {
       const Vec3 p = random.in_box(1.1);
       const double radius = p.norm();
-      if (radius > least && radius < 1.0 + 1e-6) continue;  // vertices are floats
+      // Undecided: between the ball inside and the sphere. Vertices are rounded to float.
+      if (radius > least && radius < 1.0 + 1e-6) continue;
       ASSERT_EQ(is_inside(index, map(p)), radius < 1.0) << p.transpose();
     }
   }
 }
 
-TEST(IsInside, KnowsATorusInAnyPose) {
+TEST(IsInside, IsCorrectForATorusInAnyPose) {
   Random random(702);
   const int level = 3;
   const double around = 8 << level;
-  // What chords cut off: R (1 - cos(pi / n)) across the ring, and as much of the tube.
+  // The loss due to chords: R (1 - cos(pi / n)) across the ring, and the same for the tube.
   const double cut = 1.4 * (1 - std::cos(std::numbers::pi / around)) +
                      0.4 * (1 - std::cos(2 * std::numbers::pi / around));
   const SurfaceMesh mesh = surface_of(torus(1.0, 0.4, level));
@@ -194,16 +197,16 @@ TEST(IsInside, KnowsATorusInAnyPose) {
   }
 }
 
-TEST(IsInside, TellsTheSidesOfAFaceNextToIt) {
+TEST(IsInside, DistinguishesTheSidesOfAFaceNextToTheFace) {
   Random random(703);
-  // A cavity, so that the box test settles nothing.
+  // A cavity, so that the box test does not decide.
   TriangleMesh mesh = box(Vec3(4, 4, 4));
   append(mesh, box(Vec3(2, 2, 2)));
   const SurfaceIndex index(surface_of(mesh));
   for (int trial = 0; trial < 2000; ++trial) {
     const int axis = static_cast<int>(random.index(3));
     const double side = random.index(2) == 0 ? 1.0 : -1.0;
-    // Anywhere on a face of the cavity, and right above its edges and vertices.
+    // Any point on a face of the cavity, and points directly above its edges and vertices.
     Vec3 p = random.in_box(1.0);
     if (trial % 3 == 1) p = 4.0 * p.array().round() / 4.0;
     if (trial % 3 == 2) p = p.array().sign();
@@ -222,14 +225,14 @@ TEST(IsInside, TellsTheSidesOfAFaceNextToIt) {
   }
 }
 
-TEST(IsInside, HasNoAnswerOnTheSurface) {
+TEST(IsInside, ReturnsNoValueOnTheSurface) {
   const SurfaceIndex index(surface_of(box(Vec3(2, 2, 2))));
   for (const Vec3& p : {Vec3(1, 0.25, 0.5), Vec3(-1, 0, 0), Vec3(1, 1, 0.3), Vec3(1, 1, -1)}) {
     EXPECT_EQ(is_inside(index, p), std::nullopt) << p.transpose();
   }
 }
 
-TEST(IsInside, TakesACavityForOutsideAndWhatIsInItForInside) {
+TEST(IsInside, TreatsACavityAsOutsideAndASolidInTheCavityAsInside) {
   Random random(704);
   TriangleMesh nested = icosphere(3, 1.0);
   append(nested, icosphere(2, 0.6));
@@ -253,9 +256,9 @@ TEST(IsInside, TakesACavityForOutsideAndWhatIsInItForInside) {
   }
 }
 
-// Vertices and edges of a star-shaped surface are put into the way of the first segments.
-TEST(IsInside, TakesAnotherSegmentWhereOneMeetsAnEdgeOrVertex) {
-  const TriangleMesh cage = box(Vec3(32, 32, 32));  // it alone sets the box
+// Vertices and edges of a star-shaped surface lie on the first segments.
+TEST(IsInside, TriesAnotherSegmentIfOneMeetsAnEdgeOrVertex) {
+  const TriangleMesh cage = box(Vec3(32, 32, 32));  // determines the box
   const Vec3 p = Vec3::Zero();
   const Box bounds = SurfaceIndex(surface_of(cage)).box();
   for (int blocked = 0; blocked <= kMostTries; ++blocked) {
@@ -289,7 +292,7 @@ TEST(IsInside, TakesAnotherSegmentWhereOneMeetsAnEdgeOrVertex) {
 TEST(IsInside, AgreesWithTheWindingNumber) {
   Random random(705);
   for (int trial = 0; trial < 100; ++trial) {
-    // Rough enough to pass through itself.
+    // Rough enough to intersect itself.
     TriangleMesh mesh = trial % 2 == 0 ? icosphere(2, 1.0) : torus(1.0, 0.5, 1);
     const double noise = random.uniform(0.0, 0.4);
     for (Vec3& p : mesh.positions_m) p += random.in_box(noise);
@@ -309,7 +312,7 @@ TEST(IsInside, AgreesWithTheWindingNumber) {
   }
 }
 
-TEST(IsInside, KnowsCellsFromAnyPointOfAFinerLattice) {
+TEST(IsInside, IsCorrectForCellsAtEveryPointOfAFinerLattice) {
   Random random(706);
   for (int trial = 0; trial < 60; ++trial) {
     const std::set<Cell> cells = random_cells(random, 4);
@@ -326,20 +329,21 @@ TEST(IsInside, KnowsCellsFromAnyPointOfAFinerLattice) {
   }
 }
 
-TEST(CrossesOdd, IsRightWheneverItAnswers) {
+TEST(CrossesOdd, IsCorrectWheneverItReturnsAValue) {
   Random random(707);
   int answers = 0;
-  int none = 0;
+  int undecided = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const std::set<Cell> cells = random_cells(random, 4);
     TriangleMesh mesh = faces_of(cells);
-    for (Triangle& t : mesh.triangles) {  // so that any edge can be any of its face
+    for (Triangle& t : mesh.triangles) {  // so that an edge can be any edge of its face
       std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(random.index(3)), t.end());
     }
     const SurfaceIndex index(surface_of(mesh));
     Vec3 p = Vec3(-0.5, 0.5, 0.5);
     for (int i = 0; i < 500; ++i) {
-      // Every other step along an axis; they end on a lattice, so many meet edges and vertices.
+      // Every second step is along an axis. Steps end on a lattice, so that many meet edges and
+      // vertices.
       Vec3 q = (random.in_box(2.5).array() + 2.0).unaryExpr([](double x) {
         return std::round(8.0 * x) / 8.0;
       });
@@ -353,7 +357,7 @@ TEST(CrossesOdd, IsRightWheneverItAnswers) {
       const std::optional<bool> after = in_cells(cells, q);
       const std::optional<bool> odd = crosses_odd(index, p, q);
       if (!before || !after) {
-        // p == q crosses nothing, wherever it is.
+        // p == q has no crossing at any position.
         if (p != q) {
           ASSERT_EQ(odd, std::nullopt) << p.transpose() << " to " << q.transpose();
         }
@@ -361,16 +365,16 @@ TEST(CrossesOdd, IsRightWheneverItAnswers) {
         ASSERT_EQ(*odd, *before != *after) << p.transpose() << " to " << q.transpose();
         ++answers;
       } else {
-        ++none;
+        ++undecided;
       }
       p = q;
     }
   }
   EXPECT_GT(answers, 1000);
-  EXPECT_GT(none, 1000);
+  EXPECT_GT(undecided, 1000);
 }
 
-TEST(CrossesOdd, FollowsAPointThroughSmallSteps) {
+TEST(CrossesOdd, TracksAPointThroughSmallSteps) {
   Random random(708);
   for (int trial = 0; trial < 20; ++trial) {
     const AffineMap map = random_map(random);
@@ -412,7 +416,7 @@ TEST(CrossesOdd, CountsUpToALimit) {
   EXPECT_EQ(is_inside(too_full, Vec3(0.1, 0.2, slabs / 2 + 0.5)), false);
 }
 
-TEST(CrossesOdd, OfNothingIsNever) {
+TEST(CrossesOdd, IsFalseForAnEmptyMesh) {
   const SurfaceIndex index(SurfaceMesh::build({}, {}));
   EXPECT_EQ(crosses_odd(index, Vec3(1, 2, 3), Vec3(-1, -2, -3)), false);
   EXPECT_EQ(is_inside(index, Vec3::Zero()), false);

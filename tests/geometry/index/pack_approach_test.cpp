@@ -1,5 +1,6 @@
-// Which triangles a sphere cannot reach on a step, or on the first part of it, as told in single
-// precision: never one that it reaches, by long double.
+// The single-precision filter for triangles that a sphere cannot reach on a step, or on the first
+// part of a step. It must never exclude a triangle that the sphere reaches according to long
+// double.
 
 #include <cmath>
 #include <cstdio>
@@ -45,7 +46,7 @@ Soup some_triangles(Random& random) {
   return soup;
 }
 
-// A step of a sphere that touches a triangle, nearly or more.
+// A step of a sphere that almost touches, touches or penetrates a triangle.
 struct Step {
   Vec3 p;
   Vec3 d;
@@ -69,11 +70,11 @@ class PackApproaches : public testing::TestWithParam<SimdLevel> {
   void TearDown() override { limit_simd_level(SimdLevel::kAvx512); }
 };
 
-TEST_P(PackApproaches, NeverRuleOutATriangleInReach) {
+TEST_P(PackApproaches, NeverExcludeATriangleInReach) {
   Random random(83);
   int lanes_told = 0;
-  int lanes_out = 0;       // on all of the step
-  int lanes_out_part = 0;  // on the first part of it
+  int lanes_out = 0;       // excluded for the whole step
+  int lanes_out_part = 0;  // excluded for the first part of the step
   for (int scene = 0; scene < kScenes; ++scene) {
     const Soup soup = some_triangles(random);
     const SurfaceIndex index(SurfaceMesh::build(soup.positions, soup.triangles));

@@ -44,7 +44,7 @@ std::vector<NamedMesh> meshes(Random& random) {
   return all;
 }
 
-// Every triangle, one by one.
+// The reference: every triangle, one by one.
 double brute_force_distance(const SurfaceIndex& index, const Vec3& p) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < index.pack_count(); ++id) {
@@ -57,7 +57,7 @@ double brute_force_distance(const SurfaceIndex& index, const Vec3& p) {
   return nearest;
 }
 
-TEST(SurfaceIndex, FindsTheClosestPointOrNothingWithinTheRadius) {
+TEST(SurfaceIndex, FindsTheClosestPointWithinTheRadiusOrReturnsNoValue) {
   Random random(31);
   for (const NamedMesh& named : meshes(random)) {
     SCOPED_TRACE(named.name);
@@ -85,7 +85,7 @@ TEST(SurfaceIndex, MeasuresDistanceToASphereWithinItsFacets) {
   for (const Triangle& t : sphere.triangles) {
     edge_m = std::max(edge_m, (sphere.positions_m[t[0]] - sphere.positions_m[t[1]]).norm());
   }
-  const double sagitta_m = edge_m * edge_m / (6 * 0.1) * 1.01;  // h^2 / (6 R), numerics 7
+  const double sagitta_m = edge_m * edge_m / (6 * 0.1) * 1.01;  // h^2 / (6 R), plus 1 %
   for (int trial = 0; trial < 1000; ++trial) {
     const Vec3 p = random.uniform(0.0, 0.2) * random.unit_vector();
     const auto found = index.closest_point(p, 1.0);
@@ -94,7 +94,7 @@ TEST(SurfaceIndex, MeasuresDistanceToASphereWithinItsFacets) {
   }
 }
 
-TEST(SurfaceIndex, ListsEveryPackThatAnyTriangleNearbyBelongsTo) {
+TEST(SurfaceIndex, ListsThePackOfEveryTriangleNearby) {
   Random random(33);
   for (const NamedMesh& named : meshes(random)) {
     SCOPED_TRACE(named.name);
@@ -121,7 +121,7 @@ TEST(SurfaceIndex, ListsEveryPackThatAnyTriangleNearbyBelongsTo) {
   }
 }
 
-TEST(SurfaceIndex, SaysWhenMorePacksAreNearThanFit) {
+TEST(SurfaceIndex, ReportsMorePacksNearThanFit) {
   Random random(34);
   const SurfaceMesh mesh = random_surface(random, 500);
   const SurfaceIndex index(mesh);
@@ -141,7 +141,7 @@ std::vector<std::uint32_t> packs_along(const SurfaceIndex& index, const Vec3& p,
         return QueryFraction::end();
       },
       &packs);
-  // Those that are near the start may come twice.
+  // The packs near the start may be visited twice.
   if (!first) {
     std::sort(packs.begin(), packs.end());
     packs.erase(std::unique(packs.begin(), packs.end()), packs.end());
@@ -163,8 +163,8 @@ std::vector<std::uint32_t> packs_near(const SurfaceIndex& index, const Vec3& p, 
   return packs;
 }
 
-// Points and boxes on a lattice, so that many touch each other to the bit.
-TEST(SurfaceIndex, VisitsTheSamePacksInOrderFromAnyOfThemOnWithEachInstructionSet) {
+// Points and boxes on a lattice, so that many touch each other exactly.
+TEST(SurfaceIndex, VisitsTheSamePacksInOrderFromAnyStartWithEachInstructionSet) {
   Random random(37);
   test::Soup soup;
   for (int i = 0; i < 40'000; ++i) {
@@ -191,12 +191,12 @@ TEST(SurfaceIndex, VisitsTheSamePacksInOrderFromAnyOfThemOnWithEachInstructionSe
     for (const SimdLevel level : {SimdLevel::kAvx512, SimdLevel::kAvx2, SimdLevel::kBaseline}) {
       limit_simd_level(level);
       ASSERT_EQ(packs_along(index, p, d, radius, 0), all);
-      ASSERT_EQ(packs_along(index, p, d, radius, std::nullopt), all) << "as Embree finds them";
+      ASSERT_EQ(packs_along(index, p, d, radius, std::nullopt), all) << "in the order of Embree";
       ASSERT_EQ(packs_near(index, p, radius, 0), near);
       std::vector<std::uint32_t> found(index.pack_count());
       found.resize(index.packs_near(p, radius, found));
       std::sort(found.begin(), found.end());
-      ASSERT_EQ(found, near) << "as Embree finds them";
+      ASSERT_EQ(found, near) << "in the order of Embree";
     }
     ASSERT_TRUE(std::is_sorted(all.begin(), all.end()));
     for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / 7) {
@@ -210,11 +210,11 @@ TEST(SurfaceIndex, VisitsTheSamePacksInOrderFromAnyOfThemOnWithEachInstructionSe
       ASSERT_EQ(packs_near(index, p, radius, near[i]), rest);
     }
   }
-  EXPECT_GT(most, 256) << "more than are found at once";
+  EXPECT_GT(most, 256) << "too few packs to exceed the capacity of one search";
 }
 
-// Of very many packs, what is behind a hit is left out.
-TEST(SurfaceIndex, VisitsNoMoreThanIsNeededOfVeryManyPacks) {
+// With very many packs, the packs behind a hit are not visited.
+TEST(SurfaceIndex, VisitsOnlyTheNeededOfVeryManyPacks) {
   Random random(38);
   test::Soup soup;
   for (int i = 0; i < 40'000; ++i) {
@@ -262,8 +262,7 @@ TEST(SurfaceIndex, FindsTheFirstHitOfASegment) {
   }
 }
 
-// Hard case 2: a segment exactly through an edge or a vertex of a closed surface has no gap to slip
-// through.
+// Hard case 2: a segment exactly through an edge or a vertex of a closed surface finds no gap.
 TEST(SurfaceIndex, NeverMissesASegmentThroughAnEdgeOrVertex) {
   Random random(36);
   const TriangleMesh sphere = icosphere(3, 1.0);
@@ -283,7 +282,7 @@ TEST(SurfaceIndex, NeverMissesASegmentThroughAnEdgeOrVertex) {
   }
 }
 
-TEST(SurfaceIndex, AppliesItsMapAndTurnsMirroredFacesOver) {
+TEST(SurfaceIndex, AppliesItsMapAndReversesMirroredFaces) {
   Random random(37);
   const TriangleMesh sphere = icosphere(2, 1.0);
   const SurfaceMesh mesh = SurfaceMesh::build(sphere.positions_m, sphere.triangles);

@@ -1,5 +1,5 @@
-// Which boxes may meet one of those that are marked, and which vertices of a mesh are on its
-// boundary: against what the definitions say, one pair or edge after the other.
+// Boxes that may meet a marked box, and boundary vertices of a mesh. The references apply the
+// definitions to every pair of boxes and to every edge.
 
 #include "geometry/index/touching_boxes.h"
 
@@ -54,27 +54,27 @@ Crowd random_crowd(Random& random, std::size_t count, double size, double marked
   return crowd;
 }
 
-TEST(TouchingBoxes, MissNoneAndNameFewMore) {
+TEST(TouchingBoxes, MatchTheDefinitionIfFewBoxesOverlap) {
   Random random(41);
   for (int trial = 0; trial < 200; ++trial) {
     const Crowd crowd = random_crowd(random, 2 + random.index(500), random.uniform(0.0, 0.2),
                                      random.uniform(0.0, 1.0));
-    const std::vector<bool> told = may_touch_marked(crowd.boxes, crowd.marked);
-    EXPECT_EQ(told, by_definition(crowd.boxes, crowd.marked));
+    const std::vector<bool> found = may_touch_marked(crowd.boxes, crowd.marked);
+    EXPECT_EQ(found, by_definition(crowd.boxes, crowd.marked));
   }
 }
 
-TEST(TouchingBoxes, MissNoneInACrowd) {
+TEST(TouchingBoxes, IncludeEveryBoxInACrowd) {
   Random random(42);
   for (int trial = 0; trial < 100; ++trial) {
     const Crowd crowd = random_crowd(random, 2 + random.index(500), random.uniform(0.0, 4.0), 0.1);
-    const std::vector<bool> told = may_touch_marked(crowd.boxes, crowd.marked);
+    const std::vector<bool> found = may_touch_marked(crowd.boxes, crowd.marked);
     const std::vector<bool> expected = by_definition(crowd.boxes, crowd.marked);
-    for (std::size_t i = 0; i < told.size(); ++i) EXPECT_LE(expected[i], told[i]);
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LE(expected[i], found[i]);
   }
 }
 
-TEST(TouchingBoxes, AreToldApartInALatticeThatAlmostTouches) {
+TEST(TouchingBoxes, ExcludeBoxesOfALatticeThatAlmostTouches) {
   std::vector<Box> boxes;
   for (int i = 0; i < 8000; ++i) {
     const Vec3 low(i % 20, i / 20 % 20, i / 400);
@@ -114,7 +114,7 @@ TEST(BoundaryVertices, AreAtTheEndsOfWeldedEdgesWithOneFace) {
   }
 }
 
-TEST(PointGrid, NamesAllThatAreNear) {
+TEST(PointGrid, VisitsAllPointsNearby) {
   Random random(44);
   std::vector<Vec3> points;
   for (int i = 0; i < 500; ++i) points.push_back(random.in_box(1.0));
@@ -130,7 +130,7 @@ TEST(PointGrid, NamesAllThatAreNear) {
   }
 }
 
-TEST(OccupiedCells, NameAllThatAreNearAndFewMore) {
+TEST(OccupiedCells, IncludeAllPointsNearbyAndFewOthers) {
   Random random(45);
   for (const bool is_flat : {false, true}) {
     std::vector<Vec3> points;
@@ -157,18 +157,18 @@ TEST(OccupiedCells, NameAllThatAreNearAndFewMore) {
   }
 }
 
-TEST(PointGrid, LooksAtNoMoreOfACrowdThanItSays) {
+TEST(PointGrid, ExaminesOnlyTheDocumentedNumberOfPointsOfACrowd) {
   PointGrid grid(1.0, 100'000);
   for (std::uint32_t i = 0; i < 100'000; ++i) grid.insert(Vec3(0.5, 0.5, 0.5), i);
   std::size_t visited = 0;
   EXPECT_FALSE(grid.visit_near(Vec3(0.5, 0.5, 0.5), 0.1, [&](std::uint32_t) {
     ++visited;
     return true;
-  })) << "and says that it has not";
+  })) << "the return value does not report the incomplete visit";
   EXPECT_EQ(visited, PointGrid::kMostVisited);
 }
 
-TEST(PointGrid, EndsWithTheVisitor) {
+TEST(PointGrid, StopsWhenTheVisitorReturnsFalse) {
   PointGrid grid(1.0, 100'000);
   for (std::uint32_t i = 0; i < 100'000; ++i) grid.insert(Vec3(0.5, 0.5, 0.5), i);
   std::size_t visited = 0;
@@ -177,7 +177,7 @@ TEST(PointGrid, EndsWithTheVisitor) {
   EXPECT_EQ(visited, 3u);
 }
 
-TEST(SharedCells, NameAllPointsThatOthersComeNearToAndFewMore) {
+TEST(SharedCells, IncludeAllPointsNearOtherOwnersAndFewOthers) {
   Random random(46);
   constexpr double kNear_m = 1e-3;
   std::vector<std::pair<Vec3, std::uint32_t>> points;  // with their owners
@@ -202,10 +202,11 @@ TEST(SharedCells, NameAllPointsThatOthersComeNearToAndFewMore) {
   }
   EXPECT_GT(expected, 500);
   EXPECT_LT(named, 2 * expected);
-  EXPECT_FALSE(SharedCells(1.0, 10).share_near(Vec3(0.5, 0.5, 0.5), 0.1, 0)) << "of none";
+  EXPECT_FALSE(SharedCells(1.0, 10).share_near(Vec3(0.5, 0.5, 0.5), 0.1, 0))
+      << "an empty grid has no shared cell";
 }
 
-TEST(SharedCells, SayWhereOneOwnerCrowds) {
+TEST(SharedCells, ReportACrowdOfOneOwner) {
   SharedCells cells(1.0, 200);
   const Vec3 p(0.5, 0.5, 0.5);
   for (std::uint32_t owner = 0; owner < 100; ++owner) EXPECT_TRUE(cells.add(p, owner));

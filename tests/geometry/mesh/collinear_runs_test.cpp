@@ -27,7 +27,7 @@ double distance_m(const Vec3& p, const std::vector<Vec3>& curve, bool closed) {
   return nearest_m;
 }
 
-// A polygon whose sides are divided at random, posed; its corners are `corners`, in that order.
+// A polygon in a random pose with randomly divided sides. Its corners are `corners`, in this order.
 std::vector<Vec3> divided(const std::vector<Vec3>& corners, const RigidTransform& pose,
                           test::Random& random) {
   std::vector<Vec3> points;
@@ -41,7 +41,7 @@ std::vector<Vec3> divided(const std::vector<Vec3>& corners, const RigidTransform
   return points;
 }
 
-TEST(CollinearRuns, LeaveTheCornersOfAPolygonWhereverItStarts) {
+TEST(CollinearRuns, KeepTheCornersOfAPolygonForAnyStart) {
   test::Random random(401);
   const std::vector<Vec3> corners = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {1, 1, 0}, {0, 2, 0}};
   for (int trial = 0; trial < 300; ++trial) {
@@ -100,7 +100,7 @@ TEST(CollinearRuns, StayWithinToleranceOfAnyCurve) {
   }
 }
 
-TEST(CollinearRuns, OfACurveWithinTheToleranceLeaveOnePoint) {
+TEST(CollinearRuns, ReduceACurveWithinTheToleranceToOnePoint) {
   const std::vector<Vec3> dot = {{0, 0, 0}, {1e-3, 0, 0}, {1e-3, 1e-3, 0}};
   EXPECT_EQ(without_collinear_points(dot, true, Vec3::UnitZ(), 0.01).size(), 1u);
   EXPECT_EQ(without_collinear_points(dot, false, Vec3::UnitZ(), 0.01).size(), 1u);

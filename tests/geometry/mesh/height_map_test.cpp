@@ -42,7 +42,7 @@ HeightMap random_height_map(Random& random, std::uint32_t width, std::uint32_t h
       wrap_u, wrap_v);
 }
 
-// Two waves to a map of `size` texels along u, one along v.
+// A map of `size` texels with two waves along u and one along v.
 HeightMap wave_map(std::uint32_t size) {
   return HeightMap::build(
       size, size,
@@ -51,10 +51,10 @@ HeightMap wave_map(std::uint32_t size) {
       MapWrap::kRepeat, MapWrap::kRepeat);
 }
 
-// Hermite's cubic on exact slopes is off by h^4 f'''' / 384, its slope by sqrt(3) h^3 f'''' / 216;
-// central differences are off by h^2 f''' / 6, which comes in with t (1 - t)(1 - 2 t) h, at most
-// h / (6 sqrt 3), and in the slope with 1. Here of sin(x), h its step, and 5 percent for what is
-// of higher order.
+// Error bounds for sin(x) with step h, plus 5 percent for higher orders. Hermite's cubic with exact
+// slopes has an error of h^4 f'''' / 384, and sqrt(3) h^3 f'''' / 216 in the slope. Central
+// differences have an error of h^2 f''' / 6. This error contributes with the factor t (1 - t)(1 - 2
+// t) h, at most h / (6 sqrt 3), to the value, and with the factor 1 to the slope.
 double value_bound(double h) {
   return 1.05 * (h * h * h / (36.0 * std::sqrt(3.0)) + h * h * h * h / 384.0);
 }
@@ -62,7 +62,7 @@ double slope_bound(double h) {
   return 1.05 * (h * h / 6.0 + std::sqrt(3.0) * h * h * h / 216.0);
 }
 
-TEST(HeightMap, FollowsASineToThirdOrderAndItsSlopeToSecond) {
+TEST(HeightMap, ApproximatesASineToThirdOrderAndItsSlopeToSecond) {
   Random random(501);
   double value_before = 0.0;
   double slope_before = 0.0;
@@ -94,7 +94,7 @@ TEST(HeightMap, FollowsASineToThirdOrderAndItsSlopeToSecond) {
   }
 }
 
-TEST(HeightMap, PassesThroughItsTexelsFromTheTopLeft) {
+TEST(HeightMap, InterpolatesItsTexelsFromTheTopLeft) {
   const std::vector<float> values = {1, 2, 3, 40, 50, 60};
   for (const MapWrap wrap : kWraps) {
     const HeightMap map = HeightMap::build(3, 2, values, wrap, wrap);
@@ -106,7 +106,7 @@ TEST(HeightMap, PassesThroughItsTexelsFromTheTopLeft) {
   }
 }
 
-TEST(HeightMap, HasTheSlopesOfItsOwnValues) {
+TEST(HeightMap, ReturnsTheDerivativesOfItsValues) {
   Random random(502);
   for (const MapWrap wrap_u : kWraps) {
     for (const MapWrap wrap_v : kWraps) {
@@ -135,7 +135,7 @@ TEST(HeightMap, IsSmoothAcrossTexelsAndBorders) {
     const std::uint32_t width = 5;
     const std::uint32_t height = 4;
     const HeightMap map = random_height_map(random, width, height, wrap, wrap);
-    // Half texels: centres, borders, and where a clamped map comes to rest.
+    // Half texels: centres, borders, and the point beyond which a clamped map is constant.
     for (int i = -24; i <= 24; ++i) {
       const double step = 1e-12;
       const double elsewhere = random.uniform(-1, 1);
@@ -158,7 +158,7 @@ TEST(HeightMap, IsSmoothAcrossTexelsAndBorders) {
   }
 }
 
-TEST(HeightMap, RepeatsEndsOrMirrorsOutside) {
+TEST(HeightMap, RepeatsClampsOrMirrorsOutside) {
   Random random(504);
   const HeightMap repeated = random_height_map(random, 7, 5, MapWrap::kRepeat, MapWrap::kRepeat);
   const HeightMap clamped = random_height_map(random, 7, 5, MapWrap::kClamp, MapWrap::kClamp);
@@ -172,7 +172,7 @@ TEST(HeightMap, RepeatsEndsOrMirrorsOutside) {
     EXPECT_NEAR(mirrored.value(2 - u, v + 4, lod), mirrored.value(u, v, lod), 1e-13);
     EXPECT_NEAR(mirrored.sample(-u, 2 - v, lod).d_du, -mirrored.sample(u, v, lod).d_du, 1e-12);
     EXPECT_NEAR(mirrored.sample(-u, 2 - v, lod).d_dv, -mirrored.sample(u, v, lod).d_dv, 1e-12);
-    // At the centres of the first and last texels and beyond the next half one.
+    // At the centres of the first and last texels, and beyond the next half texel.
     const double beyond = 1.0 + 0.5 / 3.0 + random.uniform(0, 10);
     const double whole_lod = lod < 1.0 ? 0.0 : 1.0;
     const HeightMap::Sample right = clamped.sample(beyond, v, whole_lod);
@@ -224,7 +224,7 @@ TEST(HeightMap, KeepsTheMeanOnEveryLevelOfAnySize) {
 }
 
 TEST(HeightMap, WeighsTexelsOfOddSizesByArea) {
-  // 5 to 2: each covers two and a half.
+  // From 5 texels to 2: each covers two and a half.
   const HeightMap five =
       HeightMap::build(5, 1, {10, 20, 30, 40, 50}, MapWrap::kClamp, MapWrap::kClamp);
   EXPECT_EQ(five.levels(), 3);
@@ -253,9 +253,9 @@ TEST(HeightMap, BlendsLevelsAndClampsThem) {
   }
 }
 
-// The mean over a box of n texels passes a wave of n texels not at all, and one of 2 n texels by
-// 2 / pi.
-TEST(HeightMap, LosesWavesShorterThanATexelOfTheLevel) {
+// The mean over a box of n texels removes a wave of n texels, and scales a wave of 2 n texels by 2
+// / pi.
+TEST(HeightMap, RemovesWavesShorterThanATexelOfTheLevel) {
   const std::uint32_t size = 256;
   const HeightMap map = HeightMap::build(
       size, 1, texels(size, 1, [&](double u, double) { return std::sin(kTurn * u * size / 8); }),
@@ -273,7 +273,7 @@ TEST(HeightMap, LosesWavesShorterThanATexelOfTheLevel) {
   EXPECT_GT(finest, 0.99);
 }
 
-TEST(HeightMap, TakesAnyCoordinates) {
+TEST(HeightMap, AcceptsAnyCoordinates) {
   Random random(507);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -281,7 +281,7 @@ TEST(HeightMap, TakesAnyCoordinates) {
   for (const MapWrap wrap : kWraps) {
     for (const std::uint32_t width : {1u, 2u, 3u, 9u}) {
       const HeightMap map = random_height_map(random, width, 3, wrap, wrap);
-      // Catmull-Rom weights in one direction add up to 1.25 at most, without signs.
+      // The absolute values of the Catmull-Rom weights in one direction add up to 1.25 at most.
       const double most = 1.25 * 1.25;
       for (const double far : {1e9 + 0.3, 1e18, 1e300, kMost, 5e-324, 1e-17}) {
         for (const double u : {far, -far}) {
@@ -307,7 +307,7 @@ TEST(HeightMap, TakesAnyCoordinates) {
   }
 }
 
-TEST(HeightMap, TakesAThirdMoreThanItsTexels) {
+TEST(HeightMap, UsesAThirdMoreMemoryThanItsTexels) {
   const HeightMap map = HeightMap::build(512, 512, std::vector<float>(512 * 512, 1.0f),
                                          MapWrap::kRepeat, MapWrap::kRepeat);
   const double texel_bytes = 512.0 * 512 * sizeof(float);
@@ -320,7 +320,7 @@ TEST(HeightMap, TakesAThirdMoreThanItsTexels) {
 // A periodic surface in texels and its slopes.
 struct Waves {
   double amplitude;  // texels
-  int across, down;  // waves to the map
+  int across, down;  // waves per map
   std::uint32_t width, height;
 
   double w_x() const { return kTurn * across / width; }
@@ -367,7 +367,7 @@ const std::array<Waves, 11> kWaves = {{{1.0, 1, 0, 32, 32},
                                        {1.0, 2, 9, 2 * 37, 3 * 41},
                                        {1.0, 1, 2, 1009, 1}}};
 
-TEST(HeightsFromSlopes, BringBackWavesFromTheirSlopes) {
+TEST(HeightsFromSlopes, ReconstructWavesFromTheirSlopes) {
   for (const Waves& waves : kWaves) {
     const std::vector<TexelSlope> slopes =
         per_texel(waves, [&](double column, double row) { return waves.slope(column, row); });
@@ -381,9 +381,9 @@ TEST(HeightsFromSlopes, BringBackWavesFromTheirSlopes) {
   }
 }
 
-// A million texels on two primes: with a multiplication for each texel of the line, this would take
-// many times as long as the other tests together.
-TEST(HeightsFromSlopes, TakeLargePrimeSizes) {
+// A million texels with two prime sides. With one multiplication per texel of the line, this test
+// would take many times as long as all other tests together.
+TEST(HeightsFromSlopes, AcceptLargePrimeSizes) {
   const Waves waves{2.0, 3, 7, 1021, 1021};
   const std::vector<float> heights = heights_from_slopes(
       waves.width, waves.height,
@@ -396,8 +396,8 @@ TEST(HeightsFromSlopes, TakeLargePrimeSizes) {
   EXPECT_LE(error, 1e-6 * waves.amplitude);
 }
 
-// Any rounding would be all that a map has whose heights are then stretched from 0 to 1.
-TEST(HeightsFromSlopes, OfOneSlopeEverywhereAreZero) {
+// Exactly zero, because a later stretch of the heights to 0 .. 1 would amplify any rounding.
+TEST(HeightsFromSlopes, AreZeroForAConstantSlope) {
   for (const auto& [width, height] : {std::pair(64u, 64u), {127u, 131u}, {45u, 49u}, {1u, 61u}}) {
     const std::vector<TexelSlope> slopes(std::size_t{width} * height, {0.0039215f, -0.7f});
     for (const float h : heights_from_slopes(width, height, slopes)) ASSERT_EQ(h, 0.0f) << width;
@@ -409,7 +409,7 @@ TEST(HeightsFromSlopes, ReadANormalMapOfWaves) {
     const double scale = 0.25;
     const auto pixels = per_texel(waves, [&](double column, double row) {
       const TexelSlope slope = waves.slope(column, row);
-      // Encoded as a renderer does: y up, unit length, without the scale.
+      // The encoding of a renderer: y up, unit length, without the scale.
       const std::array<double, 3> n = {-slope[0] / scale, slope[1] / scale, 1.0};
       const double length = std::hypot(n[0], n[1], n[2]);
       std::array<std::uint16_t, 3> pixel;
@@ -419,7 +419,7 @@ TEST(HeightsFromSlopes, ReadANormalMapOfWaves) {
       return pixel;
     });
     const double steepest = waves.amplitude * std::hypot(waves.w_x(), waves.w_y());
-    if (steepest / scale > 20.0) continue;  // z would have no digits left
+    if (steepest / scale > 20.0) continue;  // z would have too few digits
     const std::vector<TexelSlope> slopes = slopes_from_normal_map(pixels, scale);
     // Half a step of x, y and z, over z.
     const double z = 1.0 / std::hypot(1.0, steepest / scale);
@@ -432,7 +432,8 @@ TEST(HeightsFromSlopes, ReadANormalMapOfWaves) {
     }
     const std::vector<float> heights = heights_from_slopes(waves.width, waves.height, slopes);
     const std::vector<double> expected = expected_heights(waves);
-    // A wave of slopes comes back divided by its frequency, the lowest of which is a turn a map.
+    // The height of a wave is its slope divided by the frequency. The lowest frequency is one turn
+    // per map.
     const double bound = slope_error * std::max(waves.width, waves.height) / kTurn * 2.0;
     for (std::size_t i = 0; i < heights.size(); ++i) {
       ASSERT_NEAR(heights[i], expected[i], bound) << i << ' ' << waves.width;
@@ -440,9 +441,9 @@ TEST(HeightsFromSlopes, ReadANormalMapOfWaves) {
   }
 }
 
-TEST(HeightsFromSlopes, FitASurfaceWhereTheSlopesAreOfNone) {
-  // Adding a field without divergence, and a slope that is the same everywhere, changes nothing:
-  // both are orthogonal to the slopes of every periodic surface.
+TEST(HeightsFromSlopes, FitASurfaceToSlopesWithoutASurface) {
+  // Adding a divergence-free field and a constant slope does not change the heights: both are
+  // orthogonal to the slopes of every periodic surface.
   const Waves waves = kWaves[2];
   const Waves stream{3.0, 2, 4, waves.width, waves.height};
   const std::vector<TexelSlope> slopes = per_texel(waves, [&](double column, double row) {
@@ -455,7 +456,7 @@ TEST(HeightsFromSlopes, FitASurfaceWhereTheSlopesAreOfNone) {
   for (std::size_t i = 0; i < heights.size(); ++i) ASSERT_NEAR(heights[i], expected[i], 3e-6);
 }
 
-TEST(HeightsFromSlopes, LeaveAWaveOfTwoTexelsAlone) {
+TEST(HeightsFromSlopes, OmitAWaveOfTwoTexels) {
   std::vector<TexelSlope> slopes;
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 6; ++column) {
@@ -467,7 +468,7 @@ TEST(HeightsFromSlopes, LeaveAWaveOfTwoTexelsAlone) {
             std::vector<float>{0.0f});
 }
 
-TEST(HeightsFromSlopes, TakeAWaveOfTwoTexelsAcrossFromItsSlopesAlong) {
+TEST(HeightsFromSlopes, ReconstructAWaveOfTwoTexelsInOneDirectionFromTheOther) {
   const double w = kTurn / 10;
   const auto at = [&](int column, int row) {
     return (column % 2 == 0 ? 1 : -1) * std::sin(w * row);
@@ -484,7 +485,7 @@ TEST(HeightsFromSlopes, TakeAWaveOfTwoTexelsAcrossFromItsSlopesAlong) {
   }
 }
 
-TEST(SlopesFromNormalMap, AreBoundedWhereTheNormalIsNot) {
+TEST(SlopesFromNormalMap, AreBoundedForEveryNormal) {
   const std::vector<std::array<std::uint16_t, 3>> pixels = {
       {65535, 0, 0}, {0, 65535, 32767}, {65535, 65535, 65535}, {32896, 32896, 65535}};
   const std::vector<TexelSlope> slopes = slopes_from_normal_map(pixels, 2.0);

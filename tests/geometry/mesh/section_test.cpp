@@ -33,7 +33,7 @@ Mesh posed(Mesh mesh, const RigidTransform& pose) {
   return mesh;
 }
 
-// The plane through a point, in the frame a pose maps to.
+// The plane through a point, in the target frame of a pose.
 Plane posed_plane(const Vec3& normal, const Vec3& point, const RigidTransform& pose) {
   const Vec3 n = pose.direction(normal).normalized();
   return {n, n.dot(pose.point(point))};
@@ -88,8 +88,8 @@ Mesh unit_sphere(std::uint32_t meridians, std::uint32_t parallels) {
   return mesh;
 }
 
-// The surface of a set of unit cells, welded; it is closed, and where cells meet only at an edge or
-// a corner, not manifold.
+// The welded surface of a set of unit cells. It is closed, and not manifold where cells meet only
+// at an edge or a corner.
 using Cell = std::array<int, 3>;
 Mesh welded_faces_of(const std::set<Cell>& cells) {
   Mesh mesh;
@@ -120,8 +120,8 @@ Mesh welded_faces_of(const std::set<Cell>& cells) {
   return mesh;
 }
 
-// Where the plane meets the box's twelve edges, in order around the middle: its section, as for any
-// convex body.
+// The section of a convex body: the points where the plane meets the box's twelve edges, in order
+// around the middle.
 std::vector<Vec3> convex_section_of_box(const std::vector<Vec3>& corners, const Plane& plane) {
   std::vector<Vec3> points;
   Vec3 middle = Vec3::Zero();
@@ -147,7 +147,7 @@ std::vector<Vec3> convex_section_of_box(const std::vector<Vec3>& corners, const 
   return points;
 }
 
-TEST(PlaneSection, OfABoxAcrossAnAxisIsItsRectangle) {
+TEST(PlaneSection, OfABoxAcrossAnAxisIsARectangle) {
   test::Random random(301);
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 half(random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), random.uniform(0.1, 1.0));
@@ -159,7 +159,7 @@ TEST(PlaneSection, OfABoxAcrossAnAxisIsItsRectangle) {
     const std::vector<Polyline> curves = section(posed(box(half), pose), plane);
     ASSERT_EQ(curves.size(), 1u);
     EXPECT_TRUE(curves[0].closed);
-    EXPECT_EQ(curves[0].points_m.size(), 4u);  // what lies between is collinear
+    EXPECT_EQ(curves[0].points_m.size(), 4u);  // points between the corners are collinear
     const double a = 2.0 * half[(axis + 1) % 3];
     const double b = 2.0 * half[(axis + 2) % 3];
     EXPECT_NEAR(length_m(curves[0]), 2.0 * (a + b), 1e-13);
@@ -167,7 +167,7 @@ TEST(PlaneSection, OfABoxAcrossAnAxisIsItsRectangle) {
   }
 }
 
-TEST(PlaneSection, OfABoxByAnyPlaneIsTheConvexPolygonOfItsEdges) {
+TEST(PlaneSection, OfABoxByAnyPlaneIsAConvexPolygonThroughItsEdges) {
   test::Random random(302);
   for (int trial = 0; trial < 1000; ++trial) {
     const RigidTransform pose = random.pose(2.0);
@@ -200,7 +200,7 @@ TEST(PlaneSection, OfASphereIsACircleToSecondOrder) {
     ASSERT_EQ(curves.size(), 1u);
     ASSERT_TRUE(curves[0].closed);
     const double radius_m = std::sqrt(1.0 - height_m * height_m);
-    // A chord of a step is off by step^2 / 8; a face's diagonal is sqrt(2) steps long.
+    // The error of a chord of one step is step^2 / 8; a face's diagonal is sqrt(2) steps long.
     const double error_m = step_rad * step_rad / 4.0 / radius_m;
     const double perimeter_m = 2.0 * std::numbers::pi * radius_m;
     EXPECT_LT(length_m(curves[0]), perimeter_m);
@@ -213,7 +213,7 @@ TEST(PlaneSection, OfASphereIsACircleToSecondOrder) {
   }
 }
 
-TEST(PlaneSection, OfASlabWithAHoleHasTheOutlineFirstAndTheHoleTheOtherWay) {
+TEST(PlaneSection, OfASlabWithAHoleHasTheOutlineFirstAndTheHoleReversed) {
   test::Random random(304);
   std::set<Cell> cells;
   for (int x = 0; x < 5; ++x) {
@@ -238,9 +238,9 @@ TEST(PlaneSection, OfASlabWithAHoleHasTheOutlineFirstAndTheHoleTheOtherWay) {
   }
 }
 
-// Random cells are full of edges with four faces, and lattice planes hold whole faces. The plane
-// z = k counts as just below k, so the section is layer k - 1.
-TEST(PlaneSection, OfRandomCellsIsClosedAndHoldsTheMaterialOfTheLayer) {
+// Random cells have many edges with four faces, and lattice planes contain whole faces. The plane z
+// = k counts as just below k, so the section is layer k - 1.
+TEST(PlaneSection, OfRandomCellsIsClosedAndEnclosesTheMaterialOfTheLayer) {
   test::Random random(305);
   for (int trial = 0; trial < 400; ++trial) {
     std::set<Cell> cells;
@@ -254,7 +254,7 @@ TEST(PlaneSection, OfRandomCellsIsClosedAndHoldsTheMaterialOfTheLayer) {
     const std::size_t axis = random.index(3);
     const double sign = random.index(2) == 0 ? 1.0 : -1.0;
     const double level = 0.5 * static_cast<double>(random.index(9));
-    // With the normal reversed, "just below" along it is just above along the axis.
+    // With a reversed normal, "just below" along the normal is just above along the axis.
     const int layer = static_cast<int>(sign > 0.0 ? std::ceil(level) - 1.0 : std::floor(level));
     double area = 0.0;
     double perimeter = 0.0;
@@ -282,7 +282,7 @@ TEST(PlaneSection, OfRandomCellsIsClosedAndHoldsTheMaterialOfTheLayer) {
   }
 }
 
-TEST(PlaneSection, KeepsMaterialApartThatMeetsAtAnEdge) {
+TEST(PlaneSection, SeparatesMaterialThatMeetsAtAnEdge) {
   test::Random random(306);
   const Mesh two = welded_faces_of({{0, 0, 0}, {1, 1, 0}});
   const Mesh four = welded_faces_of({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {0, 2, 0}});
@@ -302,7 +302,7 @@ TEST(PlaneSection, KeepsMaterialApartThatMeetsAtAnEdge) {
   }
 }
 
-TEST(PlaneSection, ThroughVerticesMeetsThemExactly) {
+TEST(PlaneSection, ThroughVerticesContainsThemExactly) {
   const Mesh octahedron = {
       {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
       {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
@@ -317,7 +317,7 @@ TEST(PlaneSection, ThroughVerticesMeetsThemExactly) {
         EXPECT_EQ(std::count(octahedron.positions.begin(), octahedron.positions.end(), p), 1);
       }
       EXPECT_DOUBLE_EQ(signed_area_m2(curves[0], normal), 2.0);
-      // Through one tip alone, a curve without length is none.
+      // A plane through a single tip gives no curve, because the curve has no length.
       EXPECT_TRUE(section(octahedron, {normal, 1.0}).empty());
       EXPECT_TRUE(section(octahedron, {normal, -1.0}).empty());
     }
@@ -336,13 +336,14 @@ TEST(PlaneSection, OfAnOpenSheetIsOpenAndEndsOnItsBoundary) {
     ASSERT_EQ(curves.size(), 1u);
     EXPECT_FALSE(curves[0].closed);
     ASSERT_EQ(curves[0].points_m.size(), 2u);
-    // Seen from the tip of x with z up, y points right: -z, the back, is left of what goes to -y.
+    // Seen from the tip of x with z up, y points right: the back side, -z, is on the left of a
+    // curve towards -y.
     EXPECT_LE((curves[0].points_m[0] - pose.point(Vec3(x, 1, 0))).norm(), 1e-14);
     EXPECT_LE((curves[0].points_m[1] - pose.point(Vec3(x, 0, 0))).norm(), 1e-14);
   }
 }
 
-TEST(PlaneSection, EndsWhereNeighboursAreOrientedAgainstEachOther) {
+TEST(PlaneSection, EndsBetweenNeighboursOfOppositeOrientation) {
   Mesh mesh = box(Vec3::Ones());
   for (const std::size_t t : {4u, 5u}) std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
   const std::vector<Polyline> curves = section(mesh, {Vec3::UnitZ(), 0.25});

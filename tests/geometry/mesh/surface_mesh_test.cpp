@@ -30,7 +30,7 @@ Key key_of(const Vec3& p) {
 
 // ---- Soups. Coordinates are small integers, so that areas and collinearity are exact in double.
 
-// Every triangle gets corners of its own, as after reading a file with seams everywhere.
+// Every triangle has separate corners, as after reading a file with seams everywhere.
 Soup with_seams(const Soup& soup) {
   Soup seams;
   for (const Triangle& t : soup.triangles) {
@@ -99,7 +99,7 @@ Soup moebius_strip(std::uint32_t quads) {
     const Vec3 across = std::cos(angle / 2.0) * radial + std::sin(angle / 2.0) * Vec3::UnitZ();
     soup.positions.push_back(3.0 * radial + across);
     soup.positions.push_back(3.0 * radial - across);
-    const bool last = i + 1 == quads;  // after a half twist, the sides have changed
+    const bool last = i + 1 == quads;  // after a half twist, the sides are exchanged
     const std::uint32_t next = last ? 1 : 2 * i + 2;
     const std::uint32_t next_across = last ? 0 : 2 * i + 3;
     soup.triangles.push_back({2 * i, next, 2 * i + 1});
@@ -128,7 +128,7 @@ void append(Soup& soup, const Soup& more) {
   }
 }
 
-// Triangles between few points of a coarse grid: every defect there is, many at once.
+// Triangles between few points of a coarse grid, with many defects of every kind.
 Soup random_soup(test::Random& random) {
   Soup soup;
   const auto half = static_cast<double>(1 + random.index(3));
@@ -147,8 +147,8 @@ Soup random_soup(test::Random& random) {
   return soup;
 }
 
-// A closed surface of which faces were turned, repeated, removed and put in another order, with a
-// few arbitrary ones added.
+// A closed surface with some faces reversed, repeated and removed, a few arbitrary faces added, and
+// all faces in another order.
 Soup damaged_surface(test::Random& random) {
   const auto size = [&] { return static_cast<std::uint32_t>(3 + random.index(5)); };
   Soup soup = random.index(2) == 0 ? torus(size(), size()) : cube();
@@ -171,15 +171,15 @@ Soup damaged_surface(test::Random& random) {
   return random.index(2) == 0 ? soup : with_seams(soup);
 }
 
-// ---- What must hold for every soup
+// ---- Properties of every soup
 
-// In double: exact for the soups above, whose coordinates are small integers or in general position
-// (then zero only for a repeated corner).
+// Computed in double. Exact for the soups above: their coordinates are small integers, or in
+// general position, where the area is zero only for a repeated corner.
 bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a) != Vec3::Zero();
 }
 
-struct Reference {  // by the rules of SurfaceMesh, the slow way
+struct Reference {  // a slow implementation of the rules of SurfaceMesh
   std::vector<std::uint32_t> kept;
   std::size_t degenerate = 0;
   std::size_t duplicate = 0;
@@ -227,7 +227,7 @@ void expect_no_area_lost(const Soup& soup, const SurfaceMesh& mesh) {
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // welded vertices, the lower one first
 struct EdgeUse {
   std::vector<std::uint32_t> faces;
-  int balance = 0;  // uses upwards less uses downwards
+  int balance = 0;  // upward uses minus downward uses
 };
 
 std::map<Edge, EdgeUse> edges_of(const SurfaceMesh& mesh) {
@@ -266,8 +266,8 @@ void expect_true_neighbours(const SurfaceMesh& mesh) {
   }
 }
 
-// OpenMesh's faces are the welded ones, and they hang together exactly across edges with two faces
-// oriented alike.
+// OpenMesh's faces are the welded faces, connected exactly across edges with two faces oriented
+// alike.
 void expect_faithful_open_mesh(const SurfaceMesh& mesh) {
   const OpenMeshSurface& surface = mesh.surface();
   ASSERT_EQ(surface.n_faces(), mesh.face_count());
@@ -301,7 +301,7 @@ void expect_sound_open_mesh(const OpenMeshSurface& surface) {
   }
 }
 
-// OpenMesh's own builder, given the split faces in some order, rejects none.
+// OpenMesh's own builder accepts every split face, in any order.
 void expect_add_face_accepts(const OpenMeshSurface& surface, test::Random& random, bool shuffle) {
   std::vector<std::array<OpenMesh::VertexHandle, 3>> faces;
   for (const auto face : surface.faces()) {
@@ -332,7 +332,7 @@ SurfaceMesh checked_mesh(const Soup& soup, test::Random& random) {
   return mesh;
 }
 
-// ---- Any input
+// ---- Arbitrary input
 
 TEST(SurfaceMesh, KeepsEveryFaceWithAreaOfRandomSoups) {
   test::Random random(201);
@@ -350,7 +350,7 @@ TEST(SurfaceMesh, KeepsEveryFaceWithAreaOfDamagedSurfaces) {
   }
 }
 
-TEST(SurfaceMesh, KeepsEveryFinOfAnEdgeHoweverOriented) {
+TEST(SurfaceMesh, KeepsEveryFinOfAnEdgeInAnyOrientation) {
   test::Random random(203);
   for (std::uint32_t count = 1; count <= 6; ++count) {
     for (std::uint32_t orientations = 0; orientations < 1u << count; ++orientations) {
@@ -360,11 +360,11 @@ TEST(SurfaceMesh, KeepsEveryFinOfAnEdgeHoweverOriented) {
   }
 }
 
-TEST(FixedArray, IsEmptyOnceItIsMovedFrom) {
+TEST(FixedArray, IsEmptyAfterAMove) {
   FixedArray<int> array(3);
   FixedArray<int> taken = std::move(array);
   EXPECT_EQ(taken.size(), 3u);
-  EXPECT_TRUE(array.empty());  // NOLINT(bugprone-use-after-move): what is asked
+  EXPECT_TRUE(array.empty());  // NOLINT(bugprone-use-after-move): the tested state
   array = std::move(taken);
   EXPECT_EQ(array.size(), 3u);
   EXPECT_TRUE(taken.empty());  // NOLINT(bugprone-use-after-move)
@@ -417,7 +417,7 @@ TEST(SurfaceMesh, WeldsSeamsOfClosedSurfacesAndKeepsTheirEulerCharacteristic) {
   }
 }
 
-TEST(SurfaceMesh, KeepsAClosedPillowWhole) {
+TEST(SurfaceMesh, DoesNotSplitAClosedPillow) {
   test::Random random(206);
   Soup pillow = fan(9, true, 0.25);
   Soup back = fan(9, true, -0.25);
@@ -454,7 +454,7 @@ TEST(SurfaceMesh, SplitsTheVertexOfABowTie) {
   EXPECT_EQ(euler_characteristic(mesh.surface()), 4);
 }
 
-TEST(SurfaceMesh, CutsAMoebiusStripOnceAndStillKnowsItsNeighbours) {
+TEST(SurfaceMesh, CutsAMoebiusStripOnceAndKeepsItsWeldedNeighbours) {
   test::Random random(209);
   const Soup strip = moebius_strip(12);
   const SurfaceMesh mesh = checked_mesh(strip, random);
@@ -468,7 +468,7 @@ TEST(SurfaceMesh, CutsAMoebiusStripOnceAndStillKnowsItsNeighbours) {
   }
 }
 
-TEST(SurfaceMesh, CutsOffAFinWithoutTearingTheSurfaceItStandsOn) {
+TEST(SurfaceMesh, SeparatesAFinWithoutCuttingTheSurfaceBelowIt) {
   test::Random random(210);
   Soup finned = cube();
   finned.positions.emplace_back(-1.0, -1.0, 0.0);
@@ -479,7 +479,7 @@ TEST(SurfaceMesh, CutsOffAFinWithoutTearingTheSurfaceItStandsOn) {
   EXPECT_EQ(mesh.report().split_vertices, 2u);
 }
 
-TEST(SurfaceMesh, FacesOfAClosedSurfaceAreTurnedOutwardsInOpenMeshToo) {
+TEST(SurfaceMesh, KeepsOutwardFacesOutwardInOpenMesh) {
   test::Random random(211);
   const Soup soup = posed(cube(), random);
   Vec3 centre = Vec3::Zero();
@@ -492,8 +492,8 @@ TEST(SurfaceMesh, FacesOfAClosedSurfaceAreTurnedOutwardsInOpenMeshToo) {
   }
 }
 
-TEST(SurfaceMesh, FindsTheSourceOfEveryFaceBetweenDroppedTriangles) {
-  // Without area, kept, twice the same, kept, and so on to the end.
+TEST(SurfaceMesh, FindsTheSourceTriangleOfEveryFaceDespiteDroppedTriangles) {
+  // A repeated pattern: a triangle without area, a kept one, a duplicate pair, a kept one.
   Soup soup = torus(6, 6);
   const std::vector<Triangle> whole = soup.triangles;
   soup.triangles.clear();
@@ -516,7 +516,7 @@ TEST(SurfaceMesh, FindsTheSourceOfEveryFaceBetweenDroppedTriangles) {
   for (std::size_t f = 0; f < whole.size(); ++f) ASSERT_EQ(mesh.source_triangle(f), kept[f]);
 }
 
-TEST(SurfaceMesh, CopiesShareNothingThatChanges) {
+TEST(SurfaceMesh, CopiesShareNoMutableState) {
   test::Random random(212);
   const Soup soup = torus(6, 6);
   SurfaceMesh mesh = checked_mesh(soup, random);
