@@ -194,7 +194,7 @@ class HapticLoop {
   std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
-  std::vector<BodyMotion> body_motions_;       // the requested pose of each moved body
+  std::vector<BodyMotion> body_motions_;       // requested poses; reserved once
   std::vector<std::uint32_t> motion_of_body_;  // index into body_motions_, or kNoMotion
   bool bodies_have_arrived_ = true;            // at all requested poses
   std::uint32_t next_faults_ = kFaultNone;     // of calls since the last tick

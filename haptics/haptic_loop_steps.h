@@ -38,7 +38,7 @@ void HapticLoop::step(double dt_s) {
       return (this->*step_without_effects_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
     run_actions<kNeeds>(dt_s);
-    effects_->look_around(god_object_.world(), god_object_.proxy(), touch_m());
+    effects_->update_far_reach(god_object_.world(), god_object_.proxy(), touch_m());
   }
 }
 
