@@ -1,4 +1,5 @@
-// Stiffness and damping by material, and that no damper gives energy, against closed forms.
+// Compares stiffness and damping by material with closed forms, and checks that no damper adds
+// energy.
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +34,8 @@ std::vector<EffectProgramBuilder::Entry> spring(double stiffness, double damping
   return {effect_entry<StiffnessEffect>({stiffness}), effect_entry<DampingEffect>({damping})};
 }
 
-// A square whose left half, right half and far end have materials of their own, the last without
-// any effect.
+// A square whose left half, right half and far end have separate materials; the far end has no
+// effects.
 class Patchwork {
  public:
   Patchwork(const RigidTransform& pose, Random& random) : hand({soup()}, pose) {
@@ -112,8 +113,9 @@ TEST(StiffnessAndDamping, AreThoseOfTheMaterialUnderTheProxy) {
   EXPECT_GT(pulled, 50);
 }
 
-// The sides of a groove with a material each: the spring is mixed by what each side bears.
-TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
+// The sides of a groove have one material each; the spring constant is mixed by the load on each
+// side.
+TEST(StiffnessAndDamping, AreMixedInAGrooveByTheLoadOnEachSide) {
   Random random(6102);
   for (int run = 0; run < 200; ++run) {
     const double rise = random.uniform(0.1, 1.4);
@@ -141,7 +143,7 @@ TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
       if (tick > 0) expected += B * (lag - last_lag) / kTick_s;
       expected.z() = std::max(0.0, expected.z());  // the mean normal points up
       last_lag = lag;
-      // Stand-offs of both sides move the corner by 1 / sine of what is between them.
+      // The stand-offs of both sides move the corner by 1 / sine of the angle between the sides.
       const double tolerance =
           (3000.0 + 2 * 5.0 / kTick_s) * hand.tolerance_m() / std::sin(rise) / std::cos(rise);
       ASSERT_LE((hand.force() - expected).norm(), 2 * tolerance) << tick;
@@ -149,10 +151,10 @@ TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
   }
 }
 
-// ---- a damper takes energy round every closed loop ---------------------------------------------
+// ---- a damper dissipates energy around every closed loop ---------------------------------------
 
-// The work on the hand of what the damper adds to the spring: over a closed path, in its second
-// round.
+// The work on the hand by the force that the damper adds to the spring, over the second pass of a
+// closed path.
 struct DamperWork {
   double backward_J = 0.0;    // sum F_k . (x_k - x_k-1)
   double port_J = 0.0;        // sum F_k . (x_k+1 - x_k): with the force held from tick to tick
