@@ -90,11 +90,12 @@ class HapticLoop {
   // proxy ahead of it (GodObject::move_bodies). A body that would crush the proxy stays where it is
   // and tries again in every tick (kFaultBodyHeld).
   //
-  // body: index into the world's bodies. T_scene_body: pose of the body in the scene frame. The
-  // next tick sets kFaultBadBodyPose and the call changes nothing, if the body does not exist, if
-  // the pose is not finite or its quaternion not of unit length, if the pose is farther from the
-  // scene's middle than kFarthestBodyPerSize scene sizes, or if more than LiveWorld::kMostMoving
-  // bodies would move. Thread-safety: call on the haptic thread, or while no haptic thread runs.
+  // body: index into the world's bodies. T_scene_body: pose of the body in the scene frame. In the
+  // following cases the call changes nothing, and the next tick sets kFaultBadBodyPose: the body
+  // does not exist; the pose is not finite; its quaternion is not of unit length; the pose is
+  // farther from the scene's middle than kFarthestBodyPerSize scene sizes; more than
+  // LiveWorld::kMostMoving bodies would move. Thread-safety: call on the haptic thread, or while no
+  // haptic thread runs.
   void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
 
   // Sets kFaultBadBodyPose in the next tick, for a pose that the caller has refused.

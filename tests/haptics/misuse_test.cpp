@@ -296,61 +296,61 @@ TEST(Misuse, InvalidGoalsAndPosesChangeNothing) {
     const OwnedBodies bodies(
         {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
         radius_m);
-    GodObject asked(bodies.world(), {radius_m, {}});
+    GodObject misused(bodies.world(), {radius_m, {}});
     GodObject spared(bodies.world(), {radius_m, {}});
     const auto refuse_all = [&] {
-      const auto before = bits_of(asked);
+      const auto before = bits_of(misused);
       for (const double bad : {kNan, kInfinity, -kInfinity, 1e200}) {
         Vec3 goal = random.in_box(0.05);
         goal[static_cast<Eigen::Index>(random.index(3))] = bad;
-        EXPECT_FALSE(asked.place(goal));
+        EXPECT_FALSE(misused.place(goal));
         for (const ProxyState& state :
-             {asked.move_to(goal), asked.move_to(goal, Vec3(Vec3::UnitZ())),
-              asked.move_with_friction(goal, std::nullopt, kSticky)}) {
+             {misused.move_to(goal), misused.move_to(goal, Vec3(Vec3::UnitZ())),
+              misused.move_with_friction(goal, std::nullopt, kSticky)}) {
           EXPECT_TRUE(state.is_refused);
           EXPECT_FALSE(state.in_contact);
-          EXPECT_EQ(state.proxy, asked.proxy());
+          EXPECT_EQ(state.proxy, misused.proxy());
         }
         BodyMotion motion{0, {Quat::Identity(), goal}};
-        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
-        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+        EXPECT_EQ(misused.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(misused.place_body(0, motion.T_solver_body));
         if (bad == 1e200) continue;
-        EXPECT_TRUE(asked.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
+        EXPECT_TRUE(misused.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
         motion.T_solver_body = {Quat(bad, 0, 0, 1), Vec3::Zero()};
-        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
-        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+        EXPECT_EQ(misused.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(misused.place_body(0, motion.T_solver_body));
       }
       const BodyMotion moved{0, {Quat::Identity(), Vec3(0, 0, 0.001)}};
       for (const double length : {0.0, 0.5, 2.0, 1e200, kInfinity, kNan}) {
         const Vec3 normal = length * normals.unit_vector();
-        EXPECT_TRUE(asked.move_to(Vec3::Zero(), normal).is_refused) << length;
-        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
-        EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
+        EXPECT_TRUE(misused.move_to(Vec3::Zero(), normal).is_refused) << length;
+        EXPECT_TRUE(misused.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
+        EXPECT_EQ(misused.move_bodies({&moved, 1}, normal), 1u) << length;
       }
       for (const double size_m : {-1.0, kInfinity, -kInfinity, kNan}) {
         const FrictionSource source{sticky_cone, size_m};
-        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
+        EXPECT_TRUE(misused.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
       }
       const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};
-      EXPECT_EQ(asked.move_bodies({&shrunk, 1}), 1u);
+      EXPECT_EQ(misused.move_bodies({&shrunk, 1}), 1u);
       const BodyMotion nobody{2, {}};
-      EXPECT_EQ(asked.move_bodies({&nobody, 1}), 1u);
-      EXPECT_FALSE(asked.place_body(2, {}));
-      EXPECT_TRUE(same_bits(bits_of(asked), before));
+      EXPECT_EQ(misused.move_bodies({&nobody, 1}), 1u);
+      EXPECT_FALSE(misused.place_body(2, {}));
+      EXPECT_TRUE(same_bits(bits_of(misused), before));
     };
     refuse_all();
-    asked.place({0, 0, 0.05});
+    misused.place({0, 0, 0.05});
     spared.place({0, 0, 0.05});
     Vec3 goal(0, 0, 0.02);
     int contacts = 0;
     for (int n = 0; n < 400; ++n) {
       refuse_all();
       goal = (goal + random.in_box(2e-3)).cwiseMin(0.05).cwiseMax(-0.05);
-      const ProxyState a = asked.move_to(goal);
+      const ProxyState a = misused.move_to(goal);
       const ProxyState b = spared.move_to(goal);
       ASSERT_FALSE(a.is_refused);
       ASSERT_EQ(a.in_contact, b.in_contact);
-      ASSERT_TRUE(same_bits(bits_of(asked), bits_of(spared))) << n;
+      ASSERT_TRUE(same_bits(bits_of(misused), bits_of(spared))) << n;
       contacts += a.in_contact;
     }
     EXPECT_GT(contacts, 100);

@@ -70,7 +70,7 @@ struct TickRecord {
   double normal_scene[3] = {};         // unit, as rendered; zero off contact or if planes cancel
   double full_force_device_N[3] = {};  // before the projection on the actuated axes
   double force_device_N[3] = {};       // commanded, acting on the hand
-  double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene that this tick rendered
+  double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene during this tick
   double o_before_m[3] = {};
   double q_after_wxyz[4] = {1, 0, 0, 0};  // T_device_scene after the rotation, for the display
   double o_after_m[3] = {};
