@@ -11,13 +11,13 @@ namespace {
 std::optional<Error> check_pose(const ContactWorld& world, const RigidTransform& T_device_scene) {
   if (!is_pose(T_device_scene)) {
     return invalid_argument("initial_pose",
-                            "is no pose: expected finite numbers and a unit quaternion");
+                            "is not a rigid pose: expected finite numbers and a unit quaternion");
   }
   const double away_m = T_device_scene.translation_m.stableNorm();
   const double most_m = farthest_place_m(world);
   if (away_m <= most_m) return std::nullopt;
   return invalid_argument("initial_pose",
-                          digits_of(away_m) + " m away given, expected at most " +
+                          digits_of(away_m) + " m from the device's origin, expected at most " +
                               digits_of(most_m) +
                               " m, where positions keep half of their digits for the scene",
                           "place the scene nearer to the device's origin");

@@ -46,7 +46,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   record_.faults = get_user_motion(p_device_m, dt_s);  // action 1
   record_.faults |= std::exchange(next_faults_, kFaultNone);
   if ((record_.faults & kFaultsWithoutForce) != 0) {
-    give_no_force();
+    set_zero_force();
     record_.effects = 0;
     record_.rotation_rad = 0.0;
     end_contact_force();
@@ -71,23 +71,24 @@ inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double 
   if (record_.tick > 0) record_.time_s += dt_s;
   last_sample_.age_s += dt_s;
   last_good_sample_.age_s += dt_s;
-  if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // that one is coming
+  if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // tick() adds this fault
   if (!sensed_m.allFinite()) return kFaultNonFiniteSample;
   const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene());
   if (!(sensed_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
   return jumps(sensed_m) ? kFaultJump : kFaultNone;
 }
 
-// Whether a sample is far from the last one and from the last good one. Takes note of both.
+// True if a sample is too far from both the last sample and the last good one. Remembers the
+// sample.
 bool HapticLoop::jumps(const Vec3& p_device_m) {
   const auto is_near = [&](const Sample& sample) {
     const double reach_m = std::max(world_->size_m, kFastestHand_m_per_s * sample.age_s);
     return (p_device_m - sample.p_device_m).squaredNorm() <= reach_m * reach_m;
   };
-  const bool is_wild = has_proxy_ && !is_near(last_sample_) && !is_near(last_good_sample_);
+  const bool is_jump = has_proxy_ && !is_near(last_sample_) && !is_near(last_good_sample_);
   last_sample_ = {p_device_m, 0.0};
-  if (!is_wild) last_good_sample_ = last_sample_;
-  return is_wild;
+  if (!is_jump) last_good_sample_ = last_sample_;
+  return is_jump;
 }
 
 void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept {
@@ -105,7 +106,7 @@ void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_bod
     body_motions_.push_back({body, {}});
   }
   body_motions_[motion].T_solver_body = T_solver_body;
-  bodies_are_there_ = false;
+  bodies_have_arrived_ = false;
 }
 
 void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
@@ -117,34 +118,35 @@ void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
   theoretical_rotation_.set_actuation(actuation);
 }
 
-// Before the hand's own motion: moving bodies push the proxy. They do so within the plane of a
-// planar device.
+// Runs before the hand's own motion: moving bodies push the proxy, within the plane of a planar
+// device.
 void HapticLoop::move_bodies() {
-  if (bodies_are_there_) return;
+  if (bodies_have_arrived_) return;
   std::size_t held = 0;
   if (has_proxy_) {
     held = god_object_.move_bodies(body_motions_, motion_plane_normal());
   } else {
     for (const BodyMotion& m : body_motions_) god_object_.place_body(m.body, m.T_solver_body);
   }
-  bodies_are_there_ = held == 0;
+  bodies_have_arrived_ = held == 0;
   if (held > 0) record_.faults |= kFaultBodyHeld;
 }
 
-// The plane that a planar device keeps to. Scene frame.
+// The normal of the plane to which a planar device is confined, scene frame; null for 3 sensors.
 std::optional<Vec3> HapticLoop::motion_plane_normal() const {
   if (!actuation_.is_planar()) return std::nullopt;
   return R_device_scene_.transpose().col(2);
 }
 
-// Action 2: the device point in the scene. In the camera metaphor the scene moves by -Tu and the
-// proxy stays at the display's centre; that is display_transform(), the contact is the same.
+// Action 2: computes the device point in the scene. In the camera metaphor, the scene moves by -Tu
+// and the proxy stays at the display's centre. That is left to display_transform(), because the
+// contact is the same.
 void HapticLoop::apply_user_motion() {
   const Vec3 from_origin_m = view(record_.device_m) - view(record_.o_after_m);
   view(record_.goal_scene_m).noalias() = R_device_scene_.transpose() * from_origin_m;
 }
 
-// Of the device point in the scene, by backward difference: what a medium takes with it is then
+// The velocity of the device point in the scene, by backward difference: a medium then dissipates
 // exactly b |dx|^2 / T in each tick.
 void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
   velocity_m_per_s_.setZero();
@@ -158,21 +160,21 @@ EffectMotion HapticLoop::motion(double dt_s) const {
           world_->to_solver(view(record_.goal_scene_m)), velocity_m_per_s_};
 }
 
-void HapticLoop::give_no_force() {
+void HapticLoop::set_zero_force() {
   view(record_.full_force_device_N).setZero();
   view(record_.force_device_N).setZero();
 }
 
-// The last gate before the device: a force that is none (a dt so small that speeds overflow) is not
-// commanded, and nothing of it is kept.
+// The loop's last check of a force. A force that is not finite (dt is so small that speeds
+// overflow) is not commanded, and no state keeps any part of it.
 void HapticLoop::refuse_force() {
   record_.faults |= kFaultNonFiniteForce;
-  give_no_force();
+  set_zero_force();
   end_contact_force();
   if (effects_) effects_->reset_states();
 }
 
-// A tick without force: what comes next is as the first tick of a contact.
+// Ends the contact for states with memory: the next tick acts as the first tick of a contact.
 void HapticLoop::end_contact_force() {
   record_.friction = FrictionState::kNone;
   god_object_.end_friction();
@@ -201,14 +203,15 @@ void HapticLoop::place_scene(const ScenePose& T_device_scene) {
   R_device_scene_ = T_device_scene.rotation.toRotationMatrix();
 }
 
-// Action 5: Table 1. Nothing out of contact.
+// Action 5: Table 1. No rotation off contact.
 AxisAngle HapticLoop::find_theoretical_rotation() {
   if (!record_.contact) theoretical_rotation_.reset();
   if (!record_.contact || !settings_.a4.enabled) return {};
   return theoretical_rotation_.update(normal_device_);
 }
 
-// Action 6: Figure 3. The pivot is the proxy: it stays feasible, and the spring gains no energy.
+// Action 6: Figure 3. The pivot is the proxy, so the proxy stays feasible and the spring gains no
+// energy.
 void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double dt_s) {
   record_.rotation_rad = 0.0;
   if (theoretical.angle_rad == 0.0) return;

@@ -22,11 +22,11 @@
 
 namespace palpate {
 
-// Which part of the coupling force the actuators are told. Independent of what A4 aligns with.
+// The part of the force that the loop commands. The mode does not affect the rotation by A4.
 enum class ForceMode : std::uint8_t {
   kNone,
   kActuated,  // projected on the actuated axes
-  kFull       // as if every axis had an actuator
+  kFull       // not projected, as if every axis had an actuator
 };
 
 struct A4Settings {
@@ -41,66 +41,80 @@ struct HapticSettings {
   CouplingSettings coupling;
   ForceMode force = ForceMode::kActuated;
   A4Settings a4;
-  double plane_height_m = 0.0;    // 2 sensors: device and proxy keep to z_device = this
+  double plane_height_m = 0.0;    // 2 sensors: z of the device point and the proxy, device frame
   ScenePose initial_pose;         // T_device_scene at the first tick
-  bool measures_effects = false;  // the time of each effect, at the price of asking the clock
+  bool measures_effects = false;  // measures the time of each effect, which costs clock reads
 };
 
-// The longest tick. What is slower is no servo: a force that is held for so long follows no hand.
+// The longest valid time step. A force that is held longer cannot follow a hand.
 inline constexpr double kLongestTick_s = 1.0;
 inline constexpr bool is_time_step(double dt_s) {
   return dt_s > 0.0 && dt_s <= kLongestTick_s;  // false for NaN
 }
 
-// What no hand that holds a device gets to: a boxer's fist does. A sample that is farther away than
-// this speed leads is of no hand, if it is farther than the scene is large, too; a hand that goes
-// at it passes 10 mm in a tick at 1 kHz.
+// The fastest motion of a hand that holds a device; only a boxer's fist is as fast. A sample is a
+// jump if it needs a higher speed and also lies farther away than the scene is large. A hand at
+// this speed moves 10 mm per tick at 1 kHz.
 inline constexpr double kFastestHand_m_per_s = 10.0;
 
-// The six actions of A4 (Lecuyer et al. 2005, section 3), each tick, on one thread.
+// The haptic loop: the six actions of A4 (Lecuyer et al. 2005, section 3), once per tick.
 //
-// No allocation, lock, I/O or exception after construction. Deterministic: the same world,
-// settings, samples and poses of bodies give the same bits.
+// Thread-safety: one thread owns the loop. After construction, the loop does not allocate, lock,
+// throw or use I/O. It is deterministic: equal worlds, settings, samples and body poses give equal
+// bits.
 class HapticLoop {
  public:
-  // The world must outlive the loop. Settings are to be such that check_settings() has no Error.
+  // The world must outlive the loop. If check_settings() returns an Error for the settings, every
+  // tick reports kFaultBadSettings and commands zero force.
   HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
              const HapticSettings& settings);
 
-  // p_device_m: the sensed position. dt_s: time since the last tick, at most kLongestTick_s. The
-  // first sample sets the proxy. A bad sample holds the last state, commands zero force and sets a
-  // fault bit. A sample that is farther from the last one than the scene is large, and than a hand
-  // gets in the time since then (kFastestHand_m_per_s), is bad, too: no hand gets there, and
-  // whatever it crossed would push. If the device stays there, the next sample is good, and the
-  // proxy follows with its contacts kept; so it does if that was one wild sample.
+  // Runs one tick and returns its record, which is valid until the next tick. p_device_m: sensed
+  // position, device frame. dt_s: time since the last tick, > 0 and at most kLongestTick_s. The
+  // first good sample places the proxy at the goal.
+  //
+  // A bad sample keeps the last state, commands zero force and sets a fault bit. A jump is a bad
+  // sample, too: a sample whose distance from the last sample and from the last good one exceeds
+  // both the scene's size and the distance that a hand can move in the time since
+  // (kFastestHand_m_per_s). Without this rule, every obstacle between the two positions would cause
+  // a force. If the device stays at the new position, its next sample is good. If the jump was a
+  // single outlier, the sample after it is good. In both cases the proxy follows and keeps its
+  // contacts.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
-  // The sample of the next tick is bad, as what is not finite is: its device says that it has not
-  // sensed it. Sets kFaultInvalidSample.
+  // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
+  // kFaultInvalidSample.
   void refuse_sample() noexcept { next_faults_ |= kFaultInvalidSample; }
 
-  // Where a body of the world is to be from the next good tick on: it moves there in that tick, and
-  // pushes the proxy before it (GodObject::move_bodies). A body that cannot get there, because the
-  // proxy would be crushed, tries again every tick. A pose that is not finite, or turned by no unit
-  // quaternion, or farther from the middle of the scene than kFarthestBodyPerSize sizes, or of one
-  // body more than LiveWorld::kMostMoving, sets kFaultBadBodyPose in the next tick and changes
-  // nothing. T_scene_body: that of the world's bodies, moved. Safe on the haptic thread, and from
-  // no other while it runs.
+  // Sets the pose that a body of the world takes in the next good tick. The moving body pushes the
+  // proxy ahead of it (GodObject::move_bodies). A body that would crush the proxy stays where it is
+  // and tries again in every tick (kFaultBodyHeld).
+  //
+  // body: index into the world's bodies. T_scene_body: pose of the body in the scene frame. In the
+  // following cases the call changes nothing, and the next tick sets kFaultBadBodyPose: the body
+  // does not exist; the pose is not finite; its quaternion is not of unit length; the pose is
+  // farther from the scene's middle than kFarthestBodyPerSize scene sizes; more than
+  // LiveWorld::kMostMoving bodies would move. Thread-safety: call on the haptic thread, or while no
+  // haptic thread runs.
   void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
 
-  // Sets the fault for a pose that was refused before it got here.
+  // Sets kFaultBadBodyPose in the next tick, for a pose that the caller has refused.
   void refuse_body_pose() noexcept { next_faults_ |= kFaultBadBodyPose; }
 
-  // Keeps the rounding of positions there (2^-53 each) thousands of times below the stand-off.
+  // The largest distance of a body from the scene's middle, in scene sizes. At this distance,
+  // positions round by 2^-53 of the distance, which is more than a thousand times less than the
+  // stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
 
-  // Motors that turn with the device: what the next tick projects forces on and aligns with. A
-  // model that senses other axes sets kFaultBadActuation in the next tick and changes nothing.
-  // Before the first tick it makes the loop one with that model, to the bit. On the haptic thread.
+  // Sets the axes of motors that turn with the device. The next tick projects forces on these axes
+  // and aligns the contact normal with them. A model with other sensed axes changes nothing; the
+  // next tick sets kFaultBadActuation. A call before the first tick has the same effect, to the
+  // bit, as constructing the loop with that model. Call on the haptic thread.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
-  // Changes the parameters of one line of the world's effect program: as many bytes as they have,
-  // and such as the effect allows. On the haptic thread; see the engine's material_tuner.h.
+  // Replaces the parameters of one call of the world's effect program. parameters: the bytes of the
+  // effect's Parameters, all of them, with values that the effect allows. Call on the haptic
+  // thread; other threads use the engine's material_tuner.h.
   void set_effect_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept {
     if (effects_) effects_->set_parameters(call, parameters);
   }
@@ -110,19 +124,19 @@ class HapticLoop {
     return effects_ ? &effects_->counters() : nullptr;
   }
 
-  // The pose after the last tick's elementary rotation: what a display should show.
+  // The scene's pose after the last tick's elementary rotation, for the display.
   ScenePose T_device_scene() const { return pose_after(record_); }
 
  private:
-  // A tick after action 1. kNeeds: those of the effects that select a step (kStepNeeds). Defined in
-  // haptic_loop_steps.h.
+  // Actions 2 to 6 of a tick, defined in haptic_loop_steps.h. kNeeds: the needs of the world's
+  // effects, as far as they select a step (kStepNeeds).
   using Step = void (HapticLoop::*)(double dt_s);
   static Step step_with_effects(std::uint32_t needs);
   template <std::uint32_t kNeeds>
   void step(double dt_s);
   template <std::uint32_t kNeeds>
   void run_actions(double dt_s);
-  // Each has one caller, whose ticks are too short for a call.
+  // Inlined, because each has one caller and the cost of a call shows in short ticks.
   template <std::uint32_t kNeeds>
   [[gnu::always_inline]] void detect_collision();
   [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
@@ -132,7 +146,7 @@ class HapticLoop {
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>
   Vec3 contact_force_N(double dt_s);
-  // What a proxy touches is its radius away, and a few stand-offs.
+  // A face that the proxy touches is at most this far from the proxy's centre.
   double touch_m() const { return god_object_.radius_m() + 4 * god_object_.scale().stand_off_m; }
   EffectMotion motion(double dt_s) const;
   void find_velocity(const Vec3& last_goal_m, double dt_s);
@@ -143,7 +157,7 @@ class HapticLoop {
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
   void refuse_force();
-  void give_no_force();
+  void set_zero_force();
   void place_scene(const ScenePose& T_device_scene);
   void end_contact_force();
   AxisAngle find_theoretical_rotation();
@@ -156,9 +170,9 @@ class HapticLoop {
   VirtualCoupling coupling_;
   TheoreticalRotation theoretical_rotation_;
 
-  Mat3 R_device_scene_;  // of the pose after the last tick, ready to be applied
+  Mat3 R_device_scene_;  // rotation matrix of the pose after the last tick
   Vec3 normal_device_ = Vec3::Zero();
-  // A sample that counts, and the time since then.
+  // A finite sample and the time since then.
   struct Sample {
     Vec3 p_device_m = Vec3::Zero();
     double age_s = 0.0;
@@ -169,22 +183,22 @@ class HapticLoop {
   TickRecord record_;
   bool has_proxy_ = false;
   bool has_bad_settings_;
-  double world_extent_m_;  // as farthest_sample_m() asks
+  double world_extent_m_;  // argument of farthest_sample_m()
 
   Step step_;
-  Step step_without_effects_;              // what is left of a step where no effect is near
-  std::unique_ptr<EffectRunner> effects_;  // null where there are none
+  Step step_without_effects_;              // the remaining actions where no effect is near
+  std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
   ContactResponse response_;               // of this tick
-  EffectMotion motion_;                    // likewise
-  bool last_was_good_ = false;             // the last tick: its goal is where the hand was
+  EffectMotion motion_;                    // of this tick
+  bool last_was_good_ = false;             // the last tick's goal was the hand's position
   double last_dt_s_ = 0.0;                 // of the last good tick
   std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
-  std::vector<BodyMotion> body_motions_;       // the last that was asked for, of each; never grows
-  std::vector<std::uint32_t> motion_of_body_;  // index into them, or none
-  bool bodies_are_there_ = true;               // all of them
-  std::uint32_t next_faults_ = kFaultNone;     // of what was asked for before the next tick
+  std::vector<BodyMotion> body_motions_;       // requested poses; reserved once
+  std::vector<std::uint32_t> motion_of_body_;  // index into body_motions_, or kNoMotion
+  bool bodies_have_arrived_ = true;            // at all requested poses
+  std::uint32_t next_faults_ = kFaultNone;     // of calls since the last tick
 };
 
 }  // namespace palpate

@@ -1,5 +1,4 @@
-// The steps of worlds that have effects, one for each union of needs that those that are built can
-// have.
+// The steps of worlds with effects: one for each union of needs that the compiled effects can have.
 
 #include <array>
 #include <utility>
@@ -11,7 +10,7 @@ namespace palpate {
 
 HapticLoop::Step HapticLoop::step_with_effects(std::uint32_t needs) {
   constexpr auto step_for = []<std::uint32_t kNeeds>() -> Step {
-    // The step without any needs is compiled in another file, as if there were no effects.
+    // The step without needs is compiled in haptic_loop.cpp, as in a program without effects.
     if constexpr (kNeeds == kNeedsNothing || (kNeeds & ~CompiledEffects::kNeeds) != 0) {
       return nullptr;
     } else {

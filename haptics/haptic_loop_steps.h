@@ -1,7 +1,8 @@
 #pragma once
 
-// The six actions of a tick, for the files that compile them with and without effects. Each set of
-// needs has its own copy: a bare world runs no line that an effect needs.
+// Actions 2 to 6 of a tick, as templates for the files that compile them with and without effects.
+// Each union of needs has its own instance: a world without effects executes no instruction that
+// serves an effect.
 
 #include "haptics/effects/rendered_force.h"
 #include "haptics/haptic_loop.h"
@@ -9,7 +10,7 @@
 
 namespace palpate {
 
-// What friction the effects of a world give to its faces.
+// Gives the god-object the friction that a world's effects declare for its faces.
 class ConesOfEffects final : public FrictionCones {
  public:
   ConesOfEffects(EffectRunner& effects, const LiveWorld& world)
@@ -37,7 +38,7 @@ void HapticLoop::step(double dt_s) {
       return (this->*step_without_effects_)(dt_s);
     if constexpr ((kNeeds & kNeedsVelocity) != 0) find_velocity(last_goal_m, dt_s);
     run_actions<kNeeds>(dt_s);
-    effects_->look_around(god_object_.world(), god_object_.proxy(), touch_m());
+    effects_->update_far_reach(god_object_.world(), god_object_.proxy(), touch_m());
   }
 }
 
@@ -51,8 +52,8 @@ void HapticLoop::run_actions(double dt_s) {
   apply_elementary_rotation(theoretical, dt_s);               // action 6
 }
 
-// Action 3: the god-object follows the device point and stops at surfaces. It starts where the
-// first good sample is.
+// Action 3: the god-object follows the device point and stops at surfaces. The first good sample
+// places it.
 template <std::uint32_t kNeeds>
 inline void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
@@ -80,8 +81,8 @@ inline void HapticLoop::detect_collision() {
   if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
 }
 
-// Action 4: the normalised average of the normals in contact, as felt, and its angle to what can be
-// pushed.
+// Action 4: the contact normal, which is the normalised average of the rendered normals in contact,
+// and its angle to the actuated axes.
 template <std::uint32_t kNeeds>
 void HapticLoop::find_contact_normal() {
   view(record_.normal_scene).setZero();
@@ -94,7 +95,7 @@ void HapticLoop::find_contact_normal() {
   const Vec3* normal_scene = &proxy_state_.normal;
   if constexpr ((kNeeds & kNeedsContact) != 0) normal_scene = &response_.normal;
   view(record_.normal_scene) = *normal_scene;
-  if (normal_scene->isZero(0.0)) return;  // opposite planes: nothing to turn to
+  if (normal_scene->isZero(0.0)) return;  // opposite planes cancel: no direction to align
   normal_device_ = R_device_scene_ * *normal_scene;
   record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
 }
@@ -107,7 +108,7 @@ void HapticLoop::render_force(double dt_s) {
   } else {
     coupling_.reset();
     if constexpr ((kNeeds & kNeedsSurroundings) == 0) {
-      give_no_force();
+      set_zero_force();
       if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
       return;
     }
@@ -126,7 +127,8 @@ Vec3 HapticLoop::contact_force_N(double dt_s) {
   const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
   if constexpr ((kNeeds & kNeedsContact) != 0) {
     if (!response_.without_effects) {
-      // A proxy at rest is one end of the damper; one that slides gives way.
+      // The damper acts on the whole lag of a proxy at rest. A sliding proxy yields along the
+      // surface.
       const bool rests = proxy_state_.is_held && !proxy_state_.slid;
       const Vec3 damped = rests ? rate : proxy_state_.pressed_part(rate);
       return rendered_force_N(response_, proxy_state_, lag, damped) +

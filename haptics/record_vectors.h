@@ -1,6 +1,6 @@
 #pragma once
 
-// The numbers of a TickRecord as vectors and poses, and back: to the bit.
+// Conversions between the numbers of a TickRecord and vectors or poses, exact to the bit.
 
 #include "haptics/a4/scene_pose.h"
 #include "palpate/record.h"
@@ -15,7 +15,7 @@ inline void put(const Vec3& v, double (&numbers)[3]) noexcept {
   for (int k = 0; k < 3; ++k) numbers[k] = v[k];
 }
 
-// The numbers where they are, without a copy: for the loop, which lives on it.
+// A vector that refers to the numbers without a copy: HapticLoop keeps its state in the record.
 inline Eigen::Map<const Vec3> view(const double (&numbers)[3]) noexcept {
   return Eigen::Map<const Vec3>(numbers);
 }
@@ -23,7 +23,7 @@ inline Eigen::Map<Vec3> view(double (&numbers)[3]) noexcept {
   return Eigen::Map<Vec3>(numbers);
 }
 
-// A pose is a unit quaternion, w first, and an origin.
+// A pose is stored as a unit quaternion, w first, and an origin.
 inline ScenePose scene_pose(const double (&q_wxyz)[4], const double (&o_m)[3]) noexcept {
   return {Quat(q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3]), vec3(o_m)};
 }

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-// A direction whose part outside a span is smaller than this lies in the span: its own rounding and
-// that of two Gram-Schmidt passes.
+// A unit direction lies in a span if its part outside the span is at most this: the bound covers
+// the rounding of the direction itself and of two Gram-Schmidt passes.
 constexpr double kSpanRoundoff = 64 * std::numeric_limits<double>::epsilon();
 
 std::string describe(std::size_t i, const Vec3& axis) {
@@ -30,7 +30,7 @@ std::optional<Error> check_sensors(int sensors) {
                           "count position axes only: a 6-DOF device senses a point with 3");
 }
 
-// What is wrong with an axis, by its number.
+// The problem of one axis. axis: its index.
 struct BadAxis {
   enum class Problem : std::uint8_t { kNoDirection, kLeavesPlane, kTooMany, kDependent };
   std::size_t axis;
@@ -46,16 +46,17 @@ Error error_of(const BadAxis& bad, const Vec3& axis) {
       return invalid_argument(name, "leaves the sensed plane A1 A2 of a 2-sensor device",
                               "set its third component to 0, or use 3 sensors");
     case BadAxis::Problem::kTooMany:
-      return invalid_argument(name, "more actuated axes than sensors", "give fewer axes");
+      return invalid_argument(name, "more actuated axes than sensors",
+                              "declare at most one axis per sensor");
     case BadAxis::Problem::kDependent:
       break;
   }
   return invalid_argument(name, "depends linearly on the axes before it",
-                          "leave it out: it adds nothing that can be pushed");
+                          "leave it out: the other axes already span its direction");
 }
 
-// By Gram and Schmidt, twice: the second pass removes the rounding of the first. Axes that are not
-// given are those of the device.
+// Gram-Schmidt in two passes: the second removes the rounding of the first. Missing axes are filled
+// up with the device's axes.
 std::optional<BadAxis> orthonormal_basis(int sensors, std::span<const Vec3> axes_device,
                                          std::array<Vec3, 3>& basis) noexcept {
   basis = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a device senses and what it can push.
+// The sensed and the actuated axes of a device.
 
 #include <array>
 #include <optional>
@@ -12,28 +12,33 @@
 
 namespace palpate {
 
-// The rows of Table 1 (Lecuyer et al. 2005), and the two ends it leaves out.
+// The rows of Table 1 (Lecuyer et al. 2005), and the two cases that the table leaves out.
 enum class ActuationCase : std::uint8_t {
-  kNoActuator,    // nothing to align with: no force, no rotation
+  kNoActuator,    // no axis to align with: no force, no rotation
   kCase1,         // 2 sensors, 1 actuator
   kCase2,         // 3 sensors, 1 actuator
   kCase3,         // 3 sensors, 2 actuators
-  kFullyActuated  // every sensed axis pushes: no rotation
+  kFullyActuated  // every sensed axis is actuated: no rotation
 };
 
-// Device frame: axes A1 = x, A2 = y, A3 = z, unit vectors. Of N sensors the first N axes are
-// sensed; the actuators push along the first M axes, or along any independent directions within the
-// sensed span, orthogonal or not. Immutable; queries are safe on the haptic thread.
+// The sensed and actuated axes of one device. Device frame: axes A1 = x, A2 = y, A3 = z, unit
+// vectors. With N sensors, the first N axes are sensed. M actuators push along the first M axes, or
+// along any M linearly independent directions in the sensed span, orthogonal or not.
+//
+// Thread-safety: immutable, so queries are safe on any thread, including the haptic thread.
 class ActuationModel {
  public:
-  // sensors 2 or 3, 0 <= actuators <= sensors; anything else is an error that says why.
+  // The first `actuators` axes are actuated. Requires 2 or 3 sensors and 0 <= actuators <= sensors;
+  // otherwise returns an Error with the reason.
   static Result<ActuationModel> from_counts(int sensors, int actuators);
 
-  // axes_device: any length but zero; linearly independent; within the sensed axes.
+  // axes_device: the directions of the actuated axes, device frame. Each has a finite, non-zero
+  // length and lies in the sensed span; together they are linearly independent. Otherwise returns
+  // an Error.
   static Result<ActuationModel> from_axes(int sensors, const std::vector<Vec3>& axes_device);
 
-  // The same for the haptic thread, as motors that turn with the device need it each tick: nothing
-  // where from_axes() has an error. No allocation.
+  // The same for motors that turn with the device, once per tick on the haptic thread: returns
+  // nothing where from_axes() returns an Error, and does not allocate.
   static std::optional<ActuationModel> from_axes_at_pose(
       int sensors, std::span<const Vec3> axes_device) noexcept;
 
@@ -42,18 +47,18 @@ class ActuationModel {
   ActuationCase table1_case() const;
   bool is_planar() const { return sensors_ == 2; }
 
-  // Orthonormal basis of the actuated span, i < actuators(). The first vector is the direction of
-  // the first axis.
+  // Vector i of an orthonormal basis of the actuated span, i < actuators(). Vector 0 has the
+  // direction of the first actuated axis.
   const Vec3& actuated_axis(int i) const { return basis_[static_cast<std::size_t>(i)]; }
 
-  // Orthogonal projection on the actuated span: what the actuators can give of a force.
+  // Orthogonal projection on the actuated span: the part of a force that the actuators can produce.
   Vec3 actuated_part(const Vec3& v_device) const;
 
-  // Angle between a unit vector and the actuated line, plane or space, in [0, pi/2] rad; pi/2
-  // without actuators.
+  // Contact angle: the angle between a unit vector and the actuated line, plane or space, in [0,
+  // pi/2] rad. Without actuators it is pi/2.
   double angle_to_actuated_rad(const Vec3& unit_device) const;
 
-  // To the bit.
+  // True if all numbers are equal to the bit.
   bool operator==(const ActuationModel& other) const {
     return sensors_ == other.sensors_ && actuators_ == other.actuators_ && basis_ == other.basis_;
   }

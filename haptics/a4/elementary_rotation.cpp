@@ -13,13 +13,13 @@ double RotationProfile::speed_rad_per_s(double angle_rad) const {
 
 namespace {
 
-// The angle turned in dt below the knee: S = S0 + k a has the solution
+// The angle turned in dt below the knee. The solution for the speed S = S0 + k a is
 // a(dt) = (a + S0/k) e^(-k dt) - S0/k, so a - a(dt) = (a + S0/k) (1 - e^(-k dt)).
 double turned_below_knee(const RotationProfile& profile, double angle_rad, double dt_s) {
   const double rate =
       (profile.speed_at_knee_rad_per_s - profile.speed_at_zero_rad_per_s) / profile.knee_rad;
   if (rate == 0.0) return profile.speed_at_zero_rad_per_s * dt_s;
-  if (rate < 0.0) {  // a + S0/k = S(a)/k is a difference then, and may have no digits
+  if (rate < 0.0) {  // a + S0/k = S(a)/k would be a difference that can lose all digits
     const double speed =
         std::max(profile.speed_rad_per_s(angle_rad), profile.speed_at_knee_rad_per_s);
     return speed * (std::expm1(-rate * dt_s) / -rate);
@@ -42,7 +42,7 @@ double elementary_rotation_rad(const RotationProfile& profile, StepRule rule, do
                  : above_knee_rad +
                        turned_below_knee(profile, angle_rad - above_knee_rad, dt_s - to_knee_s);
   }
-  return turned < angle_rad ? turned : angle_rad;  // no number: faster than numbers go
+  return turned < angle_rad ? turned : angle_rad;  // NaN or infinite: the speed overflowed
 }
 
 }  // namespace palpate

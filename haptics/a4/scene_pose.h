@@ -1,6 +1,6 @@
 #pragma once
 
-// The pose of the scene in the device frame, and how A4 turns it.
+// The pose of the scene in the device frame, its rotation by A4, and its display.
 
 #include "geometry/base/types.h"
 #include "haptics/a4/theoretical_rotation.h"
@@ -10,10 +10,10 @@ namespace palpate {
 // T_device_scene: p_device = R(q) p_scene + o.
 using ScenePose = RigidTransform;
 
-// Turns the scene about a point that stays where it is in both frames, to 2 ulp: the new origin is
-// solved from c = R(q') pivot + o' with c the pivot in the device frame, which keeps the pivot in
-// place whatever q' was rounded to. The quaternion is renormalised, so its length stays within 4
-// ulp of 1 however many ticks it turns.
+// Turns the scene about the pivot, a point that stays in place in both frames to 2 ulp. The new
+// origin o' is solved from c = R(q') pivot + o', with c the pivot in the device frame: the pivot
+// therefore keeps its place however q' was rounded. The quaternion is renormalised, so that its
+// length stays within 4 ulp of 1 after any number of ticks.
 inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
                               const AxisAngle& turn) noexcept {
   const Quat step(Eigen::AngleAxisd(turn.angle_rad, turn.axis_device));
@@ -24,9 +24,9 @@ inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot
   return turned;
 }
 
-// How the display follows: in the classical mode it shows the device frame and the proxy moves; in
-// the camera metaphor (action 2 of A4) the proxy stays at the display's centre and the scene moves,
-// To = 0, Ts = -Tu. Display only: haptics are the same to the bit.
+// The frame that the display shows. Classical: the device frame, in which the proxy moves. Camera
+// metaphor (action 2 of A4): the proxy stays at the display's centre and the scene moves, To = 0,
+// Ts = -Tu. The mode affects the display only; the haptic rendering is the same to the bit.
 enum class DisplayMode : std::uint8_t { kClassical, kCamera };
 
 inline RigidTransform display_transform(DisplayMode mode, const ScenePose& T_device_scene,

@@ -1,35 +1,39 @@
 #pragma once
 
-// Action 5 of A4: the rotation that would align the contact normal with the actuated axes.
+// Action 5 of A4: the theoretical rotation, which would align the contact normal with the actuated
+// axes.
 
 #include "haptics/a4/actuation.h"
 
 namespace palpate {
 
 // Table 1 as printed has three faults (Lecuyer et al. 2005):
-//   Case 1: axis -A3 and angle acos(N.A1) turn the right way only while N.A2 >= 0; for the other
-//           half-plane the scene turns the long way round.
-//   Case 2: acos(N.A1) always aligns with +A1, up to 180 deg, though an actuator pushes both ways
-//           and Figure 3 ends at 90 deg.
+//   Case 1: axis -A3 and angle acos(N.A1) give the right direction only while N.A2 >= 0; in the
+//           other half-plane the scene turns the long way round.
+//   Case 2: acos(N.A1) always aligns with +A1, by up to 180 deg, although an actuator pushes in
+//           both directions and Figure 3 ends at 90 deg.
 //   Case 3: the angle acos((N.A1)^2 + (N.A2)^2) lacks a square root, so it is up to 1.41 times the
 //           true angle.
-// kCorrected mends all three; kAsPrinted keeps them, for comparison.
+// kCorrected corrects all three; kAsPrinted keeps them, for comparison.
 enum class Table1Form : std::uint8_t { kCorrected, kAsPrinted };
 
-// A rotation of the scene in the device frame: unit axis, angle in [0, pi] rad. No rotation: 0.
+// A rotation of the scene in the device frame: unit axis, angle in [0, pi] rad. Angle 0 means no
+// rotation.
 struct AxisAngle {
   Vec3 axis_device = Vec3::UnitZ();
   double angle_rad = 0.0;
 };
 
-// Computes Table 1 and remembers what the normal is being aligned with, so that a normal that is
-// undecided between two directions does not make the scene shiver.
+// Computes Table 1. It remembers the direction that the normal is being aligned with: without this
+// memory, a normal between two equally near directions would make the scene tremble.
 //
-// Corrected form, one for all cases: T is the direction of the projection of N on the actuated
-// span, or +-A1 with one actuator; axis N x T, angle atan2(|N x T|, N.T).
-//   One actuator: T = s A1. s changes only when N.(s A1) < -sin(kHysteresis).
-//   Two actuators: where |projection| < sin(kHysteresis), T stays what it was.
-//   A new contact starts afresh: s = +1 unless N.A1 < -sin(kHysteresis); T = A1 where undecided.
+// The corrected form is the same for all cases. T is the direction of the projection of N on the
+// actuated span, or +-A1 with one actuator. The axis is N x T, the angle atan2(|N x T|, N.T).
+//   One actuator: T = s A1. The sign s changes only if N.(s A1) < -sin(kHysteresis).
+//   Two actuators: T keeps its value while |projection| < sin(kHysteresis).
+//   New contact: s = +1 unless N.A1 < -sin(kHysteresis); T = A1 if |projection| < sin(kHysteresis).
+//
+// Thread-safety: one thread owns an object.
 class TheoreticalRotation {
  public:
   static constexpr double kHysteresisDeg = 2.0;
@@ -37,16 +41,17 @@ class TheoreticalRotation {
   TheoreticalRotation(const ActuationModel& actuation, Table1Form form)
       : actuation_(actuation), form_(form) {}
 
-  // normal_device: the contact normal, unit, or zero for none. With 2 sensors it lies in the sensed
-  // plane. noexcept, no allocation.
+  // Returns the theoretical rotation; its angle is 0 if no axis or all sensed axes are actuated.
+  // normal_device: the contact normal, unit, or zero if there is none; with 2 sensors it must lie
+  // in the sensed plane. No allocation.
   AxisAngle update(const Vec3& normal_device) noexcept;
 
-  // Motors that turn with the device: from the next update() on. What the normal was being aligned
-  // with goes on as far as the new axes can: with one actuator on the same side, with two along the
-  // part of it that lies in their span. The same model changes nothing.
+  // Sets the axes of motors that turn with the device, for the next update(). The remembered
+  // direction T is kept as far as the new axes allow: with one actuator on the same side, with two
+  // as its projection on their span. An equal model changes nothing.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
-  // Contact was lost: the next normal chooses its direction afresh.
+  // Ends the contact: the next normal chooses T without memory.
   void reset() noexcept { has_target_ = false; }
 
  private:

@@ -1,14 +1,14 @@
 #pragma once
 
-// How much a surface swallows of a blow.
+// Damping: the damper of the virtual coupling, by material.
 
 #include "haptics/effects/effect.h"
 
 namespace palpate {
 
-// The damper in parallel with the spring, by material (Colgate, Stanley and Brown 1995; Lecuyer et
-// al. 2005, section 3): see VirtualCoupling for what it acts on. Materials without it have the B of
-// the loop.
+// The damper in parallel with the spring (Colgate, Stanley and Brown 1995; Lecuyer et al. 2005,
+// section 3); VirtualCoupling explains which velocity it acts on. Materials without this effect use
+// the loop's B.
 struct DampingEffect {
   static constexpr std::string_view kName = "damping";
   static constexpr EffectStage kStage = EffectStage::kForceMap;

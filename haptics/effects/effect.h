@@ -1,8 +1,9 @@
 #pragma once
 
-// What an effect is: something a surface or a scene makes felt beyond bare contact.
+// The interface of haptic effects. An effect adds a property, such as friction or texture, to a
+// surface or to a whole scene.
 //
-// An effect is a struct in a header of its own (friction.h is a good one to begin with):
+// Each effect is a struct in a header of its own; friction.h is a good example:
 //
 //     struct DragEffect {
 //       static constexpr std::string_view kName = "drag";
@@ -10,14 +11,15 @@
 //       static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsVelocity;
 //       struct Parameters { double drag_Ns_per_m = 0.0; };  // doubles and pointers
 //       struct State {};                                    // of one material in one loop
-//       static constexpr ParameterKey kKeys[] = {...};      // what files call the parameters
-//       static const char* contradiction(const Parameters&) noexcept;  // null if there is none
-//       static bool apply(const Parameters&, State&, EffectTick&) noexcept;  // whether it is felt
+//       static constexpr ParameterKey kKeys[] = {...};      // the parameters' names in files
+//       static const char* contradiction(const Parameters&) noexcept;  // a problem, or null
+//       static bool apply(const Parameters&, State&, EffectTick&) noexcept;  // true if active
 //     };
 //
-// CMake's list PALPATE_EFFECTS names those that are built. Compiling a scene writes, for each
-// material, a table of those it calls for, ordered by stage and then by that list; a tick runs the
-// tables of what it touches. An effect that no surface calls for is in no table.
+// CMake's list PALPATE_EFFECTS names the effects to build. The scene compiler writes one table per
+// material, with the effects that the material declares, ordered by stage and then by that list. A
+// tick runs only the tables of the materials it touches. An effect that no surface declares is in
+// no table.
 
 #include <array>
 #include <cstddef>
@@ -34,117 +36,120 @@ namespace palpate {
 
 class LiveWorld;
 
-// When in a tick an effect has its say. Within a stage, the order is that of PALPATE_EFFECTS.
+// The stage of a tick in which an effect runs. Effects of one stage run in the order of
+// PALPATE_EFFECTS.
 enum class EffectStage : std::uint8_t {
-  kSurface,       // where the surface is and which way it faces
-  kProxy,         // what holds the proxy on it
-  kForceMap,      // what force the proxy's lag makes
-  kForceAdd,      // what is added to it in contact
-  kSurroundings,  // what is added with or without contact
+  kSurface,       // sets the height, the slope and the normal of the surface
+  kProxy,         // sets the friction that holds the proxy
+  kForceMap,      // sets the spring and the damper that map the lag to a force
+  kForceAdd,      // adds forces in contact
+  kSurroundings,  // adds forces with or without contact
 };
 inline constexpr std::size_t kEffectStageCount = 5;
 
-// What effects ask for. The union over a scene selects the step that its ticks run, so what no
-// effect asks for is not computed.
+// The inputs that an effect needs. The union over all effects of a scene selects the step that its
+// ticks run, so that inputs without a user are not computed.
 enum EffectNeed : std::uint32_t {
   kNeedsNothing = 0,
-  kNeedsContact = 1u << 0,       // the tables of the materials in contact are run
-  kNeedsStickSlip = 1u << 1,     // the god-object that friction holds
-  kNeedsSurroundings = 1u << 2,  // the table of the surroundings is run
+  kNeedsContact = 1u << 0,       // runs the tables of the materials in contact
+  kNeedsStickSlip = 1u << 1,     // runs the god-object with friction
+  kNeedsSurroundings = 1u << 2,  // runs the table of the surroundings
   kNeedsVelocity = 1u << 3,      // EffectTick::velocity_m_per_s
-  // The following count when a scene is compiled:
+  // The remaining needs matter only while a scene is compiled:
   kNeedsCornerNormals = 1u << 4,  // FacePoint::corner_normals
   kNeedsTextureMap = 1u << 5,     // FacePoint::texture_uv, Parameters::map
-  kNeedsFrictionMap = 1u << 6,    // FacePoint::friction_uv, Parameters::map: if there is one
-  kNeedsPlace = 1u << 7,          // of the surroundings: felt near something, tells quiet_m
+  kNeedsFrictionMap = 1u << 6,    // FacePoint::friction_uv, Parameters::map, if the file has a map
+  kNeedsPlace = 1u << 7,          // surroundings: active only near an object, and sets quiet_m
 };
-// Those that select a step.
+// The needs that select a step.
 inline constexpr std::uint32_t kStepNeeds =
     kNeedsContact | kNeedsStickSlip | kNeedsSurroundings | kNeedsVelocity;
 
-// A body that is touched, and by what it is felt.
+// A face that the proxy touches: its body and its material.
 struct Touch {
   std::uint32_t body = 0;
   std::uint32_t material = 0;  // of the effect program
-  Vec3 normal = Vec3::Zero();  // unit, of the face itself; solver frame
+  Vec3 normal = Vec3::Zero();  // unit, of the unshaded face; solver frame
 };
 
-// What an effect reads and writes. Solver frame, SI units.
+// The inputs and outputs of an effect. Solver frame, SI units.
 struct EffectTick {
-  // Read. In the stages before kSurroundings, of one contact and its material. In kProxy, `face`
-  // and `normal` alone: the proxy is still on its way.
+  // Inputs. In the stages before kSurroundings they describe one contact and its material. In
+  // kProxy only `face` and `normal` are set, because the proxy still moves.
   double dt_s = 0.0;
-  double ticks = 0.0;                    // good ones before this one
+  double ticks = 0.0;                    // number of good ticks before this one
   Vec3 proxy_m = Vec3::Zero();           // equals the device point off contact
   double radius_m = 0.0;                 // of the proxy
-  Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero where it is not known
-  double longest_dt_s = 0.0;             // of this tick and the one before
-  bool slid = false;                     // the proxy moved along what it touches
-  Vec3 normal = Vec3::Zero();            // unit, of the contact; as felt from kForceAdd on
-  double share = 1.0;                    // of the contact force that this material bears, (0, 1]
+  Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero if unknown
+  double longest_dt_s = 0.0;             // the longer dt of this tick and the one before
+  bool slid = false;                     // the proxy moved along the touched surface
+  Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on as rendered
+  double share = 1.0;                    // this material's share of the contact force, (0, 1]
   FacePoint face;
   const LiveWorld* world = nullptr;
-  std::span<const Touch> touches = {};  // for kSurroundings: all that the proxy touches
+  std::span<const Touch> touches = {};  // in kSurroundings: all faces that the proxy touches
 
-  // Written by kSurface. A surface is moved by height_m along its normal, whose slope over the
-  // surface is the tangential vector `slope` (no unit).
-  Vec3 rendered_normal = Vec3::Zero();  // unit; `normal` to begin with
-  double height_m = 0.0;                // <= 0, so that the contact begins where the proxy meets it
+  // Outputs of kSurface. The surface is displaced by height_m along its normal; the tangential
+  // vector `slope` is the gradient of that height along the surface (dimensionless).
+  Vec3 rendered_normal = Vec3::Zero();  // unit; its initial value is `normal`
+  double height_m = 0.0;                // <= 0, so that contact begins at the surface of the mesh
   Vec3 slope = Vec3::Zero();
-  // Written by kProxy.
+  // Output of kProxy.
   FrictionCone cone;
-  // Written by kForceMap; those of the loop to begin with.
+  // Output of kForceMap; its initial value is the loop's coupling.
   CouplingSettings coupling;
-  // Written by kForceAdd and kSurroundings: on the hand.
+  // Output of kForceAdd and kSurroundings: the force on the hand.
   Vec3 force_N = Vec3::Zero();
-  // Written by kSurroundings when not felt: how far the proxy can move before it may be.
+  // Output of an inactive kSurroundings effect: a distance that the proxy can move before the
+  // effect may become active.
   double quiet_m = 0.0;
 };
 
-// A number that files can set.
+// A parameter that files can set.
 struct ParameterKey {
   enum class Kind : std::uint8_t {
     kNumber,
-    kChoice,  // a text; the number is its place in choices
+    kChoice,  // a text; the value is its index in choices
   };
   enum class Role : std::uint8_t {
-    kCallsFor,  // the effect is called for if this is given and not zero
-    kRequired,  // must be given where the effect is called for
-    kOptional,  // otherwise has the value that Parameters begin with
+    kCallsFor,  // a value other than zero declares the effect
+    kRequired,  // must be given with the effect; declares an effect without a kCallsFor key
+    kOptional,  // its default is the value in a default-constructed Parameters
   };
   std::string_view key;   // "staticFriction"
-  std::string_view unit;  // "N/m"; "" for none
+  std::string_view unit;  // "N/m"; "" if dimensionless
   double least;
   double most;
-  std::size_t offset;  // in bytes, of a double in Parameters
+  std::size_t offset;  // of a double in Parameters, in bytes
   Role role = Role::kOptional;
-  std::string_view what = "";     // it is, in a few words
-  bool scales_as_length = false;  // with the scene
+  std::string_view what = "";     // description, in a few words
+  bool scales_as_length = false;  // is multiplied by the scale of the scene
   bool least_is_excluded = false;
   Kind kind = Kind::kNumber;
   std::array<std::string_view, 2> choices = {};
 };
 
-// Whether it is felt in this tick. parameters and state: the effect's own.
+// Runs an effect; true if it is active in this tick. parameters and state: the effect's own, as
+// bytes.
 using EffectFunction = bool (*)(const std::byte* parameters, std::byte* state,
                                 EffectTick& tick) noexcept;
 
-// An effect as the rest of the engine sees it.
+// The type-erased form of an effect, for the rest of the engine.
 struct EffectType {
   std::string_view name;
   EffectStage stage;
   std::uint32_t needs;
   std::size_t parameter_bytes;
   std::size_t state_bytes;
-  void (*begin_parameters)(std::byte* parameters) noexcept;  // writes those that it begins with
+  void (*begin_parameters)(std::byte* parameters) noexcept;  // writes the defaults
   void (*begin_state)(std::byte* state) noexcept;
   std::span<const ParameterKey> keys;
   const char* (*contradiction)(const std::byte* parameters) noexcept;
   EffectFunction apply;
 };
 
-// Those that are built, in the order of PALPATE_EFFECTS: at most kMostEffects. An effect's number
-// is its place here.
+// The compiled effects, in the order of PALPATE_EFFECTS; at most kMostEffects. An effect's number
+// is its index in this list.
 std::span<const EffectType> compiled_effects() noexcept;
 inline constexpr std::size_t kMostEffects = 32;
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a scene calls for, compiled: tables of effects that a tick runs from front to back.
+// The effects of a scene in compiled form: tables of effect calls that a tick runs from front to
+// back.
 
 #include <array>
 #include <cstddef>
@@ -16,15 +17,15 @@
 
 namespace palpate {
 
-// One line of a table.
+// One entry of a table: an effect with its parameters and its state.
 struct EffectCall {
   EffectFunction apply;
   std::uint16_t effect;      // its number in compiled_effects()
-  std::uint32_t parameters;  // where they begin, in bytes
-  std::uint32_t state;       // likewise
+  std::uint32_t parameters;  // their offset in bytes
+  std::uint32_t state;       // its offset in bytes
 };
 
-// A table: some consecutive calls.
+// A table: a range of consecutive calls.
 struct EffectTable {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
@@ -33,25 +34,25 @@ struct EffectTable {
 // The tables of one material, by stage.
 struct EffectMaterial {
   std::array<EffectTable, kEffectStageCount> tables;
-  bool without_effects = true;  // none of its tables has a line that contact runs
+  bool without_effects = true;  // no table has an entry that contact runs
 };
 
-// The surface of one body: which material its parts have.
+// The materials of one body's surface.
 struct EffectBody {
-  const SurfaceAttributes* attributes = nullptr;  // null: all of it is bare
+  const SurfaceAttributes* attributes = nullptr;  // null: the body has no effects
   std::uint32_t first_material = 0;               // of part 0, in EffectProgram::material_of_part
 };
 
-// What the effects of a scene are, and all that they refer to. Immutable once it is compiled: each
-// loop has its own copy of the parameters, and states of its own. Pointers into the deques stay
-// valid while things are added, and when the program is moved.
+// The effects of a scene and all data that they refer to. Immutable after compilation: each haptic
+// loop has its own copy of the parameters and its own states. Pointers into the deques stay valid
+// while elements are added and when the program is moved.
 struct EffectProgram {
   std::vector<EffectCall> calls;
-  std::vector<EffectMaterial> materials;  // 0 is bare
-  std::vector<EffectBody> bodies;         // as the world's
+  std::vector<EffectMaterial> materials;  // material 0 has no effects
+  std::vector<EffectBody> bodies;         // in the order of the world's bodies
   std::vector<std::uint32_t> material_of_part;
-  EffectTable everywhere;  // of the surroundings: not bound to a place
-  EffectTable places;      // of the surroundings: felt within some distance of something
+  EffectTable everywhere;  // surroundings: effects that are active everywhere
+  EffectTable places;      // surroundings: effects that are active near an object
   std::vector<std::byte> parameters;
   std::size_t state_bytes = 0;
   std::uint32_t needs = kNeedsNothing;
@@ -60,7 +61,7 @@ struct EffectProgram {
   std::deque<HeightMap> maps;
   std::deque<MagneticSurface> magnets;
   std::deque<MediumRegion> media;
-  std::deque<SurfaceIndex> indices;  // of magnets and media that are no bodies
+  std::deque<SurfaceIndex> indices;  // of magnets and media that are not bodies
 
   std::uint32_t material(std::uint32_t body, std::uint32_t slot) const {
     const EffectBody& b = bodies[body];
@@ -75,10 +76,11 @@ struct EffectProgram {
   }
 };
 
-// Writes a program. Parameters are those of the effect, as bytes.
+// Builds an effect program. Not thread-safe.
 class EffectProgramBuilder {
  public:
-  // The effects of a material; stages are sorted out here. Their order does not matter.
+  // An effect of a material, with its Parameters as bytes. The order of entries does not matter:
+  // the builder sorts them.
   struct Entry {
     std::uint16_t effect;
     std::vector<std::byte> parameters;
@@ -86,13 +88,14 @@ class EffectProgramBuilder {
 
   EffectProgramBuilder();
 
-  // Returns its number, the first is 1. Entries of kSurroundings go to the surroundings.
+  // Adds a material and returns its number; the first is 1. Entries of kSurroundings are moved to
+  // the surroundings.
   std::uint32_t add_material(std::span<const Entry> entries);
   void add_surroundings(const Entry& entry);
-  // Ends the program: calls for the surroundings are put behind those of the materials.
+  // Completes the program: appends the calls of the surroundings to those of the materials.
   EffectProgram finish() &&;
 
-  EffectProgram program;  // to be filled with what its entries refer to
+  EffectProgram program;  // the caller adds the data that the entries refer to
 
  private:
   EffectCall call_of(const Entry& entry);

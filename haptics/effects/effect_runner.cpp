@@ -10,9 +10,9 @@
 namespace palpate {
 namespace {
 
-// So many bodies are looked at one by one, and so seldom, where it did not lead far.
+// The most boxes that are examined one by one, and the number of ticks between two examinations.
 constexpr std::size_t kMostBoxes = 32;
-constexpr int kTicksBetweenLooks = 16;
+constexpr int kTicksBetweenSearches = 16;
 
 }  // namespace
 
@@ -36,15 +36,15 @@ EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
   }
 }
 
-void EffectRunner::look_for_nearest(const LiveWorld& world, const Vec3& proxy,
-                                    double touch_m) noexcept {
-  ticks_to_look_ = kTicksBetweenLooks;
+void EffectRunner::find_far_reach(const LiveWorld& world, const Vec3& proxy,
+                                  double touch_m) noexcept {
+  ticks_to_search_ = kTicksBetweenSearches;
   double reach_m = world.size_m();
   if (program_->places.count != 0) {
     const double left_m = quiet_radius_m_ - (proxy - quiet_centre_).norm();
-    if (left_m < 0.5 * quiet_radius_m_) {  // more is to be known by asking again
+    if (left_m < 0.5 * quiet_radius_m_) {  // the next tick renews the quiet ball
       quiet_radius_m_ = 0.0;
-      ticks_to_look_ = 0;
+      ticks_to_search_ = 0;
       return;
     }
     reach_m = std::min(reach_m, left_m);
@@ -92,7 +92,8 @@ void EffectRunner::run(std::span<const EffectCall> table, EffectTick& tick) noex
 FacePoint EffectRunner::face_point(const LiveWorld& world, const FaceContact& contact,
                                    const Vec3& proxy) const noexcept {
   const ContactBody& body = world.body(contact.face.body);
-  // A point is where its proxy is; of a sphere, what it touches counts.
+  // If the contact is on the face itself, its point is the proxy. At an edge or vertex it is the
+  // touched feature's point, which differs for spheres.
   const bool is_face = contact.feature == TriangleFeature::kFace;
   return {&body, program_->bodies[contact.face.body].attributes, contact.face.slot,
           body.to_body(is_face ? proxy : contact.feature_point)};
@@ -109,7 +110,7 @@ FrictionCone EffectRunner::friction_cone(const LiveWorld& world, const FaceConta
   tick_.normal = contact.normal;
   const std::uint32_t active = active_;
   run(table, tick_);
-  held_ |= active_;  // the solver tries faces that it does not end on
+  held_ |= active_;  // includes tried faces that do not hold the proxy in the end
   active_ = active;
   return tick_.cone;
 }
@@ -125,7 +126,7 @@ EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& 
   return tick_;
 }
 
-// The short way where there is one face without effects, which is most of the ground.
+// The fast path for a single face without effects, which is the most frequent contact.
 bool EffectRunner::touches_face_without_effects(std::span<const FaceContact> contacts) noexcept {
   if (contacts.size() != 1) return false;
   const FaceRef& face = contacts[0].face;

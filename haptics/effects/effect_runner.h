@@ -14,80 +14,84 @@
 
 namespace palpate {
 
-// How a contact is felt. Solver frame.
+// The response of a contact: the rendered surface and its coupling. Solver frame.
 struct ContactResponse {
-  Vec3 normal = Vec3::Zero();  // unit: shaded; zero where normals cancel
-  double height_m = 0.0;       // of the surface above the mesh, <= 0
-  Vec3 slope = Vec3::Zero();   // of that height, tangential; no unit
+  Vec3 normal = Vec3::Zero();  // unit, shaded; zero where normals cancel
+  double height_m = 0.0;       // of the rendered surface above the mesh, <= 0
+  Vec3 slope = Vec3::Zero();   // gradient of that height, tangential; dimensionless
   CouplingSettings coupling;
-  bool without_effects = true;  // as without effects
+  bool without_effects = true;  // the contact is rendered as without effects
 };
 
-// What it takes of a tick. Solver frame.
+// The motion in a tick, as input of the effects. Solver frame.
 struct EffectMotion {
   double dt_s = 0.0;
-  double longest_dt_s = 0.0;  // of this tick and the one before
-  double ticks = 0.0;         // good ones before this one
+  double longest_dt_s = 0.0;  // the longer dt of this tick and the one before
+  double ticks = 0.0;         // number of good ticks before this one
   Vec3 goal_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
-// How much each effect did, by its number in compiled_effects(). Time is counted when asked for.
+// The activity of each effect, by its number in compiled_effects(): the ticks in which it was
+// active and, if measured, its computing time.
 struct EffectCounters {
   std::array<std::uint64_t, kMostEffects> ticks{};
   std::array<std::int64_t, kMostEffects> time_ns{};
 };
 
-// The parameters of the effects as they are now, their states, and how they are run. A tick asks
-// in the order of the stages: friction_cone() as often as the solver likes, evaluate_contact(), and
-// then the two that add force.
+// Runs the effects of one haptic loop: it holds their current parameters and their states. A tick
+// runs the stages in order: friction_cone() as often as the solver needs it, then
+// evaluate_contact(), contact_force_N() and surroundings_force_N().
 //
-// No allocation, lock or exception after construction. One thread owns it.
+// Thread-safety: one thread owns a runner. No allocation, lock or exception after construction.
 class EffectRunner {
  public:
-  // The world, which must have effects, must outlive the runner. coupling: of surfaces that do not
-  // say otherwise. radius_m: of the proxy.
+  // The world must have effects and must outlive the runner. radius_m: of the proxy. coupling: the
+  // spring and damper of surfaces that declare none.
   EffectRunner(const ContactWorld& world, double radius_m, const CouplingSettings& coupling,
                bool measures_time);
 
-  // Whether nothing that has an effect can be met or felt on the way of the proxy to this goal: a
-  // tick is then as it is without effects. What look_around() saw tells, for as long as the proxy
-  // is not far from there.
+  // True if, on the proxy's path to the goal, the proxy cannot meet a surface with effects or enter
+  // the range of an effect. The tick is then the same as without effects. The answer uses the last
+  // update_far_reach() and is valid while the proxy stays near the place of that call.
   bool is_far_from_all(const LiveWorld& world, const Vec3& proxy, const Vec3& goal) const noexcept {
     const double reach_m2 = far_reach_m_ * far_reach_m_;
     return (goal - far_centre_).squaredNorm() < reach_m2 &&
            (proxy - goal).squaredNorm() < reach_m2 && world.moving().empty();
   }
-  // At the end of a tick in which that was not so. touch_m: how far away a proxy may touch.
-  void look_around(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
-    if (active_ != 0 || program_->everywhere.count != 0 || --ticks_to_look_ > 0) return;
-    look_for_nearest(world, proxy, touch_m);
+  // Call at the end of each tick for which is_far_from_all() was false. touch_m: the largest
+  // distance of a face that the proxy touches.
+  void update_far_reach(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
+    if (active_ != 0 || program_->everywhere.count != 0 || --ticks_to_search_ > 0) return;
+    find_far_reach(world, proxy, touch_m);
   }
 
   void begin_tick() noexcept { active_ = held_ = 0; }
-  // The effects that were felt in this tick, a bit each. Counts them.
+  // Returns the effects that were active in this tick, one bit each, and counts them.
   std::uint32_t end_tick() noexcept;
 
-  // kProxy: at a face that the proxy touches.
+  // Runs stage kProxy for one face that the proxy touches.
   FrictionCone friction_cone(const LiveWorld& world, const FaceContact& contact,
                              const Vec3& proxy) noexcept;
 
-  // kSurface and kForceMap, of all that the proxy touches, each by its share.
+  // Runs the stages kSurface and kForceMap for all faces that the proxy touches, each weighted by
+  // its share of the contact force.
   ContactResponse evaluate_contact(const ContactView& contact, const ProxyState& state,
                                    const EffectMotion& motion) noexcept;
 
-  // kForceAdd of the contact that was felt last.
+  // Runs stage kForceAdd for the contact of the last evaluate_contact().
   Vec3 contact_force_N(const ProxyState& state, const ContactResponse& response,
                        const EffectMotion& motion) noexcept;
-  // kSurroundings. state: of this tick, in contact or not.
+  // Runs stage kSurroundings. state: of this tick, in contact or not. normal: unit contact normal
+  // as rendered, zero off contact.
   Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
                             const EffectMotion& motion) noexcept;
 
-  // The parameters of one effect of a material, as many bytes as they have: those of the call
-  // `call` of the program. On the thread that ticks.
+  // Replaces the parameters of one effect of a material. call: index into the program's calls.
+  // parameters: all bytes of the effect's Parameters. Call on the thread that owns the runner.
   void set_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept;
 
-  // Forgets what effects have going on.
+  // Resets all effect states to their initial values.
   void reset_states() noexcept;
 
   const EffectCounters& counters() const { return counters_; }
@@ -98,7 +102,7 @@ class EffectRunner {
     double share;
   };
 
-  void look_for_nearest(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
+  void find_far_reach(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
   void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
   EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
@@ -114,26 +118,27 @@ class EffectRunner {
   std::vector<std::byte> states_;
   EffectCounters counters_;
   std::uint32_t active_ = 0;  // in this tick
-  std::uint32_t held_ = 0;    // those that held any face that the solver tried
+  std::uint32_t held_ = 0;    // friction effects of any face that the solver tried
 
-  // What is touched: the faces, and their materials without repetition.
+  // The touched faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};
   std::array<double, 3> shares_{};
   std::size_t touch_count_ = 0;
   std::array<TouchedMaterial, 3> materials_{};
   std::size_t material_count_ = 0;
 
-  EffectTick tick_;  // what effects are told, reused
+  EffectTick tick_;  // input and output of the effects, reused
 
-  // Around bodies that have effects; the last box around all that are too many to be asked.
+  // Boxes around bodies that have effects. If there are too many, the last box covers several.
   std::vector<Box> boxes_;
-  // Within the first half of a ball about the centre: a proxy keeps as near to the goal as it was,
-  // so its way does not leave the ball if both ends are in that half.
+  // No effect is within twice far_reach_m_ of far_centre_. If proxy and goal are both within
+  // far_reach_m_, the path does not leave the larger ball, because the proxy never gets farther
+  // from the goal than it was at first.
   Vec3 far_centre_ = Vec3::Zero();
   double far_reach_m_ = 0.0;
-  int ticks_to_look_ = 0;
+  int ticks_to_search_ = 0;
 
-  // No effect with a place is felt within this ball.
+  // No effect of the table `places` is active while the proxy is inside this ball.
   Vec3 quiet_centre_ = Vec3::Zero();
   double quiet_radius_m_ = 0.0;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the run-time table of effects from their types.
+// Builds the run-time table of effects from their types.
 
 #include <array>
 #include <cstring>
@@ -15,10 +15,10 @@ template <typename Effect>
 constexpr EffectType effect_type() {
   using Parameters = typename Effect::Parameters;
   using State = typename Effect::State;
-  // They are moved about as bytes.
+  // Parameters and states are copied as bytes.
   static_assert(std::is_trivially_copyable_v<Parameters> && std::is_trivially_copyable_v<State>);
   static_assert(alignof(Parameters) <= alignof(double) && alignof(State) <= alignof(double));
-  // A table is run only where it is asked for.
+  // A table runs only in a scene whose needs include its stage.
   constexpr std::uint32_t kStageNeed =
       Effect::kStage == EffectStage::kSurroundings ? kNeedsSurroundings : kNeedsContact;
   static_assert((Effect::kNeeds & kStageNeed) != 0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A point on a triangle that is touched, and what a surface keeps of its triangles for effects.
+// A point on a touched triangle, and the attributes of triangles that effects use.
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace palpate {
 
-// Texture coordinates of the three corners: u to the right, v down, 1 is the whole image.
+// Texture coordinates (u, v) of the three corners: u to the right, v down; 1 is the whole image.
 using CornerCoordinates = std::array<std::array<double, 2>, 3>;
 
-// Texture coordinates over a triangle: linear in the point, and beyond its edges as well.
+// Texture coordinates as a function of a point: linear over the triangle and beyond its edges.
 struct UvMap {
   Vec3 origin = Vec3::Zero();  // body frame
   std::array<double, 2> at_origin{};
@@ -28,7 +28,7 @@ struct UvMap {
             at_origin[1] + gradient[1].dot(from_origin)};
   }
 
-  // Constant on a triangle whose area is lost to rounding.
+  // The map of a triangle; constant if rounding leaves the triangle no area.
   static UvMap over(const TriangleGeometry& t, const CornerCoordinates& corners) noexcept {
     UvMap map{t.a, corners[0]};
     const Vec3 ab = t.b - t.a;
@@ -45,10 +45,10 @@ struct UvMap {
   }
 };
 
-// What effects want to know of the triangles of one surface, by slot of its index. Each is empty if
-// no effect asks for it.
+// The attributes of one surface's triangles, by slot of its index. A vector is empty if no effect
+// needs it.
 struct SurfaceAttributes {
-  std::vector<std::uint16_t> part;  // of the mesh: those of one material; all 0 if empty
+  std::vector<std::uint16_t> part;  // the triangle's part of the mesh; empty: all are part 0
   std::vector<CornerNormals> corner_normals;
   std::vector<UvMap> texture_uv;
   std::vector<UvMap> friction_uv;
@@ -56,19 +56,20 @@ struct SurfaceAttributes {
   std::uint16_t part_of(std::uint32_t slot) const { return part.empty() ? 0 : part[slot]; }
 };
 
-// A point of a touched triangle. Safe on the haptic thread.
+// A point of a touched triangle. Thread-safe; the haptic thread uses it.
 struct FacePoint {
   const ContactBody* body = nullptr;
   const SurfaceAttributes* attributes = nullptr;
   std::uint32_t slot = 0;
   Vec3 point_body = Vec3::Zero();
 
-  // Body frame: where it is, or made in `room`.
-  const TriangleGeometry& triangle(TriangleGeometry& room) const {
-    return body->triangle(slot, room);
+  // The triangle in the body frame: a reference into the index, or to `storage` after filling it.
+  const TriangleGeometry& triangle(TriangleGeometry& storage) const {
+    return body->triangle(slot, storage);
   }
 
-  // Weights of the corners, >= 0, sum 1: those of the point itself where it lies over the triangle.
+  // Weights of the corners, each >= 0, with sum 1: the barycentric coordinates of the point where
+  // it lies over the triangle. Outside, negative ones are set to 0 before normalisation.
   std::array<double, 3> barycentric(const TriangleGeometry& t) const noexcept {
     const Vec3 a = t.a - point_body;
     const Vec3 b = t.b - point_body;
@@ -77,7 +78,7 @@ struct FacePoint {
                                std::max(0.0, triple_product(t.normal, c, a)),
                                std::max(0.0, triple_product(t.normal, a, b))};
     const double sum = w[0] + w[1] + w[2];
-    if (!(sum > 0.0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};  // a sliver, seen from its end
+    if (!(sum > 0.0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};  // a degenerate triangle
     for (double& weight : w) weight /= sum;
     return w;
   }

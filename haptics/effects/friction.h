@@ -1,6 +1,6 @@
 #pragma once
 
-// Dry friction.
+// Friction: Coulomb's dry friction.
 
 #include <algorithm>
 
@@ -9,13 +9,15 @@
 
 namespace palpate {
 
-// Coulomb's cone on the god-object (Harwin and Melder 2002, "Improved haptic rendering for
-// multi-finger manipulation using friction cone based god-objects"), with a memory: with depth d
-// and tangential lag t, a contact that sticks keeps its place while |t| <= mu_s d; then it slides,
-// with |t| = mu_k d in every tick, until |t| falls below that: it sticks again. It neither creeps
-// at rest nor knows a speed; stick-slip is what the gap between mu_s and mu_k makes of a device
-// with mass that is pulled slowly. The god-object does the holding (GodObject::move_with_friction);
-// this says how much. A map multiplies both coefficients.
+// Coulomb's friction cone on the god-object (Harwin and Melder 2002, "Improved haptic rendering for
+// multi-finger manipulation using friction cone based god-objects"), with memory. Let d be the
+// penetration depth and t the tangential lag. A contact that sticks keeps its place while
+// |t| <= mu_s d. Beyond, it slides with |t| = mu_k d in every tick. When |t| falls below mu_k d, it
+// sticks again. The contact does not creep at rest, and no speed affects it. If a device with mass
+// is pulled slowly, the gap between mu_s and mu_k causes stick-slip.
+//
+// The god-object holds the proxy (GodObject::move_with_friction); this effect sets the
+// coefficients. A map multiplies both of them.
 struct FrictionEffect {
   static constexpr std::string_view kName = "friction";
   static constexpr EffectStage kStage = EffectStage::kProxy;
@@ -29,9 +31,10 @@ struct FrictionEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"staticFriction", "", 0.0, 1000.0, offsetof(Parameters, static_friction),
-       ParameterKey::Role::kCallsFor, "tangential over normal force at which sliding begins"},
+       ParameterKey::Role::kCallsFor,
+       "ratio of tangential to normal force at which sliding begins"},
       {"dynamicFriction", "", 0.0, 1000.0, offsetof(Parameters, dynamic_friction),
-       ParameterKey::Role::kCallsFor, "tangential over normal force while sliding"}};
+       ParameterKey::Role::kCallsFor, "ratio of tangential to normal force while sliding"}};
 
   static const char* contradiction(const Parameters& p) noexcept {
     return p.dynamic_friction > p.static_friction ? "dynamicFriction is larger than staticFriction"

@@ -1,13 +1,13 @@
 #pragma once
 
-// What the scene does to the tool everywhere.
+// Gravity: constant forces everywhere in a scene.
 
 #include "haptics/effects/effect.h"
 
 namespace palpate {
 
-// The weight of the tool and a constant field: F = m g + F0, in the axes of the scene, with which
-// it turns.
+// The weight of the tool and a constant field: F = m g + F0, in scene axes, so that the force turns
+// with the scene.
 struct GravityEffect {
   static constexpr std::string_view kName = "gravity";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -19,7 +19,7 @@ struct GravityEffect {
     double field_N[3] = {};
   };
   struct State {};
-  // Of scenes, not of materials: see the engine's scene_effects.h.
+  // None: scenes set the parameters, materials do not (see the engine's scene_effects.h).
   static constexpr std::span<const ParameterKey> kKeys = {};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }

@@ -1,6 +1,6 @@
 #pragma once
 
-// A surface that attracts.
+// Magnet: attraction towards a surface.
 
 #include <algorithm>
 #include <cmath>
@@ -14,20 +14,23 @@ namespace palpate {
 struct MagneticSurface {
   std::uint32_t body = 0;
   std::uint32_t material = 0;           // of the effect program
-  const SurfaceIndex* index = nullptr;  // of the faces with that material, as the body's own
+  const SurfaceIndex* index = nullptr;  // of the faces with that material; frame: the body's index
 };
 
-// Attraction towards the nearest point of a surface within a range: F = F0 (1 - s / r)^2 at a
-// distance s from the proxy, a gravity well (Hwang, Keates, Langdon and Clarkson 2003, "Multiple
-// haptic targets for motion-impaired computer users") with the potential -F0 r (1 - s / r)^3 / 3,
-// so that force and its slope vanish at the range's end and nothing is gained round a loop. In
-// contact s is 0: the proxy is held by F0, and rests at a depth of F0 / K. Where two points of one
-// surface are nearest, the direction jumps. Several surfaces add. Its search is in no budget: it
-// takes milliseconds where 100,000 triangles are equally near.
+// Attraction towards the nearest point of a surface within a range r: F = F0 (1 - s / r)^2 at a
+// distance s from the proxy. This is a gravity well (Hwang, Keates, Langdon and Clarkson 2003,
+// "Multiple haptic targets for motion-impaired computer users") with the potential
+// -F0 r (1 - s / r)^3 / 3. The force and its slope therefore vanish at the end of the range, and a
+// closed loop gains no energy. In contact s is 0: the force F0 holds the device point, which
+// rests at a penetration depth of F0 / K. The direction jumps where two points of one surface are
+// nearest. The forces of several surfaces add.
+//
+// The search has no work budget: it takes milliseconds where 100,000 triangles are equally near.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
-  // In contact, where the way to the nearest point is shorter than its rounding, touches tell.
+  // Contact is needed because the vector to the nearest point is shorter than its rounding there:
+  // the touched faces give the direction instead.
   static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsPlace | kNeedsContact;
 
   struct Parameters {
@@ -38,9 +41,10 @@ struct MagnetEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kCallsFor,
-       "at the surface"},
+       "attraction at the surface"},
       {"magnetRange", "m", 0.0, 1000.0, offsetof(Parameters, range_m),
-       ParameterKey::Role::kRequired, "where it ends, from the surface", true, true}};
+       ParameterKey::Role::kRequired, "distance from the surface at which the attraction ends",
+       true, true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
@@ -53,18 +57,19 @@ struct MagnetEffect {
     }
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
-    const bool may_come = tick.world->is_moving(surface.body);
+    const bool is_moving = tick.world->is_moving(surface.body);
     const Box box =
         body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
     const double to_box = std::sqrt(box.squared_distance(proxy_body));
     const double to_box_m = body.length_to_solver(to_box);
     const double reach_m = p.range_m + tick.radius_m;
     if (to_box_m >= reach_m) {
-      tick.quiet_m = may_come ? 0.0 : to_box_m - reach_m;
+      tick.quiet_m = is_moving ? 0.0 : to_box_m - reach_m;
       return false;
     }
-    // Twice as far, so that what is seen to be out of range is out of it for a while.
-    // All of it is nearer than this, however large the range.
+    // The search covers twice the reach, so that a surface out of range gives a useful quiet_m. The
+    // whole surface is nearer than `farthest`, which bounds the search if the range is larger
+    // still.
     const double farthest = to_box + kMostBoxes * (box.high - box.low).norm();
     const double range = std::min(body.length_to_body(2.0 * reach_m), farthest);
     const auto nearest = body.stretch
@@ -72,7 +77,7 @@ struct MagnetEffect {
                              : surface.index->closest_point(proxy_body, range);
     const double distance_m = nearest ? body.length_to_solver(nearest->distance_m) : 2.0 * reach_m;
     if (distance_m >= reach_m || distance_m == 0.0) {
-      tick.quiet_m = may_come ? 0.0 : std::max(0.0, distance_m - reach_m);
+      tick.quiet_m = is_moving ? 0.0 : std::max(0.0, distance_m - reach_m);
       return false;
     }
     const double part = 1.0 - std::max(0.0, distance_m - tick.radius_m) / p.range_m;

@@ -7,17 +7,18 @@
 
 namespace palpate {
 
-// The virtual coupling's force on the hand, solver frame, N, in the order of the stages. With d the
-// depth, h the height of the surface, N the contact normal and t the proxy's tangential lag:
+// Returns the virtual coupling's force on the hand, solver frame, N. Its terms are computed in the
+// order of the stages. With d the penetration depth, h the height of the surface, N the contact
+// normal and t the proxy's tangential lag:
 //
-//     press   K (d + h) + B u_n                  stiffness, damping, texture
-//     side    K t + B u_t                        friction: mu_k press where the contact slides,
-//                                                mu_s press at most where it sticks
-//     what pulls along N is left out, as VirtualCoupling has it
-//     both turned from N to the felt normal      shading
-//     less    K (d + h) grad h                   texture
+//     normal      K (d + h) + B u_n      stiffness, damping, texture
+//     tangential  K t + B u_t            friction limits it: to mu_k times the normal force while
+//                                        the contact slides, to at most mu_s times while it sticks
+//     sum         without any part that pulls along N, as in VirtualCoupling
+//     rotation    of the sum from N to the rendered normal          shading
+//     minus       K (d + h) grad h                                  texture
 //
-// lag_m: proxy minus goal. damped_m_per_s: u, see VirtualCoupling. Safe on the haptic thread.
+// lag_m: proxy minus goal, m. damped_m_per_s: u, see VirtualCoupling. No state; safe on any thread.
 Vec3 rendered_force_N(const ContactResponse& response, const ProxyState& state, const Vec3& lag_m,
                       const Vec3& damped_m_per_s) noexcept;
 

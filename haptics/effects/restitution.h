@@ -1,6 +1,6 @@
 #pragma once
 
-// The crispness of a tap.
+// Restitution: a force pulse on impact.
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,17 @@
 
 namespace palpate {
 
-// A force pulse on impact, beside the spring, as event-based haptics has it (Kuchenbecker, Fiene
-// and Niemeyer 2006, "Improving contact realism through event-based haptic feedback"), with the
-// impulse that Newton's restitution asks for (Constantinescu, Salcudean and Croft 2005, "Haptic
-// rendering of rigid contacts using impulsive and penalty forces": J = m (1 + e) v). Of that the
-// spring gives the plastic part m v, so the pulse has J = e m v, as half a sine of the duration D:
-// in a tick from t0 to t1, F = J (cos(pi t0 / D) - cos(pi t1 / D)) / (2 (t1 - t0)), which adds up
-// to J whatever the ticks. It ends when the hand turns round: it only ever brakes. A material has
-// one pulse: who rests on it and taps it elsewhere feels none. Speeds are the hand's alone,
-// whatever the body does.
+// A force pulse on impact, in addition to the spring, as in event-based haptics (Kuchenbecker,
+// Fiene and Niemeyer 2006, "Improving contact realism through event-based haptic feedback").
+// Newton's law of restitution gives the impulse J = m (1 + e) v (Constantinescu, Salcudean and
+// Croft 2005, "Haptic rendering of rigid contacts using impulsive and penalty forces"). The spring
+// already gives the plastic part m v, so the pulse has J = e m v. Its shape is half a sine of the
+// duration D: in a tick from t0 to t1, F = J (cos(pi t0 / D) - cos(pi t1 / D)) / (2 (t1 - t0)),
+// whose time integral is J for any ticks.
+//
+// The pulse ends when the hand reverses its motion, so that it only brakes. Each material has one
+// pulse: a tap on a material gives no pulse while the proxy already rests on that material
+// elsewhere. Only the hand's speed counts, not that of a moving body.
 struct RestitutionEffect {
   static constexpr std::string_view kName = "restitution";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -31,27 +33,28 @@ struct RestitutionEffect {
     double duration_s = 0.005;
   };
   struct State {
-    double pulse_s = 0.0;     // since it began
-    double impulse_Ns = 0.0;  // of the whole pulse; 0: there is none
-    double next_tick = -std::numeric_limits<double>::infinity();  // after the last touch
+    double pulse_s = 0.0;                                         // time since the pulse began
+    double impulse_Ns = 0.0;                                      // of the whole pulse; 0: no pulse
+    double next_tick = -std::numeric_limits<double>::infinity();  // the tick after the last contact
   };
   static constexpr ParameterKey kKeys[] = {
       {"restitution", "", 0.0, 1.0, offsetof(Parameters, restitution),
-       ParameterKey::Role::kCallsFor, "speed after over speed before an impact"},
+       ParameterKey::Role::kCallsFor, "ratio of the speed after an impact to the speed before it"},
       {"impactMass", "kg", 0.0, 10.0, offsetof(Parameters, mass_kg), ParameterKey::Role::kOptional,
-       "that taps: at most that of the moving parts of the device", false, true},
+       "mass that hits the surface; at most the mass of the moving parts of the device", false,
+       true},
       {"impactDuration", "s", 0.0, 1.0, offsetof(Parameters, duration_s),
-       ParameterKey::Role::kOptional, "of the pulse", false, true}};
+       ParameterKey::Role::kOptional, "duration of the force pulse", false, true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
   static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
     const double approach_m_per_s = -tick.velocity_m_per_s.dot(tick.normal);
-    // Chatter is no tap: the surface must have been left for longer than a pulse.
+    // Chatter is not an impact: the proxy must have left the surface for longer than a pulse.
     const bool is_impact = (tick.ticks - s.next_tick) * tick.dt_s > p.duration_s;
     s.next_tick = tick.ticks + 1.0;
     if (is_impact) {
-      // A sample that comes early has gone its way in more time than its dt says.
+      // If a sample arrives early, its displacement took longer than its dt.
       const double speed_m_per_s = approach_m_per_s * tick.dt_s / tick.longest_dt_s;
       s.pulse_s = 0.0;
       s.impulse_Ns = p.restitution * p.mass_kg * std::max(0.0, speed_m_per_s);

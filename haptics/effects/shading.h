@@ -1,6 +1,6 @@
 #pragma once
 
-// Facets that are felt as a smooth surface.
+// Shading: facets are rendered as a smooth surface.
 
 #include <limits>
 
@@ -8,34 +8,36 @@
 
 namespace palpate {
 
-// Force shading (Morgenbesser and Srinivasan 1996, "Force shading for haptic shape perception"):
-// the force is turned from the facet's normal to one interpolated between the corners,
-// n = sum w_i n_i / |sum w_i n_i|, w the barycentric weights of the proxy, as Phong does with
-// light. The magnitude stays that of the facets. Corners on edges sharper than the crease angle
-// keep the normals of either side, so that creases stay. A force that is turned is no gradient of
-// anything: round a loop it can give K d^2 times the angle between the normals, about.
+// Force shading (Morgenbesser and Srinivasan 1996, "Force shading for haptic shape perception")
+// turns the force from the facet's normal to an interpolated normal, as Phong shading does for
+// light: n = sum w_i n_i / |sum w_i n_i|, with n_i the normals of the corners and w_i the
+// barycentric weights of the proxy. The magnitude remains that of the facets. Corners at edges
+// sharper than the crease angle have a normal for each side, so that creases remain.
+//
+// A turned force is not the gradient of a potential: a closed loop can gain about K d^2 times the
+// angle between the normals, at penetration depth d.
 struct ShadingEffect {
   static constexpr std::string_view kName = "shading";
   static constexpr EffectStage kStage = EffectStage::kSurface;
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsCornerNormals;
 
-  // Corner normals that differ from the facet's by no more than their rounding to float: a flat
-  // face is felt as without shading, to the bit.
+  // A smooth normal that differs from the facet's by at most this, the rounding to float, is
+  // ignored: a flat face is rendered as without shading, to the bit.
   static constexpr double kFlat = 2.0 * std::numeric_limits<float>::epsilon();
 
   struct Parameters {
-    double crease_angle_deg = 0.0;  // baked into the corner normals
+    double crease_angle_deg = 0.0;  // already applied in the corner normals
   };
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"creaseAngle", "deg", 0.0, 180.0, offsetof(Parameters, crease_angle_deg),
-       ParameterKey::Role::kCallsFor, "edges sharper than this stay creases"}};
+       ParameterKey::Role::kCallsFor, "edges sharper than this angle remain creases"}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
   static bool apply(const Parameters&, State&, EffectTick& tick) noexcept {
-    TriangleGeometry room;
-    const TriangleGeometry& facet = tick.face.triangle(room);
+    TriangleGeometry storage;
+    const TriangleGeometry& facet = tick.face.triangle(storage);
     const auto w = tick.face.barycentric(facet);
     const CornerNormals& normals = tick.face.attributes->corner_normals[tick.face.slot];
     Vec3 smooth_body = Vec3::Zero();

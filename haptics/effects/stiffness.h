@@ -1,14 +1,15 @@
 #pragma once
 
-// How hard a surface is.
+// Stiffness: the spring of the virtual coupling, by material.
 
 #include "haptics/effects/effect.h"
 
 namespace palpate {
 
-// The spring of the virtual coupling, by material: F = K (p - x) (Colgate, Stanley and Brown 1995,
-// "Issues in the haptic display of tool use"; Lecuyer et al. 2005, section 3). Materials without it
-// have the K of the loop. Where several are touched, each counts by its share of the force.
+// The spring F = K (p - g) between proxy p and goal g (Colgate, Stanley and Brown 1995, "Issues in
+// the haptic display of tool use"; Lecuyer et al. 2005, section 3). Materials without this effect
+// use the loop's K. If several materials are touched, each contributes by its share of the contact
+// force.
 struct StiffnessEffect {
   static constexpr std::string_view kName = "stiffness";
   static constexpr EffectStage kStage = EffectStage::kForceMap;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Fine relief from an image.
+// Texture: relief from an image.
 
 #include <algorithm>
 #include <bit>
@@ -12,22 +12,23 @@
 
 namespace palpate {
 
-// A height map moves the surface under the proxy (Ho, Basdogan and Srinivasan 1999, "Efficient
-// point-based rendering techniques for haptic display of virtual objects": displacement along the
-// normal and its gradient). With depth d, height h <= 0 and slope grad h, the spring has
-// the energy K (d + h)^2 / 2, of which the force is the exact gradient: K (d + h) (N - grad h). So
-// a texture gives nothing round a loop but what sampling in time makes of it: waves that pass in a
-// few ticks are blended out by mip levels (Williams 1983, "Pyramidal parametrics") before they can
-// alias. Value 1 of the map is the surface of the mesh, 0 lies `height` below it: a texture carves,
-// so that contact begins where the proxy meets the mesh, and softly. Speeds are the hand's alone: a
-// body that moves under it is not blended.
+// A height map displaces the surface under the proxy along its normal (Ho, Basdogan and Srinivasan
+// 1999, "Efficient point-based rendering techniques for haptic display of virtual objects"). With
+// penetration depth d, height h <= 0 and slope grad h, the spring has the energy K (d + h)^2 / 2.
+// The force is the exact gradient of this energy: K (d + h) (N - grad h). A closed loop therefore
+// gains no energy except through sampling in time: waves that pass in a few ticks are removed by
+// mip levels (Williams 1983, "Pyramidal parametrics") before they can alias.
+//
+// Value 1 of the map is the surface of the mesh, value 0 lies `height` below it: a texture only
+// carves, so that contact begins softly, at the surface of the mesh. Only the hand's speed selects
+// the level: the texture of a moving body can alias.
 struct TextureEffect {
   static constexpr std::string_view kName = "texture";
   static constexpr EffectStage kStage = EffectStage::kSurface;
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsVelocity | kNeedsTextureMap;
 
-  // Texels of the level that is felt are at least so many times the way of one tick: of a wave
-  // that passes in a tick or two, averaging over a texel leaves nothing.
+  // The texels of the selected level are at least this many times as long as the motion in a tick.
+  // Averaging over such a texel removes the waves that pass in one or two ticks.
   static constexpr double kTexelsPerStep = 4.0;
 
   struct Parameters {
@@ -37,15 +38,17 @@ struct TextureEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"textureHeight", "m", 0.0, 1.0, offsetof(Parameters, height_m),
-       ParameterKey::Role::kCallsFor, "from the lowest to the highest value of the map", true}};
+       ParameterKey::Role::kCallsFor,
+       "height difference between the lowest and the highest value of the map", true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
-  // Linear between powers of two, where it is exact: up to 0.09 too little. For x >= 1.
+  // Approximate log2 for x >= 1: exact at powers of two and linear between them, up to 0.09 too
+  // low.
   static double rough_log2(double x) noexcept {
     constexpr double kPerBit = std::numeric_limits<double>::epsilon();
     constexpr double kBias = std::numeric_limits<double>::max_exponent - 1;
-    // Read as a whole number, a double is its exponent with the mantissa behind the point.
+    // The bits of a double, as an integer, are its exponent followed by its mantissa.
     return kPerBit * static_cast<double>(std::bit_cast<std::int64_t>(x)) - kBias;
   }
 
@@ -59,7 +62,7 @@ struct TextureEffect {
     const double lod = 0.5 * rough_log2(std::max(1.0, columns * columns + rows * rows));
     const auto uv = uv_map.at(face.point_body);
     const HeightMap::Sample sample = p.map->sample(uv[0], uv[1], lod);
-    // Interpolation may overshoot the values of the map.
+    // Interpolation may exceed the range of the map.
     tick.height_m = p.height_m * std::min(0.0, sample.value - 1.0);
     if (sample.value >= 1.0) return true;
     tick.slope =

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-// The sum of two doubles and what rounding takes from it, exactly (Knuth 1969); twice, so that low
-// stays below the last digit of high.
+// The exact sum of two doubles, as the rounded sum and its rounding error (Knuth 1969). A second
+// such sum keeps low_s below the last digit of high_s.
 VelocityEstimator::Time VelocityEstimator::Time::plus(double dt_s) const noexcept {
   const auto two_sum = [](double a, double b) {
     const double sum = a + b;
@@ -45,11 +45,12 @@ Vec3 VelocityEstimator::add(const Vec3& position_m, double dt_s) noexcept {
 Vec3 VelocityEstimator::difference(const Sample& last, std::size_t window) const noexcept {
   const Sample& first = back(window);
   const double span_s = first.time.seconds_to(last.time);
-  if (!(span_s > 0.0)) return Vec3::Zero();  // so short that the sum of the times lost it
+  if (!(span_s > 0.0)) return Vec3::Zero();  // dt vanished in the sum of the times
   return (last.position_m - first.position_m) / span_s;
 }
 
-// With s and r the time and the way from a sample to the newest one, and m = w + 1 of them:
+// With s and r the time and the displacement from a sample to the newest one, and m = w + 1
+// samples, the slope is
 // (m sum(s r) - sum(s) sum(r)) / (m sum(s s) - sum(s)^2).
 Vec3 VelocityEstimator::line_fit(const Sample& last, std::size_t window) const noexcept {
   double s_sum = 0.0;
@@ -67,12 +68,12 @@ Vec3 VelocityEstimator::line_fit(const Sample& last, std::size_t window) const n
   }
   const auto m = static_cast<double>(window + 1);
   const double spread_s2 = m * ss_sum - s_sum * s_sum;
-  if (!(spread_s2 > 0.0)) return Vec3::Zero();  // so short that squares of times vanish
+  if (!(spread_s2 > 0.0)) return Vec3::Zero();  // the squares of the times vanish
   return (m * sr_sum - s_sum * r_sum) / spread_s2;
 }
 
-// From the newest sample back, each sample leaves less room for the slope of a line that passes it
-// closely enough: one pass finds all windows that will do.
+// Each sample, from the newest back, narrows the range of slopes of lines that pass it closely
+// enough. One pass therefore finds every valid window.
 Vec3 VelocityEstimator::adaptive(const Sample& last, std::size_t window) const noexcept {
   const Vec3 near_m = Vec3::Constant(half_quantum_m_);
   Vec3 least = Vec3::Constant(-std::numeric_limits<double>::infinity());

@@ -1,6 +1,6 @@
 #pragma once
 
-// A hum.
+// Vibration: a sinusoidal force.
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,12 @@
 
 namespace palpate {
 
-// A sinusoidal force along the contact normal while the surface is touched, or while the proxy
-// slides on it: F = A sin(2 pi f t) N (open-loop vibration feedback: Okamura, Dennerlein and Howe
-// 1998, "Vibration feedback models for virtual environments"). It fades in and out over a period,
-// ends with the contact, and may pull by its amplitude. A frequency that the ticks cannot carry
-// (half their rate or more) is not felt rather than felt as another.
+// A sinusoidal force along the contact normal while the proxy is in contact, or only while it
+// slides: F = A sin(2 pi f t) N (open-loop vibration feedback: Okamura, Dennerlein and Howe 1998,
+// "Vibration feedback models for virtual environments"). The amplitude rises over the first period;
+// it falls over one period when sliding ends, and at once when the contact ends. The force may pull
+// by up to its amplitude. A frequency of half the tick rate or more is not rendered, because it
+// would alias to another one.
 struct VibrationEffect {
   static constexpr std::string_view kName = "vibration";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -26,22 +27,22 @@ struct VibrationEffect {
     double when = 0.0;  // 0: in contact, 1: while sliding
   };
   struct State {
-    double phase = 0.0;       // of a period, [0, 1)
-    double strength = 0.0;    // [0, 1]
-    double last_tick = -2.0;  // in which it was called
+    double phase = 0.0;       // in periods, [0, 1)
+    double strength = 0.0;    // factor of the amplitude, [0, 1]
+    double last_tick = -2.0;  // in which the effect last ran
   };
   static constexpr ParameterKey kKeys[] = {
       {"vibrationFrequency", "Hz", 0.0, 5000.0, offsetof(Parameters, frequency_Hz),
-       ParameterKey::Role::kRequired, "of the hum", false, true},
+       ParameterKey::Role::kRequired, "frequency of the vibration", false, true},
       {"vibrationAmplitude", "N", 0.0, 100.0, offsetof(Parameters, amplitude_N),
-       ParameterKey::Role::kCallsFor, "of the force"},
+       ParameterKey::Role::kCallsFor, "amplitude of the vibration force"},
       {"vibrationWhen",
        "",
        0.0,
        1.0,
        offsetof(Parameters, when),
        ParameterKey::Role::kOptional,
-       "it is felt",
+       "condition under which the material vibrates",
        false,
        false,
        ParameterKey::Kind::kChoice,

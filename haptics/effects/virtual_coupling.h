@@ -1,6 +1,6 @@
 #pragma once
 
-// The spring and damper in parallel between proxy and device point.
+// The virtual coupling: a spring and a damper in parallel between proxy and device point.
 
 #include <algorithm>
 
@@ -9,24 +9,27 @@
 
 namespace palpate {
 
-// The defaults of the library, the program and the report. On a light desktop device (viscous
-// friction b = 0.5 N s/m) at T = 1 ms a wall is passive up to K = 2 (b - B) / T: 1000 N/m without a
-// damper, and nothing from B = 0.5 N s/m on (engine/devices/stability_limits.h).
+// The coupling's parameters. The defaults are those of the library, the program and the report. On
+// a light desktop device (viscous friction b = 0.5 N s/m) at T = 1 ms, a wall is passive up to K =
+// 2 (b - B) / T: 1000 N/m without a damper, and no K from B = 0.5 N s/m on
+// (engine/devices/stability_limits.h).
 struct CouplingSettings {
   double stiffness_N_per_m = 1000.0;  // K >= 0
   double damping_Ns_per_m = 0.0;      // B >= 0
-  VelocitySettings velocity = {};     // of the lag, for the damper
+  VelocitySettings velocity = {};     // estimates the lag's velocity for the damper
 };
 
-// F = K (p - g) + B u in the scene frame, acting on the hand; p the proxy, g the goal
-// (Lecuyer et al. 2005, section 3: "a spring and a damper in parallel"). The paper does not say
-// what the damper acts on. Here u is the part of d(p - g)/dt against which the surface presses: a
-// proxy that slides freely follows the hand for nothing, and a damper on all of the lag, which
-// turns as the proxy goes round a surface, would push the hand along: B d v^2 / r on a sphere of
-// radius r. Never attractive: a part that pulls along the contact normal is left out, so F.N >= 0.
+// Returns the coupling force on the hand, F = K (p - g) + B u, N, scene axes, with p the proxy and
+// g the goal (Lecuyer et al. 2005, section 3: "a spring and a damper in parallel").
 //
-// lag_m: p - g. damped_m_per_s: u. normal: unit contact normal, or zero where several cancel. K and
-// B are all that counts of the settings. Safe on the haptic thread.
+// The paper does not say which velocity the damper acts on. Here u is the part of d(p - g)/dt
+// against which the surface presses: a freely sliding proxy follows the hand without resistance. A
+// damper on the whole lag, which turns as the proxy moves around a surface, would push the hand
+// forward: by B d v^2 / r at penetration depth d on a sphere of radius r. The force is never
+// attractive: a component that pulls along the contact normal N is removed, so that F.N >= 0.
+//
+// lag_m: p - g. damped_m_per_s: u. normal: unit contact normal N, or zero if several normals
+// cancel. Of the settings, only K and B are used. No state; safe on any thread.
 inline Vec3 coupling_force_N(const CouplingSettings& settings, const Vec3& lag_m,
                              const Vec3& damped_m_per_s, const Vec3& normal) noexcept {
   Vec3 force = settings.stiffness_N_per_m * lag_m + settings.damping_Ns_per_m * damped_m_per_s;
@@ -34,7 +37,8 @@ inline Vec3 coupling_force_N(const CouplingSettings& settings, const Vec3& lag_m
   return force;
 }
 
-// The coupling of one haptic loop, with what it remembers of the lag. Safe on the haptic thread.
+// The coupling of one haptic loop; it remembers the lag of the last ticks. Thread-safety: one
+// thread owns it, and the haptic thread may be that thread.
 class VirtualCoupling {
  public:
   explicit VirtualCoupling(const CouplingSettings& settings)
@@ -42,11 +46,11 @@ class VirtualCoupling {
         is_one_tick_(settings.velocity.window_ticks <= 1),
         estimator_(settings.velocity) {}
 
-  // d(p - g)/dt as the settings estimate it: by default the backward difference of one tick, with
-  // which the damper takes B |du|^2 / T in each tick, never less than nothing. A longer window is
-  // less noisy, and gives back some of that. Effects with a velocity of their own (viscosity) keep
-  // the difference of one tick, so that what they take stays exact. Zero on the first tick of a
-  // contact, which has no difference to take. lag_m: proxy minus goal.
+  // Returns d(p - g)/dt, estimated by the method of the settings; zero on the first tick of a
+  // contact. lag_m: proxy minus goal. By default the estimate is the backward difference of one
+  // tick, with which the damper dissipates B |du|^2 / T in each tick, never a negative amount. A
+  // longer window has less noise, but returns some of that energy. Effects that use a velocity of
+  // their own (viscosity) keep the difference of one tick, so that their dissipation stays exact.
   Vec3 lag_rate_m_per_s(const Vec3& lag_m, double dt_s) noexcept {
     Vec3 rate = Vec3::Zero();
     if (!is_one_tick_) [[unlikely]] {
@@ -64,7 +68,7 @@ class VirtualCoupling {
     return coupling_force_N(settings_, lag_m, damped_m_per_s, normal);
   }
 
-  // No contact in this tick, or none that a difference could be taken from.
+  // Call in a tick without contact, or with a contact from which no difference may be formed.
   void reset() noexcept {
     had_contact_ = false;
     estimator_.reset();
@@ -75,7 +79,7 @@ class VirtualCoupling {
   bool is_one_tick_;
   bool had_contact_ = false;
   Vec3 last_lag_m_ = Vec3::Zero();
-  VelocityEstimator estimator_;  // of more ticks than one
+  VelocityEstimator estimator_;  // for windows of more than one tick
 };
 
 }  // namespace palpate

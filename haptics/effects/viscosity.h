@@ -1,6 +1,6 @@
 #pragma once
 
-// A medium to move in.
+// Viscosity: drag in a medium.
 
 #include <algorithm>
 #include <cmath>
@@ -11,28 +11,30 @@
 
 namespace palpate {
 
-// Where a medium is.
+// The region that a medium fills.
 struct MediumRegion {
   enum class Shape : std::uint8_t {
     kBox,      // |p| <= half_m along each axis
     kSphere,   // |p| <= half_m.x()
-    kInside,   // a closed surface that no proxy passes: that of a body of the world
-    kThrough,  // a closed surface that is no obstacle
+    kInside,   // inside a closed surface that is an obstacle: that of a body of the world
+    kThrough,  // inside a closed surface that is no obstacle
   };
   Shape shape = Shape::kBox;
   AffineMap p_region_solver;  // kBox, kSphere: linear is a rotation and a scale
-  double least_scale = 1.0;   // metres of the solver frame to one of the region's, at least
+  double least_scale = 1.0;   // least length in the solver frame, m, of a unit in the region frame
   Vec3 half_m = Vec3::Zero();
   std::uint32_t body = 0;               // kInside
-  const SurfaceIndex* index = nullptr;  // kThrough; its frame is the region's
+  const SurfaceIndex* index = nullptr;  // kThrough; in the region frame
 };
 
-// Viscous drag in a medium: F = -b v, v the velocity of the device point in the scene, the virtual
-// damper of Colgate and Brown 1994 ("Factors affecting the Z-width of a haptic display") without a
-// wall. The medium of a closed surface is felt by the proxy that is inside it; one that is pressed
-// against it from outside is not. Each tick takes b |dx|^2 / T of what the hand did in it; a device
-// of mass m follows stably while b < m / T, about. The search of a closed surface that is no
-// obstacle is in no budget: it takes a millisecond where 100,000 triangles meet in a point.
+// Viscous drag in a medium: F = -b v, with v the velocity of the device point in the scene. This is
+// the virtual damper of Colgate and Brown 1994 ("Factors affecting the Z-width of a haptic
+// display") without a wall. The medium inside a closed surface acts on a proxy that is inside, and
+// not on a proxy that is pressed against it from outside. Each tick dissipates b |dx|^2 / T of the
+// hand's work; a device of mass m stays stable for about b < m / T.
+//
+// The search of a closed surface that is no obstacle has no work budget: it takes a millisecond
+// where 100,000 triangles meet in a point.
 struct ViscosityEffect {
   static constexpr std::string_view kName = "viscosity";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -45,7 +47,7 @@ struct ViscosityEffect {
   struct State {
     double is_known = 0.0;
     double is_inside = 0.0;
-    double last_m[3] = {};  // where that was so; region frame
+    double last_m[3] = {};  // the point for which is_inside was found; region frame
   };
   static constexpr ParameterKey kKeys[] = {
       {"viscosity", "N s/m", 0.0, 1e4, offsetof(Parameters, viscosity_Ns_per_m),
@@ -72,11 +74,12 @@ struct ViscosityEffect {
     return false;
   }
 
-  // A proxy keeps to one side of a body for good, wherever either of them moves.
+  // A proxy stays on one side of a body for ever, however either of them moves.
   static bool is_inside_body(const MediumRegion& region, State& s, EffectTick& tick) noexcept {
     const ContactBody& body = tick.world->body(region.body);
     if (s.is_known == 0.0) {
-      // No proxy is so near to the surface that its way to the index could change its side.
+      // The proxy keeps a distance from the surface, so that rounding into the index frame cannot
+      // change its side.
       const Vec3 p_index = body.to_index(body.to_body(tick.proxy_m));
       const auto inside = palpate::is_inside(*body.index, p_index);
       if (!inside) return false;
@@ -88,7 +91,8 @@ struct ViscosityEffect {
     return false;
   }
 
-  // From where it was, the way tells; a way through an edge does not, and it is asked anew.
+  // If the side of the last point is known, the crossings of the path from there give the side. If
+  // the path meets an edge, the crossings are undecided and the side is found anew.
   static bool is_through(const MediumRegion& region, State& s, const Vec3& p,
                          EffectTick& tick) noexcept {
     const Box& box = region.index->box();
@@ -106,7 +110,7 @@ struct ViscosityEffect {
     }
     if (!inside) inside = palpate::is_inside(*region.index, p);
     s.is_known = inside ? 1.0 : 0.0;
-    if (!inside) return s.is_inside != 0.0;  // on the surface: as before
+    if (!inside) return s.is_inside != 0.0;  // on the surface: the side does not change
     s.is_inside = *inside ? 1.0 : 0.0;
     std::copy_n(p.data(), 3, s.last_m);
     return *inside;

@@ -1,11 +1,13 @@
-// Same input, same bits: one trajectory on each of the paper's objects, with every bit of what came
-// out pinned as a hash. Compiled twice, as the build is and at -O0 (golden_O0_test); both must give
-// these hashes. A change that is meant to alter the answer prints the new rows of the table with
+// Same input, same bits: one trajectory on each of the paper's objects, whose whole output is
+// pinned as a hash. The test is compiled twice, with the build's options and at -O0
+// (golden_O0_test); both must give these hashes. After a change that is meant to alter the output,
+// this command prints the new rows of the table:
 //
 //   PALPATE_PRINT_GOLDEN=1 build/release/golden_test
 //
-// Hashes with A4 depend on the C library, too: it has the sines of the elementary rotation. Those
-// without use only +, -, *, / and sqrt. If only the former differ on a machine, look there.
+// Hashes with A4 also depend on the C library, which computes the sines of the elementary rotation.
+// Hashes without A4 use only +, -, *, / and sqrt. If only the hashes with A4 differ on a machine,
+// its C library is the likely cause.
 
 #include <algorithm>
 #include <bit>
@@ -50,8 +52,8 @@ void PrintTo(const Golden& golden, std::ostream* out) {
 
 constexpr double kDt_s = 1e-3;
 constexpr int kTicks = 4000;
-constexpr double kDepth_m = 3e-3;  // of the way behind the middle of each wall
-constexpr double kStart_m = 5e-3;  // in front of the first
+constexpr double kDepth_m = 3e-3;  // of the goals behind the middle of each wall
+constexpr double kStart_m = 5e-3;  // distance of the first goal in front of the first wall
 
 // FNV-1a, 64 bits.
 class Hash {
@@ -72,8 +74,9 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325;
 };
 
-// A point in front of (positive) or behind the middle of wall i, the walls of a counter-clockwise
-// contour facing right of the way along them. From square roots only, as all of this trajectory.
+// A point in front of (positive height_m) or behind the middle of wall i. The contour is
+// counter-clockwise, so its walls face right of its direction. This trajectory uses no function but
+// sqrt.
 Vec3 at_wall(const Contour& contour_m, std::size_t i, double height_m) {
   const Point2& from = contour_m[i % contour_m.size()];
   const Point2& to = contour_m[(i + 1) % contour_m.size()];
@@ -84,9 +87,9 @@ Vec3 at_wall(const Contour& contour_m, std::size_t i, double height_m) {
           0.5 * (from.y() + to.y()) - height_m * x / length, 0.0};
 }
 
-// From in front of the first wall into it, and on from wall to wall in equal steps, once around.
-// Where the object stands at the start: A4 turns it away under this way, and what the device meets
-// then is as fixed.
+// The goals: from a place in front of the first wall into it, and on from wall to wall once around,
+// in equal steps. They refer to the object's initial pose. A4 turns the object away below this
+// path, but the contacts that follow are deterministic.
 std::vector<Vec3> trajectory_m(const Contour& contour_m) {
   std::vector<Vec3> corners{at_wall(contour_m, 0, kStart_m)};
   for (std::size_t i = 0; i <= contour_m.size(); ++i) {
@@ -105,20 +108,20 @@ std::vector<Vec3> trajectory_m(const Contour& contour_m) {
   return path;
 }
 
-struct Felt {
+struct Outcome {
   std::uint64_t hash = 0;
   int ticks_in_contact = 0;
   int ticks_turning = 0;
 };
 
-// The object stands turned by the angle of which the sine is 3/5, so that no wall faces the motor.
+// The object is turned by the angle whose sine is 3/5, so that no wall faces the motor.
 ScenePose start_pose() {
   const double length = std::sqrt(10.0);
   return {Quat(3.0 / length, 0.0, 0.0, 1.0 / length), Vec3::Zero()};
 }
 
 // A device with two sensors and one motor, as in the paper.
-Felt feel(const PaperObject& object, bool a4) {
+Outcome render(const PaperObject& object, bool a4) {
   const double top_m = kPaperObjectHeight_m / 2;
   const Result<TriangleMesh> mesh = prism(object.contour_m, -top_m, top_m);
   if (!mesh) {
@@ -131,7 +134,7 @@ Felt feel(const PaperObject& object, bool a4) {
   settings.a4.enabled = a4;
   settings.initial_pose = start_pose();
   HapticLoop loop(world.world(), *ActuationModel::from_counts(2, 1), settings);
-  Felt felt;
+  Outcome outcome;
   Hash hash;
   for (const Vec3& p : trajectory_m(object.contour_m)) {
     const TickRecord& record = loop.tick(start_pose().point(p), kDt_s);
@@ -140,12 +143,12 @@ Felt feel(const PaperObject& object, bool a4) {
     hash.add_all(vec3(record.force_device_N));
     hash.add_all(pose_before(record).rotation.coeffs());
     hash.add_all(pose_before(record).translation_m);
-    felt.ticks_in_contact += record.contact;
+    outcome.ticks_in_contact += record.contact;
     const Quat& before = pose_before(record).rotation;
-    felt.ticks_turning += loop.T_device_scene().rotation.coeffs() != before.coeffs();
+    outcome.ticks_turning += loop.T_device_scene().rotation.coeffs() != before.coeffs();
   }
-  felt.hash = hash.value();
-  return felt;
+  outcome.hash = hash.value();
+  return outcome;
 }
 
 std::string hex(std::uint64_t value) {
@@ -163,12 +166,12 @@ const PaperObject& object_called(const std::vector<PaperObject>& objects, std::s
 
 class GoldenTrajectory : public testing::TestWithParam<Golden> {};
 
-TEST_P(GoldenTrajectory, GivesThePinnedBits) {
+TEST_P(GoldenTrajectory, ReproducesThePinnedBits) {
   const Golden& golden = GetParam();
   const std::vector<PaperObject> objects = paper_objects();
   const PaperObject& object = object_called(objects, golden.object);
-  const Felt without = feel(object, false);
-  const Felt with = feel(object, true);
+  const Outcome without = render(object, false);
+  const Outcome with = render(object, true);
   EXPECT_GT(without.ticks_in_contact, kTicks / 4);
   EXPECT_GT(with.ticks_in_contact, kTicks / 4);
   EXPECT_EQ(without.ticks_turning, 0);
@@ -177,8 +180,9 @@ TEST_P(GoldenTrajectory, GivesThePinnedBits) {
   const std::string row = std::string("    {\"") + object.name + "\", " + hex(without.hash) + ", " +
                           hex(with.hash) + "},\n";
   if (std::getenv("PALPATE_PRINT_GOLDEN")) std::fputs(row.c_str(), stdout);
-  EXPECT_EQ(hex(without.hash), hex(golden.without_a4)) << "if it is meant to change:\n" << row;
-  EXPECT_EQ(hex(with.hash), hex(golden.with_a4)) << "if it is meant to change:\n" << row;
+  EXPECT_EQ(hex(without.hash), hex(golden.without_a4)) << "if the output is meant to change:\n"
+                                                       << row;
+  EXPECT_EQ(hex(with.hash), hex(golden.with_a4)) << "if the output is meant to change:\n" << row;
 }
 
 TEST(GoldenTrajectories, CoverThePapersObjects) {

@@ -36,7 +36,7 @@ HapticSettings settings(bool a4, double damping = 0.0) {
   return s;
 }
 
-// A plane through the origin, 2 m wide, front along +A1 turned by `angle` towards `towards`.
+// A plane through the origin, 2 m wide. Its front faces +A1 turned by `angle` towards `towards`.
 RigidTransform tilted(double angle_rad, const Vec3& towards = Vec3::UnitY()) {
   const Vec3 normal = std::cos(angle_rad) * Vec3::UnitX() + std::sin(angle_rad) * towards;
   return {Quat::FromTwoVectors(Vec3::UnitZ(), normal), Vec3::Zero()};
@@ -48,8 +48,8 @@ Soup square_plane() {
   return soup;
 }
 
-// Moves in a straight line of small steps. Returns the work the port gives, with each force held
-// until the next tick, as a device does.
+// Moves in a straight line of small steps. Returns the work of the port on the hand, with each
+// force held until the next tick, as a device does.
 class Port {
  public:
   explicit Port(HapticLoop& loop) : loop_(loop) {}
@@ -78,7 +78,7 @@ class Port {
   double work_J_ = 0.0;
 };
 
-// A random walk of the device around a box: sliding, edges, corners, and wild jumps.
+// A random walk of the device around a box: it slides, crosses edges and corners, and jumps.
 Vec3 wander(Random& random, const Vec3& at_m) {
   if (random.index(200) == 0) return random.in_box(0.12);
   const Vec3 next = at_m + random.uniform(0.0, 2e-3) * random.unit_vector();
@@ -98,8 +98,8 @@ void PrintTo(const CertificateCase& c, std::ostream* out) {
 
 class EnergyCertificate : public testing::TestWithParam<CertificateCase> {};
 
-// Tick by tick: K/2 |p - g|^2 never grows by more than the hand puts in, in
-// scene coordinates, where a rotation of the scene moves the goal and never the mesh.
+// In every tick, K/2 |p - g|^2 grows by at most the work of the hand. The check uses scene
+// coordinates, in which a rotation of the scene moves the goal and never the mesh.
 TEST_P(EnergyCertificate, HoldsEveryTick) {
   const CertificateCase c = GetParam();
   Random random(21);
@@ -161,7 +161,7 @@ double loop_work_J(double angle_rad, bool a4, double side_m) {
   HapticLoop loop(world.world(), device(3, 1), settings(a4));
   Port port(loop);
   port.start({0.1, 0.0, 0.0});
-  // Far enough inside that the whole loop is in contact, also while the scene turns.
+  // The loop lies so far inside that all of it is in contact, even while the scene turns.
   port.move({-0.05, 0.0, 0.0}, 2000, 1e-9);
   if (a4) port.hold(4000, kDt);
   port.take_work_J();
@@ -174,7 +174,7 @@ double loop_work_J(double angle_rad, bool a4, double side_m) {
   return port.take_work_J();
 }
 
-TEST(UnderActuation, DoesWorkRoundALoopThatA4TakesAway) {
+TEST(UnderActuation, DoesWorkAroundALoopAndA4RemovesThatWork) {
   const double side_m = 0.01;
   const double area_m2 = side_m * side_m;
   for (const double deg : {15.0, 30.0, 45.0, 60.0, 75.0}) {
@@ -185,9 +185,9 @@ TEST(UnderActuation, DoesWorkRoundALoopThatA4TakesAway) {
   EXPECT_LT(std::abs(loop_work_J(45.0 * kDeg, true, side_m)), 0.05 * at_45deg_J);
 }
 
-// The price of the technique itself: pressing is charged for the pushed part only, the release
-// after alignment pays out the whole spring.
-TEST(A4, PressAlignReleaseGivesOutTheUnchargedPartOfTheSpring) {
+// An inherent cost of A4: pressing costs the hand only the work of the actuated part, but the
+// release after alignment returns the energy of the whole spring.
+TEST(A4, PressAlignReleaseReturnsTheUnchargedEnergyOfTheSpring) {
   const double depth_m = 5e-3;
   for (const double deg : {10.0, 30.0, 60.0, 80.0}) {
     const double angle_rad = deg * kDeg;
@@ -205,7 +205,7 @@ TEST(A4, PressAlignReleaseGivesOutTheUnchargedPartOfTheSpring) {
   }
 }
 
-TEST(A4, DoesNothingOutOfContactAtZeroAngleOrWithAllAxesActuated) {
+TEST(A4, DoesNotTurnOffContactAtZeroAngleOrWithAllAxesActuated) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.05)));
   for (const auto& [sensors, actuators] : {std::pair(3, 1), std::pair(3, 3), std::pair(3, 0)}) {
     HapticLoop loop(world.world(), device(sensors, actuators), settings(true));
@@ -279,7 +279,7 @@ void PrintTo(const BadInput& input, std::ostream* out) {
 
 class BadSample : public testing::TestWithParam<BadInput> {};
 
-TEST_P(BadSample, GivesZeroForceAndItsFaultBitAndTheNextOneCarriesOn) {
+TEST_P(BadSample, CommandsZeroForceSetsItsFaultBitAndTheNextSampleIsGood) {
   const auto [bad_m, bad_dt_s, fault] = GetParam();
   const OwnedWorld world(square_plane(), tilted(0.0));
   HapticLoop loop(world.world(), device(3, 3), settings(false));
@@ -316,7 +316,7 @@ INSTANTIATE_TEST_SUITE_P(All, BadSample,
                                                   kFaultBadTimeStep},
                                          BadInput{kPressed_m, 3600.0, kFaultBadTimeStep}));
 
-TEST(HapticLoop, TakesTicksOfUpToASecond) {
+TEST(HapticLoop, AcceptsTicksOfUpToASecond) {
   const OwnedWorld world(square_plane(), tilted(0.0));
   HapticLoop loop(world.world(), device(3, 3), settings(false));
   loop.tick({0.01, 0, 0}, kDt);
@@ -327,9 +327,9 @@ TEST(HapticLoop, TakesTicksOfUpToASecond) {
   }
 }
 
-// Pressed on the plane, then one sample beyond everything: no force, and contact as before with the
-// next.
-TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
+// The hand presses on the plane; then one sample is far beyond everything. That tick commands no
+// force, and the next one has its contact as before.
+TEST(HapticLoop, CommandsNoForceForAJumpAndKeepsTheContact) {
   Random random(27);
   for (int trial = 0; trial < 50; ++trial) {
     const RigidTransform pose = random.pose(10.0);
@@ -348,7 +348,7 @@ TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
     EXPECT_EQ(after.faults, kFaultNone);
     EXPECT_TRUE(after.contact);
     EXPECT_EQ(vec3(after.proxy_scene_m), vec3(before.proxy_scene_m));
-    // A device that stays there is believed, and pulls at the same side of the plane.
+    // If the device stays there, its sample is good, and it pulls at the same side of the plane.
     EXPECT_EQ(loop.tick(beyond, kDt).faults, kFaultJump);
     const TickRecord there = loop.tick(beyond, kDt);
     EXPECT_EQ(there.faults, kFaultNone);
@@ -357,9 +357,9 @@ TEST(HapticLoop, GivesNoForceForAJumpAndCarriesOnInContact) {
   }
 }
 
-// Both count: the way against the size of the scene, and the speed against that of a hand, over the
-// time since the last sample that was there.
-TEST(HapticLoop, CallsAJumpWhatIsFartherThanTheSceneAndFasterThanAHand) {
+// Two conditions make a jump: the distance exceeds the scene's size, and the speed over the time
+// since the last valid sample exceeds that of a hand.
+TEST(HapticLoop, ReportsAJumpIfTheSampleIsFartherThanTheSceneAndFasterThanAHand) {
   constexpr double kSize_m = 2.0;
   const OwnedWorld world(square_plane(), tilted(0.0));
   ASSERT_EQ(world.world().size_m, kSize_m);
@@ -377,7 +377,7 @@ TEST(HapticLoop, CallsAJumpWhatIsFartherThanTheSceneAndFasterThanAHand) {
     const TickRecord& far = loop.tick({0.01 + leap.way_m, 0, 0}, leap.dt_s);
     EXPECT_EQ(far.faults, leap.is_jump ? kFaultJump : kFaultNone) << leap.way_m << " " << leap.dt_s;
   }
-  // Ticks without a sample count as time; one without a time does not.
+  // Ticks with an invalid sample add to the time; a tick with an invalid time step does not.
   HapticLoop loop(world.world(), device(3, 3), settings(false));
   loop.tick({0.01, 0, 0}, kDt);
   for (int n = 0; n < 6; ++n) loop.tick({kNan, 0, 0}, 0.1);
@@ -388,8 +388,8 @@ TEST(HapticLoop, CallsAJumpWhatIsFartherThanTheSceneAndFasterThanAHand) {
   EXPECT_EQ(loop.tick({0.01 + 0.5 * kFastestHand_m_per_s, 0, 0}, kDt).faults, kFaultNone);
 }
 
-// At 1 m/s a tick is 1 mm, a hundred times the scene.
-TEST(HapticLoop, LetsAHandTouchASceneThatIsSmallerThanATicksWay) {
+// At 1 m/s the hand moves 1 mm per tick, a hundred times the scene's size.
+TEST(HapticLoop, RendersContactWithASceneSmallerThanTheMotionOfATick) {
   constexpr double kHalf = 5e-6;
   constexpr double kSpeed_m_per_s = 1.0;
   Random random(28);
@@ -398,7 +398,7 @@ TEST(HapticLoop, LetsAHandTouchASceneThatIsSmallerThanATicksWay) {
     const RigidTransform pose = random.pose(0.05);
     const OwnedWorld world(box_soup(Vec3::Constant(kHalf)), pose);
     HapticLoop loop(world.world(), device(3, 3), settings(false));
-    // From straight above one of its faces to straight below, through it.
+    // From a place straight above one face to one straight below, through the scene.
     const Vec3 aim(random.uniform(-0.9, 0.9) * kHalf, random.uniform(-0.9, 0.9) * kHalf, 0.0);
     const double start_m = random.uniform(0.0, 1.0) * kSpeed_m_per_s * kDt;
     for (int n = -5; n <= 5; ++n) {
@@ -418,7 +418,7 @@ TEST(HapticLoop, LetsAHandTouchASceneThatIsSmallerThanATicksWay) {
   EXPECT_GT(contacts, 800);
 }
 
-TEST(HapticLoop, SurvivesBadSamplesBeforeTheFirstGoodOne) {
+TEST(HapticLoop, IgnoresBadSamplesBeforeTheFirstGoodOne) {
   const OwnedWorld world(square_plane(), tilted(0.0));
   HapticLoop loop(world.world(), device(3, 3), settings(false));
   EXPECT_EQ(loop.tick({kNan, 0, 0}, kDt).tick, 0u);
@@ -428,7 +428,7 @@ TEST(HapticLoop, SurvivesBadSamplesBeforeTheFirstGoodOne) {
   EXPECT_TRUE(loop.tick({-0.01, 0, 0}, kDt).contact);
 }
 
-TEST(HapticLoop, HoldsATwoSensorDeviceInItsPlane) {
+TEST(HapticLoop, KeepsATwoSensorDeviceInItsPlane) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.05)));
   HapticSettings s = settings(true);
   s.plane_height_m = 0.02;
@@ -442,8 +442,8 @@ TEST(HapticLoop, HoldsATwoSensorDeviceInItsPlane) {
   }
 }
 
-// So small a time step is a number, but the speed that it makes of a step is none.
-TEST(HapticLoop, CommandsNoForceThatIsNone) {
+// The time step is finite, but so small that the speed of a step overflows.
+TEST(HapticLoop, CommandsNoNonFiniteForce) {
   OwnedWorld world(square_plane());
   HapticLoop loop(world.world(), device(3, 3), settings(false, 2.0));
   loop.tick({0, 0, 0.001}, kDt);
@@ -457,9 +457,9 @@ TEST(HapticLoop, CommandsNoForceThatIsNone) {
   EXPECT_NEAR(vec3(next.force_device_N).z(), kStiffness * 0.002, 1e-6);
 }
 
-// What the counter of A4 counts: rotation_rad is 0 to the bit where nothing is to be turned.
-TEST(HapticLoop, TurnsNothingWhereAllIsActuatedOffContactOrAligned) {
-  Soup across_a1;  // facing along A1 exactly: no pose, no rounding
+// A4's counter relies on this: rotation_rad is exactly 0 if no rotation is needed.
+TEST(HapticLoop, DoesNotTurnIfFullyActuatedOffContactOrAligned) {
+  Soup across_a1;  // faces exactly along A1: no pose, no rounding
   across_a1.add_quad({0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1});
   const auto turned_ticks = [&](double tilt_rad, int actuators, double height_m) {
     const Quat tilt(Eigen::AngleAxisd(tilt_rad, Vec3::UnitZ()));

@@ -1,5 +1,5 @@
-// The answer belongs to the scene: not to its unit, its place or its pose, nor to what the engine
-// keeps from one tick to the next.
+// The result depends on the scene only: not on its unit, its place or its pose, and not on data
+// that the engine keeps from tick to tick.
 
 #include <algorithm>
 #include <array>
@@ -35,14 +35,14 @@ using WideVec3 = Eigen::Matrix<Wide, 3, 1>;
 constexpr int kTicks = 5000;
 constexpr int kLeastContactTicks = kTicks / 100;  // whatever the seed
 
-// A scene and what the device does, in one frame (body), of about 0.2 m. Sizes and paths are made
-// so that the goal slides 2 to 6 mm below surfaces and crosses many edges.
+// A scene and a device path, both in one frame (body), about 0.2 m in size. Sizes and paths are
+// chosen so that the goal slides 2 to 6 mm below surfaces and crosses many edges.
 struct Scenario {
   Soup soup;
   std::vector<Vec3> path_m;
 };
 
-// A direction that wanders over the unit sphere at a steady pace.
+// A direction that wanders over the unit sphere at a constant speed.
 class Wanderer {
  public:
   explicit Wanderer(Random& random)
@@ -63,7 +63,7 @@ class Wanderer {
   double weave_rad_;
 };
 
-// A tick's share of a swing between two values, with a period that no mesh has.
+// The value, at a tick, of an oscillation between two values whose period matches no mesh.
 double swing(int tick, double low, double high) {
   constexpr double kPeriod_ticks = 713.0;
   return low + (high - low) * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * tick / kPeriod_ticks));
@@ -102,12 +102,13 @@ Scenario fine_sphere_scenario(Random& random) {
   return scenario;
 }
 
-// As all other vertices here: so that they can be moved by a kilometre without rounding.
+// Rounds vertices, as for all scenes here, so that they can be moved by a kilometre without
+// rounding.
 Vec3 as_floats(const Vec3& p) {
   return p.cast<float>().cast<double>();
 }
 
-// Triangles that cross each other and have rims to fall over.
+// Triangles that intersect each other and have open borders.
 Scenario soup_scenario(Random& random) {
   Scenario scenario;
   for (int i = 0; i < 40; ++i) {
@@ -128,8 +129,8 @@ Scenario soup_scenario(Random& random) {
   return scenario;
 }
 
-// How a scenario is put before the engine: vertices are scaled, then moved; the pose places the
-// body in the scene; the device frame is the scene's.
+// The placement of a scenario in the engine: the vertices are scaled, then translated; the pose
+// places the body in the scene. The device frame is the scene frame.
 struct Placing {
   double scale = 1.0;
   Vec3 moved_m = Vec3::Zero();
@@ -137,7 +138,7 @@ struct Placing {
 
   Vec3 body(const Vec3& p) const { return scale * p + moved_m; }
   Vec3 scene(const Vec3& p) const { return T_scene_body.point(body(p)); }
-  // Back to the scenario's own frame and unit.
+  // Transforms back to the scenario's own frame and unit.
   WideVec3 undone(const Vec3& p_scene) const {
     const WideVec3 from_origin = p_scene.cast<Wide>() - T_scene_body.translation_m.cast<Wide>();
     const auto rotation = T_scene_body.rotation.cast<Wide>().normalized();
@@ -146,8 +147,8 @@ struct Placing {
   }
 };
 
-std::vector<TickRecord> feel(const Scenario& scenario, const Placing& placing,
-                             HapticSettings settings, const ActuationModel& actuation) {
+std::vector<TickRecord> render(const Scenario& scenario, const Placing& placing,
+                               HapticSettings settings, const ActuationModel& actuation) {
   Soup soup{{}, scenario.soup.triangles};
   for (const Vec3& p : scenario.soup.positions) soup.positions.push_back(placing.body(p));
   settings.god_object.radius_m *= placing.scale;
@@ -198,24 +199,24 @@ double ulp_of(double x) {
   return std::nextafter(x, HUGE_VAL) - x;
 }
 
-// What two placings of one scenario may differ by, in the scenario's own unit.
+// The allowed difference between two placements of one scenario, in the scenario's own unit.
 struct Allowance {
-  // Outside the solver: the goal, the origin of the solver's frame and the proxy are each rounded
+  // Outside the solver: the goal, the origin of the solver frame and the proxy are each rounded
   // once, by half an ulp of the largest coordinate along each axis.
   double rounding_m = 0.0;
   // In the solver: heights are rounded by kHeightRoundoff of the scene's size. Where planes meet at
-  // a small angle, a point moves by that over the sine: the clearance, at which the engine no
-  // longer tells two points apart, leaves room for 1 / 350. A sphere rests on curves of its own
-  // radius: along one of them, its distance to the goal stays the same to the last bit for
-  // sqrt(2 ulp radius).
+  // a small angle, a point moves by that amount over the sine. The clearance, at which the engine
+  // no longer distinguishes two points, allows for 1 / 350. A sphere rests on curves of its own
+  // radius: along such a curve, its distance to the goal stays the same to the last bit over sqrt(2
+  // ulp radius).
   double solver_m = 0.0;
   double radius_m = 0.0;
 
-  // A projection passes a rounding of its goal on undiminished at most. A sphere on an edge or
-  // vertex does so by its radius over the distance of the goal from there.
-  double at(const TickRecord& felt) const {
+  // A projection transmits a rounding of its goal at most undiminished. A sphere on an edge or
+  // vertex transmits it multiplied by its radius over the goal's distance from there.
+  double at(const TickRecord& record) const {
     const double to_feature_m =
-        std::abs(radius_m - (vec3(felt.proxy_scene_m) - vec3(felt.goal_scene_m)).norm());
+        std::abs(radius_m - (vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm());
     const double lever = radius_m == 0.0 ? 1.0 : std::max(1.0, radius_m / to_feature_m);
     return lever * rounding_m + solver_m;
   }
@@ -241,15 +242,15 @@ class Placed : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
     scenario_ = GetParam().make(random_);
-    base_ = feel(scenario_, {}, without_a4(GetParam().radius_m), every_axis());
+    base_ = render(scenario_, {}, without_a4(GetParam().radius_m), every_axis());
     const auto in_contact = std::count_if(base_.begin(), base_.end(),
-                                          [](const TickRecord& felt) { return felt.contact; });
+                                          [](const TickRecord& record) { return record.contact; });
     ASSERT_GT(in_contact, kLeastContactTicks);
     ASSERT_LT(in_contact, kTicks);
   }
 
   void expect_same(const Placing& placing) {
-    const auto placed = feel(scenario_, placing, without_a4(GetParam().radius_m), every_axis());
+    const auto placed = render(scenario_, placing, without_a4(GetParam().radius_m), every_axis());
     const Allowance allowance = allowance_of(scenario_, placing, GetParam().radius_m);
     for (std::size_t n = 0; n < base_.size(); ++n) {
       const WideVec3 error =
@@ -263,14 +264,14 @@ class Placed : public testing::TestWithParam<Case> {
   std::vector<TickRecord> base_;
 };
 
-TEST_P(Placed, AnswersTheSameInEveryUnit) {
+TEST_P(Placed, GivesTheSameResultInEveryUnit) {
   for (const double scale : {1e-3, 0.37, 12.9, 1e3}) {
     SCOPED_TRACE(testing::Message() << "times " << scale);
     expect_same({.scale = scale});
   }
 }
 
-TEST_P(Placed, AnswersTheSameAKilometreAway) {
+TEST_P(Placed, GivesTheSameResultAKilometreAway) {
   const Vec3 away_m(1000.0, -700.0, 300.0);
   {
     SCOPED_TRACE("vertices");
@@ -280,7 +281,7 @@ TEST_P(Placed, AnswersTheSameAKilometreAway) {
   expect_same({.T_scene_body = {Quat::Identity(), away_m}});
 }
 
-TEST_P(Placed, AnswersTheSameInRandomPoses) {
+TEST_P(Placed, GivesTheSameResultInRandomPoses) {
   for (const double away_m : {1.0, 1.0, 1000.0, 1000.0}) {
     const RigidTransform pose = random_.pose(away_m);
     SCOPED_TRACE(testing::Message() << pose.rotation << ", " << pose.translation_m.transpose());
@@ -288,7 +289,7 @@ TEST_P(Placed, AnswersTheSameInRandomPoses) {
   }
 }
 
-// All that a tick says, lengths and forces divided by the scale.
+// All numbers of a tick, with lengths and forces divided by the scale.
 std::vector<std::uint64_t> bits_of(const TickRecord& r, double scale = 1.0) {
   std::vector<std::uint64_t> bits{r.contact, r.faults, static_cast<std::uint64_t>(r.iterations)};
   const auto add = [&](const auto& v, double by) {
@@ -304,20 +305,21 @@ std::vector<std::uint64_t> bits_of(const TickRecord& r, double scale = 1.0) {
   return bits;
 }
 
-// Powers of two round nothing, and no length in the engine is absolute.
-TEST_P(Placed, AnswersTheSameBitsTimesAPowerOfTwo) {
+// Scaling by a power of two causes no rounding, and the engine has no absolute length.
+TEST_P(Placed, GivesTheSameBitsIfScaledByAPowerOfTwo) {
   HapticSettings settings = without_a4(GetParam().radius_m);
   settings.a4.enabled = true;
   const ActuationModel one_axis = *ActuationModel::from_counts(3, 1);
-  const auto base = feel(scenario_, {}, settings, one_axis);
+  const auto base = render(scenario_, {}, settings, one_axis);
   double turned_rad = 0.0;
-  for (const TickRecord& felt : base) {
-    turned_rad = std::max(turned_rad, pose_before(felt).rotation.angularDistance(Quat::Identity()));
+  for (const TickRecord& record : base) {
+    turned_rad =
+        std::max(turned_rad, pose_before(record).rotation.angularDistance(Quat::Identity()));
   }
   ASSERT_GT(turned_rad, 0.05);
   for (const double scale : {0x1p-10, 0x1p-1, 0x1p3, 0x1p10}) {
     SCOPED_TRACE(testing::Message() << "times " << scale);
-    const auto scaled = feel(scenario_, {.scale = scale}, settings, one_axis);
+    const auto scaled = render(scenario_, {.scale = scale}, settings, one_axis);
     for (std::size_t n = 0; n < base.size(); ++n) {
       ASSERT_EQ(bits_of(scaled[n], scale), bits_of(base[n])) << "tick " << n;
     }
@@ -326,18 +328,18 @@ TEST_P(Placed, AnswersTheSameBitsTimesAPowerOfTwo) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Placed, kCases, name_of);
 
-// ---- what is kept between ticks ----------------------------------------------------------------
+// ---- data kept between ticks --------------------------------------------------------------------
 
 class Candidates : public testing::TestWithParam<Case> {};
 
-TEST_P(Candidates, GiveTheSameBitsReusedOrNot) {
+TEST_P(Candidates, GiveTheSameBitsWhetherReusedOrFetchedAnew) {
   Random random(72);
   const Scenario scenario = GetParam().make(random);
   HapticSettings settings = without_a4(GetParam().radius_m);
   ASSERT_TRUE(settings.god_object.accuracy.reuse_candidates);
-  const auto reused = feel(scenario, {}, settings, every_axis());
+  const auto reused = render(scenario, {}, settings, every_axis());
   settings.god_object.accuracy.reuse_candidates = false;
-  const auto fetched = feel(scenario, {}, settings, every_axis());
+  const auto fetched = render(scenario, {}, settings, every_axis());
   int in_contact = 0;
   for (std::size_t n = 0; n < reused.size(); ++n) {
     ASSERT_EQ(bits_of(fetched[n]), bits_of(reused[n])) << "tick " << n;

@@ -1,5 +1,4 @@
-// Settings that make no sense, goals and poses that are none: refused, told by name, and felt by
-// nobody.
+// Invalid settings, goals and poses are refused and named, and they affect neither force nor state.
 
 #include <cmath>
 #include <cstring>
@@ -49,7 +48,7 @@ struct BadSetting {
   std::function<void(HapticSettings&)> spoil;
 };
 
-// Each field with each value that is none of its range.
+// Each field with each of its invalid values.
 std::vector<BadSetting> bad_settings() {
   std::vector<BadSetting> all;
   const auto add = [&](const char* field, std::initializer_list<double> values, auto set) {
@@ -84,7 +83,7 @@ std::vector<BadSetting> bad_settings() {
   return all;
 }
 
-TEST(CheckSettings, NamesTheFieldThatIsOutOfRange) {
+TEST(CheckSettings, NamesTheFieldOutOfRange) {
   const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
   for (const double radius_m : {0.0, 1e-3 * kRadius_m, 0.5 * kRadius_m, kRadius_m}) {
     const auto error = check_settings(world.world(), good_settings(radius_m));
@@ -111,8 +110,8 @@ TEST(CheckSettings, NamesTheFieldThatIsOutOfRange) {
   }
 }
 
-// A sphere and its stand-off are what a step sweeps; a scene is built with one stand-off to spare.
-TEST(CheckSettings, TakesTheLargestRadiusThatTheIndicesWereBuiltForAndNoneBeyond) {
+// A step sweeps the sphere and its stand-off. A scene is built with one stand-off in reserve.
+TEST(CheckSettings, AcceptsRadiiUpToTheOneThatTheIndicesWereBuiltFor) {
   Random random(8101);
   for (int trial = 0; trial < 100; ++trial) {
     const double built_for_m = std::pow(10.0, random.uniform(-6.0, 1.0));
@@ -126,7 +125,7 @@ TEST(CheckSettings, TakesTheLargestRadiusThatTheIndicesWereBuiltForAndNoneBeyond
     EXPECT_FALSE(is_good(built_for_m + 1.1 * stand_off_m));
     EXPECT_FALSE(is_good(built_for_m * 1.01));
   }
-  // A radius that no box of single precision can hold, though the world asked for it.
+  // A radius that no box in single precision can hold, although the world was built for it.
   const OwnedWorld for_giants(box_soup(kHalf_m), {}, 1e20);
   EXPECT_FALSE(check_settings(for_giants.world(), GodObjectSettings{1e17}));
   EXPECT_TRUE(check_settings(for_giants.world(), GodObjectSettings{1e20}));
@@ -135,7 +134,7 @@ TEST(CheckSettings, TakesTheLargestRadiusThatTheIndicesWereBuiltForAndNoneBeyond
   EXPECT_FALSE(check_settings(for_points.world(), GodObjectSettings{0.0}));
 }
 
-TEST(CheckSettings, AsksEveryIndexAndTheTreeOverThem) {
+TEST(CheckSettings, ChecksEveryIndexAndTheTreeOverThem) {
   const std::vector<OwnedBodies::Placed> bodies{
       {box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}};
   const OwnedBodies small(bodies, kRadius_m, true);
@@ -151,8 +150,8 @@ TEST(CheckSettings, AsksEveryIndexAndTheTreeOverThem) {
   EXPECT_TRUE(check_settings(tree_alone, settings));
 }
 
-// A position there is rounded by half of the double format's digits of the scene's size.
-TEST(CheckSettings, BoundsThePlaceByTheDigitsThatPositionsHaveThere) {
+// At this distance, half of a double's digits are left to resolve the scene's size.
+TEST(CheckSettings, LimitsTheDistanceOfTheSceneByTheDigitsOfPositions) {
   Random random(8103);
   for (int trial = 0; trial < 20; ++trial) {
     const double size = std::pow(10.0, random.uniform(-6.0, 3.0));
@@ -172,8 +171,8 @@ TEST(CheckSettings, BoundsThePlaceByTheDigitsThatPositionsHaveThere) {
   }
 }
 
-// With K at its bound, the farthest sample that counts still gives a force whose square is finite.
-TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
+// With K at its limit, the farthest good sample still gives a force whose square is finite.
+TEST(CheckSettings, LimitsTheCouplingByTheLargestLagOfAGoodSample) {
   Random random(8102);
   for (int trial = 0; trial < 20; ++trial) {
     const RigidTransform pose = random.pose(10.0);
@@ -194,12 +193,14 @@ TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
     HapticLoop loop(world.world(), three_axes(), settings);
     const double farthest_m =
         farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
-    // Pressed on the upper face of the box, then dragged through it as far as samples go.
+    // The hand presses on the upper face of the box and is then dragged through it, as far as
+    // samples may be.
     const auto device = [&](const Vec3& p) { return settings.initial_pose.point(pose.point(p)); };
     ASSERT_EQ(loop.tick(device({0, 0, 0.05}), kTick_s).faults, kFaultNone);
     ASSERT_TRUE(loop.tick(device({0, 0, 0.02}), kTick_s).contact);
     const Vec3 down = settings.initial_pose.direction(pose.direction(-Vec3::UnitZ()));
-    loop.tick(0.99 * farthest_m * down, kShortestTick_s);  // a jump, believed the second time
+    loop.tick(0.99 * farthest_m * down,
+              kShortestTick_s);  // a jump; the second sample there is good
     const TickRecord& far = loop.tick(0.99 * farthest_m * down, kShortestTick_s);
     ASSERT_EQ(far.faults & kFaultsWithoutForce, 0u);
     EXPECT_TRUE(std::isfinite(vec3(far.force_device_N).squaredNorm()));
@@ -210,7 +211,7 @@ TEST(CheckSettings, BoundsTheCouplingByTheLargestLagOfAGoodSample) {
   }
 }
 
-TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
+TEST(Misuse, BadLoopSettingsSetTheirFaultAndCommandZeroForceInEveryTick) {
   Random random(8103);
   OwnedBodies bodies(
       {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
@@ -237,7 +238,7 @@ TEST(Misuse, OfALoopIsAFaultOfItsOwnAndNoForceInEveryTick) {
   }
 }
 
-// What a god-object has to show for itself, to the bit.
+// The observable state of a god-object, to the bit.
 std::vector<double> bits_of(const GodObject& god_object) {
   std::vector<double> bits;
   const auto add = [&](const Vec3& v) { bits.insert(bits.end(), v.begin(), v.end()); };
@@ -260,7 +261,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 test::SameCone sticky_cone({0.5, 0.4});
 const FrictionSource kSticky{sticky_cone};
 
-TEST(Misuse, OfAGodObjectsSettingsMovesNothing) {
+TEST(Misuse, BadGodObjectSettingsMoveNothing) {
   const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
   for (const BadSetting& bad : bad_settings()) {
     HapticSettings settings = good_settings(kRadius_m);
@@ -287,69 +288,69 @@ TEST(Misuse, OfAGodObjectsSettingsMovesNothing) {
   }
 }
 
-// Amid a motion along a box, which goes on as if nothing had been asked.
-TEST(Misuse, OfGoalsAndPosesThatAreNoneChangesNothing) {
+// The invalid calls interrupt a motion along a box, which continues as if they had not been made.
+TEST(Misuse, InvalidGoalsAndPosesChangeNothing) {
   Random random(8104);
   SeededRandom normals(8105);
   for (const double radius_m : {0.0, kRadius_m}) {
     const OwnedBodies bodies(
         {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
         radius_m);
-    GodObject asked(bodies.world(), {radius_m, {}});
+    GodObject misused(bodies.world(), {radius_m, {}});
     GodObject spared(bodies.world(), {radius_m, {}});
     const auto refuse_all = [&] {
-      const auto before = bits_of(asked);
+      const auto before = bits_of(misused);
       for (const double bad : {kNan, kInfinity, -kInfinity, 1e200}) {
         Vec3 goal = random.in_box(0.05);
         goal[static_cast<Eigen::Index>(random.index(3))] = bad;
-        EXPECT_FALSE(asked.place(goal));
+        EXPECT_FALSE(misused.place(goal));
         for (const ProxyState& state :
-             {asked.move_to(goal), asked.move_to(goal, Vec3(Vec3::UnitZ())),
-              asked.move_with_friction(goal, std::nullopt, kSticky)}) {
+             {misused.move_to(goal), misused.move_to(goal, Vec3(Vec3::UnitZ())),
+              misused.move_with_friction(goal, std::nullopt, kSticky)}) {
           EXPECT_TRUE(state.is_refused);
           EXPECT_FALSE(state.in_contact);
-          EXPECT_EQ(state.proxy, asked.proxy());
+          EXPECT_EQ(state.proxy, misused.proxy());
         }
         BodyMotion motion{0, {Quat::Identity(), goal}};
-        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
-        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+        EXPECT_EQ(misused.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(misused.place_body(0, motion.T_solver_body));
         if (bad == 1e200) continue;
-        EXPECT_TRUE(asked.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
+        EXPECT_TRUE(misused.move_to(Vec3::Zero(), goal).is_refused) << "a plane without a normal";
         motion.T_solver_body = {Quat(bad, 0, 0, 1), Vec3::Zero()};
-        EXPECT_EQ(asked.move_bodies({&motion, 1}), 1u);
-        EXPECT_FALSE(asked.place_body(0, motion.T_solver_body));
+        EXPECT_EQ(misused.move_bodies({&motion, 1}), 1u);
+        EXPECT_FALSE(misused.place_body(0, motion.T_solver_body));
       }
       const BodyMotion moved{0, {Quat::Identity(), Vec3(0, 0, 0.001)}};
       for (const double length : {0.0, 0.5, 2.0, 1e200, kInfinity, kNan}) {
         const Vec3 normal = length * normals.unit_vector();
-        EXPECT_TRUE(asked.move_to(Vec3::Zero(), normal).is_refused) << length;
-        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
-        EXPECT_EQ(asked.move_bodies({&moved, 1}, normal), 1u) << length;
+        EXPECT_TRUE(misused.move_to(Vec3::Zero(), normal).is_refused) << length;
+        EXPECT_TRUE(misused.move_with_friction(Vec3::Zero(), normal, kSticky).is_refused) << length;
+        EXPECT_EQ(misused.move_bodies({&moved, 1}, normal), 1u) << length;
       }
       for (const double size_m : {-1.0, kInfinity, -kInfinity, kNan}) {
         const FrictionSource source{sticky_cone, size_m};
-        EXPECT_TRUE(asked.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
+        EXPECT_TRUE(misused.move_with_friction(Vec3::Zero(), std::nullopt, source).is_refused);
       }
       const BodyMotion shrunk{0, {Quat(0.5, 0, 0, 0), Vec3::Zero()}};
-      EXPECT_EQ(asked.move_bodies({&shrunk, 1}), 1u);
+      EXPECT_EQ(misused.move_bodies({&shrunk, 1}), 1u);
       const BodyMotion nobody{2, {}};
-      EXPECT_EQ(asked.move_bodies({&nobody, 1}), 1u);
-      EXPECT_FALSE(asked.place_body(2, {}));
-      EXPECT_TRUE(same_bits(bits_of(asked), before));
+      EXPECT_EQ(misused.move_bodies({&nobody, 1}), 1u);
+      EXPECT_FALSE(misused.place_body(2, {}));
+      EXPECT_TRUE(same_bits(bits_of(misused), before));
     };
     refuse_all();
-    asked.place({0, 0, 0.05});
+    misused.place({0, 0, 0.05});
     spared.place({0, 0, 0.05});
     Vec3 goal(0, 0, 0.02);
     int contacts = 0;
     for (int n = 0; n < 400; ++n) {
       refuse_all();
       goal = (goal + random.in_box(2e-3)).cwiseMin(0.05).cwiseMax(-0.05);
-      const ProxyState a = asked.move_to(goal);
+      const ProxyState a = misused.move_to(goal);
       const ProxyState b = spared.move_to(goal);
       ASSERT_FALSE(a.is_refused);
       ASSERT_EQ(a.in_contact, b.in_contact);
-      ASSERT_TRUE(same_bits(bits_of(asked), bits_of(spared))) << n;
+      ASSERT_TRUE(same_bits(bits_of(misused), bits_of(spared))) << n;
       contacts += a.in_contact;
     }
     EXPECT_GT(contacts, 100);

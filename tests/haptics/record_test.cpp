@@ -1,4 +1,5 @@
-// The record of a tick and its table. That they agree byte by byte is asserted where they are.
+// The record of a tick and the table of its fields. Static assertions in record.h check that both
+// agree byte by byte.
 
 #include "palpate/record.h"
 
@@ -24,8 +25,8 @@ TEST(RecordTable, NamesEveryFieldAndColumnOnce) {
   }
 }
 
-// A name that ends in a unit has it, and one that is in a frame says which.
-TEST(RecordTable, HasTheUnitsAndFramesThatTheNamesSay) {
+// The unit and the frame of a field agree with those in its name.
+TEST(RecordTable, HasTheUnitsAndFramesOfItsNames) {
   for (const RecordField& field : kRecordFields) {
     for (const std::string_view unit : {"s", "m", "N", "rad", "ns"}) {
       if (field.name.ends_with("_" + std::string(unit))) {
@@ -43,7 +44,7 @@ TEST(RecordTable, HasTheUnitsAndFramesThatTheNamesSay) {
   }
 }
 
-TEST(RecordTable, HasANameForEveryFaultAndRoomForTheGovernors) {
+TEST(RecordTable, NamesEveryFaultAndReservesBitsForGovernors) {
   const std::set<std::string_view> names(kFaultNames.begin(), kFaultNames.end());
   EXPECT_EQ(names.size(), static_cast<std::size_t>(kFaultCount));
   EXPECT_FALSE(names.contains(""));
@@ -51,7 +52,7 @@ TEST(RecordTable, HasANameForEveryFaultAndRoomForTheGovernors) {
   EXPECT_EQ((kFaultsWithoutForce >> kFirstGovernorFault), 0u);
 }
 
-TEST(Record, GivesVectorsAndPosesBackToTheBit) {
+TEST(Record, ReturnsVectorsAndPosesToTheBit) {
   test::Random random(1601);
   for (int n = 0; n < 1000; ++n) {
     TickRecord record;

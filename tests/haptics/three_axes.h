@@ -1,6 +1,6 @@
 #pragma once
 
-// A device that senses along three axes and pushes along three.
+// A device with three sensed and three actuated axes.
 
 #include "haptics/a4/actuation.h"
 

@@ -23,7 +23,7 @@ bool same_bits(const TickRecord& a, const TickRecord& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-// A hand that wanders about a box, in and out of it.
+// A hand that wanders around a box, in and out of it.
 std::vector<Vec3> wandering_path(std::uint64_t seed, bool planar) {
   Random random(seed);
   std::vector<Vec3> path{{0.13, 0.0, 0.0}};
@@ -48,7 +48,7 @@ ActuationModel some_motors(Random& random, int sensors, int motors) {
   }
 }
 
-TEST(TurningMotors, AreThoseOfANewLoopWhenSetBeforeTheFirstTick) {
+TEST(TurningMotors, SetBeforeTheFirstTickEqualThoseOfTheConstructor) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed);
@@ -65,24 +65,24 @@ TEST(TurningMotors, AreThoseOfANewLoopWhenSetBeforeTheFirstTick) {
   }
 }
 
-TEST(TurningMotors, OfTheSameModelInEveryTickChangeNoBit) {
+TEST(TurningMotors, ChangeNoBitIfTheModelStaysTheSame) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed);
     const int motors = static_cast<int>(random.index(4));
     const ActuationModel model = some_motors(random, 3, motors);
-    HapticLoop told(world.world(), model, {});
+    HapticLoop changed(world.world(), model, {});
     HapticLoop left(world.world(), model, {});
     for (const Vec3& p : wandering_path(seed, false)) {
-      told.set_actuation(model);
-      ASSERT_TRUE(same_bits(told.tick(p, kTick_s), left.tick(p, kTick_s))) << "seed " << seed;
+      changed.set_actuation(model);
+      ASSERT_TRUE(same_bits(changed.tick(p, kTick_s), left.tick(p, kTick_s))) << "seed " << seed;
     }
   }
 }
 
-// Without A4 the pose does not depend on the motors: whatever they were before, a tick is that of a
-// loop that has had the present ones from the beginning.
-TEST(TurningMotors, GiveInEachTickWhatALoopWithThemGives) {
+// Without A4, the pose does not depend on the motors. Whatever the earlier motors were, a tick
+// equals that of a loop that has had the present motors from the start.
+TEST(TurningMotors, GiveInEachTickTheResultOfALoopBuiltWithThem) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   HapticSettings settings;
   settings.a4.enabled = false;
@@ -100,32 +100,32 @@ TEST(TurningMotors, GiveInEachTickWhatALoopWithThemGives) {
     for (const Vec3& p : wandering_path(seed, false)) {
       const auto now = static_cast<std::size_t>(random.index(models.size()));
       turning.set_actuation(models[now]);
-      const TickRecord& felt = turning.tick(p, kTick_s);
+      const TickRecord& record = turning.tick(p, kTick_s);
       for (std::size_t i = 0; i < fresh.size(); ++i) {
         const TickRecord& expected = fresh[i].tick(p, kTick_s);
         if (i != now) continue;
-        ASSERT_TRUE(same_bits(felt, expected)) << "seed " << seed;
+        ASSERT_TRUE(same_bits(record, expected)) << "seed " << seed;
       }
-      contacts += felt.contact;
+      contacts += record.contact;
     }
   }
   EXPECT_GT(contacts, 1000);
 }
 
-// A motor that turns half a turn ends as it began: it pushes both ways, and A4 does not let go of
-// the side that it was turning to.
-TEST(TurningMotors, KeepWhatTheNormalIsAlignedWith) {
+// After half a turn, a motor is equivalent to before, because it pushes in both directions. A4
+// keeps the side to which it was turning.
+TEST(TurningMotors, KeepTheDirectionOfAlignment) {
   const ActuationModel start = *ActuationModel::from_axes(3, {Vec3::UnitX()});
   TheoreticalRotation rotation(start, Table1Form::kCorrected);
-  // Within the hysteresis of an undecided normal, aligned with -A1.
+  // The normal is undecided, within the hysteresis, and is being aligned with -A1.
   rotation.update(-Vec3::UnitX());
   const double inside_rad = 1.0 * std::numbers::pi / 180.0;
   for (int degree = 0; degree <= 180; ++degree) {
     const double turn_rad = degree * std::numbers::pi / 180.0;
     const Vec3 axis(std::cos(turn_rad), std::sin(turn_rad), 0.0);
     rotation.set_actuation(*ActuationModel::from_axes(3, {axis}));
-    // A normal that is nearly across the axis, a little to the other side of what it is aligned
-    // with: a fresh contact would choose that side.
+    // A normal nearly perpendicular to the axis, slightly on the other side than the one it is
+    // aligned with. A new contact would choose that side.
     const Vec3 across(-std::sin(turn_rad), std::cos(turn_rad), 0.0);
     const Vec3 normal = std::cos(inside_rad) * across + std::sin(inside_rad) * axis;
     const AxisAngle turn = rotation.update(normal);
@@ -133,27 +133,27 @@ TEST(TurningMotors, KeepWhatTheNormalIsAlignedWith) {
   }
 }
 
-TEST(TurningMotors, ThatSenseOtherAxesAreRefusedWithAFault) {
+TEST(TurningMotors, WithOtherSensedAxesAreRefusedWithAFault) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
-  HapticLoop told(world.world(), *ActuationModel::from_counts(3, 1), {});
+  HapticLoop changed(world.world(), *ActuationModel::from_counts(3, 1), {});
   HapticLoop left(world.world(), *ActuationModel::from_counts(3, 1), {});
   for (const Vec3& p : wandering_path(3, false)) {
-    const bool refused = told.tick(p, kTick_s).tick % 7 == 3;
+    const bool refused = changed.tick(p, kTick_s).tick % 7 == 3;
     TickRecord expected = left.tick(p, kTick_s);
-    TickRecord felt = told.tick(p, 0.0);  // looked at below: a tick that changes nothing
-    EXPECT_NE(felt.faults & kFaultBadTimeStep, 0u);
+    TickRecord record = changed.tick(p, 0.0);  // a tick that changes nothing
+    EXPECT_NE(record.faults & kFaultBadTimeStep, 0u);
     left.tick(p, 0.0);
     if (!refused) continue;
-    told.set_actuation(*ActuationModel::from_counts(2, 1));
-    felt = told.tick(p, kTick_s);
+    changed.set_actuation(*ActuationModel::from_counts(2, 1));
+    record = changed.tick(p, kTick_s);
     expected = left.tick(p, kTick_s);
-    EXPECT_EQ(felt.faults, expected.faults | kFaultBadActuation);
-    felt.faults = expected.faults;
-    ASSERT_TRUE(same_bits(felt, expected));
+    EXPECT_EQ(record.faults, expected.faults | kFaultBadActuation);
+    record.faults = expected.faults;
+    ASSERT_TRUE(same_bits(record, expected));
   }
 }
 
-TEST(TurningMotors, AreMadeWithoutAnErrorTextAsTheyAreWithOne) {
+TEST(TurningMotors, AreTheSameFromBothFactories) {
   Random random(1602);
   for (int n = 0; n < 2000; ++n) {
     const int sensors = static_cast<int>(random.index(5));

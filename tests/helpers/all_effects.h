@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene that calls for every effect there is, and a bare body beside it.
+// A scene that declares every effect, with a second body without effects.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@
 namespace palpate::test {
 
 struct AllEffects {
-  // Local frame: body 0, a sphere with all effects; body 1, a bare plate.
+  // Local frame: body 0, a sphere with all effects; body 1, a plate without effects.
   static constexpr double kRadius_m = 0.05;
   static constexpr double kRange_m = 0.01;  // of the magnet
   static constexpr double kPlate_m = -0.2;  // z of the plate
@@ -35,7 +35,7 @@ struct AllEffects {
     return soup;
   }
 
-  // order: permutes the entries. with_gravity: felt everywhere.
+  // order: permutes the entries. with_gravity: adds gravity to the surroundings.
   static void add_to(BodyHand& hand, std::vector<std::size_t> order = {},
                      bool with_gravity = true) {
     EffectProgram& program = hand.effects.builder.program;
@@ -66,7 +66,7 @@ struct AllEffects {
     medium.index = &index;
     medium.p_region_solver = {hand.pose().rotation.conjugate().toRotationMatrix(),
                               hand.pose().rotation.conjugate() * Vec3(-hand.pose().translation_m)};
-    program.media.push_back(medium);  // where nothing gets: the sphere is solid
+    program.media.push_back(medium);  // unreachable: the sphere is solid
     medium.shape = MediumRegion::Shape::kSphere;
     medium.half_m.x() = kRadius_m + 0.5 * kRange_m;
     program.media.push_back(medium);
@@ -97,7 +97,7 @@ struct AllEffects {
   static constexpr std::size_t kEntries = 10;
 };
 
-// Wanders about the sphere, into it and away again, at all paces.
+// A device path around the sphere, into it and away from it, at various speeds.
 class Wander {
  public:
   Wander(Random& random, double least_m, double most_m)

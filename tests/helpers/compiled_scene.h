@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes that must compile.
+// Compiles scenes that must compile.
 
 #include <utility>
 

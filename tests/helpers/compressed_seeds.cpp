@@ -77,7 +77,7 @@ std::string draco_asset(int method) {
   return draco_builder(method, false).glb_bytes();
 }
 
-// The stream has a vertex less than its accessors say, and its joints fewer bits.
+// The stream has one vertex fewer than its accessors declare, and its joints have fewer bits.
 std::string draco_skin_asset(int method) {
   constexpr std::size_t kDeclared = 5;
   GltfBuilder asset = draco_builder(method, true);

@@ -1,6 +1,7 @@
 #pragma once
 
-// As gltf_seeds.h, for what is compressed: these need the encoders of Draco and meshoptimizer.
+// Seeds with compressed data, as in gltf_seeds.h. They need the encoders of Draco and
+// meshoptimizer.
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Effect programs made by hand, without a scene.
+// Effect programs that are assembled directly, without a scene.
 
 #include <algorithm>
 #include <cstring>
@@ -35,7 +35,7 @@ class EffectBodies {
  public:
   EffectProgramBuilder builder;
 
-  // The next body: all of it has these effects. Attributes: what they ask of its surface.
+  // Adds a body whose whole surface has these effects. attributes: those that the effects need.
   void add_body(const std::vector<EffectProgramBuilder::Entry>& entries,
                 SurfaceAttributes attributes = {}) {
     EffectProgram& program = builder.program;
@@ -44,7 +44,7 @@ class EffectBodies {
         {&program.attributes.back(), static_cast<std::uint32_t>(program.material_of_part.size())});
     program.material_of_part.push_back(builder.add_material(entries));
   }
-  // The next body has none.
+  // Adds a body without effects.
   void add_body_without_effects() { builder.program.bodies.emplace_back(); }
 
   std::shared_ptr<const EffectProgram> finish() {

@@ -15,17 +15,18 @@ using IntVec = std::array<Int, 3>;
 
 constexpr double kUnit = 0x1p-53;  // half an ulp of 1
 
-// Where products of coordinate differences get this small, underflow spoils the filter's bound.
+// If products of coordinate differences are smaller than this, underflow invalidates the filter's
+// bound.
 constexpr double kNoUnderflow = 1e-270;
 
 // A cast to double, direction and difference, product and two sums are 5 roundings; tripled.
 constexpr double kHeightBound = 16 * kUnit;
 
-// The same for a distance: some differences, products and sums more, and directions whose error
-// grows with the distance along them. Generous.
+// The same for a distance, which takes some more differences, products and sums, and whose
+// directions have errors that grow with the distance along them. The bound is generous.
 constexpr double kDistanceBound = 256 * kUnit;
 
-// The doubles times one power of two that makes integers of all of them.
+// The doubles, multiplied by one power of two that makes all of them integers.
 template <std::size_t N>
 std::array<IntVec, N> on_grid(const std::array<const Vec3*, N>& points) {
   constexpr int kMantissaBits = 53;
@@ -68,8 +69,8 @@ int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
   return dot(minus(g[0], g[3]), cross(minus(g[1], g[3]), minus(g[2], g[3]))).sign();
 }
 
-// The coplanar case, in the plane of the two coordinates that the largest part of the normal
-// leaves: any part that is not zero keeps the incidences.
+// The coplanar case, projected along the largest component of the normal: any component that is not
+// zero preserves the incidences.
 class Flat {
  public:
   Flat(const IntVec& normal, std::array<IntVec, 5> points) : points_(std::move(points)) {
@@ -168,8 +169,8 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Corners& t) {
   const int side_q = orientation(t.a, t.b, t.c, q);
   if (side_p * side_q > 0) return false;
   if (side_p == 0 && side_q == 0) return coplanar_segment_meets_triangle(p, q, t);
-  // The line through p and q meets the plane once, between them, and the triangle if it does not
-  // pass one edge on the left and another on the right.
+  // The line through p and q meets the triangle's plane once, between p and q. It meets the
+  // triangle unless it passes one edge on the left and another on the right.
   const std::array<int, 3> passes = {orientation(p, q, t.a, t.b), orientation(p, q, t.b, t.c),
                                      orientation(p, q, t.c, t.a)};
   const auto [least, most] = std::minmax_element(passes.begin(), passes.end());
@@ -198,7 +199,8 @@ ExactJudge::ExactJudge(const std::vector<Corners>& triangles) {
 ExactJudge::Directions ExactJudge::directions_of(const Corners& t) {
   const IntVec exact = exact_normal(t);
   Directions d;
-  // Only the direction counts; shifted, because the integers exceed even a long double's range.
+  // Only the direction matters. The integers are shifted, because they exceed even a long double's
+  // range.
   std::size_t bits = 0;
   for (const Int& x : exact) bits = std::max<std::size_t>(bits, x == 0 ? 0 : msb(Int(abs(x))));
   const unsigned keep = 400;
@@ -217,7 +219,8 @@ ExactJudge::Directions ExactJudge::directions_of(const Corners& t) {
   return d;
 }
 
-// Looks for a plane between the two, along the triangle's normal and its edges' normals.
+// Searches for a separating plane among the directions of the triangle's normal and its edges'
+// normals.
 bool ExactJudge::certainly_farther(const Vec3& p, const Vec3& q, std::size_t triangle,
                                    double distance_m) const {
   const Corners& t = triangles_[triangle];
@@ -256,7 +259,8 @@ double ExactJudge::distance_m(const Vec3& p, const Vec3& q, std::size_t triangle
   const Wide3 from = p.cast<long double>();
   const Wide3 step = q.cast<long double>() - from;
   if (step.isZero(0.0L)) return static_cast<double>(nearest);
-  // Where neither end is nearest, an edge is: at one of its ends or between them.
+  // If neither end is nearest to the triangle, an edge is nearest: at one of its ends or between
+  // them.
   const Directions& d = directions_[triangle];
   const std::array<const Vec3*, 3> corners = {&t.a, &t.b, &t.c};
   for (std::size_t e = 0; e < 3; ++e) {
@@ -294,7 +298,7 @@ void ExactJudge::find_near(const Bounds& path, double margin_m) const {
   }
 }
 
-// Of a point, in double: off by some roundings of the coordinates that it is made of.
+// The distance of a point in double, with an error of some roundings of the coordinates involved.
 double ExactJudge::rough_distance_m(const Vec3& p, std::size_t triangle) const {
   const Corners& t = triangles_[triangle];
   const Plain& d = plain_[triangle];
@@ -310,9 +314,10 @@ double ExactJudge::rough_distance_m(const Vec3& p, std::size_t triangle) const {
   return over ? std::abs(d.normal.dot(p - t.a)) : std::sqrt(nearest2);
 }
 
-// Calls judge(p, q, triangle), which gives a distance if that is a violation, for every piece of
-// the path and each of the near triangles that is not certainly farther from it than the margin.
-// Halves the path again and again: what is far from a ball around it is far from its pieces.
+// Calls judge(p, q, triangle) for each piece of the path and each near triangle that is not
+// certainly farther away than the margin. judge returns a distance if the piece violates the rule.
+// The path is halved recursively: a triangle that is far from a ball around a part of the path is
+// far from all pieces of that part.
 template <typename Judge>
 std::optional<Violation> ExactJudge::first_violation(std::span<const Vec3> path,
                                                      std::size_t first_piece,
@@ -384,7 +389,7 @@ bool ExactJudge::is_inside(const Vec3& p) const {
     low = low.cwiseMin(b.low);
     high = high.cwiseMax(b.high);
   }
-  // Ways out that touch an edge say nothing; another is tried. Odd numbers make that rare.
+  // Rays that touch an edge are inconclusive, so another is tried. Odd numbers make such rays rare.
   for (double slant = 0.3141;; slant += 0.0271) {
     const Vec3 out = high + (high - low).cwiseProduct(Vec3(1.0, slant, slant * slant));
     int crossings = 0;

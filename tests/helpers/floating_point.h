@@ -1,6 +1,6 @@
 #pragma once
 
-// What doubles and floats round by, and values that no measurement has.
+// The rounding of doubles and floats, and values that no measurement has.
 
 #include <limits>
 

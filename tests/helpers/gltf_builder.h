@@ -1,7 +1,7 @@
 #pragma once
 
-// Small glTF assets for tests: the valid parts are added by functions, whatever a test wants to
-// break is changed in the JSON itself.
+// Small glTF assets for tests. Functions add the valid parts; a test changes the JSON itself where
+// it needs an invalid part.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace palpate::test {
 
-// A new folder, removed with its content at the end.
+// A new folder; the destructor removes it with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -25,7 +25,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   std::string path(const std::string& name = {}) const { return (folder_ / name).string(); }
-  // Writes a file into it; subfolders are made.
+  // Writes a file into the folder and creates subfolders as needed. Returns the file's path.
   std::string write(const std::string& name, const std::string& content) const;
 
  private:
@@ -41,7 +41,8 @@ std::string bytes_of(const std::vector<T>& values) {
 
 std::string base64_encoded(const std::string& bytes);
 
-// A GLB of any chunks, right or wrong: type and data of each; lengths as given by the data.
+// A GLB of any chunks, valid or not. chunks: type and data of each; the lengths are those of the
+// data.
 std::string glb_of(const std::vector<std::pair<std::string, std::string>>& chunks);
 
 class GltfBuilder {
@@ -53,14 +54,14 @@ class GltfBuilder {
   static constexpr int kUnsignedInt = 5125;
   static constexpr int kFloat = 5126;
 
-  // An asset of version 2.0 with nothing in it.
+  // An empty asset of version 2.0.
   GltfBuilder();
 
   // The root of the JSON without buffers, which the write functions add.
   nlohmann::json json;
   std::string bin;  // buffer 0
 
-  // Each returns the id of what it adds.
+  // Each function returns the id of the element it adds.
   std::size_t add_view(const std::string& bytes, std::size_t stride_bytes = 0);
   std::size_t add_accessor(std::size_t view, int component_type, std::size_t count,
                            const std::string& type);
@@ -68,24 +69,25 @@ class GltfBuilder {
   std::size_t add_indices(const std::vector<std::uint32_t>& indices,
                           int component_type = kUnsignedShort);
   std::size_t add_mesh(nlohmann::json primitives);
-  std::size_t add_node(nlohmann::json node);   // becomes a root of scene 0, made when missing
-  std::size_t add_child(nlohmann::json node);  // of no parent yet
+  std::size_t add_node(nlohmann::json node);   // a root of scene 0, which is created if missing
+  std::size_t add_child(nlohmann::json node);  // a node without a parent
 
-  // One triangle (0,0,0), (1,0,0), (0,1,0) with indices of 16 bits: accessors 0 and 1, views 0 and
-  // 1, mesh 0, node 0 in scene 0.
+  // One triangle (0,0,0), (1,0,0), (0,1,0) with 16-bit indices: accessors 0 and 1, views 0 and 1,
+  // mesh 0, node 0 in scene 0.
   static GltfBuilder one_triangle();
 
-  // The content of a file: the buffer becomes the BIN chunk, or a data URI.
+  // The content of the asset's file. The buffer becomes the BIN chunk or a data URI.
   std::string glb_bytes() const;
   std::string data_uri_text(const std::string& media_type = "application/octet-stream") const;
 
-  // The file written. The buffer becomes a .bin beside it, the BIN chunk or a data URI.
+  // Writes the asset and returns the file's path. The buffer becomes a .bin file beside the asset,
+  // the BIN chunk or a data URI.
   std::string write_gltf(const TemporaryFolder& folder) const;
   std::string write_glb(const TemporaryFolder& folder) const;
   std::string write_data_uri(const TemporaryFolder& folder,
                              const std::string& media_type = "application/octet-stream") const;
 
-  // Any text as asset.gltf.
+  // Writes any text as asset.gltf and returns the file's path.
   static std::string write_text(const TemporaryFolder& folder, const std::string& text);
 };
 

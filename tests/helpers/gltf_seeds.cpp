@@ -88,7 +88,7 @@ GltfBuilder quantized() {
   return asset;
 }
 
-// A tree of nodes with every way to write a transform, two scenes, a mesh that many nodes share.
+// A tree of nodes with every form of transform, two scenes, and a mesh that many nodes share.
 GltfBuilder many_nodes() {
   GltfBuilder asset = tetrahedron();
   asset.json["nodes"][0]["name"] = "root \u00e9";
@@ -139,7 +139,7 @@ GltfBuilder morphed() {
   return asset;
 }
 
-// Every path and interpolation.
+// Animation channels with every path and every interpolation.
 GltfBuilder animated() {
   GltfBuilder asset = morphed();
   const auto floats = [&](const std::vector<float>& values, std::size_t count,
@@ -216,7 +216,7 @@ GltfBuilder with_materials() {
   return asset;
 }
 
-// All that extras.palpate may say, and a texture by a data URI.
+// Every key of extras.palpate, and a texture in a data URI.
 GltfBuilder with_effects() {
   GltfBuilder asset = tetrahedron();
   const std::string grain = png_of({2, 1, 8, 2}, {0, 128, 255, 1, 2, 3});
@@ -254,7 +254,7 @@ GltfBuilder with_effects() {
   return asset;
 }
 
-// Points, lines, cameras, lights and a hidden node: what is passed over.
+// Points, lines, cameras, lights and a hidden node: the reader ignores them.
 GltfBuilder left_out() {
   GltfBuilder asset = tetrahedron();
   for (int mode = 0; mode < 4; ++mode) {
@@ -268,7 +268,7 @@ GltfBuilder left_out() {
   return asset;
 }
 
-// An open bow-tie, a sheet that is there twice and a sliver: geometry that is hard to compile.
+// Geometry that is hard to compile: an open bow-tie, a duplicate sheet and a sliver.
 GltfBuilder hard_mesh() {
   GltfBuilder asset;
   const auto positions = asset.add_positions(
@@ -279,7 +279,7 @@ GltfBuilder hard_mesh() {
   return asset;
 }
 
-// Behind a byte order mark, with a key that is there twice and extremes that contradict each other.
+// JSON after a byte order mark, with a duplicate key and a min above its max.
 std::string said_twice() {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["accessors"][0]["min"] = {1, 1, 1};

@@ -1,6 +1,6 @@
 #pragma once
 
-// One small asset for each thing that the reader knows: where fuzzing begins.
+// One small asset for each feature of the reader. Fuzzing starts from these seeds.
 
 #include <string>
 #include <vector>
@@ -8,11 +8,11 @@
 namespace palpate::test {
 
 struct GltfSeed {
-  std::string name;   // of a file
-  std::string bytes;  // its content: nothing else is needed to read it
+  std::string name;   // file name
+  std::string bytes;  // the file's content; no other file is needed
 };
 
-// All of them are valid: hostile_gltf_test reads each.
+// All seeds are valid assets: hostile_gltf_test reads each of them.
 std::vector<GltfSeed> gltf_seeds();
 
 }  // namespace palpate::test

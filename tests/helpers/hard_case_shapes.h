@@ -1,6 +1,6 @@
 #pragma once
 
-// Shapes that are hard to touch. Metres; each in a frame of its own.
+// Shapes that are hard for a god-object. Metres; each shape in a frame of its own.
 
 #include <cmath>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace palpate::test {
 
 inline constexpr double kDeg = std::numbers::pi / 180.0;  // rad
 
-// One of the paper's four objects as the models have it.
+// One of the paper's four objects, with the dimensions of the models.
 inline Soup paper_object_soup(const PaperObject& object) {
   const double half = 0.5 * kPaperObjectHeight_m;
   return soup_of(prism(object.contour_m, -half, half).value());
@@ -31,8 +31,8 @@ inline Soup sheet_soup(double half_x, double half_y) {
   return soup;
 }
 
-// Two rectangles that meet in a ridge along x, solid below; solid_rad is the angle in the solid.
-// More than 180 deg is a valley.
+// Two rectangles that meet in a ridge along x, with the solid below. solid_rad is the angle inside
+// the solid; more than 180 deg makes a valley.
 inline Vec3 wedge_slope(double solid_rad, double side) {
   return {0.0, side * std::sin(0.5 * solid_rad), -std::cos(0.5 * solid_rad)};
 }
@@ -49,8 +49,8 @@ inline Soup wedge_soup(double solid_rad) {
   return soup;
 }
 
-// A fan of `valence` triangles about the origin; height(i) is the z of ring vertex i, at distance 1
-// from the axis.
+// A fan of `valence` triangles about the origin. height(i) is the z of ring vertex i, whose
+// distance from the axis is 1.
 template <typename Height>
 Soup fan_soup(int valence, Height height) {
   Soup soup;
@@ -67,7 +67,7 @@ Soup fan_soup(int valence, Height height) {
   return soup;
 }
 
-// A pyramid with its apex at the origin and its fan falling by `slope`, closed by a fan below.
+// A pyramid with its apex at the origin. Its sides fall by `slope`; a fan closes it below.
 inline Soup pyramid_soup(int valence, double slope) {
   Soup soup = fan_soup(valence, [slope](int) { return -slope; });
   const auto centre = static_cast<std::uint32_t>(soup.positions.size());
@@ -79,9 +79,9 @@ inline Soup pyramid_soup(int valence, double slope) {
   return soup;
 }
 
-// The rectangle of sheet_soup() cut into strips across x that leave gaps between them: rows in y
-// are shifted by half a strip, so that every corner of a strip lies in the middle of an edge of the
-// next row (a T-junction, exact if gap_m = 0 and half is a power of two).
+// A square sheet made of rows of strips, with gaps between them. Every second row in y is shifted
+// by half a strip, so that each corner of a strip lies in the middle of an edge of the next row (a
+// T-junction, exact if gap_m = 0 and half is a power of two).
 inline Soup tiled_sheet_soup(double half, int rows, int strips, double gap_m) {
   Soup soup;
   const double width = 2 * half / strips;
@@ -101,8 +101,8 @@ inline Soup tiled_sheet_soup(double half, int rows, int strips, double gap_m) {
   return soup;
 }
 
-// A strip from x = -half to half, y0 to y1, z = 0, front up, as one fan of slivers: `count`
-// triangles that share the far corner and have bases of half * 1e-8.
+// A strip from x = -half to half, y0 to y1, at z = 0, front up, made of one fan of slivers: `count`
+// triangles that share the far corner and have bases of length half * 1e-8.
 inline void add_sliver_fan(Soup& soup, double half, double y0, double y1, int count) {
   const Vec3 tip(half, y1, 0);
   const auto base = [&](int i) { return Vec3(-half + i * half * 1e-8, y0, 0); };

@@ -45,7 +45,7 @@ std::vector<double> random_stations(Random& random, int count) {
   return stations;
 }
 
-// Stations in bundles, a sliver's width apart.
+// Stations in bundles; within a bundle they are a sliver's width apart.
 std::vector<double> bundled_stations(Random& random) {
   std::vector<double> stations = random_stations(random, between(random, 0, 3));
   const std::size_t bundles = stations.size();
@@ -88,7 +88,7 @@ Soup wedge(Random& random) {
   return extruded(profile, random_stations(random, between(random, 0, 6)));
 }
 
-// A cone to a point, of a polygon that need not be regular.
+// A cone from a polygon, which need not be regular, to a point.
 Soup needle(Random& random) {
   const int sides = between(random, 3, 48);
   const double radius = log_uniform(random, 1e-6, 1e-2);
@@ -118,7 +118,7 @@ HardScene needles(Random& random) {
   return scene;
 }
 
-// Rings of vertices at heights that alternate round the middle.
+// Rings of vertices whose heights alternate around the centre.
 Soup saddle(Random& random) {
   const int spokes = 2 * between(random, 3, 20);
   const int waves = random.index(2) ? between(random, 2, 3) : spokes / 2;
@@ -139,7 +139,8 @@ Soup saddle(Random& random) {
   return soup;
 }
 
-// Puts a vertex next to an edge of some faces, just inside: still closed, with an obtuse sliver.
+// Adds a vertex next to an edge of some faces, just inside. The surface remains closed and gains
+// obtuse slivers.
 void add_flat_slivers(Soup& soup, Random& random, int count) {
   for (int i = 0; i < count; ++i) {
     Triangle& face = soup.triangles[random.index(soup.triangles.size())];
@@ -194,7 +195,8 @@ HardScene repeated(Random& random) {
     soup.triangles.push_back({t[0], t[1], t[0]});
   }
   if (random.index(2)) return scene;
-  // A middle of an edge that rounding moves off it: next to no area, and one face too many.
+  // The midpoint of an edge, moved off the edge by rounding: a face of almost no area, and one face
+  // too many at the edge.
   scene.is_closed = false;
   for (int i = between(random, 1, 5); i > 0; --i) {
     const Triangle t = some_face();
@@ -223,14 +225,15 @@ HardScene coplanar_overlap(Random& random) {
                       a + size * flat(random, kHalfSize_m));
     }
     const Vec3 up(0.0, 0.0, random.index(2) ? 0.0 : random.uniform(-0.02, 0.02));
-    // Some in the very same plane, some across.
+    // Some sheets lie in exactly the same plane, others cross it.
     const Quat turn = random.index(3) ? Quat(Quat::Identity()) : random.rotation();
     append(moved(overlapping, {turn, up}), scene.soup);
   }
   return scene;
 }
 
-// A rectangle of origin, u and v, with nodes of its own on its border that miss it by 1 um or not.
+// A rectangle of origin, u and v with vertices of its own on its border; some of them miss the
+// border by 1 um.
 void add_ragged_face(const Vec3& origin, const Vec3& u, const Vec3& v, Random& random, Soup& soup) {
   const int columns = between(random, 1, 4);
   const int rows = between(random, 1, 4);
@@ -470,7 +473,7 @@ double DeviceMotion::step_m() {
   return log_uniform(*random_, 1e-6, 50e-3);
 }
 
-// A vertex, a point of an edge, of a face, or a slit.
+// Returns a vertex, a point of an edge or of a face, or a slit.
 Vec3 DeviceMotion::place_of_interest() {
   if (!aims_.empty() && random_->index(2)) return aims_[random_->index(aims_.size())];
   const Corners& t = (*triangles_)[random_->index(triangles_->size())];
@@ -488,33 +491,33 @@ Vec3 DeviceMotion::place_of_interest() {
   }
 }
 
-// On along the surface, pressing.
-Vec3 DeviceMotion::slide(const ProxyState& felt) {
-  if (!felt.in_contact) return felt.proxy + pace_m_ * heading_;
+// Continues along the surface and presses on it.
+Vec3 DeviceMotion::slide(const ProxyState& state) {
+  if (!state.in_contact) return state.proxy + pace_m_ * heading_;
   if (random_->index(20) == 0) heading_ = random_->unit_vector();
-  const Vec3 along = heading_ - heading_.dot(felt.normal) * felt.normal;
+  const Vec3 along = heading_ - heading_.dot(state.normal) * state.normal;
   const double depth_m = std::min(1e-3, 3.0 * pace_m_);
-  return felt.proxy + pace_m_ * along - depth_m * felt.normal;
+  return state.proxy + pace_m_ * along - depth_m * state.normal;
 }
 
-Vec3 DeviceMotion::next_goal(const ProxyState& felt) {
+Vec3 DeviceMotion::next_goal(const ProxyState& state) {
   constexpr double kReach_m = 0.2;
   if (ticks_left_-- == 0) {
     habit_ = static_cast<Habit>(random_->index(static_cast<std::uint64_t>(Habit::kCount)));
     ticks_left_ = 5 + random_->index(40);
     pace_m_ = step_m();
-    heading_ = (place_of_interest() - felt.proxy).normalized();
+    heading_ = (place_of_interest() - state.proxy).normalized();
     if (random_->index(8) == 0 || !heading_.allFinite()) heading_ = random_->unit_vector();
   }
   const Vec3 last = goal_;
   switch (random_->index(64)) {
-    case 0:  // the wild jump
+    case 0:  // a jump across the scene
       goal_ = random_->in_box(random_->index(8) ? kReach_m : 100.0);
       break;
     case 1:  // no motion
       break;
-    case 2:  // where the proxy is
-      goal_ = felt.proxy;
+    case 2:  // to the proxy
+      goal_ = state.proxy;
       break;
     case 3:  // to the bit
       goal_ = place_of_interest();
@@ -525,14 +528,14 @@ Vec3 DeviceMotion::next_goal(const ProxyState& felt) {
           goal_ += step_m() * random_->unit_vector();
           break;
         case Habit::kSlide:
-          goal_ = slide(felt);
+          goal_ = slide(state);
           break;
-        case Habit::kPoke:  // a little before, at, or beyond
+        case Habit::kPoke:  // a little before the target, at it, or beyond
           goal_ = place_of_interest() + random_->uniform(-1.0, 1.0) * pace_m_ * heading_;
           break;
-        case Habit::kThrough: {  // straight, as far beyond as the proxy is before
+        case Habit::kThrough: {  // straight on, as far beyond the target as the proxy is before it
           const Vec3 aim = place_of_interest();
-          goal_ = aim + (aim - felt.proxy);
+          goal_ = aim + (aim - state.proxy);
           break;
         }
         case Habit::kReturn:
@@ -543,7 +546,7 @@ Vec3 DeviceMotion::next_goal(const ProxyState& felt) {
           break;
       }
   }
-  // Back from where nothing is.
+  // Return from empty space.
   if (goal_.norm() > kReach_m && random_->index(4) == 0) goal_ = place_of_interest();
   earlier_goal_ = last;
   return goal_;

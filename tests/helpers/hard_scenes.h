@@ -1,6 +1,7 @@
 #pragma once
 
-// Random scenes that are hard to feel without falling through, and a device that tries to.
+// Random scenes in which a proxy easily leaks through a surface, and a device motion that provokes
+// leaks.
 
 #include <cstdint>
 #include <vector>
@@ -13,17 +14,17 @@
 namespace palpate::test {
 
 enum class HardKind : std::uint8_t {
-  kWedge,             // closed, of 0.5 to 179.9 degrees
-  kNeedle,            // closed, 0.1 m long, down to a micrometre thick
-  kSaddle,            // a vertex whose faces go up and down in turn
-  kSliver,            // closed, faces of aspect 1e8
-  kRepeated,          // closed, with duplicates, and faces of no area or next to none
-  kCoplanarOverlap,   // sheets lying in each other
+  kWedge,             // closed, 0.5 to 179.9 degrees
+  kNeedle,            // closed, 0.1 m long, at least a micrometre thick
+  kSaddle,            // a vertex whose faces alternately rise and fall
+  kSliver,            // closed, faces of aspect ratio 1e8
+  kRepeated,          // closed, with duplicate faces and faces of almost no area or none
+  kCoplanarOverlap,   // overlapping sheets in one plane
   kTJunction,         // a box whose faces do not share their vertices, +-1 um apart
   kGap,               // sheets with slits of 1 um
-  kThinSheets,        // 0.1 mm apart
-  kSelfIntersection,  // closed bodies through each other
-  kSoup               // triangles anyhow, some with common edges
+  kThinSheets,        // sheets 0.1 mm apart
+  kSelfIntersection,  // intersecting closed bodies
+  kSoup               // random triangles, some with common edges
 };
 inline constexpr HardKind kAllHardKinds[] = {
     HardKind::kWedge,      HardKind::kNeedle,           HardKind::kSaddle,    HardKind::kSliver,
@@ -37,39 +38,41 @@ inline constexpr double kSheetDistance_m = 1e-4;
 
 struct HardScene {
   Soup soup;               // about 0.2 m in size
-  bool is_closed = false;  // faces only at whose crossing one is inside another body
-  std::vector<Vec3> aims;  // places worth aiming at besides vertices, edges and faces: slits
+  bool is_closed = false;  // the crossing of any face enters or leaves a body
+  std::vector<Vec3> aims;  // further targets besides vertices, edges and faces: slits
 };
 
-// In a random pose; one in three is left as built, where planes are exactly planes.
+// Builds a scene of this kind in a random pose. One in three keeps its original pose, in which
+// planes are exact.
 HardScene hard_scene(HardKind kind, Random& random);
 
-// A body of constant cross-section along x, closed: the profile's y and z, counter-clockwise and
-// convex, at each of the ascending stations x.
+// A closed body of constant cross-section along x. profile_m: y and z of the convex profile,
+// counter-clockwise. stations_m: the x of the cross-sections, ascending.
 Soup extruded(const std::vector<Eigen::Vector2d>& profile_m, const std::vector<double>& stations_m);
 
-// A box whose faces have vertices of their own on its edges, some kGapWidth_m off in one axis.
+// A box whose faces have separate vertices on its edges; some of them are kGapWidth_m off along one
+// axis.
 Soup ragged_box(const Vec3& half_extent_m, Random& random);
 
-// What the engine touches: the faces the surface kept, with the coordinates its index has. Solver
-// frame; right for a world whose body has no transform.
+// The triangles that the engine uses: the faces that the surface kept, with the coordinates of its
+// index. Solver frame, if the world's body has no transform.
 std::vector<Corners> solver_triangles(const OwnedWorld& world);
 
-// A device that slides, pokes at vertices and slits, jitters, stands still, turns back, and
-// sometimes jumps across everything. Solver frame.
+// A device motion that slides, pokes at vertices and slits, jitters, stands still, turns back, and
+// sometimes jumps across the whole scene. Solver frame.
 class DeviceMotion {
  public:
-  // The triangles outlive the motion.
+  // The triangles must outlive the motion.
   DeviceMotion(const std::vector<Corners>& triangles, std::vector<Vec3> aims, const Vec3& start,
                Random& random);
-  Vec3 next_goal(const ProxyState& felt);
+  Vec3 next_goal(const ProxyState& state);
 
  private:
   enum class Habit : std::uint8_t { kWander, kSlide, kPoke, kThrough, kReturn, kAlongAxis, kCount };
 
   double step_m();
   Vec3 place_of_interest();
-  Vec3 slide(const ProxyState& felt);
+  Vec3 slide(const ProxyState& state);
 
   const std::vector<Corners>* triangles_;
   std::vector<Vec3> aims_;

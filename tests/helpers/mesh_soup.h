@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh of the models as triangles to touch.
+// Converts a mesh of the models to a triangle soup.
 
 #include "models/primitives.h"
 #include "tests/helpers/worlds.h"

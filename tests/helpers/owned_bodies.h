@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds of several bodies, each a soup in a pose of its own.
+// Worlds of several bodies, each of them a soup with a pose of its own.
 
 #include <memory>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-// A world of bodies that owns what it points to. The solver frame is the scene frame.
+// A world of bodies, together with the data it points to. The solver frame is the scene frame.
 class OwnedBodies {
  public:
   struct Placed {
@@ -48,7 +48,7 @@ class OwnedBodies {
   void set_effects(std::shared_ptr<const EffectProgram> effects) { world_.effects = effects; }
   const ContactWorld& world() const { return world_; }
 
-  // What the engine touches of a body, in its frame.
+  // The triangles of a body that the engine uses, in the body frame.
   std::vector<Corners> triangles(std::size_t body) const {
     const SurfaceIndex& index = *indices_[body];
     std::vector<Corners> triangles;

@@ -73,7 +73,8 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 void* operator new[](std::size_t size, std::align_val_t alignment) {
   return allocate_aligned(size, alignment);
 }
-// Those that do not throw as well: a sanitizer's own would not be counted, but given back here.
+// The non-throwing forms are replaced, too: a sanitizer's own would not be counted at allocation,
+// but at release.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   try {
     return allocate_plain(size);

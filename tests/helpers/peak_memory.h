@@ -1,43 +1,46 @@
 #pragma once
 
-// How much memory a piece of code holds at most, and what it does when there is none, for tests.
-// The executable's operator new and delete are replaced.
+// Measures the peak memory of a piece of code and lets memory run out, for tests. Replaces the
+// executable's operator new and delete.
 
 #include <cstddef>
 
 namespace palpate::test {
 
-// Measures from its construction on. One at a time; what other threads allocate is counted too.
+// Measures the peak from its construction on. Only one object may exist at a time. Allocations of
+// other threads count, too.
 class PeakMemory {
  public:
   PeakMemory();
 
-  // The most bytes that were held at any time, beyond those held at the start.
+  // The largest number of bytes held at any time, minus those held at the start.
   std::size_t bytes() const;
 
  private:
   std::size_t start_;
 };
 
-// While it lives, operator new finds nothing beyond so many bytes more than are held when it is
-// made. As the standard has it, it asks the new-handler before it throws. One at a time.
+// During its lifetime, operator new fails beyond this many bytes more than were held at the
+// construction. As the standard requires, operator new calls the new-handler before it throws. Only
+// one object may exist at a time.
 class BoundedMemory {
  public:
   explicit BoundedMemory(std::size_t bytes);
   ~BoundedMemory();
 };
 
-// While it lives, from the n-th call of operator new on there are 4 KiB more than are held then, in
-// which an error can be told; n from 0. One at a time.
+// During its lifetime, from the n-th call of operator new on (counted from 0), only 4 KiB more than
+// are held at that call are available. They suffice to report an error. Only one object may exist
+// at a time.
 class FailingMemory {
  public:
   explicit FailingMemory(std::size_t n);
   ~FailingMemory();
-  // Calls so far.
+  // The number of calls so far.
   static std::size_t calls();
 };
 
-// Bytes that are held now.
+// The number of bytes held now.
 std::size_t held_memory();
 
 }  // namespace palpate::test

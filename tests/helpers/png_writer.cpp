@@ -80,7 +80,7 @@ std::string png_of(const PngLayout& layout, const std::vector<std::uint16_t>& sa
   const std::size_t row = channels_of(layout.colour_type) * layout.width;
   std::string data;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (i % row == 0) data += '\0';  // of no filter
+    if (i % row == 0) data += '\0';  // filter type 0: none
     data += big_endian(samples[i], layout.bit_depth / 8);
   }
   const std::string header = big_endian(layout.width, 4) + big_endian(layout.height, 4) +

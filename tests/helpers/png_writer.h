@@ -1,7 +1,7 @@
 #pragma once
 
-// Small PNG files for tests, right or wrong, made without a library: their data are stored, not
-// compressed.
+// Small PNG files for tests, valid or not, written without a library: the data are stored without
+// compression.
 
 #include <cstdint>
 #include <string>
@@ -16,8 +16,8 @@ struct PngLayout {
   int colour_type = 2;  // 0 grey, 2 RGB, 3 palette of four reds, 4 grey and alpha, 6 RGB and alpha
 };
 
-// samples: pixel by pixel from the top, as many for each as the colour type has; they may be fewer
-// than the size asks for.
+// samples: pixel by pixel from the top, with as many numbers per pixel as the colour type has
+// channels; there may be fewer than the size requires.
 std::string png_of(const PngLayout& layout, const std::vector<std::uint16_t>& samples);
 
 }  // namespace palpate::test

@@ -1,1 +1,1 @@
-// Nothing: the target that precompiles the headers of tests needs a source.
+// Intentionally empty: the target that precompiles the tests' headers needs a source.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Seeded randomness for property tests. Every test prints its seed when it fails; PALPATE_SEED=N
-// in the environment runs it again with that one.
+// Seeded random numbers for property tests. A failing test prints its seed; PALPATE_SEED=N in the
+// environment repeats the test with seed N.
 
 #include <cstdint>
 #include <cstdlib>

@@ -16,47 +16,48 @@ constexpr Wide kWideEpsilon = std::numeric_limits<Wide>::epsilon();
 constexpr Wide kDoubleEpsilon = std::numeric_limits<double>::epsilon();
 constexpr Wide kInfinity = std::numeric_limits<Wide>::infinity();
 
-// A triangle counts as one stand-off away if it is so but for the rounding of a stop: that of the
-// proxy's coordinates, and of heights above faces in double. In stand-offs that is 1.4e-3 for a
-// point. It matters at convex edges: over one, a proxy that is x stand-offs too high may go down
-// aslant by sqrt(2 x).
+// A triangle counts as one stand-off away if its distance differs from a stand-off only by the
+// rounding of a stop, which is that of the proxy's coordinates and of heights above faces in
+// double. For a point this is 1.4e-3 stand-offs. It matters at convex edges: a proxy that is x
+// stand-offs too high may descend past the edge by sqrt(2 x).
 constexpr Wide kTouchUlps = 64;
 
-// A way may come nearer by the rounding of its end's coordinates, and of a body's pose.
+// A way may come nearer to a triangle by the rounding of its end's coordinates and of a body's
+// pose.
 constexpr Wide kWayUlps = 8;
 
-// Slopes of unit vectors made in long double.
+// The rounding of slopes of unit vectors in long double.
 constexpr Wide kSlopeUlps = 16;
 
-// By how much the direction to what is touched turns where it is rounded to doubles, as those that
-// friction goes by are, times the distance in sizes; and the line in which two planes cross, times
-// the sine of the angle between them.
+// The rotation of a contact direction by its rounding to double, times the distance in sizes
+// (friction uses such rounded directions); also the rotation of the intersection line of two
+// planes, times the sine of the angle between them.
 constexpr Wide kTurnUlps = 4;
 
-// Two normals that differ by less are one.
+// Two normals that differ by less are treated as equal.
 constexpr Wide kSameNormal = 1e-15L;
 
-// Obstacles met on the way that bend it, at most.
+// The most obstacles that may bend a descent.
 constexpr int kMostBends = 64;
 
-// Triangles whose planes are tried, the nearest first: within so many stand-offs of the proxy.
+// The planes of triangles within this many stand-offs of the proxy are tried, the nearest first.
 constexpr Wide kNearStandOffs = 64;
 constexpr std::size_t kMostPlanes = 40;
 
 constexpr int kBisections = 24;
 
-// A triangle as the proxy sees it. Solver frame.
+// A triangle near the proxy. Solver frame.
 struct Near {
   std::size_t body;
   std::size_t triangle;
   Wide distance_m;
-  Wide3 away;    // unit, from its nearest point to the proxy
-  Wide3 normal;  // of its plane
+  Wide3 away;    // unit, from the triangle's nearest point to the proxy
+  Wide3 normal;  // of the triangle's plane
   Wide slope_error;
-  bool is_over;  // the triangle, not beside it
+  bool is_over;  // the proxy is over the triangle, not beside it
 };
 
-// Ways must not fall towards it.
+// A constraint: no way may approach the wall.
 struct Wall {
   Wide3 away;  // unit; in the plane of motion, if any
   Wide slope_error;
@@ -65,10 +66,10 @@ struct Wall {
 // A direction to try.
 struct Slide {
   Wide3 direction;  // unit
-  Wide hold_m = 0;  // of the lag along it, what friction holds
+  Wide hold_m = 0;  // the part of the lag that friction holds
 };
 
-// Where a triangle stops a way.
+// The point where a triangle stops a way.
 struct Stop {
   Wide length_m = kInfinity;
   Wide3 away = Wide3::Zero();  // unit, from the triangle
@@ -83,17 +84,17 @@ Eigen::Matrix<Wide, 3, 3> wide_rotation(const Quat& q) {
   return Eigen::Quaternion<Wide>(q.w(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
 }
 
-// Entry of the ray x + s u into the ball of this radius around the origin, in the space that is
-// left across `axis`; x is outside.
+// The parameter s at which the ray x + s u enters the ball of this radius around the origin; x is
+// outside. For vectors across an edge, the ball stands for the cylinder around the edge.
 Wide entry_of_ball(const Wide3& x, const Wide3& u, Wide radius) {
   const Wide a = u.squaredNorm();
   if (a == 0) return kInfinity;
   const Wide middle = -x.dot(u) / a;
   if (middle < 0) return kInfinity;
   const Wide3 nearest = x + middle * u;
-  const Wide room = radius * radius - nearest.squaredNorm();
-  if (room <= 0) return kInfinity;
-  return std::max<Wide>(0, middle - std::sqrt(room / a));
+  const Wide half_chord2 = radius * radius - nearest.squaredNorm();
+  if (half_chord2 <= 0) return kInfinity;
+  return std::max<Wide>(0, middle - std::sqrt(half_chord2 / a));
 }
 
 class Search {
@@ -127,7 +128,7 @@ class Search {
     find_near();
     if (auto way = try_slide({lag_ / lag_m_}, "straight")) return {way, true};
     if (gain_of(steepest(cone_)) <= tolerance_m_) return {std::nullopt, true};
-    if (auto way = is_held() ? slide_on_what_is_touched() : descend()) return {way, true};
+    if (auto way = is_held() ? slide_on_touched_surfaces() : descend()) return {way, true};
     if (auto way = slide_on_planes()) return {way, true};
     return {std::nullopt, false};
   }
@@ -144,7 +145,7 @@ class Search {
     bool is_over = true;
     Wide3 from_nearest = Wide3::Zero();
     Wide distance_m = kInfinity;
-    Wide arm_m = 0;  // coordinates whose rounding is in from_nearest
+    Wide arm_m = 0;  // the size of the coordinates whose rounding is in from_nearest
     for (std::size_t e = 0; e < 3; ++e) {
       const Wide3 to_proxy = frame.proxy_body - corners[e]->cast<Wide>();
       is_over = is_over && d.outward[e].dot(to_proxy) <= 0;
@@ -169,12 +170,12 @@ class Search {
     return near;
   }
 
-  // A direction as a plane of motion has it; nothing if it has no part in there that counts.
+  // The direction projected on the plane of motion; nothing if its part in the plane is negligible.
   std::optional<Wide3> in_motion_plane(const Wide3& direction) const {
     if (!motion_normal_) return direction;
     const Wide3 part = direction - direction.dot(*motion_normal_) * *motion_normal_;
     const Wide norm = part.norm();
-    // What it would bend in the whole of a lag is less than rounding.
+    // A constraint along this part would bend the whole lag by less than rounding.
     if (norm * lag_m_ <= round_m_ / 2 || norm <= kDoubleEpsilon) return std::nullopt;
     return part / norm;
   }
@@ -204,7 +205,7 @@ class Search {
     }
   }
 
-  // False if it was there already, or does not hinder anything.
+  // Adds a wall to the cone. False if the wall is already there or constrains nothing.
   bool add_wall(const Wide3& away, Wide slope_error, std::vector<Wall>& cone) const {
     const std::optional<Wide3> part = in_motion_plane(away);
     if (!part) return false;
@@ -217,9 +218,9 @@ class Search {
     return true;
   }
 
-  // The direction in which the lag falls most among those that fall towards no wall: along that of
-  // the projections of the lag, onto no plane, one, or the line of two, which falls towards none
-  // and is the longest. None if that has no length.
+  // The direction of steepest descent among those that approach no wall. The candidates are the
+  // projections of the lag onto no plane, one plane, or the line of two planes; the longest
+  // projection that approaches no wall wins. Nothing if no candidate is long enough.
   std::optional<Slide> steepest(const std::vector<Wall>& cone) const {
     std::optional<Slide> best;
     Wide best_m = 0;
@@ -228,7 +229,7 @@ class Search {
       const Wide part_m = part.norm();
       if (!is_worth_it(part_m)) return;
       const Wide3 direction = part / part_m;
-      // Many pairs of walls may have one line, which any of them holds along.
+      // Several pairs of walls may share one line; each pair holds along it.
       if (best && (direction - best->direction).norm() <= kSameNormal + error) {
         best->hold_m = std::max(best->hold_m, hold_m);
         return;
@@ -262,27 +263,28 @@ class Search {
     return best;
   }
 
-  // The part of the lag in a plane. Twice, because what is left of the lag may be no more than the
-  // rounding of what is taken.
+  // The part of the lag in a plane. The projection is applied twice, because the remaining part may
+  // be as small as the rounding of the removed one.
   Wide3 part_across(const Wide3& normal) const {
     const Wide3 part = lag_ - lag_.dot(normal) * normal;
     return part - part.dot(normal) * normal;
   }
 
-  // Whether a way along so much of the lag could gain more than the tolerance: otherwise it has no
-  // direction to speak of.
+  // True if a way along this part of the lag could gain more than the tolerance. Otherwise the
+  // direction of the part is not meaningful.
   bool is_worth_it(Wide part_m) const { return part_m * part_m > tolerance_m_ * lag_m_; }
 
   Wide held_m(Wide press_m) const { return static_cast<Wide>(rest_.static_friction) * press_m; }
 
-  // The same along one plane.
+  // The part of the lag that friction holds along one plane.
   Wide held_by_one_m(Wide press_m) const { return is_held() ? held_m(press_m) + turn_m_ : 0; }
 
-  // What friction holds along the line of two planes: each by what it bears.
+  // The part that friction holds along the line of two planes: each plane holds by the load it
+  // bears.
   Wide held_by_two_m(const Wide3& n, const Wide3& m) const {
     if (rest_.static_friction == 0.0) return 0;
     const Wide cosine = n.dot(m);
-    const Wide sine2 = n.cross(m).squaredNorm();  // 1 - cosine^2 has no digits of a narrow slit
+    const Wide sine2 = n.cross(m).squaredNorm();  // 1 - cosine^2 loses all digits in a narrow slit
     const Wide on_n = -lag_.dot(n);
     const Wide on_m = -lag_.dot(m);
     const Wide part_n = std::max<Wide>(0, (on_n - cosine * on_m) / sine2);
@@ -292,8 +294,8 @@ class Search {
     return std::max(held_m(part_n + part_m), held_m(across_m) + rounding_m) + turn_m_;
   }
 
-  // How far it goes, if nothing is in the way. Whatever bears the part of the lag across holds by
-  // it.
+  // The length of a slide without obstacles. Friction holds at least by the part of the lag across
+  // the slide, whichever planes bear it.
   Wide length_of(const Slide& slide) const {
     const Wide along_m = lag_.dot(slide.direction);
     const Wide across_m = (lag_ - along_m * slide.direction).norm();
@@ -309,7 +311,8 @@ class Search {
     return gain_of(*slide, length_of(*slide));
   }
 
-  // How near a way may come to a triangle; null: one that is not near the proxy.
+  // The smallest distance that a way may have from a triangle. null: the triangle is not near the
+  // proxy.
   Wide allowed_m(const Near* near) const {
     return near && near->distance_m <= touch_m_ ? near->distance_m - round_m_ / 2 : touch_m_;
   }
@@ -357,7 +360,7 @@ class Search {
     }
   }
 
-  // The first obstacle of a way of this length.
+  // Finds the first obstacle of a way of this length.
   Stop first_stop(const Wide3& direction, Wide length_m) const {
     Stop stop;
     stop.length_m = length_m;
@@ -392,7 +395,7 @@ class Search {
     const Stop stop = first_stop(slide.direction, length_m);
     if (stop_found) *stop_found = stop;
     if (gain_of(slide, stop.length_m) <= tolerance_m_) return std::nullopt;
-    // A little less than up to the obstacle, so that rounding cannot tell.
+    // Also try to stop a little before the obstacle, where rounding is not decisive.
     for (const Wide less : {Wide(0), round_m_, stop.length_m / 1024}) {
       const Wide part = std::max<Wide>(0, stop.length_m - less);
       const Vec3 to = (proxy_ + part * slide.direction).cast<double>();
@@ -410,7 +413,7 @@ class Search {
     return from.norm() - left.norm();
   }
 
-  // By the definition.
+  // Checks the definition of a way (rest_judge.h).
   bool is_way(const Vec3& to) const {
     if (motion_normal_ && std::abs(motion_normal_->dot(to.cast<Wide>() - proxy_)) > round_m_) {
       return false;
@@ -449,7 +452,7 @@ class Search {
       if (gain_of(slide) <= tolerance_m_) return std::nullopt;
       Stop stop;
       if (auto way =
-              try_slide(*slide, bend == 0 ? "steepest" : "steepest in what is left", &stop)) {
+              try_slide(*slide, bend == 0 ? "steepest" : "steepest beside the obstacles", &stop)) {
         return way;
       }
       if (!add_wall(stop.away, kSlopeUlps * kWideEpsilon, cone)) return std::nullopt;
@@ -458,15 +461,15 @@ class Search {
     return std::nullopt;
   }
 
-  // Under friction, only what is touched is slid along; it holds, too.
-  std::optional<Way> slide_on_what_is_touched() {
+  // Under friction, only touched surfaces can be slid along, and they also hold the proxy.
+  std::optional<Way> slide_on_touched_surfaces() {
     if (cone_.empty()) return std::nullopt;
     const std::optional<Slide> slide = steepest(cone_);
-    return slide ? try_slide(*slide, "along what is touched") : std::nullopt;
+    return slide ? try_slide(*slide, "along the touched surfaces") : std::nullopt;
   }
 
-  // Between a direction that an obstacle blocks and one that it does not, as near to the first as
-  // it lets pass.
+  // Searches between a blocked and a free direction for the one nearest to the blocked direction
+  // that passes the obstacle.
   std::optional<Way> try_tangent(const Slide& blocked, const Slide& free) {
     Wide low = 0;
     Wide high = 1;
@@ -486,7 +489,7 @@ class Search {
     return std::nullopt;
   }
 
-  // The normals of the planes through the proxy that pass an edge as near as a way may.
+  // The normals of the planes through the proxy that pass an edge at the smallest allowed distance.
   std::vector<Wide3> tangents_to_edges(const Near& near) const {
     const ExactJudge& judge = *bodies_[near.body].judge;
     const Corners& t = judge.triangles()[near.triangle];
@@ -541,7 +544,7 @@ class Search {
         const Wide3 line = normals[i].cross(normals[j]);
         if (line.norm() <= kSameNormal) continue;
         const Wide3 unit = line.normalized() * (line.dot(lag_) < 0 ? -1 : 1);
-        // The lag says from which side each is pressed.
+        // The sign of the lag determines the side from which each plane is pressed.
         const auto pressed = [&](const Wide3& n) { return lag_.dot(n) > 0 ? Wide3(-n) : n; };
         const Slide slide{unit, held_by_two_m(pressed(normals[i]), pressed(normals[j]))};
         if (auto way = try_slide(slide, "along a line")) return way;
@@ -557,16 +560,16 @@ class Search {
   Wide radius_m_ = 0;
   Wide ulp_m_ = 0;
   Wide round_m_ = 0;
-  Wide turn_m_ = 0;   // of the lag, what the rounding of directions may turn
-  Wide keep_m_ = 0;   // from triangles: radius and stand-off
-  Wide touch_m_ = 0;  // the same, and the rounding of stops
+  Wide turn_m_ = 0;   // change of the lag by the rounding of directions
+  Wide keep_m_ = 0;   // distance to keep from triangles: radius and stand-off
+  Wide touch_m_ = 0;  // keep_m_ and the rounding of stops
   Wide near_m_ = 0;
   Wide3 lag_ = Wide3::Zero();  // from the proxy to the goal
   Wide lag_m_ = 0;
   std::optional<Wide3> motion_normal_;
   std::vector<Frame> frames_;
   std::vector<Near> near_;  // nearest first
-  std::vector<Wall> cone_;  // what is touched
+  std::vector<Wall> cone_;  // of the touched triangles
 };
 
 }  // namespace

@@ -1,30 +1,34 @@
 #pragma once
 
-// A judge of resting places that shares no code with the engine: is there a way on from here?
+// A judge of resting places that shares no code with the engine: can the proxy get nearer to the
+// goal from here?
 //
-// A way is a straight segment from the proxy that crosses no triangle and that, for each triangle,
-// never comes nearer to it than the smaller of its distance at the start and one stand-off, but for
-// rounding. (A sphere's distance is that of its centre less the radius.) In a plane of motion, a
-// way lies in that plane. A resting place is none if a way leads nearer to the goal.
+// A way is a straight segment from the proxy. It crosses no triangle, and except for rounding it
+// never comes nearer to a triangle than one stand-off, or than its distance at the start if that is
+// smaller. (A sphere's distance is that of its centre less the radius.) In a plane of motion, a way
+// lies in that plane. The proxy is not at rest if a way leads nearer to the goal.
 //
-// The distance to a triangle is a convex function, so a way may not begin with a fall of any
-// distance that is a stand-off or less at its start: the directions that are left are a convex
-// cone. If even the steepest descent in that cone, unhindered, gains no more than the tolerance,
-// there is no way: that is a proof. Otherwise ways are looked for, and one that is reported is a
-// way by the definition, judged segment by triangle: crossings exactly, distances in long double.
-// What is looked for, each as far as the lag falls and the first obstacle allows:
+// The distance to a triangle is a convex function. A way may therefore not begin by decreasing any
+// distance that is at most a stand-off at its start: the remaining directions form a convex cone.
+// If even the unhindered steepest descent in that cone gains no more than the tolerance, there is
+// no way: this is a proof. Otherwise the judge searches for ways. A way that it reports satisfies
+// the definition, which is checked for each triangle: crossings exactly, distances in long double.
+//
+// The search tries the following directions, each as far as the distance to the goal decreases and
+// up to the first obstacle:
 // - straight to the goal;
-// - the steepest descent in the cone, and again in what the obstacles met on the way leave of it;
-// - past the last of these obstacles, as a tangent;
+// - the steepest descent in the cone, and again in the part of the cone that each obstacle leaves;
+// - the tangent past the last of these obstacles;
 // - the steepest descent along the plane of each triangle near the proxy, and along the planes that
-//   pass its edges as near as they may;
+//   pass the triangle's edges at the smallest allowed distance;
 // - the line in which two of these planes meet.
 //
 // A triangle that is farther than one stand-off by no more than rounding counts as one stand-off
 // away, in the proxy's favour.
 //
-// Under friction a slide along the planes of one or two triangles counts, and goes, as far as the
-// part of the lag along it exceeds what static friction holds. The straight way always counts.
+// Under friction, a slide along the planes of one or two triangles is limited to the part of the
+// lag along it that exceeds the hold of static friction. The straight way to the goal is not
+// limited.
 
 #include <cstddef>
 #include <optional>
@@ -37,13 +41,13 @@
 
 namespace palpate::test {
 
-// A body where it is. Triangles are in its frame.
+// A body in its pose. The judge's triangles are in the body frame.
 struct JudgedBody {
   const ExactJudge* judge = nullptr;
   RigidTransform T_solver_body = {};
 };
 
-// Where a proxy rests. Solver frame, metres.
+// A resting place of a proxy. Solver frame, metres.
 struct Rest {
   Vec3 proxy;
   Vec3 goal;
@@ -51,20 +55,20 @@ struct Rest {
   double static_friction = 0.0;  // of all surfaces
 };
 
-// A way on. Solver frame, metres.
+// A way that leads nearer to the goal. Solver frame, metres.
 struct Way {
   Vec3 from;
   Vec3 to;
-  double gain_m;     // by how much it ends nearer to the goal
-  const char* kind;  // how it was found
+  double gain_m;     // decrease of the distance to the goal
+  const char* kind;  // the direction that the search tried
 };
 
 struct Verdict {
   std::optional<Way> way;
-  bool is_proven;  // that there is none; or there is one
+  bool is_proven;  // the absence of a way is proven, or a way was found
 };
 
-// What a person needs to check it, doubles in hexadecimal.
+// A text with all data to check the way by hand; doubles in hexadecimal.
 std::string to_text(const Way& way);
 std::string hex(const Vec3& p);
 
@@ -73,7 +77,7 @@ class RestJudge {
   // size_m: of the scene. The stand-off is the engine's.
   RestJudge(double size_m, double radius_m, double stand_off_m);
 
-  // A way that gains more than tolerance_m(), if one is found.
+  // Returns a way that gains more than tolerance_m(), if the search finds one.
   std::optional<Way> way_on(std::span<const JudgedBody> bodies, const Rest& rest) const {
     return judged(bodies, rest).way;
   }
@@ -82,7 +86,7 @@ class RestJudge {
 
   Verdict judged(std::span<const JudgedBody> bodies, const Rest& rest) const;
 
-  // What a way gains at least.
+  // The least gain of a reported way.
   double tolerance_m() const { return kGainPerSize * size_m_; }
 
   // 1e-9 of the size of the scene, or of a sphere larger than it.

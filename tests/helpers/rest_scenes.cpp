@@ -28,13 +28,13 @@ void append(const Soup& other, const RigidTransform& pose, double scale, Soup& s
   }
 }
 
-// As a file has them.
+// Rounded to float, as in a file.
 Soup in_float(Soup soup) {
   for (Vec3& p : soup.positions) p = p.cast<float>().cast<double>();
   return soup;
 }
 
-// In a random pose, two times in three.
+// Moves the scene to a random pose in two cases of three.
 Soup posed(const Soup& soup, Random& random) {
   if (random.index(3) == 0) return soup;
   Soup moved;
@@ -42,14 +42,15 @@ Soup posed(const Soup& soup, Random& random) {
   return moved;
 }
 
-// Of a sphere in a scene of 0.1 to 0.2 m: ten stand-offs.
+// Ten stand-offs in a scene of 0.1 to 0.2 m, as a radius of spheres.
 constexpr double kFewStandOffs_m = 10 * 0.2 * SolverScale::kStandOffPerSize;
 
 double some_radius_m(ProxyKind proxy, double low, double high, Random& random) {
   return proxy == ProxyKind::kPoint ? 0.0 : log_uniform(random, low, high);
 }
 
-// A grid of columns by rows quads, `side_m` wide, at heights(i, j); each quad split either way.
+// A grid of columns x rows quads, `side_m` wide, with vertices at heights(i, j). Each quad is split
+// along a random diagonal.
 template <typename Height>
 Soup height_field(int columns, int rows, double side_m, Random& random, Height height) {
   Soup soup;
@@ -84,7 +85,7 @@ RestScene hard(ProxyKind proxy, Random& random) {
 
 // ---- what was found ----------------------------------------------------------------------------
 
-// Some plates, as open sheets or with a thickness, which the hand meets in their planes.
+// Several plates, as open sheets or with a thickness. The hand meets them in their planes.
 RestScene plate_rims(ProxyKind proxy, Random& random) {
   Soup soup;
   for (int i = between(random, 1, 3); i > 0; --i) {
@@ -113,7 +114,7 @@ RestScene terrains(ProxyKind proxy, Random& random) {
   return {in_float(soup), some_radius_m(proxy, 1e-5, 1e-2, random)};
 }
 
-// A wall round and round, upright or leaning, 0.5 to 6 times.
+// A wall that winds around 0.5 to 6 times, upright or leaning.
 RestScene spirals(ProxyKind proxy, Random& random) {
   const int steps = between(random, 12, 120);
   const double turns = random.uniform(0.5, 6.0);
@@ -142,7 +143,7 @@ RestScene convex_rooms(ProxyKind proxy, Random& random) {
   return {convex_room(random), some_radius_m(proxy, 1e-6, 4e-3, random), {Vec3::Zero()}};
 }
 
-// A cone from foot to tip, thick at the foot.
+// A cone from foot to tip, with its thickness at the foot.
 void add_needle(const Vec3& foot, const Vec3& tip, double thick_m, Random& random, Soup& soup) {
   const int sides = between(random, 3, 8);
   const Vec3 axis = (tip - foot).normalized();
@@ -160,7 +161,7 @@ void add_needle(const Vec3& foot, const Vec3& tip, double thick_m, Random& rando
 }
 
 // Needles around one place: cones that point to it or away from it, in all directions or side by
-// side like the ribs of a hand fan; loose triangles, long and narrow; or the pleats of the fan.
+// side like the ribs of a hand fan; long, narrow, loose triangles; or the pleats of the fan.
 RestScene needle_fans(ProxyKind proxy, Random& random) {
   enum Needle { kLoose, kPleat, kTipIn, kTipOut };
   const auto needle = static_cast<Needle>(random.index(4));
@@ -219,7 +220,7 @@ Soup ball(int rings, double radius_m) {
   return soup;
 }
 
-// Meshes of 1 mm to 1 m next to and through each other.
+// Meshes of 1 mm to 1 m in size, next to each other and intersecting.
 RestScene mixed_scales(ProxyKind proxy, Random& random) {
   Soup soup;
   double place_m = 1.0;
@@ -297,7 +298,7 @@ RestScene narrow_tubes(ProxyKind proxy, Random& random) {
   return scene;
 }
 
-// Spheres of so many edges on a ball.
+// Spheres with radii of low_edges to high_edges edge lengths, on a ball.
 template <int low_edges, int high_edges>
 RestScene spheres_on_balls(ProxyKind, Random& random) {
   const int rings = between(random, 6, 24);
@@ -306,7 +307,7 @@ RestScene spheres_on_balls(ProxyKind, Random& random) {
   return {in_float(ball(rings, radius_m)), log_uniform(random, low_edges, high_edges) * edge_m};
 }
 
-// On a field of hills or noise, or in a dish that fits them more or less.
+// Spheres on a field of hills or noise, or in a dish of similar curvature.
 template <int low_edges, int high_edges>
 RestScene large_spheres(ProxyKind, Random& random) {
   const double edges = log_uniform(random, low_edges, high_edges);
@@ -314,7 +315,7 @@ RestScene large_spheres(ProxyKind, Random& random) {
   const double edge_m = 0.1 / cells;
   const double radius_m = edges * edge_m;
   const double rough_m = random.index(3) == 0 ? 0.0 : log_uniform(random, 1e-5, 1.0) * edge_m;
-  // Of a dish: from much flatter than the sphere to as deep as the field is wide.
+  // The curvature of a dish: from much flatter than the sphere to as deep as the field is wide.
   const double fit = random.index(3) == 0 ? 0.0 : random.uniform(-0.5, 1.2);
   const double bend = std::clamp(fit * 0.5 / radius_m, -20.0, 20.0);
   Soup soup = height_field(cells, cells, 0.1, random, [&](int i, int j) {
@@ -325,7 +326,7 @@ RestScene large_spheres(ProxyKind, Random& random) {
   return {in_float(soup), radius_m};
 }
 
-// The same with edges so short that judging would take long.
+// The same scenes with edges so short that judging would take long.
 RestScene fine_balls(ProxyKind, Random& random) {
   const int rings = static_cast<int>(log_uniform(random, 24, 120));
   const double edge_m = std::numbers::pi / rings * 0.05;
@@ -392,7 +393,8 @@ RestScene thin_slabs(ProxyKind proxy, Random& random) {
   return {posed(soup, random), some_radius_m(proxy, 1e-6, 1e-2, random)};
 }
 
-// Steps and boxes with all vertices on one grid, where much is equally far or exactly in line.
+// Steps and boxes with all vertices on one grid: many distances are equal and many edges exactly
+// aligned.
 RestScene float_lattices(ProxyKind proxy, Random& random) {
   constexpr double kGrid_m = 1.0 / 128;
   Soup soup;
@@ -424,7 +426,7 @@ RestScene float_lattices(ProxyKind proxy, Random& random) {
   return {std::move(soup), radius_m, {}, {}, kGrid_m};
 }
 
-// Triangles of all directions that meet at one vertex and cut through each other.
+// Triangles in all orientations that meet at one vertex and intersect.
 RestScene hubs(ProxyKind proxy, Random& random) {
   Soup soup;
   for (int i = between(random, 20, 370); i > 0; --i) {
@@ -437,7 +439,7 @@ RestScene hubs(ProxyKind proxy, Random& random) {
   return {soup, some_radius_m(proxy, kFewStandOffs_m, 1e-2, random), {}, {soup.positions.front()}};
 }
 
-// Sheets on each other, a part of a stand-off to some ten apart, parallel or not quite.
+// Stacked sheets, a fraction of a stand-off to some ten stand-offs apart, parallel or nearly so.
 RestScene stacked_sheets(ProxyKind proxy, Random& random) {
   constexpr double kSize_m = 0.2;
   constexpr double kStandOff_m = SolverScale::kStandOffPerSize * kSize_m;
@@ -453,7 +455,7 @@ RestScene stacked_sheets(ProxyKind proxy, Random& random) {
   return {posed(soup, random), some_radius_m(proxy, kFewStandOffs_m, 1e-2, random)};
 }
 
-constexpr double kAnyCapped = 0.5;  // less than that: uncapped ticks are the greater part
+constexpr double kAnyCapped = 0.5;  // fewer: most ticks are not capped
 constexpr double kPointCapped = 0.01;
 constexpr double kSphereCapped = 0.05;
 constexpr auto kPoint = ProxyKind::kPoint;
@@ -518,7 +520,7 @@ constexpr RestClass kClasses[] = {
 constexpr RestClass kFineClasses[] = {{"FineBalls", kSphere, fine_balls, kSphereCapped},
                                       {"FineFields", kSphere, fine_fields, kSphereCapped}};
 
-// The faces of the hull of the points, towards its inside; none if four lie in one plane.
+// The faces of the points' hull, oriented inwards; none if four points lie in one plane.
 std::vector<Triangle> hull_of(const std::vector<Vec3>& points) {
   std::vector<Triangle> faces;
   const auto count = static_cast<std::uint32_t>(points.size());
@@ -543,8 +545,8 @@ std::vector<Triangle> hull_of(const std::vector<Vec3>& points) {
   return faces;
 }
 
-// Whether all walls that meet in an edge do so at an angle of more than a degree, and as much less
-// than a straight one.
+// True if all walls that share an edge meet at an angle between one degree and one degree less than
+// a straight angle.
 bool has_clear_edges(const std::vector<Vec3>& points, const std::vector<Triangle>& faces) {
   const double most_cosine = std::cos(kTurn_rad / 360.0);
   for (const Triangle& a : faces) {
@@ -597,7 +599,7 @@ Soup convex_room(Random& random) {
     }
     const std::vector<Triangle> faces = hull_of(points);
     if (faces.size() < 4 || !has_clear_edges(points, faces)) continue;
-    // The origin with some room around it.
+    // The origin, with some clearance around it.
     bool is_inside = true;
     for (const Triangle& t : faces) {
       const Vec3 normal =
@@ -662,8 +664,8 @@ Vec3 RestHand::place_of_interest() {
   return t.a + s * (t.b - t.a) + (1.0 - s) * random_->uniform(0.0, 1.0) * (t.c - t.a);
 }
 
-// Beside a triangle, in its plane or within some stand-offs of it, for a way that goes on across
-// it.
+// A place beside a triangle, in its plane or within some stand-offs of it, from which a path leads
+// across the triangle.
 Vec3 RestHand::graze_start() {
   const Corners& t = some_triangle();
   const Vec3 normal = (t.b - t.a).cross(t.c - t.a).normalized();
@@ -679,7 +681,7 @@ Vec3 RestHand::graze_start() {
   return aim_ - away_m * heading_;
 }
 
-void RestHand::choose(const ProxyState& felt) {
+void RestHand::choose(const ProxyState& state) {
   constexpr Habit kRestless[] = {Habit::kPlunge, Habit::kSlide, Habit::kWander, Habit::kTour};
   habit_ = is_restless_
                ? kRestless[random_->index(std::size(kRestless))]
@@ -688,20 +690,20 @@ void RestHand::choose(const ProxyState& felt) {
   pace_m_ = log_uniform(1e-5, 0.2) * size_m_;
   depth_m_ = log_uniform(1e-6, 0.3) * size_m_;
   stage_ = 0;
-  heading_ = (place_of_interest() - felt.proxy).normalized();
+  heading_ = (place_of_interest() - state.proxy).normalized();
   if (!heading_.allFinite() || random_->index(6) == 0) heading_ = random_->unit_vector();
 }
 
-Vec3 RestHand::make_goal(const ProxyState& felt) {
+Vec3 RestHand::make_goal(const ProxyState& state) {
   switch (habit_) {
-    case Habit::kPlunge: {  // straight on through it
+    case Habit::kPlunge: {  // straight through the target
       const Vec3 aim = place_of_interest();
-      return aim + random_->uniform(0.0, 1.0) * (aim - felt.proxy);
+      return aim + random_->uniform(0.0, 1.0) * (aim - state.proxy);
     }
     case Habit::kSlide: {
-      if (!felt.in_contact) return felt.proxy + pace_m_ * heading_;
-      const Vec3 along = heading_ - heading_.dot(felt.normal) * felt.normal;
-      return felt.proxy + pace_m_ * along - depth_m_ * felt.normal;
+      if (!state.in_contact) return state.proxy + pace_m_ * heading_;
+      const Vec3 along = heading_ - heading_.dot(state.normal) * state.normal;
+      return state.proxy + pace_m_ * along - depth_m_ * state.normal;
     }
     case Habit::kGraze:
       switch (stage_++ % 4) {
@@ -716,10 +718,10 @@ Vec3 RestHand::make_goal(const ProxyState& felt) {
       }
     case Habit::kAim:
       return vertex_or_edge();
-    case Habit::kPress: {  // where the proxy is, and deeper
-      const Vec3 n = felt.in_contact ? felt.normal : random_->unit_vector();
+    case Habit::kPress: {  // at the proxy, then deeper
+      const Vec3 n = state.in_contact ? state.normal : random_->unit_vector();
       const Vec3 beside = random_->index(2) ? Vec3(Vec3::Zero()) : random_->in_box(0.1 * depth_m_);
-      return felt.proxy + beside - depth_m_ * n;
+      return state.proxy + beside - depth_m_ * n;
     }
     case Habit::kJump: {
       const Vec3 middle = 0.5 * (low_ + high_);
@@ -732,7 +734,7 @@ Vec3 RestHand::make_goal(const ProxyState& felt) {
       const double pace_m = 0.1 * pace_m_;
       if (left.norm() > pace_m) return goal_ + pace_m * left.normalized();
       aim_ = place_of_interest();
-      if (random_->index(2)) {  // deep in it, if it is closed
+      if (random_->index(2)) {  // deep inside, if the surface is closed
         aim_ += random_->uniform(0.0, 0.5) * (0.5 * (low_ + high_) - aim_);
       } else {
         aim_ += random_->uniform(-1.0, 1.0) * depth_m_ * random_->unit_vector();
@@ -744,14 +746,14 @@ Vec3 RestHand::make_goal(const ProxyState& felt) {
   }
 }
 
-Vec3 RestHand::next_goal(const ProxyState& felt) {
+Vec3 RestHand::next_goal(const ProxyState& state) {
   if (rest_left_ > 0) {
     --rest_left_;
     return goal_;
   }
-  if (ticks_left_-- <= 0) choose(felt);
-  goal_ = on_grid(make_goal(felt));
-  // Back from where nothing is.
+  if (ticks_left_-- <= 0) choose(state);
+  goal_ = on_grid(make_goal(state));
+  // Return from empty space.
   const double reach_m = 2.0 * size_m_ + 2.0 * radius_m_;
   if (((goal_ - high_).array() > reach_m).any() || ((low_ - goal_).array() > reach_m).any()) {
     goal_ = on_grid(place_of_interest());

@@ -1,7 +1,7 @@
 #pragma once
 
-// Random scenes in which it is hard to find the place nearest to the goal, each with a proxy of its
-// size, and a hand that looks for trouble there.
+// Random scenes in which the place nearest to the goal is hard to find, each with a proxy of
+// suitable size, and a hand that provokes failures there.
 
 #include <cstdint>
 #include <ostream>
@@ -19,9 +19,9 @@ namespace palpate::test {
 struct RestScene {
   Soup soup;
   double radius_m = 0.0;          // of the proxy
-  std::vector<Vec3> starts = {};  // where it may be put; empty: anywhere with room
-  std::vector<Vec3> aims = {};    // places worth aiming at besides vertices, edges and faces
-  double grid_m = 0.0;            // of the vertices and of the goals; 0: none
+  std::vector<Vec3> starts = {};  // initial proxy positions; empty: any place with clearance
+  std::vector<Vec3> aims = {};    // further targets besides vertices, edges and faces
+  double grid_m = 0.0;            // spacing of the vertices' and the goals' grid; 0: no grid
 };
 
 enum class ProxyKind : std::uint8_t { kPoint, kSphere };
@@ -30,39 +30,39 @@ struct RestClass {
   const char* name;
   ProxyKind proxy;
   RestScene (*make)(ProxyKind proxy, Random& random);
-  double most_capped;  // of the ticks in contact
+  double most_capped;  // largest accepted fraction of capped ticks among those in contact
 
-  std::string full_name() const;  // with the proxy
+  std::string full_name() const;  // name and proxy kind
 };
 
 inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
   *out << rest_class.full_name();
 }
 
-// The hard scenes of the leak test are among them.
+// All classes of rest scenes. They include the hard scenes of the leak test.
 std::span<const RestClass> rest_classes();
 
-// These, and meshes so fine that judging rests there would take long.
+// The rest classes, and classes of meshes so fine that judging rests there would take long.
 std::vector<RestClass> restless_classes();
 
-// Those whose spheres are larger than edges, up to ten thousand times.
+// The classes whose spheres are up to ten thousand times larger than the edges.
 std::vector<RestClass> large_sphere_classes();
 
-// A room with no wall bent: the hull of random float points, convex by exact signs, with angles of
-// more than a degree between walls that meet in an edge. Faces look inwards.
+// A room with plane walls: the hull of random float points. It is convex by exact signs, and walls
+// that share an edge meet at an angle of more than a degree. Faces look inwards.
 Soup convex_room(Random& random);
 
-// A hand that plunges, slides, comes in the plane of a face, aims at vertices and edges to the bit,
-// jumps, goes at a steady pace from place to place, and rests for some ticks wherever it is. Solver
-// frame.
+// A hand that plunges, slides, arrives in the plane of a face, aims exactly at vertices and edges,
+// jumps, moves at a steady speed from place to place, and rests for some ticks wherever it is.
+// Solver frame.
 class RestHand {
  public:
-  // The triangles outlive the hand.
+  // The triangles must outlive the hand.
   RestHand(const std::vector<Corners>& triangles, std::vector<Vec3> aims, double radius_m,
            double stand_off_m, double grid_m, const Vec3& start, Random& random);
-  Vec3 next_goal(const ProxyState& felt);
+  Vec3 next_goal(const ProxyState& state);
 
-  // From now on it neither rests nor aims: each tick has some way to go.
+  // Stops resting and aiming: from now on, each tick moves the goal.
   void never_rest() { is_restless_ = true; }
 
  private:
@@ -78,11 +78,11 @@ class RestHand {
     kCount
   };
 
-  void choose(const ProxyState& felt);
+  void choose(const ProxyState& state);
   Vec3 place_of_interest();
   Vec3 vertex_or_edge();
   Vec3 graze_start();
-  Vec3 make_goal(const ProxyState& felt);
+  Vec3 make_goal(const ProxyState& state);
   const Corners& some_triangle();
   Vec3 on_grid(const Vec3& p) const;
   double log_uniform(double low, double high);

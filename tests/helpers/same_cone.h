@@ -1,6 +1,6 @@
 #pragma once
 
-// The same friction at every face.
+// Friction that is the same at every face.
 
 #include "haptics/proxy/god_object.h"
 

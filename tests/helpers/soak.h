@@ -1,15 +1,15 @@
 #pragma once
 
-// The long runs of tests are those of the short ones, with PALPATE_SOAK in the environment: there
-// under names that begin with "Soak.", label slow or soak. Other variables say how long, and where
-// they begin.
+// Long runs of tests. The environment variable PALPATE_SOAK turns a short run into a long one. The
+// long runs have names that begin with "Soak." and the label slow or soak. Other variables set
+// their length and their first scene.
 
 #include <cstdint>
 #include <cstdlib>
 
 namespace palpate::test {
 
-// The number that a variable of the environment has, or otherwise.
+// Returns the number in an environment variable, or `otherwise` if the variable is not set.
 inline std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
   const char* text = std::getenv(name);
   return text ? std::strtoull(text, nullptr, 10) : otherwise;

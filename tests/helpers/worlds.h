@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds to touch, made of triangles given in the scene frame.
+// Contact worlds, built from triangles in the scene frame.
 
 #include <memory>
 #include <vector>
@@ -43,7 +43,8 @@ inline Soup box_soup(const Vec3& half_extent) {
   return soup;
 }
 
-// A world of one body that owns what it points to. The pose places the soup in the scene.
+// A world of one body, together with the data it points to. T_scene_body places the soup in the
+// scene.
 class OwnedWorld {
  public:
   explicit OwnedWorld(const Soup& soup, const RigidTransform& T_scene_body = {},

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a point haptic device is, senses and is told. Needs the standard library alone.
+// The interface of a point haptic device: its description, its samples and its commands. Depends on
+// the standard library only.
 
 #include <array>
 #include <cstdint>
@@ -9,72 +10,75 @@
 
 namespace palpate {
 
-// What a device does with its motors when the host has sent nothing for a while.
+// How a device drives its motors when the host stops sending commands.
 enum class HostSilence : std::uint8_t {
-  kUnknown,     // nobody has found out: as bad as holding
-  kHoldsForce,  // the last command goes on
-  kZeroForce    // the device stops pushing by itself
+  kUnknown,     // not documented: assume kHoldsForce
+  kHoldsForce,  // the device holds the last command
+  kZeroForce    // the device sets its motors to zero force
 };
 
-// A motor pushes along a line, both ways.
+// One motor. It pushes along a line, in both directions.
 struct MotorDescription {
-  std::array<double, 3> direction_device = {1.0, 0.0,
-                                            0.0};  // unit; of a pose-dependent motor: at rest
-  double peak_force_N = 0.0;        // > 0 of a motor; for as long as the device allows
-  double continuous_force_N = 0.0;  // > 0, at most the peak: for ever
+  // Unit vector, device frame. Pose-dependent motors: the direction in the device's rest pose.
+  std::array<double, 3> direction_device = {1.0, 0.0, 0.0};
+  double peak_force_N = 0.0;        // > 0; for a time that the device limits
+  double continuous_force_N = 0.0;  // > 0, at most the peak; for an unlimited time
 };
 
-// One device. Device frame, SI units; 0 in a number that nobody knows.
+// The properties of one device. Device frame, SI units. An unknown number is 0.
 struct DeviceDescription {
   std::string name;
-  int sensed_axes = 3;  // the first 2 or 3 of A1 = x, A2 = y, A3 = z
+  int sensed_axes = 3;  // 2 or 3: the first of A1 = x, A2 = y, A3 = z
   int motor_count = 0;
-  std::array<MotorDescription, 3> motors = {};  // the first motor_count of them
-  bool moves_motors = false;                    // false of what is simulated or recorded
+  std::array<MotorDescription, 3> motors = {};  // the first motor_count are used
+  bool moves_motors = false;                    // false: simulated or recorded device
   std::array<double, 3> workspace_low_m = {};
   std::array<double, 3> workspace_high_m = {};
-  double mass_kg = 0.0;           // at the tip, along an axis
+  double mass_kg = 0.0;           // apparent mass at the tip, along an axis
   double damping_Ns_per_m = 0.0;  // viscous
   double coulomb_friction_N = 0.0;
-  double encoder_quantum_m = 0.0;  // what positions are rounded to; 0: to nothing
-  double rate_Hz = 1000.0;         // at which it wants to be asked and told
+  double encoder_quantum_m = 0.0;  // positions are rounded to this; 0: not rounded
+  double rate_Hz = 1000.0;         // the rate at which the host should read and command
   HostSilence when_host_is_silent = HostSilence::kUnknown;
 };
 
-// What a device has sensed last.
+// The latest sample of a device.
 struct DeviceSample {
-  std::array<double, 3> position_m = {};  // device frame; of 2 sensed axes z counts for nothing
-  std::uint32_t buttons = 0;              // a bit each, 1 while pressed
-  std::uint64_t sequence = 0;             // rises by one with each sample that the device has taken
-  std::int64_t time_ns = 0;               // when it was taken, of a monotonic clock; 0: unknown
-  bool is_valid = true;                   // false: nothing was sensed; the tick gives no force
+  std::array<double, 3> position_m = {};  // device frame; z is ignored with 2 sensed axes
+  std::uint32_t buttons = 0;              // one bit per button, 1 while pressed
+  std::uint64_t sequence = 0;             // increases by one with each sample of the device
+  std::int64_t time_ns = 0;               // sampling time on a monotonic clock; 0: unknown
+  bool is_valid = true;  // false: the device sensed nothing; the tick commands zero force
 };
 
-// What the motors are told. Device frame; held until the next command.
+// The force that the motors must exert on the hand. Device frame; held until the next command.
 struct DeviceCommand {
   std::array<double, 3> force_N = {};
 };
 
 struct DeviceHealth {
   bool is_good = true;
-  std::string problem = {};  // one line: what is wrong and what to do; empty if it is good
+  std::string problem = {};  // one line: the problem and its remedy; empty if is_good
 };
 
-// A point haptic device. start(), stop(), description() and health() are for the thread that owns
-// it and may block; read() and command() come from the haptic thread between the two, once a tick,
-// and must not block, lock, allocate or throw.
+// The interface of a point haptic device.
+//
+// Thread-safety: the thread that owns the device calls start(), stop(), description() and health(),
+// which may block. Between start() and stop(), the haptic thread calls read() and command() once
+// per tick. These two must not block, lock, allocate or throw.
 class Device {
  public:
   virtual ~Device() = default;
-  // Valid as long as the device; does not change between start() and stop().
+  // The reference is valid as long as the device. The description must not change between start()
+  // and stop().
   virtual const DeviceDescription& description() const noexcept = 0;
-  // Makes ready to be read. A problem, one line, if it cannot: nothing is to be read or commanded
-  // then, and stop() is called.
+  // Prepares the device for read() and command(). Returns a problem in one line if the device
+  // cannot start; then neither read() nor command() is called, but stop() is.
   virtual std::optional<std::string> start() { return std::nullopt; }
-  // dt_s: since the last call, nominal.
+  // Returns the latest sample. dt_s: nominal time since the last call.
   virtual DeviceSample read(double dt_s) noexcept = 0;
   virtual void command(const DeviceCommand& command) noexcept = 0;
-  // The last call of a session: after a command of zero force. The device rests until start().
+  // The last call of a session, after a command of zero force. The device stays idle until start().
   virtual void stop() noexcept {}
   virtual DeviceHealth health() const { return {}; }
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-// What one tick of haptic rendering was given, found and commanded. Needs the standard library
-// alone.
+// The record of one tick of haptic rendering: the sample, the contact that was found and the force
+// that was commanded. Depends on the standard library only.
 
 #include <array>
 #include <cstddef>
@@ -11,28 +11,33 @@
 
 namespace palpate {
 
-// What a contact does under friction, from tick to tick (Harwin and Melder 2002).
+// The state of a contact under friction, kept from tick to tick (Harwin and Melder 2002).
 enum class FrictionState : std::uint16_t {
-  kNone,    // no contact, or with nothing that has friction
-  kSticks,  // as every new contact
-  kSlides   // also while the hand stands still: until its lag falls below that of the cone
+  kNone,    // no contact, or no touched surface has friction
+  kSticks,  // the state of every new contact
+  kSlides   // until the tangential lag falls below the dynamic cone, even while the hand is at rest
 };
 
-// Fault bits of a tick. A fault never stops the loop; the next good sample carries on. The upper 16
-// bits are those of a governor between loop and device.
+// Fault bits of a tick. A fault never stops the loop: rendering continues with the next good
+// sample. The upper 16 bits are reserved for a governor between loop and device.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
-  kFaultNonFiniteSample = 1u << 0,  // NaN or infinite: zero force
-  kFaultBadTimeStep = 1u << 1,      // no time step (is_time_step): zero force
-  kFaultSolverCapped = 1u << 2,     // the proxy is feasible but may not be nearest; force is given
-  kFaultJump = 1u << 3,         // farther than the scene is large, faster than a hand: zero force
-  kFaultBodyHeld = 1u << 4,     // a body waits: the proxy is in its way and cannot give way
-  kFaultBadBodyPose = 1u << 5,  // a pose was no pose, or far off, or one too many: not taken
-  kFaultNonFiniteForce = 1u << 6,  // what came out is no force: zero force
-  kFaultFarSample = 1u << 7,       // finite, but beyond farthest_sample_m(): zero force
-  kFaultBadSettings = 1u << 8,     // check_settings() has an Error: zero force in every tick
-  kFaultInvalidSample = 1u << 9,   // the device says that it has not sensed it: zero force
-  kFaultBadActuation = 1u << 10    // motors were to change the plane of motion: not taken
+  kFaultNonFiniteSample = 1u << 0,  // the position is NaN or infinite: zero force
+  kFaultBadTimeStep = 1u << 1,      // dt is not a valid time step (is_time_step): zero force
+  // The solver reached its limit: the proxy is feasible, but may not be the nearest point to the
+  // goal. The force is commanded all the same.
+  kFaultSolverCapped = 1u << 2,
+  // The position moved farther than the scene's size and faster than a hand can: zero force.
+  kFaultJump = 1u << 3,
+  kFaultBodyHeld = 1u << 4,  // a moving body was stopped by a proxy that could not give way
+  // A pose was ignored: no such body, not a rigid pose, too far away, or over the limit of moving
+  // bodies.
+  kFaultBadBodyPose = 1u << 5,
+  kFaultNonFiniteForce = 1u << 6,  // the computed force was not finite: zero force
+  kFaultFarSample = 1u << 7,       // finite, but farther than farthest_sample_m(): zero force
+  kFaultBadSettings = 1u << 8,     // check_settings() returns an Error: zero force in every tick
+  kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
+  kFaultBadActuation = 1u << 10    // new motor axes were ignored: they imply other sensed axes
 };
 inline constexpr int kFaultCount = 11;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
@@ -42,55 +47,56 @@ inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
 inline constexpr int kFirstGovernorFault = 16;
 static_assert(kFaultCount <= kFirstGovernorFault);
 
-// Faults of a tick that has no place or time: what was sensed is to count nowhere.
+// Faults of a tick without a usable position or time step. Its sample must not be evaluated.
 inline constexpr std::uint32_t kFaultsWithoutSample = kFaultNonFiniteSample | kFaultBadTimeStep |
                                                       kFaultFarSample | kFaultBadSettings |
                                                       kFaultInvalidSample;
 
-// Faults for which a tick holds the last state and commands no force.
+// Faults for which a tick keeps the last state and commands zero force.
 inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFaultJump;
 
-// One instant: everything is as it was before the elementary rotation of that tick, but for the
-// pose "after". Plain numbers, without padding, so that it can be copied as bits, to a file or to
-// another program. A quaternion turns scene into device, w first.
+// The record of one tick. All fields describe the state before the elementary rotation of that
+// tick; only q_after and o_after describe the state after it. The struct holds plain numbers
+// without padding, so that its bytes can be copied to a file or to another program. A quaternion is
+// stored w first and turns scene axes into device axes.
 //
-// A bare HapticLoop leaves what is marked "session" at 0; HapticSession fills it.
+// HapticLoop leaves the fields marked "session" at 0; HapticSession sets them.
 struct TickRecord {
   std::uint64_t tick = 0;
-  double time_s = 0.0;           // sum of the good dt before this tick
-  double device_m[3] = {};       // device frame, as sensed
-  double goal_scene_m[3] = {};   // the device point
-  double proxy_scene_m[3] = {};  // equals goal off contact
-  double normal_scene[3] = {};   // unit, as felt; zero off contact or where planes cancel
-  double full_force_device_N[3] = {};
-  double force_device_N[3] = {};           // commanded, acting on the hand
-  double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene: how the scene was felt in this tick
+  double time_s = 0.0;                 // since the first tick: the sum of all valid dt
+  double device_m[3] = {};             // sensed position, device frame
+  double goal_scene_m[3] = {};         // the device point
+  double proxy_scene_m[3] = {};        // equals the goal off contact
+  double normal_scene[3] = {};         // unit, as rendered; zero off contact or if planes cancel
+  double full_force_device_N[3] = {};  // before the projection on the actuated axes
+  double force_device_N[3] = {};       // commanded, acting on the hand
+  double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene during this tick
   double o_before_m[3] = {};
-  double q_after_wxyz[4] = {1, 0, 0, 0};  // likewise after the rotation: what a display shows
+  double q_after_wxyz[4] = {1, 0, 0, 0};  // T_device_scene after the rotation, for the display
   double o_after_m[3] = {};
-  double alpha_rad = 0.0;     // normal to actuated axes, [0, pi/2]; 0 off contact
-  double rotation_rad = 0.0;  // by which A4 turns the scene after this tick
+  double alpha_rad = 0.0;     // contact angle: normal to actuated axes, [0, pi/2]; 0 off contact
+  double rotation_rad = 0.0;  // the angle by which A4 turns the scene after this tick
   std::int64_t step_ns = 0;   // session: computing time of the loop
-  std::int64_t late_ns = 0;   // session: since the tick was due; 0 where nothing is due
+  std::int64_t late_ns = 0;   // session: delay of the tick; 0 if ticks are not scheduled
   std::uint32_t faults = kFaultNone;
-  std::uint32_t effects = 0;     // felt in this tick, a bit each by number in compiled_effects()
+  std::uint32_t effects = 0;     // active effects, one bit each, by number in compiled_effects()
   std::uint32_t iterations = 0;  // of the solver
-  std::uint16_t contact = 0;     // 1 or 0
+  std::uint16_t contact = 0;     // 1 in contact, else 0
   FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
 };
 
 enum class FieldType : std::uint8_t { kUint64, kInt64, kDouble, kUint32, kUint16 };
 
-// One member of TickRecord, for whoever writes, reads or shows it.
+// Describes one member of TickRecord to code that writes, reads or displays records.
 struct RecordField {
   std::string_view name;
   FieldType type;
-  std::size_t count;        // of numbers
-  std::string_view unit;    // "1" for none
-  std::string_view frame;   // "device", "scene", both for a pose, or none
-  std::size_t offset;       // bytes
-  std::string_view column;  // of a trace: the name, or its stem, before "_x", "_y", "_z" or "_w"
-  bool is_of_session;       // a bare loop leaves it at 0
+  std::size_t count;        // numbers in the member
+  std::string_view unit;    // "1": dimensionless
+  std::string_view frame;   // "device", "scene", "device from scene" for a rotation, or ""
+  std::size_t offset;       // in bytes
+  std::string_view column;  // in a trace: the name, or its stem before "_x", "_y", "_z" or "_w"
+  bool is_of_session;       // HapticLoop leaves the member at 0
   std::size_t bytes;        // of all its numbers
 };
 
@@ -116,7 +122,7 @@ constexpr RecordField field(std::string_view name, std::string_view unit, std::s
 
 }  // namespace record_table
 
-// In the order of the bytes.
+// The members in the order of their offsets.
 #define PALPATE_FIELD(name, ...) record_table::field<decltype(TickRecord::name)>(#name, __VA_ARGS__)
 #define PALPATE_AT(name) offsetof(TickRecord, name)
 inline constexpr std::array kRecordFields = {
@@ -148,7 +154,7 @@ inline constexpr std::array kRecordFields = {
 
 namespace record_table {
 
-// Whether the fields cover the record from its first byte to its last, each once.
+// True if the fields cover every byte of the record exactly once, in order.
 constexpr bool covers_record() {
   std::size_t next = 0;
   for (const RecordField& field : kRecordFields) {

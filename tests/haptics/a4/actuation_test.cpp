@@ -15,11 +15,11 @@ using test::Random;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// Of a unit vector: a projection rounds each of three products and sums, on a basis that is itself
-// orthonormal to two roundings.
+// The error of a projected unit vector: each of its three products and sums is rounded, and the
+// basis is orthonormal to two roundings.
 constexpr double kProjectionRoundoff = 16 * kEpsilon;
 
-// The one-line message of a model that is refused.
+// The one-line message of a refused model.
 std::string refusal(const Result<ActuationModel>& result) {
   if (!result) {
     EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
@@ -51,7 +51,7 @@ Vec3 sensed_direction(Random& random, int sensors) {
 
 struct SkewedModel {
   ActuationModel model;
-  Eigen::MatrixXd axes;  // a column each, unit, at least 1 degree apart from the others' span
+  Eigen::MatrixXd axes;  // one unit column per axis, at least 1 degree off the others' span
 };
 
 SkewedModel random_model(Random& random, int sensors, int actuators) {
@@ -82,7 +82,7 @@ TEST(ActuationCounts, EveryRowOfTable1HasItsCase) {
   EXPECT_EQ(table1_case(3, 3), ActuationCase::kFullyActuated);
 }
 
-TEST(ActuationCounts, TheFirstAxesAreActuated) {
+TEST(ActuationCounts, ActuateTheFirstAxes) {
   for (int sensors = 2; sensors <= 3; ++sensors) {
     for (int actuators = 0; actuators <= sensors; ++actuators) {
       const ActuationModel model = accepted(ActuationModel::from_counts(sensors, actuators));
@@ -115,7 +115,7 @@ TEST(ActuationCounts, RefusesActuatorsThatAreNotSensed) {
                  "-1 actuators, expected 0 or more");
 }
 
-TEST(ActuationAxes, AloneImplyTheNumberOfActuators) {
+TEST(ActuationAxes, DetermineTheNumberOfActuators) {
   EXPECT_EQ(accepted(ActuationModel::from_axes(3, {})).table1_case(), ActuationCase::kNoActuator);
   EXPECT_EQ(accepted(ActuationModel::from_axes(2, {Vec3(1, 1, 0)})).table1_case(),
             ActuationCase::kCase1);
@@ -131,7 +131,7 @@ TEST(ActuationAxes, MayHaveAnyLengthButZero) {
   for (const double length : {1e-320, 1e-300, 1e-9, 1.0, 1e9, 1e300}) {
     const ActuationModel model =
         accepted(ActuationModel::from_axes(3, {length * Vec3(0, 3, 4), length * Vec3(0, 3, 5)}));
-    // Below 1e-308 a double has fewer digits to tell the direction with.
+    // Below 1e-308 a double has fewer digits, so that the direction is less exact.
     const double digits = std::max(kEpsilon, std::numeric_limits<double>::denorm_min() / length);
     EXPECT_LE((model.actuated_axis(0) - Vec3(0, 0.6, 0.8)).norm(), 4 * digits);
     EXPECT_LE(std::abs(model.actuated_axis(1).x()), 4 * digits);
@@ -179,7 +179,7 @@ TEST(ActuationAxes, RefusesMoreAxesThanSensors) {
 
 class ActuatedSpan : public testing::TestWithParam<std::pair<int, int>> {};
 
-TEST_P(ActuatedSpan, ProjectionIsThatOnTheColumnSpaceOfTheAxes) {
+TEST_P(ActuatedSpan, ProjectsOnTheColumnSpaceOfTheAxes) {
   const auto [sensors, actuators] = GetParam();
   Random random(3102);
   for (int i = 0; i < 2000; ++i) {
@@ -188,7 +188,8 @@ TEST_P(ActuatedSpan, ProjectionIsThatOnTheColumnSpaceOfTheAxes) {
     // Least squares: an oracle that does not orthonormalise.
     const Eigen::MatrixXd& axes = skewed.axes;
     const Vec3 expected = axes * axes.colPivHouseholderQr().solve(Eigen::VectorXd(v));
-    // Axes 1 degree apart say where their span is 57 times worse than they say themselves.
+    // Axes that are 1 degree apart determine their span with an error 57 times larger than their
+    // own.
     ASSERT_LE((skewed.model.actuated_part(v) - expected).norm(), 57 * kProjectionRoundoff);
     ASSERT_LE((skewed.model.actuated_axis(0) - Vec3(axes.col(0))).norm(), kProjectionRoundoff);
   }
@@ -215,12 +216,12 @@ TEST_P(ActuatedSpan, ProjectionIsOrthogonalAndIdempotent) {
   }
 }
 
-TEST_P(ActuatedSpan, AngleIsThatToTheNearestPushableDirection) {
+TEST_P(ActuatedSpan, AngleRefersToTheNearestDirectionInTheSpan) {
   const auto [sensors, actuators] = GetParam();
   Random random(3104);
   for (int i = 0; i < 2000; ++i) {
     const ActuationModel model = random_model(random, sensors, actuators).model;
-    // Projected twice, because a first projection that is short is not accurate.
+    // Projected twice, because a short first projection is inaccurate.
     Vec3 along = model.actuated_part(random.unit_vector()).normalized();
     along = model.actuated_part(along).normalized();
     Vec3 across = random.unit_vector();
@@ -245,7 +246,7 @@ INSTANTIATE_TEST_SUITE_P(Counts, ActuatedSpan,
                                   std::to_string(counts.param.second) + "Actuators";
                          });
 
-TEST(ActuatedAngle, WithoutActuatorsNothingCanBePushed) {
+TEST(ActuatedAngle, IsARightAngleWithoutActuators) {
   Random random(3105);
   for (int sensors = 2; sensors <= 3; ++sensors) {
     const ActuationModel model = accepted(ActuationModel::from_counts(sensors, 0));
@@ -255,7 +256,7 @@ TEST(ActuatedAngle, WithoutActuatorsNothingCanBePushed) {
   }
 }
 
-TEST(ActuatedAngle, AngleKeepsItsDigitsNearAlignment) {
+TEST(ActuatedAngle, KeepsItsDigitsNearAlignment) {
   const ActuationModel line = accepted(ActuationModel::from_counts(3, 1));
   const ActuationModel plane = accepted(ActuationModel::from_counts(3, 2));
   for (const double angle : {1e-4, 1e-8, 1e-12, 1e-100}) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Angles of the paper, which are in degrees, and ours.
+// Conversion between the paper's degrees and the engine's radians.
 
 #include <numbers>
 

@@ -25,7 +25,8 @@ using test::Random;
 
 constexpr std::array<double, 3> kRates_Hz = {60.0, 1000.0, 10000.0};
 
-// The closed form of the time Figure 3's profile takes: 90 deg/s above 30 deg, 5 + (17/6) a below.
+// Closed form of the time to align with Figure 3's profile: 90 deg/s above 30 deg, 5 + (17/6) a
+// below.
 double closed_form_s(double from_deg, double to_deg) {
   const auto below = [](double a) { return 6.0 / 17.0 * std::log1p(17.0 / 30.0 * a); };
   const auto above = [](double a) { return std::max(0.0, a - 30.0) / 90.0; };
@@ -62,9 +63,9 @@ TEST(ElementaryRotation, NeverTurnsPastAlignment) {
   }
 }
 
-// Whatever speeds a profile has, a tick turns by no less than the slower would, and no more than
-// the faster.
-TEST(ElementaryRotation, KeepsToTheSpeedsOfAnyProfile) {
+// With any profile, a tick turns at least at the slower and at most at the faster of its two
+// speeds.
+TEST(ElementaryRotation, StaysBetweenTheSpeedsOfAnyProfile) {
   constexpr double kRoundoff = 64 * kEpsilon;
   Random random(3507);
   const auto power = [&](double low, double high) {
@@ -103,7 +104,7 @@ TEST(ElementaryRotation, ExactStepsTakeTheTimeOfTheClosedForm) {
     const double dt_s = std::pow(10.0, random.uniform(-6.0, 0.0));
     const double left_rad = from_rad - step_rad(from_rad, dt_s);
     const double time_s = closed_form_s(degrees(from_rad), degrees(left_rad));
-    // The rounding of angles up to pi, passed at the slowest speed.
+    // The rounding of angles up to pi, divided by the slowest speed.
     const double rounding_s =
         4 * std::numbers::pi * kEpsilon / RotationProfile{}.speed_at_zero_rad_per_s;
     ASSERT_LE(time_s, dt_s + rounding_s);
@@ -113,10 +114,10 @@ TEST(ElementaryRotation, ExactStepsTakeTheTimeOfTheClosedForm) {
   }
 }
 
-TEST(ElementaryRotation, AStepIsTheSameCutInTwo) {
+TEST(ElementaryRotation, AStepEqualsItsTwoHalvesTogether) {
   Random random(3504);
   for (int i = 0; i < 10000; ++i) {
-    // Any profile, also one that slows down towards the knee, or is flat.
+    // Profiles include those that slow down towards the knee and flat ones.
     RotationProfile profile;
     profile.speed_at_zero_rad_per_s = random.uniform(0.01, 2.0);
     profile.speed_at_knee_rad_per_s =
@@ -130,7 +131,7 @@ TEST(ElementaryRotation, AStepIsTheSameCutInTwo) {
     };
     const double first = turn(angle_rad, first_s);
     const double cut = first + turn(angle_rad - first, second_s);
-    // Where the speed rises as the angle falls, rounding grows with it.
+    // If the speed rises while the angle falls, rounding errors grow with it.
     const double slope =
         (profile.speed_at_knee_rad_per_s - profile.speed_at_zero_rad_per_s) / profile.knee_rad;
     const double magnified = std::exp(std::max(0.0, -slope) * (first_s + second_s));
@@ -150,7 +151,8 @@ TEST(ElementaryRotation, RatesAgreeAtTheTimesTheyShare) {
   }
 }
 
-// Time from 90 deg to to_deg by S dt: whole ticks, and the share of the last one at its speed.
+// The time from 90 deg to to_deg by steps S dt: whole ticks, and a fraction of the last tick by its
+// speed.
 double speed_by_dt_s(double to_deg, double dt_s) {
   double angle_rad = radians(90.0);
   for (int ticks = 0;; ++ticks) {
@@ -169,7 +171,7 @@ TEST(ElementaryRotation, SpeedByDtIsEarly) {
   EXPECT_NEAR(exact_s - speed_by_dt_s(1.0, 1.0 / 60.0), 20e-3, 0.5e-3);
 }
 
-// Actions 5 and 6 of A4 on a scene whose contact normal is fixed in it.
+// Actions 5 and 6 of A4 for a contact normal that is fixed in the scene.
 class AligningScene {
  public:
   AligningScene(const ActuationModel& model, const Vec3& normal_device, Random& random)
@@ -180,7 +182,7 @@ class AligningScene {
     pivot_scene_m_ = random.in_box(0.1);
   }
 
-  // The direction the normals before this one were aligned with.
+  // The direction with which the earlier normals were aligned.
   void remember(const Vec3& normal_device) { rotation_.update(normal_device); }
 
   AxisAngle theoretical() { return rotation_.update(pose_.direction(normal_scene_)); }
@@ -195,8 +197,8 @@ class AligningScene {
   Vec3 pivot_scene_m_;
 };
 
-// Seconds until the normal is to_deg from what it is aligned with: whole ticks and, in the last,
-// the closed form's remainder.
+// The seconds until the normal is to_deg away from the direction of alignment: whole ticks, and the
+// closed form for the rest of the last tick.
 double time_to_align_s(AligningScene& scene, double to_deg, double rate_Hz) {
   const double dt_s = 1.0 / rate_Hz;
   for (int ticks = 0; ticks < 100000; ++ticks) {
@@ -205,7 +207,7 @@ double time_to_align_s(AligningScene& scene, double to_deg, double rate_Hz) {
     turn.angle_rad = step_rad(angle_rad, dt_s);
     if (angle_rad - turn.angle_rad <= radians(to_deg)) {
       const double rest_s = closed_form_s(degrees(angle_rad), to_deg);
-      EXPECT_LE(rest_s, dt_s * (1.0 + 1e-9)) << "the last tick turned farther than it has time for";
+      EXPECT_LE(rest_s, dt_s * (1.0 + 1e-9)) << "the last tick turned farther than its time allows";
       return ticks / rate_Hz + rest_s;
     }
     scene.turn(turn);
@@ -242,7 +244,7 @@ struct Setting {
 
 class AlignmentAtRate : public testing::TestWithParam<std::tuple<Setting, double>> {};
 
-// Both senses of rotation, and both signs of the direction aligned with.
+// Covers both senses of rotation and both signs of the direction of alignment.
 TEST_P(AlignmentAtRate, TakesTheTimeOfFigure3) {
   const auto& [setting, rate_Hz] = GetParam();
   const ActuationModel model = *ActuationModel::from_counts(setting.sensors, setting.actuators);

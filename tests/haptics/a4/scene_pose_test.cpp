@@ -15,7 +15,8 @@ namespace {
 using test::kEpsilon;
 using test::Random;
 
-// Of the lengths involved: three rotations of a vector, each of about two roundings, and two sums.
+// The error relative to the lengths involved: three rotations of a vector, each of about two
+// roundings, and two sums.
 constexpr double kPivotRoundoff = 1e-15;
 constexpr int kManySteps = 1'000'000;
 
@@ -32,7 +33,7 @@ double angle_between_rad(const Quat& a, const Quat& b) {
   return 2.0 * std::atan2(difference.vec().norm(), std::abs(difference.w()));
 }
 
-// How far turns of up to max_angle_rad move their pivot, as a share of the lengths involved.
+// The motion of the pivot by turns of up to max_angle_rad, relative to the lengths involved.
 double worst_pivot_motion(Random& random, double max_angle_rad) {
   double worst = 0.0;
   for (int i = 0; i < 100000; ++i) {
@@ -46,7 +47,7 @@ double worst_pivot_motion(Random& random, double max_angle_rad) {
   return worst;
 }
 
-TEST(ScenePose, PivotStaysWhereItIsInTheDeviceFrame) {
+TEST(ScenePose, KeepsThePivotInPlaceInTheDeviceFrame) {
   Random random(3301);
   EXPECT_LE(worst_pivot_motion(random, kLargestStep_rad), kPivotRoundoff);
   EXPECT_LE(worst_pivot_motion(random, std::numbers::pi), kPivotRoundoff);
@@ -71,7 +72,7 @@ TEST(ScenePose, TurnsTheSceneByTheRotationOfTheDeviceFrame) {
   }
 }
 
-TEST(ScenePose, ATurnByNothingChangesNothingButRounding) {
+TEST(ScenePose, ATurnByZeroChangesOnlyRounding) {
   Random random(3303);
   const ScenePose pose = random.pose(1.0);
   const ScenePose turned = turned_about(pose, random.in_box(1.0), AxisAngle{});
@@ -90,8 +91,8 @@ TEST(ScenePose, QuaternionKeepsUnitLengthOverAMillionSteps) {
   EXPECT_LE(worst, 4 * kEpsilon);
 }
 
-// 1e-6 rad over 1e9 steps is what is asked for; drift grows at most in proportion.
-TEST(ScenePose, ReturnsAfterAMillionStepsForthAndBack) {
+// The requirement is 1e-6 rad over 1e9 steps; drift grows at most in proportion to the steps.
+TEST(ScenePose, ReturnsAfterAMillionStepsForwardAndBack) {
   Random random(3305);
   const ScenePose start = random.pose(0.1);
   std::vector<std::pair<Vec3, AxisAngle>> turns;
@@ -127,7 +128,7 @@ TEST(DisplayTransform, CameraKeepsTheProxyAtTheCentre) {
   }
 }
 
-// To = 0, Ts = -Tu: the scene shows the opposite of the motion the proxy does not.
+// To = 0, Ts = -Tu: the scene moves opposite to the user's motion, and the proxy does not move.
 TEST(DisplayTransform, CameraMovesTheSceneAgainstTheUser) {
   Random random(3308);
   const ScenePose pose = random.pose(1.0);

@@ -27,11 +27,11 @@ Vec3 turned(const AxisAngle& turn, const Vec3& v) {
   return Eigen::AngleAxisd(turn.angle_rad, turn.axis_device) * v;
 }
 
-// A row of Table 1 with its actuated axes in any direction, and a frame to write normals in.
+// A row of Table 1 with actuated axes in any direction, and a frame for writing normals.
 struct Row {
   ActuationModel model;
-  Vec3 along;   // actuated: the axis, or any direction in the plane
-  Vec3 across;  // unit, orthogonal to what is actuated, within what is sensed
+  Vec3 along;   // in the actuated span: the axis, or any direction in the plane
+  Vec3 across;  // unit, orthogonal to the actuated span, in the sensed span
 };
 
 Row random_row(Random& random, ActuationCase table1_case) {
@@ -46,7 +46,7 @@ Row random_row(Random& random, ActuationCase table1_case) {
   const auto model = ActuationModel::from_axes(sensors, axes);
   EXPECT_TRUE(model);
   EXPECT_EQ(model->table1_case(), table1_case);
-  // The frame as the model knows it, so that the normals of a test have the angles they should.
+  // The frame is computed from the model's basis, so that the normals have the intended angles.
   const Vec3 along = model->actuated_axis(0);
   Vec3 across = frame.col(1);
   for (int pass = 0; pass < 2; ++pass) {
@@ -65,8 +65,9 @@ Vec3 normal_at(const Row& row, double angle_rad) {
 
 class Table1 : public testing::TestWithParam<ActuationCase> {};
 
-// Within the hysteresis the normal may be farther from T than from -T; that is tested below.
-TEST_P(Table1, TheFullRotationPutsTheNormalInTheActuatedSpan) {
+// Within the hysteresis, the normal may be farther from T than from -T; another test covers that
+// case.
+TEST_P(Table1, TheFullRotationMovesTheNormalIntoTheActuatedSpan) {
   Random random(3401);
   double worst = 0.0;
   for (int i = 0; i < 100000; ++i) {
@@ -79,7 +80,7 @@ TEST_P(Table1, TheFullRotationPutsTheNormalInTheActuatedSpan) {
   EXPECT_LE(worst, 1e-15);
 }
 
-TEST_P(Table1, TheAngleIsThatToTheNearestActuatedDirection) {
+TEST_P(Table1, TheAngleRefersToTheNearestActuatedDirection) {
   Random random(3402);
   for (int i = 0; i < 10000; ++i) {
     const Row row = random_row(random, GetParam());
@@ -90,14 +91,14 @@ TEST_P(Table1, TheAngleIsThatToTheNearestActuatedDirection) {
     const AxisAngle turn = rotation.update(sign * normal_at(row, angle_rad));
     ASSERT_LE(std::abs(turn.angle_rad - std::abs(angle_rad)), 16 * kEpsilon);
     ASSERT_LE(std::abs(turn.axis_device.norm() - 1.0), 4 * kEpsilon);
-    // From the normal straight to the actuated direction: the shorter way round.
+    // The axis turns the normal towards the actuated direction by the smaller angle.
     const Vec3 expected_axis =
         angle_rad > 0 ? Vec3(row.across.cross(row.along)) : Vec3(row.along.cross(row.across));
     ASSERT_LE((turn.axis_device - expected_axis).norm() * std::abs(angle_rad), 32 * kEpsilon);
   }
 }
 
-TEST_P(Table1, AngleKeepsItsDigitsNearAlignment) {
+TEST_P(Table1, TheAngleKeepsItsDigitsNearAlignment) {
   const auto [sensors, actuators] = GetParam() == ActuationCase::kCase1   ? std::pair(2, 1)
                                     : GetParam() == ActuationCase::kCase2 ? std::pair(3, 1)
                                                                           : std::pair(3, 2);
@@ -123,7 +124,7 @@ TEST_P(Table1, AnAlignedNormalNeedsNoRotation) {
   }
 }
 
-TEST_P(Table1, GivesNumbersForEveryNormal) {
+TEST_P(Table1, GivesFiniteNumbersForEveryNormal) {
   Random random(3404);
   const double tiny = std::numeric_limits<double>::denorm_min();
   for (int i = 0; i < 5000; ++i) {
@@ -150,7 +151,7 @@ TEST_P(Table1, GivesNumbersForEveryNormal) {
   }
 }
 
-TEST_P(Table1, NoNormalMeansNoRotation) {
+TEST_P(Table1, GivesNoRotationWithoutANormal) {
   Random random(3416);
   for (const Table1Form form : {Table1Form::kCorrected, Table1Form::kAsPrinted}) {
     TheoreticalRotation rotation(random_row(random, GetParam()).model, form);
@@ -165,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, Table1,
                            return "Case" + std::to_string(static_cast<int>(row.param));
                          });
 
-TEST(TheoreticalRotation, Case1TurnsBothHalfPlanesTheShortWay) {
+TEST(TheoreticalRotation, Case1TurnsBothHalfPlanesByTheSmallerAngle) {
   const ActuationModel model = *ActuationModel::from_counts(2, 1);
   for (double angle_deg = -91.0; angle_deg <= 91.0; angle_deg += 2.0) {
     TheoreticalRotation rotation(model, Table1Form::kCorrected);
@@ -176,7 +177,7 @@ TEST(TheoreticalRotation, Case1TurnsBothHalfPlanesTheShortWay) {
   }
 }
 
-TEST(TheoreticalRotation, NothingToAlignWithMeansNoRotation) {
+TEST(TheoreticalRotation, IsZeroIfNoOrEverySensedAxisIsActuated) {
   Random random(3405);
   for (const auto& [sensors, actuators] :
        {std::pair(2, 0), std::pair(3, 0), std::pair(2, 2), std::pair(3, 3)}) {
@@ -187,7 +188,8 @@ TEST(TheoreticalRotation, NothingToAlignWithMeansNoRotation) {
   }
 }
 
-// What the normal at angle_rad is being aligned with: +1 for row.along, -1 for its opposite.
+// The direction with which the normal at angle_rad is aligned: +1 for row.along, -1 for its
+// opposite.
 int sign_chosen(TheoreticalRotation& rotation, const Row& row, double angle_rad) {
   const Vec3 normal = normal_at(row, angle_rad);
   const double cosine = turned(rotation.update(normal), normal).dot(row.along);
@@ -203,8 +205,7 @@ TEST_P(OneActuator, SignChangesOnlyBeyondTheHysteresis) {
     const Row row = random_row(random, GetParam());
     TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
     const double side = random.index(2) == 0 ? 1.0 : -1.0;
-    constexpr int kSweep =
-        1000;  // hundredths of a degree, from 85 to 95; halves keep off the limit
+    constexpr int kSweep = 1000;  // hundredths of a degree, from 85 to 95; halves avoid the limit
     for (int k = 0; k < kSweep; ++k) {
       const double angle_deg = 85.005 + 0.01 * k;
       ASSERT_EQ(sign_chosen(rotation, row, side * radians(angle_deg)),
@@ -218,7 +219,7 @@ TEST_P(OneActuator, SignChangesOnlyBeyondTheHysteresis) {
   }
 }
 
-TEST_P(OneActuator, SignNeverShiversWithinTheHysteresis) {
+TEST_P(OneActuator, SignNeverChangesWithinTheHysteresis) {
   Random random(3407);
   for (int i = 0; i < 100; ++i) {
     const Row row = random_row(random, GetParam());
@@ -232,7 +233,7 @@ TEST_P(OneActuator, SignNeverShiversWithinTheHysteresis) {
   }
 }
 
-TEST_P(OneActuator, SignFlipsAtMostOncePerExcursion) {
+TEST_P(OneActuator, SignChangesAtMostOncePerExcursion) {
   Random random(3408);
   for (int i = 0; i < 20; ++i) {
     const Row row = random_row(random, GetParam());
@@ -242,7 +243,8 @@ TEST_P(OneActuator, SignFlipsAtMostOncePerExcursion) {
     int flips = 0;
     int last = sign_chosen(rotation, row, radians(angle_deg));
     for (int k = 0; k < 20000; ++k) {
-      // Drawn back to 90 degrees, or it would walk off and never flip again.
+      // The walk is drawn back to 90 degrees; otherwise it would drift away, and the sign would not
+      // change again.
       const double step_deg = 0.2 * random.normal() - 0.002 * (angle_deg - 90.0);
       angle_deg += step_deg;
       travelled_deg += std::abs(step_deg);
@@ -250,7 +252,8 @@ TEST_P(OneActuator, SignFlipsAtMostOncePerExcursion) {
       if (sign == last) continue;
       ++flips;
       last = sign;
-      // From one side of the band to the other; 2 degrees are what is asked for.
+      // The sign changes only after a path from one side of the band to the other; 2 degrees are
+      // required.
       ASSERT_GE(travelled_deg, flips == 1 ? kBandDeg : 2.0 * kBandDeg);
       travelled_deg = 0.0;
     }
@@ -258,7 +261,7 @@ TEST_P(OneActuator, SignFlipsAtMostOncePerExcursion) {
   }
 }
 
-TEST_P(OneActuator, ANewContactChoosesAfresh) {
+TEST_P(OneActuator, ANewContactChoosesTheSignWithoutMemory) {
   Random random(3409);
   for (int i = 0; i < 100; ++i) {
     const Row row = random_row(random, GetParam());
@@ -274,7 +277,7 @@ TEST_P(OneActuator, ANewContactChoosesAfresh) {
   }
 }
 
-TEST_P(OneActuator, AContactWithoutNormalForgetsNothing) {
+TEST_P(OneActuator, AContactWithoutNormalKeepsTheMemory) {
   Random random(3410);
   const Row row = random_row(random, GetParam());
   TheoreticalRotation rotation(row.model, Table1Form::kCorrected);
@@ -289,7 +292,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, OneActuator,
                            return "Case" + std::to_string(static_cast<int>(row.param));
                          });
 
-// The direction a normal is aligned with, from the rotation that would do it.
+// The direction with which a normal is aligned, computed from the rotation.
 Vec3 target(TheoreticalRotation& rotation, const Vec3& normal) {
   return turned(rotation.update(normal), normal);
 }
@@ -303,7 +306,7 @@ TEST(TwoActuators, ANormalOffThePlaneKeepsTheLastDirection) {
     ASSERT_LE((target(rotation, normal_at(row, radians(80.0))) - row.along).norm(), 16 * kEpsilon);
     ASSERT_LE((target(rotation, sign * row.across) - row.along).norm(), 16 * kEpsilon);
     ASSERT_NEAR(rotation.update(sign * row.across).angle_rad, std::numbers::pi / 2, 16 * kEpsilon);
-    // Round the pole, closer than the hysteresis.
+    // Circles around the pole, within the hysteresis.
     const Vec3 aside = row.across.cross(row.along);
     for (int k = 0; k < 36; ++k) {
       const double turn = 2.0 * std::numbers::pi * k / 36;
@@ -312,7 +315,7 @@ TEST(TwoActuators, ANormalOffThePlaneKeepsTheLastDirection) {
       const Vec3 normal = std::cos(tilt_rad) * row.across + std::sin(tilt_rad) * level;
       ASSERT_LE((target(rotation, normal) - row.along).norm(), 16 * kEpsilon);
     }
-    // Beyond it, the direction follows.
+    // Beyond the hysteresis, the direction follows.
     const double beyond_rad = radians(1.01 * kBandDeg);
     const Vec3 normal = std::cos(beyond_rad) * row.across + std::sin(beyond_rad) * aside;
     ASSERT_LE((target(rotation, normal) - aside).norm(), 100 * kEpsilon);
@@ -333,7 +336,7 @@ TEST(TwoActuators, ANewContactOffThePlaneAlignsWithTheFirstAxis) {
   }
 }
 
-// What is wrong with Table 1 as printed, in numbers.
+// The faults of Table 1 as printed, in numbers.
 
 TEST(PrintedForm, Case1AgreesInOneHalfPlaneOnly) {
   const ActuationModel model = *ActuationModel::from_counts(2, 1);
@@ -372,7 +375,7 @@ TEST(PrintedForm, Case3AngleIsUpToASquareRootOf2TooLarge) {
   }
 }
 
-TEST(PrintedForm, Case3OvershootsWhenItsAngleIsTakenWhole) {
+TEST(PrintedForm, Case3OvershootsIfItsWholeAngleIsTurned) {
   Random random(3415);
   const Row row = random_row(random, ActuationCase::kCase3);
   TheoreticalRotation printed(row.model, Table1Form::kAsPrinted);
@@ -390,7 +393,7 @@ struct Alignment {
   double turned_deg;
 };
 
-// A4's actions 5 and 6 at 1 kHz on a scene whose normal starts at -10 deg, until it is at 1 deg.
+// A4's actions 5 and 6 at 1 kHz: the normal starts at -10 deg and turns until it is at 1 deg.
 Alignment align_from_minus_10_deg(Table1Form form) {
   constexpr double kTick_s = 1e-3;
   const ActuationModel model = *ActuationModel::from_counts(2, 1);

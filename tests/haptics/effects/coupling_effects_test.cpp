@@ -1,4 +1,5 @@
-// Stiffness and damping by material, and that no damper gives energy, against closed forms.
+// Compares stiffness and damping by material with closed forms, and checks that no damper adds
+// energy.
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +34,8 @@ std::vector<EffectProgramBuilder::Entry> spring(double stiffness, double damping
   return {effect_entry<StiffnessEffect>({stiffness}), effect_entry<DampingEffect>({damping})};
 }
 
-// A square whose left half, right half and far end have materials of their own, the last without
-// any effect.
+// A square whose left half, right half and far end have separate materials; the far end has no
+// effects.
 class Patchwork {
  public:
   Patchwork(const RigidTransform& pose, Random& random) : hand({soup()}, pose) {
@@ -112,8 +113,9 @@ TEST(StiffnessAndDamping, AreThoseOfTheMaterialUnderTheProxy) {
   EXPECT_GT(pulled, 50);
 }
 
-// The sides of a groove with a material each: the spring is mixed by what each side bears.
-TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
+// The sides of a groove have one material each; the spring constant is mixed by the load on each
+// side.
+TEST(StiffnessAndDamping, AreMixedInAGrooveByTheLoadOnEachSide) {
   Random random(6102);
   for (int run = 0; run < 200; ++run) {
     const double rise = random.uniform(0.1, 1.4);
@@ -141,7 +143,7 @@ TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
       if (tick > 0) expected += B * (lag - last_lag) / kTick_s;
       expected.z() = std::max(0.0, expected.z());  // the mean normal points up
       last_lag = lag;
-      // Stand-offs of both sides move the corner by 1 / sine of what is between them.
+      // The stand-offs of both sides move the corner by 1 / sine of the angle between the sides.
       const double tolerance =
           (3000.0 + 2 * 5.0 / kTick_s) * hand.tolerance_m() / std::sin(rise) / std::cos(rise);
       ASSERT_LE((hand.force() - expected).norm(), 2 * tolerance) << tick;
@@ -149,26 +151,26 @@ TEST(StiffnessAndDamping, AreSharedInAGrooveByWhatEachSideBears) {
   }
 }
 
-// ---- a damper takes energy round every closed loop ---------------------------------------------
+// ---- a damper dissipates energy around every closed loop ---------------------------------------
 
-// The work on the hand of what the damper adds to the spring: over a closed path, in its second
-// round.
+// The work on the hand by the force that the damper adds to the spring, over the second pass of a
+// closed path.
 struct DamperWork {
   double backward_J = 0.0;    // sum F_k . (x_k - x_k-1)
-  double port_J = 0.0;        // sum F_k . (x_k+1 - x_k): with the force held from tick to tick
-  double dissipated_J = 0.0;  // sum of the backward terms that take
-  // What proxies that move along the normal in a tick can make it give at most: see below.
+  double port_J = 0.0;        // sum F_k . (x_k+1 - x_k): the force is held from tick to tick
+  double dissipated_J = 0.0;  // sum of the backward terms that remove energy
+  // The largest gain that proxies moving along the normal in a tick can cause: see below.
   double allowed_J = 0.0;
-  double whole_lag_J = 0.0;   // what a damper on all of d(p - g)/dt gives
-  double worst_tick_J = 0.0;  // above what is allowed
+  double whole_lag_J = 0.0;   // energy that a damper on all of d(p - g)/dt adds
+  double worst_tick_J = 0.0;  // largest excess over the allowed gain of a tick
 };
 
 using Path = std::function<Vec3(double turn)>;
 
-// The force is B P (dl / T) with l = p - g the lag and P the projection on what presses. The hand
-// moves by dg = dp - dl, so with w = P dl and e = P dp its work is B (w . e - w . w) / T, which is
-// never more than B e^2 / (4 T): a proxy that keeps to one plane or edge has e = 0 and gains
-// nothing in any tick; on a mesh, e is the bend of the way, of second order in the step.
+// The force is B P (dl / T), with l = p - g the lag and P the projection on the pressed directions.
+// The hand moves by dg = dp - dl. With w = P dl and e = P dp, the force's work is B (w . e - w . w)
+// / T, which is at most B e^2 / (4 T). A proxy that stays on one plane or edge has e = 0 and gains
+// nothing in any tick. On a mesh, e is the bend of the path, of second order in the step.
 DamperWork damper_work(BodyHand& damped, BodyHand& undamped, const Vec3& start, const Path& path,
                        double period_s, double dt_s, double damping,
                        const std::function<Vec3(const BodyHand&, const Vec3&)>& pressed) {
@@ -210,7 +212,7 @@ DamperWork damper_work(BodyHand& damped, BodyHand& undamped, const Vec3& start, 
   return work;
 }
 
-// Two hands, one of which has the damper: of the loop, or of the material.
+// Two hands: one has the damper, either of the loop or of the material.
 struct Pair {
   BodyHand damped;
   BodyHand undamped;
@@ -227,7 +229,8 @@ struct Pair {
   }
 };
 
-// Rounding of the work of one tick: of positions against the stand-off's rounding in the pose.
+// The rounding error of the work of one tick, from positions and from the stand-off's rounding in
+// the pose.
 double rounding_J(const BodyHand& hand, double damping, double dt_s, double step_m) {
   return damping / dt_s * 1e-3 * hand.tolerance_m() * step_m;
 }
@@ -236,31 +239,32 @@ Vec3 up_only(const BodyHand&, const Vec3& v) {
   return {0, 0, v.z()};
 }
 
-TEST(Damper, TakesEnergyInEveryTickOnAPlane) {
+TEST(Damper, DissipatesEnergyInEveryTickOnAPlane) {
   Random random(6103);
   for (int run = 0; run < 40; ++run) {
     const double damping = random.uniform(0.5, 10.0);
     Pair pair({square_soup(kSideHalf_m)}, random.pose(0.3), run % 2 == 0, damping);
-    // Every other one leaves the plane on its way.
-    const double deep = run % 4 < 2 ? -0.003 : -0.0005;
-    const SmoothLoop loop({0, 0, deep}, {0.05, 0.05, 0.0025}, random);
+    // Half of the runs leave the plane on their path.
+    const double depth_z_m = run % 4 < 2 ? -0.003 : -0.0005;
+    const SmoothLoop loop({0, 0, depth_z_m}, {0.05, 0.05, 0.0025}, random);
     const DamperWork work = damper_work(
         pair.damped, pair.undamped, {0, 0, 0.02}, [&](double turn) { return loop.at(turn); }, 0.5,
         kTick_s, damping, up_only);
     EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kTick_s, 1e-3));
     EXPECT_LT(work.backward_J, 0.0);
-    // sum a_k a_k+1 = sum a_k^2 - sum (a_k+1 - a_k)^2 / 2 round a loop: one held for a tick takes
-    // less by (w T)^2 / 2 at most, w the fastest harmonic; where it is left, by a tick's share.
+    // sum a_k a_k+1 = sum a_k^2 - sum (a_k+1 - a_k)^2 / 2 around a loop. A force held for a tick
+    // therefore dissipates less by at most (w T)^2 / 2, with w the fastest harmonic, and by a
+    // tick's part where the contact is left.
     const double most = 2 * std::numbers::pi * SmoothLoop::kHarmonics * kTick_s / 0.5;
-    EXPECT_LT(work.port_J, (deep == -0.003 ? 1.0 - 0.5 * most * most : 0.5) * work.backward_J);
+    EXPECT_LT(work.port_J, (depth_z_m == -0.003 ? 1.0 - 0.5 * most * most : 0.5) * work.backward_J);
   }
 }
 
-TEST(Damper, TakesEnergyInAGroove) {
+TEST(Damper, DissipatesEnergyInAGroove) {
   Random random(6104);
   int in_groove = 0;
   for (int run = 0; run < 120; ++run) {
-    // Every third loop is so fast that the damper would pull, and is cut off.
+    // Every third loop is so fast that the damper would pull; that part is removed.
     const double period_s = run % 3 == 0 ? 0.05 : 0.4;
     const double damping = random.uniform(0.5, 20.0);
     const double rise = random.uniform(0.2, 1.3);
@@ -287,9 +291,9 @@ TEST(Damper, TakesEnergyInAGroove) {
   EXPECT_GT(in_groove, 1000);
 }
 
-// Round a sphere, at a depth that varies or not: here a damper on the whole lag gives
-// B d v^2 / r a second, and this test would see a thousandth of it.
-TEST(Damper, GivesNothingRoundASphere) {
+// Paths around a sphere, at a constant or varying depth. A damper on the whole lag would add B d
+// v^2 / r per second here, and this test would detect a thousandth of it.
+TEST(Damper, AddsNoEnergyAroundASphere) {
   Random random(6105);
   constexpr double kRadius_m = 0.05;
   constexpr double kPeriod_s = 0.6;
@@ -316,7 +320,7 @@ TEST(Damper, GivesNothingRoundASphere) {
                       });
       EXPECT_LE(work.worst_tick_J, rounding_J(pair.damped, damping, kTick_s, 1e-3));
       EXPECT_LE(work.backward_J, work.allowed_J);
-      // The mutant would be seen.
+      // The test would detect a damper on the whole lag.
       const double speed = 2 * std::numbers::pi * kRadius_m / kPeriod_s;
       const double mutant_J = damping * 0.004 * speed * speed / kRadius_m * kPeriod_s;
       if (!varies) {
@@ -340,8 +344,9 @@ TEST(Damper, GivesNothingRoundASphere) {
   }
 }
 
-// With friction, too, all that is felt takes energy round a loop: the force is held for a tick.
-TEST(Damper, TakesEnergyTogetherWithFriction) {
+// With friction, too, the whole contact force dissipates energy around a loop, although it is held
+// for a tick.
+TEST(Damper, DissipatesEnergyTogetherWithFriction) {
   Random random(6106);
   for (int run = 0; run < 40; ++run) {
     const double mu_k = random.uniform(0.05, 1.0);

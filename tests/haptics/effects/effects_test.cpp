@@ -1,4 +1,4 @@
-// Effects together: their order, their bounds, what is counted, what is tuned, and faults.
+// Combined effects: order, bounds, counters, tuning and faults.
 
 #include <algorithm>
 #include <array>
@@ -54,9 +54,9 @@ BodyHand all_effects(const RigidTransform& pose, const std::vector<std::size_t>&
   return hand;
 }
 
-TEST(Effects, DoNotDependOnTheOrderInWhichTheyAreGiven) {
+TEST(Effects, DoNotDependOnTheOrderOfTheirDeclaration) {
   Random random(6901);
-  std::uint32_t felt = 0;
+  std::uint32_t active = 0;
   for (int run = 0; run < 20; ++run) {
     const RigidTransform pose = random.pose(0.3);
     std::vector<std::size_t> order(AllEffects::kEntries);
@@ -72,14 +72,14 @@ TEST(Effects, DoNotDependOnTheOrderInWhichTheyAreGiven) {
       const double dt_s = random.uniform(5e-4, 2e-3);
       ASSERT_TRUE(is_same(a.go_to(p, dt_s), b.go_to(p, dt_s))) << run << " " << tick;
       ASSERT_EQ(a.record().effects, b.record().effects);
-      felt |= a.record().effects;
+      active |= a.record().effects;
     }
   }
-  EXPECT_EQ(felt, (1u << compiled_effects().size()) - 1);
+  EXPECT_EQ(active, (1u << compiled_effects().size()) - 1);
 }
 
-// Beside a body with all effects, a bare one is felt as if there were no effects at all.
-TEST(Effects, AreNotFeltOnABareBodyBesideThem) {
+// Next to a body with all effects, a body without effects is rendered as if there were no effects.
+TEST(Effects, AreInactiveOnABodyWithoutEffects) {
   Random random(6902);
   int contacts = 0;
   for (int run = 0; run < 10; ++run) {
@@ -101,9 +101,9 @@ TEST(Effects, AreNotFeltOnABareBodyBesideThem) {
   EXPECT_GT(contacts, 3000);
 }
 
-// A material that says what the loop says is felt like a bare one: to the bit with one face, and to
-// the rounding of shares with more.
-TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
+// A material with the loop's own coupling is rendered like one without effects: to the bit with one
+// touched face, and up to the rounding of shares with more.
+TEST(Effects, WithTheLoopsParametersChangeNothing) {
   Random random(6903);
   constexpr double kSharesRoundoff = 8 * std::numeric_limits<double>::epsilon();
   const auto ring = test::soup_of(torus(0.05, 0.02, 2));
@@ -125,9 +125,9 @@ TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
            0.02 * (0.018 - (p - core).norm()) * (p - core).normalized();
       with.go_to(p);
       without.go_to(p);
-      const Vec3& bare_N = vec3(without.record().force_device_N);
-      ASSERT_LE((vec3(with.record().force_device_N) - bare_N).norm(),
-                kSharesRoundoff * bare_N.norm());
+      const Vec3& plain_N = vec3(without.record().force_device_N);
+      ASSERT_LE((vec3(with.record().force_device_N) - plain_N).norm(),
+                kSharesRoundoff * plain_N.norm());
       ASSERT_TRUE(
           same_bits(vec3(with.record().proxy_scene_m), vec3(without.record().proxy_scene_m)));
       contacts += with.record().contact;
@@ -136,7 +136,7 @@ TEST(Effects, ThatSayWhatTheLoopSaysChangeNothing) {
   EXPECT_GT(contacts, 3000);
 }
 
-TEST(Effects, AreCountedInTheTicksInWhichTheyAreFelt) {
+TEST(Effects, AreCountedInTheTicksInWhichTheyAreActive) {
   Random random(6904);
   BodyHand hand = all_effects(random.pose(0.3));
   hand.begin(hand_settings());
@@ -156,7 +156,7 @@ TEST(Effects, AreCountedInTheTicksInWhichTheyAreFelt) {
     ASSERT_EQ(bit(effect_number<ShadingEffect>()), contact);
     ASSERT_TRUE(bit(effect_number<GravityEffect>()));
     const double out_m = hand.proxy().norm();
-    // By the mesh, which lies within its sagitta inside the sphere.
+    // The distance to the mesh, which lies within its sagitta inside the sphere.
     if (out_m < AllEffects::kRadius_m + AllEffects::kRange_m - 5e-4) {
       ASSERT_TRUE(bit(effect_number<MagnetEffect>())) << tick;
     }
@@ -196,7 +196,7 @@ TEST(Effects, CanBeTunedFromTheNextTickOn) {
   tune<StiffnessEffect>(hand, {2000.0});
   hand.go_to({0, 0, -0.001});
   EXPECT_NEAR(hand.force().z(), 2.0 - 1.0, 1e-8);
-  // Out of range, a larger range is felt at once, by a hand that does not move.
+  // For a hand at rest out of range, a larger range takes effect at once.
   for (int tick = 0; tick < 3; ++tick) hand.go_to({0, 0, 0.02});
   EXPECT_EQ(hand.force(), Vec3(0, 0, 0));
   tune<MagnetEffect>(hand, {1.0, 0.04, &hand.world().effects->magnets.back()});
@@ -204,10 +204,10 @@ TEST(Effects, CanBeTunedFromTheNextTickOn) {
   EXPECT_NEAR(hand.force().z(), -0.25, 1e-9);
 }
 
-// After a fault, the next good sample carries on: as if it were the first, where it is about time.
-// Friction has one coefficient here: with two, a contact that slid sticks after a fault, and ends
-// elsewhere.
-TEST(Effects, SurviveBadSamples) {
+// After a fault, the next good sample continues; rates and times begin as if it were the first
+// sample. Friction has a single coefficient here: with two, a sliding contact would stick after a
+// fault and end elsewhere.
+TEST(Effects, ContinueAfterBadSamples) {
   Random random(6906);
   for (int run = 0; run < 20; ++run) {
     BodyHand hand = all_effects(random.pose(0.3));
@@ -246,18 +246,18 @@ TEST(Effects, SurviveBadSamples) {
       ASSERT_EQ(hand.record().faults & kFaultsWithoutForce, 0u);
       ASSERT_TRUE(vec3(hand.record().force_device_N).allFinite());
       ASSERT_TRUE(vec3(hand.record().proxy_scene_m).allFinite());
-      // Where it is is not forgotten; rates, pulses and hums begin again.
+      // The position is kept; rates, pulses and vibrations begin again.
       ASSERT_TRUE(same_bits(vec3(hand.record().proxy_scene_m), vec3(twin.record().proxy_scene_m)))
           << tick;
       if (after_fault) {
-        // Nothing is felt that needs two samples.
+        // No effect that needs two samples is active.
         ASSERT_FALSE(hand.feels(effect_number<RestitutionEffect>()));
         const Vec3 still = hand.force();
-        ASSERT_LE(still.norm(), 800.0 * 0.02 + 2.0);  // the spring, and what has no rate
+        ASSERT_LE(still.norm(), 800.0 * 0.02 + 2.0);  // the spring, and effects without a rate
       }
     }
     EXPECT_EQ(faults, kFaultNonFiniteSample | kFaultBadTimeStep | kFaultJump);
-    // At the end both feel the same, but for the hum's phase.
+    // At the end both records are equal, except for the vibration's phase.
     for (int tick = 0; tick < 100; ++tick) {
       hand.go_to({0.055, 0, 0});
       twin.go_to({0.055, 0, 0});
@@ -266,12 +266,12 @@ TEST(Effects, SurviveBadSamples) {
   }
 }
 
-TEST(Effects, ForcesStayFiniteAndBoundedAtAllPaces) {
+TEST(Effects, ForcesStayFiniteAndBoundedAtAllSpeeds) {
   Random random(6907);
   BodyHand hand = all_effects(random.pose(0.3));
   hand.begin(hand_settings());
   for (int tick = 0; tick < 50000; ++tick) {
-    // A hand without any sense.
+    // A hand that moves at random.
     const double dt_s = std::pow(10.0, random.uniform(-6.0, 0.0));
     const Vec3 p = random.index(3) ? Vec3(0.05 * random.unit_vector()) : random.in_box(0.1);
     hand.go_to(p, dt_s);

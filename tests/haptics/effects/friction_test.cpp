@@ -1,4 +1,4 @@
-// Coulomb's friction on the god-object, against the law in closed form.
+// Compares Coulomb's friction on the god-object with the law in closed form.
 
 #include <cmath>
 #include <numbers>
@@ -54,7 +54,7 @@ Soup groove_soup(double rise_rad) {
   return soup;
 }
 
-// A plane with friction in a random pose, and a hand that is told where to go in its frame.
+// A plane with friction in a random pose, and a hand that follows commands in the plane's frame.
 class PlaneHand {
  public:
   PlaneHand(const RigidTransform& pose, double mu_s, double mu_k, double damping = 0.0)
@@ -72,7 +72,8 @@ class PlaneHand {
     return *last_;
   }
   Vec3 force() const { return pose_.inverse_direction(vec3(last_->force_device_N)); }
-  // Of positions read back from the scene: the solver's stand-off and rounding in the pose.
+  // The error of positions read back from the scene: the solver's stand-off and rounding in the
+  // pose.
   double tolerance_m() const {
     return 4 * SolverScale::of(2 * kPlaneHalf_m, 0.0).stand_off_m +
            64 * kEpsilon * (pose_.translation_m.norm() + kPlaneHalf_m);
@@ -85,16 +86,16 @@ class PlaneHand {
   const TickRecord* last_ = nullptr;
 };
 
-// The law in closed form: where the proxy is, and whether it sticks or slides.
+// The law in closed form: the proxy's position, and whether it sticks or slides.
 struct Law {
   double mu_s, mu_k;
   Vec3 proxy = Vec3::Zero();
   bool slides = false;
 
-  // Whether it keeps its place. foot: of the goal.
+  // True if the proxy keeps its place. foot: the goal's projection on the plane.
   bool keeps_place(const Vec3& foot, double depth) {
     const Vec3 lag = proxy - foot;
-    constexpr double kSame_m = 1e-13;  // some roundings of where it is
+    constexpr double kSame_m = 1e-13;  // some roundings of its position
     if (lag.norm() <= (slides ? mu_k : mu_s) * depth + kSame_m) {
       slides = slides && lag.norm() >= mu_k * depth - kSame_m;
       return true;
@@ -130,7 +131,7 @@ TEST(Friction, FollowsTheLawTickByTick) {
       slides += !keeps;
       slides_again += !keeps && slid_before;
       rests += keeps;
-      // Each tick's error may turn into the next one's.
+      // The error of a tick may carry over to the next.
       ASSERT_LE((hand.proxy() - law.proxy).norm(), (tick + 1) * (1 + mu_s) * hand.tolerance_m());
       law.proxy = hand.proxy();
       law.proxy.z() = 0.0;
@@ -157,7 +158,7 @@ TEST(Friction, SlidesWithALagOfTheCoefficientTimesTheDepth) {
   }
 }
 
-TEST(Friction, ForcesKeepTheRatioWhateverTheDamping) {
+TEST(Friction, ForcesKeepTheRatioWithAnyDamping) {
   Random random(5103);
   for (int run = 0; run < 40; ++run) {
     const double mu_k = random.uniform(0.05, 1.0);
@@ -188,7 +189,7 @@ TEST(Friction, ForcesKeepTheRatioWhateverTheDamping) {
   }
 }
 
-// What a hand at rest must not do, with a tremor that stays inside the cone.
+// A hand at rest with a tremor inside the cone must not move the proxy.
 template <typename Tremor>
 void expect_no_drift(const OwnedWorld& world, const Vec3& above, const Vec3& pressed, int ticks,
                      Tremor tremor) {
@@ -222,7 +223,7 @@ TEST(Friction, DoesNotDriftInAGrooveOrACorner) {
     expect_no_drift(world, {0, 0, 0.002}, {0, 0, -0.002}, 20000,
                     [&] { return Vec3(0, 0.5e-3 * random.uniform(-1, 1), 0); });
   }
-  Soup corner;  // the inside of one
+  Soup corner;  // an inside corner
   corner.add_quad({0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0});
   corner.add_quad({0, 0, 0}, {0, 0.1, 0}, {0, 0.1, 0.1}, {0, 0, 0.1});
   corner.add_quad({0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0.1}, {0.1, 0, 0});
@@ -239,13 +240,13 @@ TEST(Friction, DoesNotDriftOnCurvedMeshes) {
   world.set_effects(with_friction(0.6, 0.5));
   for (int place = 0; place < 20; ++place) {
     const Vec3 outwards = random.unit_vector();
-    // Pressing 2 mm holds 1 mm of tremor at least, whichever facet it is.
+    // At a depth of 2 mm, friction holds at least 1 mm of tremor, on any facet.
     expect_no_drift(world, 0.052 * outwards, 0.048 * outwards, 3000,
                     [&] { return Vec3(0.2e-3 * random.unit_vector()); });
   }
 }
 
-TEST(Friction, ReversalsSlideTheLagFromEndToEndAndBack) {
+TEST(Friction, ReversalsMoveTheLagAcrossTheWholeConeAndBack) {
   for (const double mu : {0.0, 0.3, 10.0}) {
     PlaneHand hand({}, mu, mu);
     const double depth = 1e-3;
@@ -263,8 +264,8 @@ TEST(Friction, ReversalsSlideTheLagFromEndToEndAndBack) {
   }
 }
 
-// 18 of the hard cases: A4 turns the scene while the proxy sticks to it. The hand stays where it
-// is, so that its lag turns towards the surface, by less than the cone is wide.
+// Hard case 18: A4 turns the scene while the proxy sticks to it. The hand stays in place, so that
+// its lag turns towards the surface, by less than the cone's width.
 TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
   OwnedWorld world(plane_soup());
   world.set_effects(with_friction(5.0, 5.0));
@@ -281,10 +282,10 @@ TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
     ASSERT_TRUE(record.contact);
     ASSERT_EQ(vec3(record.proxy_scene_m), rest);
   }
-  EXPECT_LT(loop.tick(pressed, kTick_s).alpha_rad, 1e-9);  // and it got there
+  EXPECT_LT(loop.tick(pressed, kTick_s).alpha_rad, 1e-9);  // the alignment is complete
 }
 
-// Every step nearer to the goal than the last place was, on meshes that give all kinds of contacts.
+// In every step the proxy gets nearer to the goal, on meshes with all kinds of contacts.
 TEST(Friction, KeepsTheEnergyCertificate) {
   Random random(5108);
   const TriangleMesh sphere = icosphere(3, 0.05);
@@ -324,7 +325,7 @@ TEST(Friction, KeepsTheEnergyCertificate) {
   }
 }
 
-TEST(Friction, TakesTheHandAlongWithAMovingPlate) {
+TEST(Friction, CarriesTheHandWithAMovingPlate) {
   Random random(5109);
   for (const bool turns : {false, true}) {
     const RigidTransform pose = random.pose(0.1);
@@ -343,14 +344,14 @@ TEST(Friction, TakesTheHandAlongWithAMovingPlate) {
       const TickRecord& record = loop.tick(goal, kTick_s);
       ASSERT_LE((moved.inverse_point(vec3(record.proxy_scene_m)) - place).norm(), 1e-12) << tick;
     }
-    // The hand is pulled the way that the plate goes.
+    // The force pulls the hand in the direction of the plate's motion.
     const Vec3 pulled = moved.point(place) - goal;
     EXPECT_GT(pulled.dot(vec3(loop.tick(goal, kTick_s).force_device_N)), 0.0);
   }
 }
 
-// A corner of a floor that holds the proxy and a wall that does not, which moves along itself.
-TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
+// A corner between a floor that holds the proxy and a frictionless wall that moves along itself.
+TEST(Friction, DoesNotCarryTheProxyWithAFrictionlessWall) {
   const RigidTransform wall{Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY())),
                             Vec3::Zero()};
   OwnedBodies bodies({{plane_soup(), {}}, {plane_soup(), wall}});
@@ -372,8 +373,8 @@ TEST(Friction, IsNotTakenAlongByWhatDoesNotHoldIt) {
   }
 }
 
-// A tremor of the body is no reason to slide: static friction still holds.
-TEST(Friction, HoldsInAGrooveThatMoves) {
+// A tremor of the body does not cause sliding: static friction still holds.
+TEST(Friction, HoldsInAMovingGroove) {
   OwnedBodies bodies({{groove_soup(0.25 * std::numbers::pi), {}}});
   bodies.set_effects(with_friction(0.8, 0.2));
   HapticLoop loop(bodies.world(), three_axes(), hand_settings());
@@ -389,7 +390,7 @@ TEST(Friction, HoldsInAGrooveThatMoves) {
   }
 }
 
-TEST(Friction, HoldsOnlyAsLongAsItIsTouched) {
+TEST(Friction, HoldsOnlyInContact) {
   PlaneHand hand({}, 10.0, 10.0);
   hand.tick({0, 0, 0.001});
   hand.tick({0, 0, -0.001});

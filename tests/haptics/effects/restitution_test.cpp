@@ -1,4 +1,4 @@
-// The pulse of an impact: its impulse, and that it only brakes.
+// The force pulse on impact has the right impulse and only brakes.
 
 #include "haptics/effects/restitution.h"
 
@@ -30,7 +30,7 @@ BodyHand crisp(double restitution, double mass_kg, const RigidTransform& pose,
   return hand;
 }
 
-// The force of the last tick beyond the spring's.
+// The force of the last tick minus the spring's.
 double pulse_N(const BodyHand& hand, double depth_m) {
   return hand.force().z() - (depth_m > 0.0 ? 1000.0 * depth_m : 0.0);
 }
@@ -56,7 +56,7 @@ TEST(Restitution, GivesTheImpulseOfNewtonsLawAtAnyRate) {
         if (hand.feels(effect_number<RestitutionEffect>())) {
           impulse_Ns += pulse * dt_s;
           ++ticks;
-          // Half a sine: never above its crest.
+          // Half a sine: never above its peak.
           const double crest = std::numbers::pi / 2 / kDuration_s;
           ASSERT_LE(pulse, e * mass * speed * std::min(crest, 1.0 / dt_s) * (1 + 1e-6) + 1e-7);
         } else {
@@ -70,9 +70,9 @@ TEST(Restitution, GivesTheImpulseOfNewtonsLawAtAnyRate) {
   }
 }
 
-// A hand of some mass is thrown at the surface and bounces. The pulse takes energy; only where the
-// hand turns round within a tick is its force held too long. It gives back then what it does over
-// the way of that tick, which began with less speed inwards than the forces turn round in it.
+// A hand with mass is thrown at the surface and bounces. The pulse removes energy. Only in the tick
+// in which the hand reverses, its force is held too long. It then returns the energy of that tick's
+// motion, which began with less inward speed than the forces reverse within the tick.
 TEST(Restitution, OnlyBrakes) {
   Random random(6602);
   constexpr double kDt_s = 1e-3;
@@ -111,36 +111,36 @@ TEST(Restitution, OnlyBrakes) {
   std::printf("a held tick gives back %.3f of the kinetic energy at most\n", most_given);
 }
 
-TEST(Restitution, IsReadyAgainOnceTheSurfaceHasBeenLeft) {
+TEST(Restitution, PulsesAgainAfterTheSurfaceWasLeft) {
   constexpr double kDt_s = 1e-3;
   const auto number = effect_number<RestitutionEffect>();
   BodyHand hand = crisp(0.8, 0.05, {});
   hand.begin(hand_settings());
   double z = 0.0035;
   const auto move = [&](double speed, int ticks) {
-    int felt = 0;
+    int active = 0;
     for (int i = 0; i < ticks; ++i) {
       z += speed * kDt_s;
       hand.go_to({0, 0, z}, kDt_s);
-      felt += hand.feels(number);
+      active += hand.feels(number);
     }
-    return felt;
+    return active;
   };
   hand.go_to({0, 0, z}, kDt_s);
   EXPECT_EQ(move(-1.0, 3), 0);
   EXPECT_EQ(move(-1.0, 20), 5);  // once, for its duration
-  EXPECT_EQ(move(1.0, 20), 0);   // out, 0.5 mm
-  EXPECT_EQ(move(-1.0, 2), 0);   // chatter: back too early
+  EXPECT_EQ(move(1.0, 20), 0);   // away from the surface, 0.5 mm
+  EXPECT_EQ(move(-1.0, 2), 0);   // chatter: the return is too early
   EXPECT_EQ(move(1.0, 10), 0);
-  EXPECT_EQ(move(-1.0, 15), 5);  // and again
-  // One that is cut short by turning round is over.
+  EXPECT_EQ(move(-1.0, 15), 5);  // a second pulse
+  // A pulse that ended early because the hand reversed does not continue.
   EXPECT_EQ(move(1.0, 20), 0);
   EXPECT_EQ(move(-1.0, 15), 2);
   EXPECT_EQ(move(1.0, 1), 0);
   EXPECT_EQ(move(-1.0, 3), 0);
 }
 
-TEST(Restitution, IsNotFeltWhileSliding) {
+TEST(Restitution, IsInactiveWhileSliding) {
   Random random(6604);
   constexpr double kDt_s = 1e-3;
   BodyHand hand({test::soup_of(icosphere(3, 0.05))}, random.pose(0.3));

@@ -1,4 +1,4 @@
-// Facets that are felt as a smooth surface, creases that stay, and what shading leaves alone.
+// Shading smooths facets, keeps creases, and does not change other properties of the contact.
 
 #include "haptics/effects/shading.h"
 
@@ -54,11 +54,11 @@ BodyHand faceted(const Soup& soup, const RigidTransform& pose, const Entries& ot
 }
 
 struct Ripple {
-  double most_rad = 0.0;     // from the radial direction
-  double largest_rad = 0.0;  // from one tick to the next, beyond the turn of the way itself
+  double most_rad = 0.0;     // largest deviation from the radial direction
+  double largest_rad = 0.0;  // largest change between ticks, beyond the turn of the path itself
 };
 
-// Along a great circle at a steady depth.
+// A path along a great circle at a constant depth.
 Ripple ripple_along(BodyHand& hand, const Vec3& u, const Vec3& v, double radius_m, double depth_m) {
   Ripple ripple;
   constexpr int kTicks = 3000;
@@ -76,7 +76,7 @@ Ripple ripple_along(BodyHand& hand, const Vec3& u, const Vec3& v, double radius_
   return ripple;
 }
 
-TEST(Shading, MakesATenthOfTheRippleOfFacetsOrLess) {
+TEST(Shading, ReducesTheRippleOfFacetsToATenthOrLess) {
   Random random(6801);
   constexpr double kRadius_m = 0.05;
   constexpr double kDepth_m = 0.001;
@@ -106,7 +106,7 @@ TEST(Shading, MakesATenthOfTheRippleOfFacetsOrLess) {
   }
 }
 
-TEST(Shading, TurnsTheForceAndLeavesItsSize) {
+TEST(Shading, TurnsTheForceAndKeepsItsMagnitude) {
   Random random(6802);
   const Soup ring = test::soup_of(torus(0.05, 0.02, 2));
   for (int run = 0; run < 10; ++run) {
@@ -115,11 +115,11 @@ TEST(Shading, TurnsTheForceAndLeavesItsSize) {
     with.begin(hand_settings(1000.0, 1.0));
     BodyHand without = faceted(ring, pose);
     without.begin(hand_settings(1000.0, 1.0));
-    constexpr double kLargest_N = 10.0;  // of what is cut off to nothing
+    constexpr double kLargest_N = 10.0;  // of forces that are removed completely
     Vec3 goal(0.08, 0, 0);
     int turned = 0;
     for (int tick = 0; tick < 3000; ++tick) {
-      // Towards the core of the ring, from all sides.
+      // Paths towards the core of the ring, from all sides.
       const Vec3 core = 0.05 * Vec3(goal.x(), goal.y(), 0).normalized();
       goal += 5e-4 * random.unit_vector() +
               0.02 * (0.018 - (goal - core).norm()) * (goal - core).normalized();
@@ -130,7 +130,7 @@ TEST(Shading, TurnsTheForceAndLeavesItsSize) {
       const double size = without.force().norm();
       ASSERT_NEAR(with.force().norm(), size, 16 * kEpsilon * (size + kLargest_N)) << tick;
       if (!with.record().contact) continue;
-      // The normal that is told is the one that the force has.
+      // The reported normal is that of the force.
       const double cosine = without.force().normalized().dot(without.normal());
       ASSERT_NEAR(with.force().normalized().dot(with.normal()), cosine, size > 1e-6 ? 1e-9 : 1.0);
       turned += (with.normal() - without.normal()).norm() > 0.01;
@@ -139,9 +139,9 @@ TEST(Shading, TurnsTheForceAndLeavesItsSize) {
   }
 }
 
-// A box has only creases at 40 degrees: it is felt as without shading, to the bit, whatever its
-// shape's own axes.
-TEST(Shading, LeavesCreasesAndFlatFacesAsTheyAre) {
+// At a crease angle of 40 degrees, all edges of a box are creases: the box is rendered as without
+// shading, to the bit, in any orientation of its axes.
+TEST(Shading, DoesNotChangeCreasesAndFlatFaces) {
   Random random(6803);
   int contacts = 0;
   for (int run = 0; run < 20; ++run) {
@@ -169,7 +169,7 @@ TEST(Shading, LeavesCreasesAndFlatFacesAsTheyAre) {
   EXPECT_GT(contacts, 5000);
 }
 
-// A cylinder of few facets: its side is smooth, its rims are creases.
+// A cylinder with few facets: its side is smooth, its rims are creases.
 TEST(Shading, SmoothsTheSideOfAPrismAndKeepsItsRims) {
   constexpr int kSides = 16;
   constexpr double kRadius_m = 0.03;
@@ -202,7 +202,7 @@ TEST(Shading, SmoothsTheSideOfAPrismAndKeepsItsRims) {
   EXPECT_LT(smooth, 0.1 * rough);
 }
 
-TEST(Shading, LeavesTheRatioOfFrictionAsItIs) {
+TEST(Shading, KeepsTheRatioOfFriction) {
   Random random(6805);
   const Soup soup = test::soup_of(icosphere(3, 0.05));
   for (int run = 0; run < 10; ++run) {
@@ -225,11 +225,11 @@ TEST(Shading, LeavesTheRatioOfFrictionAsItIs) {
       ASSERT_EQ(vec3(with.record().proxy_scene_m), vec3(without.record().proxy_scene_m));
       const double press = with.force().dot(with.normal());
       const double side = (with.force() - press * with.normal()).norm();
-      const double press_bare = without.force().dot(without.normal());
-      const double side_bare = (without.force() - press_bare * without.normal()).norm();
-      ASSERT_NEAR(press, press_bare, 1e-12 + 1e-12 * press);
-      ASSERT_NEAR(side, side_bare, 1e-11 + 1e-11 * press);
-      // Edges between facets are crossed with more than one plane, and a lag along both.
+      const double faceted_press = without.force().dot(without.normal());
+      const double faceted_side = (without.force() - faceted_press * without.normal()).norm();
+      ASSERT_NEAR(press, faceted_press, 1e-12 + 1e-12 * press);
+      ASSERT_NEAR(side, faceted_side, 1e-11 + 1e-11 * press);
+      // At edges between facets, the proxy has more than one plane and a lag along both.
       ASSERT_TRUE(tick < 500 || side <= mu * press * (1 + 1e-9));
     }
   }

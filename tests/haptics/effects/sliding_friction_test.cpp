@@ -1,5 +1,6 @@
-// Friction that slides on: the tangential force is mu_k times the normal force in every tick from
-// the first slip on, however the hand goes on, and whether the hand moves or the plate under it.
+// Continued sliding: from the first slip on, the tangential force is mu_k times the normal force in
+// every tick. This holds for any further motion of the hand, whether the hand moves or the plate
+// under it.
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,7 @@ using test::Soup;
 using test::three_axes;
 using test::with_friction;
 
-constexpr double kRatio = 1e-9;  // of tangential over normal force, to mu_k
+constexpr double kRatio = 1e-9;  // tolerance of the ratio of tangential to normal force
 
 Soup plate_soup(double half_m) {
   Soup soup;
@@ -48,8 +49,8 @@ Soup plate_soup(double half_m) {
   return soup;
 }
 
-// The hand over a plate at rest, or the plate under a hand at rest: shifted, or turned about the
-// middle of the plate.
+// The hand moves over a plate at rest, or the plate moves under a hand at rest: it is shifted, or
+// turned about its middle.
 enum class Mover { kHand, kPlate, kTurningPlate };
 
 struct Slide {
@@ -77,8 +78,8 @@ Slide random_slide(Random& random) {
   return s;
 }
 
-// A plate and a hand in random poses of scene and device. Places are those of the hand in the frame
-// of the plate, whichever of the two moves.
+// A plate and a hand, in random poses of scene and device. Positions are those of the hand in the
+// plate's frame, whichever of the two moves.
 class PlateHand {
  public:
   PlateHand(const Slide& slide, double half_m, Random& random)
@@ -93,7 +94,7 @@ class PlateHand {
     loop_.emplace(plate_.world(), three_axes(), s);
   }
 
-  // To this place in the plate's plane, pressed. The first call comes from above.
+  // Moves to this place in the plate's plane, pressing. The first call arrives from above.
   const TickRecord& go_to(double x_m, double y_m) { return go_to({x_m, y_m, -slide_.depth_m}); }
   const TickRecord& go_to(const Vec3& hand_plate) {
     if (!has_started_) {
@@ -125,7 +126,7 @@ class PlateHand {
   Vec3 proxy() const { return T_scene_plate_.inverse_point(vec3(record_.proxy_scene_m)); }
   bool sticks() const { return record_.friction == FrictionState::kSticks; }
   bool slides() const { return record_.friction == FrictionState::kSlides; }
-  // Of the force, tangential over normal.
+  // The ratio of tangential to normal force.
   double ratio() const {
     const Vec3 f = T_scene_plate_.inverse_direction(
         T_device_scene_.inverse_direction(vec3(record_.force_device_N)));
@@ -144,12 +145,12 @@ class PlateHand {
   bool has_started_ = false;
 };
 
-// Ticks until the lag is mu_s d on a straight way, at least.
+// The least number of ticks until the lag is mu_s d on a straight path.
 int ticks_to_slip(const Slide& s, double step_m) {
   return static_cast<int>(s.mu_s * s.depth_m / step_m) + 2;
 }
 
-// Judges ticks of a hand that goes on: it sticks, slips once, and slides from then on.
+// Checks the ticks of a hand in continued motion: it sticks, slips once, and slides from then on.
 class Judge {
  public:
   explicit Judge(const Slide& slide) : slide_(slide) {}
@@ -184,7 +185,7 @@ class Judge {
 
 constexpr double kPlateHalf_m = 0.6;
 
-TEST(SlidingFriction, KeepsTheRatioInEveryTickStraightOn) {
+TEST(SlidingFriction, KeepsTheRatioInEveryTickOfAStraightPath) {
   Random random(5201);
   double worst = 0.0;
   int ticks = 0;
@@ -210,7 +211,7 @@ TEST(SlidingFriction, KeepsTheRatioInEveryTickStraightOn) {
   std::printf("straight: %d sliding ticks, ratio off by %.1e at most\n", ticks, worst);
 }
 
-TEST(SlidingFriction, KeepsTheRatioInEveryTickRoundACircle) {
+TEST(SlidingFriction, KeepsTheRatioInEveryTickOfACircle) {
   Random random(5202);
   double worst = 0.0;
   int ticks = 0;
@@ -221,7 +222,7 @@ TEST(SlidingFriction, KeepsTheRatioInEveryTickRoundACircle) {
     const double radius_m = slide.mu_s * slide.depth_m * random.uniform(1.05, 10.0);
     SCOPED_TRACE(testing::Message() << "run " << run << ": " << slide << ", step " << step_m
                                     << ", radius " << radius_m);
-    if (step_m > 0.5 * radius_m) continue;  // no circle
+    if (step_m > 0.5 * radius_m) continue;  // too coarse for a circle
     PlateHand hand(slide, kPlateHalf_m, random);
     Judge judge(slide);
     const int turn = static_cast<int>(2.0 * std::numbers::pi * radius_m / step_m);
@@ -239,8 +240,8 @@ TEST(SlidingFriction, KeepsTheRatioInEveryTickRoundACircle) {
   std::printf("circle: %d sliding ticks, ratio off by %.1e at most\n", ticks, worst);
 }
 
-// A hand that stands still keeps the state, the force and its place to the bit.
-TEST(SlidingFriction, KeepsTheRatioWhileTheHandSlowsDownToAStopAndGoesOn) {
+// While the hand is at rest, the friction state, the force and the proxy stay the same, to the bit.
+TEST(SlidingFriction, KeepsTheRatioWhileTheHandStopsAndMovesOn) {
   Random random(5203);
   for (int run = 0; run < 100; ++run) {
     const Slide slide = random_slide(random);
@@ -259,7 +260,7 @@ TEST(SlidingFriction, KeepsTheRatioWhileTheHandSlowsDownToAStopAndGoesOn) {
       const int slow_ticks = 60;
       for (int n = 0; n < slow_ticks; ++n) {
         hand.go_to(x_m += step_m * std::pow(0.5, n), 0.0);
-        ASSERT_TRUE(judge(hand)) << "slowing, " << n;
+        ASSERT_TRUE(judge(hand)) << "slowing down, " << n;
       }
       hand.go_to(x_m, 0.0);
       const Vec3 rest = vec3(hand.record().proxy_scene_m);
@@ -270,7 +271,7 @@ TEST(SlidingFriction, KeepsTheRatioWhileTheHandSlowsDownToAStopAndGoesOn) {
       }
       for (int n = slow_ticks; n >= 0; --n) {
         hand.go_to(x_m += step_m * std::pow(0.5, n), 0.0);
-        ASSERT_TRUE(judge(hand)) << "going on, " << n;
+        ASSERT_TRUE(judge(hand)) << "moving on, " << n;
       }
     }
   }
@@ -297,7 +298,7 @@ TEST(SlidingFriction, KeepsTheRatioWithGoalsRoundedToAnEncodersStep) {
   }
 }
 
-TEST(SlidingFriction, SticksOnceForAReversal) {
+TEST(SlidingFriction, SticksOncePerReversal) {
   Random random(5205);
   for (int run = 0; run < 100; ++run) {
     const Slide slide = random_slide(random);
@@ -328,7 +329,7 @@ TEST(SlidingFriction, SticksOnceForAReversal) {
   }
 }
 
-TEST(SlidingFriction, MovesInTheFirstPeriodOfATremorAtMost) {
+TEST(SlidingFriction, MovesOnlyInTheFirstPeriodOfATremor) {
   Random random(5206);
   for (int run = 0; run < 200; ++run) {
     Slide slide = random_slide(random);
@@ -349,7 +350,7 @@ TEST(SlidingFriction, MovesInTheFirstPeriodOfATremorAtMost) {
       hand.go_to(x_m + off_m * std::cos(angle), off_m * std::sin(angle));
       if (n == period) rest = hand.proxy();
       if (n <= period) continue;
-      // A plate that moves takes the proxy along, to rounding.
+      // A moving plate carries the proxy with it, up to rounding.
       ASSERT_LE((hand.proxy() - rest).norm(), slide.moves_plate() ? 1e-11 : 0.0) << n;
     }
     ASSERT_TRUE(hand.sticks());
@@ -377,13 +378,13 @@ TEST(SlidingFriction, KeepsTheBitsOfAMillionTicksAtRest) {
   }
 }
 
-// A hand that slides with a lag between the two cones' in the next tick.
+// Slides the hand such that its lag in the next tick is between the two cones.
 void slide_on(PlateHand& hand, double& x_m) {
   for (int n = 0; n < 40; ++n) hand.go_to(x_m += 1e-4, 0.0);
   ASSERT_TRUE(hand.slides());
 }
 
-TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
+TEST(SlidingFriction, EndsWithTheContactAndWithFaultsOfZeroForce) {
   Random random(5208);
   const Slide slide{0.8, 0.4, 2e-3, 0.0};
   const auto sticks_after = [&](auto&& interrupt) {
@@ -399,7 +400,7 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double x_m) {
     hand.go_to({x_m, 0.0, 1e-4});
     EXPECT_EQ(hand.record().friction, FrictionState::kNone);
-    // Slantwise into the plate: the lag is between 0.4 and 0.8 times the depth at once.
+    // The hand enters the plate obliquely: at once, the lag is between 0.4 and 0.8 times the depth.
     hand.go_to(x_m + 1.2e-3, 0.0);
     EXPECT_TRUE(hand.sticks());
     EXPECT_NEAR(hand.proxy().x(), x_m + 1.2e-3 * 0.1 / 2.1, 1e-9);
@@ -409,12 +410,12 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
     EXPECT_EQ(bad.friction, FrictionState::kNone);
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double x_m) {
-    hand.loop().tick(hand.device_m({x_m, 0.0, -2e-3}), 2.0);  // no tick
+    hand.loop().tick(hand.device_m({x_m, 0.0, -2e-3}), 2.0);  // not a valid time step
   }));
   EXPECT_TRUE(sticks_after([](PlateHand& hand, double) {
     EXPECT_EQ(hand.loop().tick(hand.device_m({50.0, 0.0, 0.0}), kTick_s).faults, kFaultJump);
   }));
-  // A force that is none: of a damper, in a tick that is too short.
+  // A damper gives a non-finite force in a tick that is too short.
   Slide damped = slide;
   damped.damping = 2.0;
   PlateHand hand(damped, kPlateHalf_m, random);
@@ -427,7 +428,7 @@ TEST(SlidingFriction, EndsWithTheContactAndWithFaultsThatGiveNoForce) {
   EXPECT_TRUE(hand.sticks());
 }
 
-TEST(SlidingFriction, OfAGodObjectEndsWithPlaceAndEndFriction) {
+TEST(SlidingFriction, EndsWithPlaceAndEndFrictionOfTheGodObject) {
   const OwnedWorld world(plate_soup(0.1));
   test::SameCone cone({0.8, 0.4});
   const FrictionSource source{cone};
@@ -450,14 +451,15 @@ TEST(SlidingFriction, OfAGodObjectEndsWithPlaceAndEndFriction) {
   EXPECT_FALSE(stuck.slid);
   slide();
   god_object.place({0, 0, 1e-3});
-  EXPECT_EQ(go_to(1.2e-3).friction, FrictionState::kSticks);  // half of it above the surface
+  // Half of the path is above the surface.
+  EXPECT_EQ(go_to(1.2e-3).friction, FrictionState::kSticks);
   slide();
   god_object.move_to({1e-3, 0, -kDepth_m});  // without friction
   EXPECT_EQ(go_to(1.6e-3).friction, FrictionState::kSticks);
 }
 
-// The hand goes on over plates with materials of their own, side by side.
-TEST(SlidingFriction, GoesOnFromMaterialToMaterial) {
+// The hand moves on over adjacent plates with different materials.
+TEST(SlidingFriction, ContinuesAcrossMaterials) {
   Random random(5209);
   const FrictionEffect::Parameters materials[] = {
       {1.5, 0.5, nullptr}, {0.6, 0.5, nullptr}, {0.9, 0.3, nullptr}, {0.3, 0.3, nullptr}};
@@ -489,7 +491,7 @@ TEST(SlidingFriction, GoesOnFromMaterialToMaterial) {
       const double proxy_m = pose.inverse_point(vec3(record.proxy_scene_m)).x();
       const Vec3 f = pose.inverse_direction(vec3(record.force_device_N));
       const auto i = static_cast<std::size_t>(proxy_m / kWidth_m);
-      // On a border the proxy may have slid by the cone of either side.
+      // On a border, either side's cone may have limited the slide.
       if (std::abs(proxy_m / kWidth_m - std::round(proxy_m / kWidth_m)) < step_m / kWidth_m)
         continue;
       ASSERT_NEAR(std::hypot(f.x(), f.y()) / f.z(), materials[i].dynamic_friction, kRatio) << x_m;
@@ -499,9 +501,9 @@ TEST(SlidingFriction, GoesOnFromMaterialToMaterial) {
   }
 }
 
-// In a groove along y each side bears d / (2 cos r) of the depth, r its rise: together they hold
-// mu d / cos r.
-TEST(SlidingFriction, GoesOnAlongAGroove) {
+// In a groove along y, each side bears d / (2 cos r) of the depth d, with r its slope angle;
+// together the sides hold mu d / cos r.
+TEST(SlidingFriction, ContinuesAlongAGroove) {
   Random random(5212);
   constexpr double kDepth_m = 2e-3;
   constexpr double kHalfLength_m = 0.3;
@@ -533,7 +535,7 @@ TEST(SlidingFriction, GoesOnAlongAGroove) {
       ASSERT_EQ(record.friction, FrictionState::kSlides)
           << "rise " << rise_rad << ", mu " << mu_s << " " << mu_k << ", tick " << n;
       const Vec3 f = pose.inverse_direction(vec3(record.force_device_N));
-      // The corner is lifted by its stand-offs over sine and cosine, of 2 mm.
+      // The stand-offs lift the corner by their length over sine and cosine, compared with 2 mm.
       ASSERT_NEAR(std::abs(f.y()) / f.z(), mu_k / std::cos(rise_rad), 1e-6) << n;
       ++slides;
     }
@@ -541,15 +543,16 @@ TEST(SlidingFriction, GoesOnAlongAGroove) {
   }
 }
 
-// Round a sphere of triangles, whose edges are all convex: the way tips forward at each.
-TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
+// The path leads around a sphere of triangles. All edges are convex, so the surface bends away at
+// each.
+TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
   Random random(5210);
   constexpr double kRadius_m = 0.05;
   const TriangleMesh mesh = icosphere(4, kRadius_m);
   for (const double proxy_radius_m : {0.0, 2e-3}) {
     OwnedWorld world(Soup{mesh.positions_m, mesh.triangles}, {}, proxy_radius_m);
     world.set_effects(with_friction(0.8, 0.4));
-    // A sphere that is within a stand-off h of an edge and of the face beyond is held by either:
+    // If a sphere is within a stand-off h of an edge and of the face beyond, either may hold it:
     // their normals differ by sqrt(2 h / r), and the ratio by (1 + 0.4^2) times that.
     const double stand_off_m = SolverScale::of(world.world().size_m, proxy_radius_m).stand_off_m;
     const double rounded =
@@ -589,8 +592,8 @@ TEST(SlidingFriction, GoesOnOverTheEdgesOfAMesh) {
   }
 }
 
-// Two steps a tick do not get over an edge: the proxy is cut short at each.
-TEST(SlidingFriction, GoesOnThroughCappedTicks) {
+// Two steps per tick are too few to pass an edge, so the motion is capped at each edge.
+TEST(SlidingFriction, ContinuesThroughCappedTicks) {
   const TriangleMesh mesh = icosphere(5, 0.05);
   OwnedWorld world(Soup{mesh.positions_m, mesh.triangles});
   world.set_effects(with_friction(0.9, 0.3));
@@ -613,9 +616,9 @@ TEST(SlidingFriction, GoesOnThroughCappedTicks) {
   EXPECT_GT(capped, 20);
 }
 
-// A plate that trembles along its normal, and along itself with the hand: neither is a reason to
-// stick for more than the depth that it adds.
-TEST(SlidingFriction, GoesOnWhileThePlateMovesWithTheHand) {
+// The plate trembles along its normal, and along its plane together with the hand. Neither makes
+// the contact stick longer than the added depth requires.
+TEST(SlidingFriction, ContinuesWhileThePlateMovesWithTheHand) {
   Random random(5211);
   const RigidTransform pose = random.pose(0.5);
   OwnedBodies bodies({{plate_soup(0.3), pose}});
@@ -639,13 +642,13 @@ TEST(SlidingFriction, GoesOnWhileThePlateMovesWithTheHand) {
 
 // ---- a device with mass, pulled along the plate by a spring -------------------------------------
 
-// At a depth that is kept. The spring pulls from a place that goes at a steady speed.
+// The depth is constant. The spring pulls from a place that moves at a constant speed.
 struct Pulled {
   double speed_m_per_s;
   double seconds;
   int slips = 0;                 // from sticking to sliding
   int sticking = 0;              // ticks after the first slip
-  int sliding = 0;               // likewise
+  int sliding = 0;               // ticks after the first slip
   double slowest_m_per_s = 0.0;  // after the first slip
 
   static constexpr double kDepth_m = 2e-3;  // 2 N
@@ -690,8 +693,8 @@ struct Pulled {
   }
 };
 
-// Each slip leaves the spring with less than it began with, and it has to be filled again.
-TEST(SlidingFriction, OfADeviceWithMassSticksAndSlipsWhenItIsPulledSlowly) {
+// Each slip relaxes the spring below its initial extension, so that it must be stretched again.
+TEST(SlidingFriction, CausesStickSlipOfADeviceWithMassPulledSlowly) {
   Pulled slow{5e-3, 60.0};
   slow.run();
   std::printf("slow: %d slips, %d ticks sticking, %d sliding\n", slow.slips, slow.sticking,
@@ -701,9 +704,10 @@ TEST(SlidingFriction, OfADeviceWithMassSticksAndSlipsWhenItIsPulledSlowly) {
   EXPECT_GT(slow.sticking, 10 * slow.sliding);
 }
 
-// With V the speed, w = sqrt(k / m) and A = (mu_s - mu_k) N / (m w) the device's speed swings about
-// V by sqrt(V^2 + A^2), damped: fast enough, it never comes back to zero.
-TEST(SlidingFriction, OfADeviceWithMassSlidesOnWhenItIsPulledFast) {
+// Let V be the speed, w = sqrt(k / m) and A = (mu_s - mu_k) N / (m w). The device's speed
+// oscillates about V by sqrt(V^2 + A^2), with damping. If V is large enough, the speed never
+// returns to zero.
+TEST(SlidingFriction, ContinuesForADeviceWithMassPulledFast) {
   Pulled fast{0.5, 4.0};
   fast.run();
   std::printf("fast: %d slips, %d ticks sticking, %d sliding\n", fast.slips, fast.sticking,

@@ -1,4 +1,5 @@
-// What is felt off contact, too: media, magnets, gravity. Against closed forms, in random poses.
+// Effects that act off contact, too: media, magnets and gravity. Compared with closed forms, in
+// random poses.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ using test::SmoothLoop;
 using test::Soup;
 using test::square_soup;
 
-// A speck of a body far from everything, since a world needs one.
+// A tiny body far from everything, because a world needs a body.
 Soup speck() {
   Soup soup;
   soup.add({0.5, 0.5, 0.5}, {0.51, 0.5, 0.5}, {0.5, 0.51, 0.5});
@@ -46,7 +47,7 @@ AffineMap inverse_of(const RigidTransform& pose) {
 
 // ---- viscosity ---------------------------------------------------------------------------------
 
-// A medium in the frame of the hand, away from anything to touch.
+// A medium in the hand's frame, away from all surfaces.
 class Medium {
  public:
   Medium(const MediumRegion& region, double viscosity, const RigidTransform& pose)
@@ -60,7 +61,7 @@ class Medium {
     hand.begin(hand_settings());
   }
 
-  // Whether it is felt as a drag of all of the motion since last_m, or not at all. region frame.
+  // True if the force is the drag of the whole motion since last_m, or zero outside. Region frame.
   testing::AssertionResult drags(const Vec3& last_m, const Vec3& p_m, bool expected,
                                  double dt_s = kTick_s) const {
     const Vec3 drag = expected ? Vec3(-viscosity_ * (p_m - last_m) / dt_s) : Vec3(Vec3::Zero());
@@ -104,12 +105,12 @@ TEST(Viscosity, DragsInsideABoxOrSphereAndNowhereElse) {
                   random.pose(0.5));
     Vec3 p = random.in_box(0.06);
     medium.hand.go_to(p);
-    EXPECT_EQ(medium.hand.force(), Vec3(0, 0, 0));  // no velocity is known yet
+    EXPECT_EQ(medium.hand.force(), Vec3(0, 0, 0));  // the velocity is not known yet
     Vec3 heading = random.in_box(3e-4);
     for (int tick = 0; tick < 2000; ++tick) {
       const Vec3 last = p;
       if (tick % 50 == 0) heading = random.in_box(2e-3);
-      if (tick % 50 > 40) heading.setZero();  // at rest now and then
+      if (tick % 50 > 40) heading.setZero();  // sometimes at rest
       p = (p + heading).cwiseMax(-0.07).cwiseMin(0.07);
       const double dt_s = random.uniform(5e-4, 2e-3);
       medium.hand.go_to(p, dt_s);
@@ -125,7 +126,7 @@ TEST(Viscosity, DragsInsideABoxOrSphereAndNowhereElse) {
   EXPECT_GT(outside_ticks, 10000);
 }
 
-// A closed mesh that is no obstacle: known analytically to be inside each tick.
+// A closed mesh that is no obstacle. Whether a point is inside is known analytically in each tick.
 template <typename IsInside>
 void expect_medium_of_mesh(const Soup& soup, Random& random, IsInside is_inside,
                            const std::vector<Vec3>& corners) {
@@ -137,7 +138,7 @@ void expect_medium_of_mesh(const Soup& soup, Random& random, IsInside is_inside,
   int inside_ticks = 0;
   int crossings = 0;
   for (int run = 0; run < 20; ++run) {
-    // Half of them without a pose, so that ways run through edges and vertices to the bit.
+    // Half of the runs have no pose, so that paths meet edges and vertices exactly.
     Medium medium(region, random.uniform(0.1, 20.0), run % 2 ? random.pose(0.5) : RigidTransform{});
     Vec3 p = random.in_box(0.06);
     medium.hand.go_to(p);
@@ -146,7 +147,7 @@ void expect_medium_of_mesh(const Soup& soup, Random& random, IsInside is_inside,
     for (int tick = 0; tick < 3000; ++tick) {
       const Vec3 last = p;
       if ((target - p).norm() < 1e-9) {
-        // Through corners, or midpoints of pairs of them, and beyond; or anywhere.
+        // Through corners or midpoints of corner pairs and beyond, or anywhere.
         const Vec3& a = corners[random.index(corners.size())];
         const Vec3& b = corners[random.index(corners.size())];
         const Vec3 aim = random.index(2) ? a : Vec3(0.5 * (a + b));
@@ -157,7 +158,7 @@ void expect_medium_of_mesh(const Soup& soup, Random& random, IsInside is_inside,
       p += step * (target - p).normalized();
       medium.hand.go_to(p);
       const std::optional<bool> inside = is_inside(p);
-      if (!inside) continue;  // on the surface, as far as the pose lets it be told
+      if (!inside) continue;  // on the surface, within the rounding of the pose
       ASSERT_TRUE(medium.drags(last, p, *inside)) << "run " << run << " tick " << tick;
       inside_ticks += *inside;
       crossings += *inside != was_inside;
@@ -199,8 +200,7 @@ TEST(Viscosity, DragsInsideAClosedMeshWithoutASurface) {
         return height < 0.0;
       },
       sphere.positions);
-  // A ring, through whose hole there is no drag. The mesh lies within its facets' sagitta of the
-  // true one.
+  // A ring, without drag in its hole. The mesh lies within its facets' sagitta of the true ring.
   constexpr double kMajor_m = 0.04;
   constexpr double kMinor_m = 0.015;
   const Soup ring = test::soup_of(torus(kMajor_m, kMinor_m, 4));
@@ -214,7 +214,7 @@ TEST(Viscosity, DragsInsideAClosedMeshWithoutASurface) {
       ring.positions);
 }
 
-TEST(Viscosity, DragsWhatIsLockedInAClosedMeshAndNothingOutsideIt) {
+TEST(Viscosity, DragsAProxyInsideAClosedSurfaceAndNoProxyOutside) {
   Random random(6203);
   for (int run = 0; run < 20; ++run) {
     const bool starts_inside = run % 2 == 0;
@@ -253,7 +253,7 @@ TEST(Viscosity, DragsWhatIsLockedInAClosedMeshAndNothingOutsideIt) {
   }
 }
 
-TEST(Viscosity, TakesExactlyWhatTheMotionIsWorth) {
+TEST(Viscosity, DissipatesExactlyTheEnergyOfItsLaw) {
   Random random(6204);
   for (int run = 0; run < 20; ++run) {
     const double viscosity = random.uniform(0.1, 20.0);
@@ -282,10 +282,10 @@ TEST(Viscosity, TakesExactlyWhatTheMotionIsWorth) {
 
 // ---- magnets -----------------------------------------------------------------------------------
 
-// Bodies all of whose surface attracts.
+// Bodies whose whole surface attracts.
 void add_magnet(BodyHand& hand, std::uint32_t body, double force_N, double range_m) {
   EffectProgram& program = hand.effects.builder.program;
-  // The number of the material that is about to be added.
+  // The number of the next material.
   const auto material = static_cast<std::uint32_t>(program.materials.size());
   program.magnets.push_back({body, material, &hand.index(body)});
   hand.effects.add_body({effect_entry<MagnetEffect>({force_N, range_m, &program.magnets.back()})});
@@ -296,7 +296,7 @@ double well(double force_N, double range_m, double distance_m) {
   return force_N * part * part;
 }
 
-// The nearest point of an axis-aligned box from outside.
+// The nearest point of an axis-aligned box to a point outside.
 Vec3 nearest_of_box(const Vec3& p, const Vec3& half) {
   return p.cwiseMax(-half).cwiseMin(half);
 }
@@ -304,7 +304,7 @@ Vec3 nearest_of_box(const Vec3& p, const Vec3& half) {
 TEST(Magnet, AttractsTowardsTheNearestPointByTheLaw) {
   Random random(6301);
   const Vec3 half(0.04, 0.03, 0.02);
-  int felt = 0;
+  int active = 0;
   int quiet = 0;
   for (int run = 0; run < 40; ++run) {
     const double force_N = random.uniform(0.1, 5.0);
@@ -312,7 +312,8 @@ TEST(Magnet, AttractsTowardsTheNearestPointByTheLaw) {
     BodyHand hand({box_soup(half)}, random.pose(0.3));
     add_magnet(hand, 0, force_N, range_m);
     hand.begin(hand_settings());
-    // A walk of all paces, with rests: what is known to be out of range must not stay so.
+    // A walk at various speeds, with rests: a body once known to be out of range may come into
+    // range.
     Vec3 p(0.07, 0, 0);
     hand.go_to(p);
     double pace = 1e-3;
@@ -327,7 +328,7 @@ TEST(Magnet, AttractsTowardsTheNearestPointByTheLaw) {
       }
       hand.go_to(p);
       if (hand.record().contact) {
-        p = Vec3(0.07, 0, 0);  // the way went through it
+        p = Vec3(0.07, 0, 0);  // the path led through the body
         hand.go_to(p);
         continue;
       }
@@ -336,14 +337,14 @@ TEST(Magnet, AttractsTowardsTheNearestPointByTheLaw) {
       ASSERT_LE((hand.force() - expected).norm(),
                 16 * kEpsilon * force_N * (1 + hand.pose().translation_m.norm()) / way.norm())
           << "run " << run << " tick " << tick;
-      ++(way.norm() < range_m ? felt : quiet);
+      ++(way.norm() < range_m ? active : quiet);
     }
   }
-  EXPECT_GT(felt, 5000);
+  EXPECT_GT(active, 5000);
   EXPECT_GT(quiet, 5000);
 }
 
-TEST(Magnet, IsFeltAtRestAsLongAsItLasts) {
+TEST(Magnet, ActsOnAHandAtRestForAnyTime) {
   BodyHand hand({square_soup(0.1)}, {});
   add_magnet(hand, 0, 2.0, 0.01);
   hand.begin(hand_settings());
@@ -355,7 +356,7 @@ TEST(Magnet, IsFeltAtRestAsLongAsItLasts) {
       ASSERT_NEAR(hand.force().z(), expected, 1e-8) << height << " " << tick;
     }
   }
-  // In friction, the proxy keeps its place to the bit; and where the quiet ball begins, too.
+  // Under friction the proxy keeps its place to the bit, even where the quiet ball begins.
   BodyHand stuck({square_soup(0.1)}, {});
   EffectProgram& program = stuck.effects.builder.program;
   program.magnets.push_back({0, 1, &stuck.index()});
@@ -369,7 +370,7 @@ TEST(Magnet, IsFeltAtRestAsLongAsItLasts) {
   }
 }
 
-TEST(Magnet, IsSmoothAtTheEndOfItsRangeAndContinuousAtTouch) {
+TEST(Magnet, IsSmoothAtTheEndOfItsRangeAndContinuousAtContact) {
   Random random(6303);
   for (int run = 0; run < 20; ++run) {
     const double force_N = random.uniform(0.1, 5.0);
@@ -383,10 +384,10 @@ TEST(Magnet, IsSmoothAtTheEndOfItsRangeAndContinuousAtTouch) {
     for (double z = 1.5 * range_m; z > -0.2 * range_m; z -= step_m) {
       hand.go_to({0.01, 0.02, z});
       const double force = hand.force().z();
-      // The steepest: 2 F0 / r outside, the spring's K inside.
+      // The steepest slope: 2 F0 / r outside, the spring's K inside.
       const double slope = z > -step_m ? 2 * force_N / range_m + 1000.0 : 1000.0;
       ASSERT_LE(std::abs(force - last), slope * step_m * (1 + 1e-6) + 1e-9) << z / range_m;
-      // The slope itself has no step but where the spring begins: it changes by 2 F0 / r^2.
+      // The slope is continuous except where the spring begins: it changes by 2 F0 / r^2.
       const double change = force - last;
       if (z > step_m && z < 1.5 * range_m - 2 * step_m) {
         ASSERT_LE(std::abs(change - last_change),
@@ -400,9 +401,9 @@ TEST(Magnet, IsSmoothAtTheEndOfItsRangeAndContinuousAtTouch) {
   }
 }
 
-// Round closed loops, in and out of range and contact, nothing is gained but what holding the force
-// for a tick gives, which goes with the square of the step.
-TEST(Magnet, GivesNothingRoundALoop) {
+// Around closed loops, in and out of range and contact, the only energy gained is that of holding
+// the force for a tick, which is proportional to the square of the step.
+TEST(Magnet, AddsNoEnergyAroundALoop) {
   Random random(6304);
   const Vec3 half(0.04, 0.03, 0.02);
   for (int run = 0; run < 20; ++run) {
@@ -433,14 +434,15 @@ TEST(Magnet, GivesNothingRoundALoop) {
       gained_J[fine] = sum_J;
       scale_J = rough_J;
     }
-    // Held forces of a potential gain H dx^2 / 2 a step at most, H its curvature: 1 / ticks of what
-    // is moved to and fro, about. Eight times the ticks leave an eighth.
+    // The held force of a potential gains at most H dx^2 / 2 per step, with H the potential's
+    // curvature: about 1 / ticks of the energy that is exchanged. With eight times the ticks, an
+    // eighth is left.
     EXPECT_LT(std::abs(gained_J[0]), 0.03 * scale_J);
     EXPECT_LT(std::abs(gained_J[1]), 0.004 * scale_J);
   }
 }
 
-TEST(Magnet, PullsTowardsTheSurfaceInContactAndHoldsTheHandAtF0OverK) {
+TEST(Magnet, PullsTowardsTheTouchedSurfaceAndHoldsTheHandAtF0OverK) {
   Random random(6305);
   for (int run = 0; run < 30; ++run) {
     const double force_N = random.uniform(0.1, 2.0);
@@ -456,17 +458,17 @@ TEST(Magnet, PullsTowardsTheSurfaceInContactAndHoldsTheHandAtF0OverK) {
       const Vec3 expected = 1000.0 * (hand.proxy() - hand.goal()) - force_N * hand.normal();
       ASSERT_LE((hand.force() - expected).norm(), 1e-9);
     }
-    // Where the spring balances it.
+    // The depth at which the spring balances the attraction.
     const Vec3 rest = hand.proxy() - force_N / 1000.0 * hand.normal();
     hand.go_to(rest);
     ASSERT_LE(hand.force().norm(), 1e-8);
   }
 }
 
-TEST(Magnet, IsTheSameBesideBodiesThatMove) {
+TEST(Magnet, IsTheSameNextToMovingBodies) {
   Random random(6306);
   const Vec3 half(0.02, 0.02, 0.02);
-  int felt = 0;
+  int active = 0;
   for (int run = 0; run < 20; ++run) {
     const RigidTransform pose = random.pose(0.1);
     OwnedBodies bodies({{box_soup(half), pose}, {speck(), {}}});
@@ -483,7 +485,7 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
     Vec3 p = pose.point({0.05, 0, 0});
     loop.tick(p, kTick_s);
     for (int tick = 0; tick < 2000; ++tick) {
-      // It moves for a while and rests for a while; the hand rests now and then, too.
+      // The body moves and rests by turns; the hand sometimes rests, too.
       if (tick / 100 % 3 != 0) {
         moved.translation_m += 2e-4 * random.unit_vector();
         moved.rotation = moved.rotation * Quat(Eigen::AngleAxisd(0.02, random.unit_vector()));
@@ -495,7 +497,7 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
       }
       const TickRecord& record = loop.tick(p, kTick_s);
       if (record.contact) {
-        // Back to where it is quiet, by a way that may be pushed: not what is asked here.
+        // Return to a place out of range. The return may be pushed; this test does not check it.
         p = moved.point({0.05, 0, 0});
         for (int i = 0; i < 2; ++i) loop.tick(p, kTick_s);
         continue;
@@ -505,10 +507,10 @@ TEST(Magnet, IsTheSameBesideBodiesThatMove) {
       if (way.isZero(0.0)) continue;
       const Vec3 expected = moved.direction(well(force_N, range_m, way.norm()) * way.normalized());
       ASSERT_LE((vec3(record.force_device_N) - expected).norm(), 1e-9 + 1e-15 / way.norm()) << tick;
-      felt += way.norm() < range_m;
+      active += way.norm() < range_m;
     }
   }
-  EXPECT_GT(felt, 500);
+  EXPECT_GT(active, 500);
 }
 
 // ---- gravity -----------------------------------------------------------------------------------
@@ -542,7 +544,7 @@ TEST(Gravity, IsConstantInTheSceneAndTurnsWithIt) {
       if (tick == 0) first = pose_before(record).rotation * weight;
       last = pose_before(record).rotation * weight;
     }
-    EXPECT_GT((last - first).norm(), 0.0);  // A4 did turn it
+    EXPECT_GT((last - first).norm(), 0.0);  // A4 has turned the scene
   }
 }
 

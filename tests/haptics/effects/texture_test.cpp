@@ -1,4 +1,4 @@
-// Relief from height maps, against sines in closed form, and what it gives round loops.
+// Compares relief from height maps with sines in closed form, and bounds its energy around loops.
 
 #include "haptics/effects/texture.h"
 
@@ -25,7 +25,7 @@ using test::square_soup;
 
 constexpr double kTexturedHalf_m = 0.1;
 
-// value = 1/2 + 1/2 sin(2 pi waves u + phase), and as many texels down without a change.
+// value = 1/2 + 1/2 sin(2 pi waves u + phase); constant along v.
 HeightMap sine_map(std::uint32_t texels, int waves, double phase = 0.0) {
   std::vector<float> values(std::size_t{texels} * texels);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -58,7 +58,7 @@ class TexturedPlane {
     hand.effects.add_body(others, std::move(attributes));
   }
 
-  // What the map itself says at a place, unblended: height and slope along x and y.
+  // The map at a place, without blending: height, and slope along x and y.
   Vec3 relief(const Vec3& p) const {
     const auto sample = map_->sample(p.x() / period_m_, p.y() / period_m_, 0.0);
     return {height_m_ * (sample.value - 1.0), height_m_ / period_m_ * sample.d_du,
@@ -73,9 +73,10 @@ class TexturedPlane {
   const HeightMap* map_;
 };
 
-// Keys' interpolant of n texels a wave errs by (2 pi / n)^3 / 62 of the amplitude, its slope by
-// (2 pi / n)^2 / 6 of the steepest (height_map.h), to first order: 5 % more for the next.
-TEST(Texture, FeelsLikeTheSineThatTheMapIs) {
+// Keys' interpolant with n texels per wave has an error of (2 pi / n)^3 / 62 of the amplitude; its
+// slope has an error of (2 pi / n)^2 / 6 of the steepest slope (height_map.h). Both hold to first
+// order: 5 % more allows for the next.
+TEST(Texture, RendersTheSineOfTheMap) {
   Random random(6701);
   constexpr int kTexels = 256;
   constexpr int kWaves = 16;
@@ -93,13 +94,13 @@ TEST(Texture, FeelsLikeTheSineThatTheMapIs) {
     TexturedPlane plane(sine_map(kTexels, kWaves, phase), kHeight_m, kPeriod_m, random.pose(0.3));
     plane.hand.begin(hand_settings());
     const double heading = random.uniform(0.0, 2 * std::numbers::pi);
-    // 0.03 m/s is a tenth of a texel a tick: nothing is blended out.
+    // 0.03 m/s is a tenth of a texel per tick: no wave is blended out.
     const Vec3 step = 3e-5 * Vec3(std::cos(heading), std::sin(heading), 0);
     Vec3 goal(random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 1e-4);
     plane.hand.go_to(goal);
     for (int tick = 0; tick < 2000; ++tick) {
       goal += step;
-      const double depth = 2e-4 + 2e-4 * std::sin(0.01 * tick);  // out of the valleys now and then
+      const double depth = 2e-4 + 2e-4 * std::sin(0.01 * tick);  // sometimes off contact
       goal.z() = -depth;
       plane.hand.go_to(goal);
       const double x = 2 * std::numbers::pi * kWaves * goal.x() / kPeriod_m + phase;
@@ -128,7 +129,7 @@ TEST(Texture, FeelsLikeTheSineThatTheMapIs) {
       worst_height, height_error_m / kHeight_m, worst_slope, slope_error / steepest);
 }
 
-TEST(Texture, BeginsSoftlyWhereTheSurfaceIsMet) {
+TEST(Texture, BeginsSoftlyAtTheSurfaceOfTheMesh) {
   Random random(6702);
   constexpr double kPeriod_m = 0.08;
   constexpr double kHeight_m = 3e-4;
@@ -150,7 +151,7 @@ TEST(Texture, BeginsSoftlyWhereTheSurfaceIsMet) {
   }
 }
 
-TEST(Texture, LeavesTheRatioOfFrictionAsItIs) {
+TEST(Texture, KeepsTheRatioOfFriction) {
   Random random(6703);
   constexpr double kPeriod_m = 0.08;
   for (int run = 0; run < 20; ++run) {
@@ -183,12 +184,12 @@ TEST(Texture, LeavesTheRatioOfFrictionAsItIs) {
 
 // ---- loops -------------------------------------------------------------------------------------
 
-// What drives the hand along a straight way of equal steps: the work on it, over the way. The force
-// is held for a tick, as by a device.
+// The mean force that drives the hand along a straight path of equal steps: the work on the hand
+// divided by the path's length. The force is held for a tick, as by a device.
 struct Drive {
-  double felt_N = 0.0;
-  double unblended_N = 0.0;  // as if the map itself were felt, whatever the pace
-  double press_N = 0.0;      // on the mean
+  double rendered_N = 0.0;
+  double unblended_N = 0.0;  // as if the map itself were rendered at any speed
+  double press_N = 0.0;      // mean pressing force
 };
 
 Drive drive_along(TexturedPlane& plane, const Vec3& start, const Vec3& step, int steps) {
@@ -198,44 +199,44 @@ Drive drive_along(TexturedPlane& plane, const Vec3& start, const Vec3& step, int
   for (int k = 0; k < steps; ++k) {
     const Vec3 x = start + k * step;
     plane.hand.go_to(x);
-    drive.felt_N += plane.hand.force().dot(step.normalized());
+    drive.rendered_N += plane.hand.force().dot(step.normalized());
     drive.press_N += plane.hand.force().z();
     const Vec3 relief = plane.relief(x);
-    const double deep = std::max(0.0, -x.z() + relief.x());
+    const double depth_m = std::max(0.0, -x.z() + relief.x());
     drive.unblended_N -=
-        kStiffness_N_per_m * deep * Vec3(relief.y(), relief.z(), 0).dot(step.normalized());
+        kStiffness_N_per_m * depth_m * Vec3(relief.y(), relief.z(), 0).dot(step.normalized());
   }
-  drive.felt_N /= steps;
+  drive.rendered_N /= steps;
   drive.unblended_N /= steps;
   drive.press_N /= steps;
   return drive;
 }
 
-// Over whole periods of the map, a relief gives back what it took: whatever is left over is made by
-// the sampling, and is there for as long as the hand likes. With steps of one wave, all ticks feel
-// the same side of it: unblended, it drags or drives the hand by K (d + h) pi h / l, more than it
-// is pressed. Blended, what is left comes from the texels of coarse levels, which are interpolated:
-// Keys' kernel lets a little of a wave through to where the steps alias it. It must be far less
-// than the friction of anything that is called slippery.
-TEST(Texture, DrivesNothingByAliasing) {
+// Over whole periods of the map, a relief returns the energy that it took. Any remainder is caused
+// by sampling and lasts as long as the motion. If a step is as long as a wave, every tick meets the
+// same flank: without blending, the relief drags or drives the hand by K (d + h) pi h / l, which is
+// more than the pressing force. With blending, the remainder comes from the interpolated texels of
+// coarse levels: Keys' kernel lets a small part of a wave pass, which the steps alias. The
+// remainder must be far less than the friction of any slippery material.
+TEST(Texture, DoesNotDriveTheHandByAliasing) {
   Random random(6704);
   constexpr double kPeriod_m = 0.0512;
   constexpr double kHeight_m = 3e-4;
   constexpr double kStep_m = 0.5 * kTick_s;  // at 0.5 m/s
-  constexpr double kSlippery = 1e-3;         // of the pressing force
-  double worst_felt = 0.0;
+  constexpr double kSlippery = 1e-3;         // fraction of the pressing force
+  double worst_rendered = 0.0;
   double worst_unblended = 0.0;
   for (const int waves :
        {10, 13, 17, 21, 26, 34, 41, 51, 57, 64, 73, 80, 85, 93, 99, 102, 104, 114, 128, 146, 170}) {
     const double wave_m = kPeriod_m / waves;
     TexturedPlane plane(sine_map(512, waves), kHeight_m, kPeriod_m, random.pose(0.3));
     plane.hand.begin(hand_settings());
-    double felt = 0.0;
+    double rendered = 0.0;
     double unblended = 0.0;
     double work_J = 0.0;
     for (int run = 0; run < 200; ++run) {
       const double heading = random.index(2) ? 0.0 : random.uniform(-0.7, 0.7);
-      // About that step, such that some of them are whole periods.
+      // About the step kStep_m, such that a whole number of steps makes whole periods.
       const double length_m = static_cast<double>(1 + random.index(3)) * kPeriod_m;
       const int steps = static_cast<int>(std::lround(length_m / (kStep_m * std::cos(heading))));
       const double side_m = length_m / steps;
@@ -245,24 +246,25 @@ TEST(Texture, DrivesNothingByAliasing) {
                        -sense * std::copysign(random.uniform(0.06, 0.09), heading),
                        -random.uniform(1.0, 3.0) * kHeight_m);
       const Drive drive = drive_along(plane, start, step, steps);
-      felt = std::max(felt, std::abs(drive.felt_N) / drive.press_N);
+      rendered = std::max(rendered, std::abs(drive.rendered_N) / drive.press_N);
       unblended = std::max(unblended, std::abs(drive.unblended_N) / drive.press_N);
-      work_J = std::max(work_J, drive.felt_N * wave_m / std::cos(heading));
+      work_J = std::max(work_J, drive.rendered_N * wave_m / std::cos(heading));
     }
-    EXPECT_LE(felt, kSlippery) << wave_m;
-    worst_felt = std::max(worst_felt, felt);
+    EXPECT_LE(rendered, kSlippery) << wave_m;
+    worst_rendered = std::max(worst_rendered, rendered);
     worst_unblended = std::max(worst_unblended, unblended);
     std::printf(
         "waves of %.2f mm: drive of %.1e of the press at most (%.1e K h^2 a wave), "
         "unblended %.1e\n",
-        1e3 * wave_m, felt, work_J / (kStiffness_N_per_m * kHeight_m * kHeight_m), unblended);
+        1e3 * wave_m, rendered, work_J / (kStiffness_N_per_m * kHeight_m * kHeight_m), unblended);
   }
   EXPECT_GT(worst_unblended, 1.0);
-  EXPECT_GT(worst_unblended, 100 * worst_felt);
+  EXPECT_GT(worst_unblended, 100 * worst_rendered);
 }
 
-// Waves that a hand would feel at its pace are not blended out: ten ticks and more a wave.
-TEST(Texture, IsStillFeltWhereTheTicksCanCarryIt) {
+// Waves that the ticks can carry at the hand's speed are not blended out: ten ticks or more per
+// wave.
+TEST(Texture, IsRenderedWhereTheTicksCanCarryIt) {
   constexpr double kPeriod_m = 0.0512;
   constexpr double kHeight_m = 3e-4;
   constexpr double kStep_m = 1e-4;  // at 0.1 m/s

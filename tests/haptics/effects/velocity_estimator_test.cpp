@@ -26,8 +26,8 @@ struct Moment {
   Vec3 position_m;
 };
 
-// Rounding of a velocity that is made of positions so large over the shortest window there can be.
-// A line fit cancels up to 64 of its sums' digits, half of which come from each of two products.
+// The rounding error of a velocity from positions of this size over the shortest possible window. A
+// line fit cancels up to 64 of its sums' digits, half of which come from each of two products.
 double velocity_roundoff(double largest_m, double shortest_s) {
   return 128 * kEpsilon * largest_m / shortest_s;
 }
@@ -40,7 +40,7 @@ int random_window(Random& random) {
   return 1 + static_cast<int>(random.index(VelocityEstimator::kMostTicks));
 }
 
-// x = x0 + v t + a t^2 / 2, in more digits than the estimator has.
+// x = x0 + v t + a t^2 / 2, evaluated with more digits than the estimator has.
 Vec3 on_parabola(const Vec3& x0, const Vec3& v, const Vec3& a, long double t_s) {
   Vec3 x;
   for (int i = 0; i < 3; ++i) x[i] = static_cast<double>(x0[i] + t_s * (v[i] + t_s * a[i] / 2));
@@ -88,7 +88,7 @@ TEST(VelocityEstimator, LagsByHalfItsWindowUnderSteadyAcceleration) {
   }
 }
 
-// At uneven ticks a difference is the velocity at the middle of its window.
+// Even at uneven ticks, a difference is the velocity at the middle of its window.
 TEST(VelocityEstimator, DifferenceIsTheVelocityInTheMiddleOfItsWindow) {
   Random random(4103);
   for (int i = 0; i < 100; ++i) {
@@ -109,8 +109,8 @@ TEST(VelocityEstimator, DifferenceIsTheVelocityInTheMiddleOfItsWindow) {
   }
 }
 
-// Of rounding errors that have nothing to do with each other: see VelocitySettings.
-TEST(VelocityEstimator, NoiseIsThatOfTheFormulas) {
+// The formulas in VelocitySettings assume independent rounding errors.
+TEST(VelocityEstimator, HasTheNoiseOfTheFormulas) {
   Random random(4104);
   constexpr double kQuantum_m = 20e-6;
   constexpr int kTicks = 100000;
@@ -128,7 +128,8 @@ TEST(VelocityEstimator, NoiseIsThatOfTheFormulas) {
       line_fit_sum += by_line_fit;
     }
     const double w = window;
-    // Four deviations: a window's worth of ticks is one independent sample of each of three axes.
+    // Four standard deviations: the ticks of one window are one independent sample of each of three
+    // axes.
     const double relative = 4.0 / std::sqrt(2.0 * 3.0 * kTicks / w);
     const double expected = kQuantum_m / (std::sqrt(6.0) * w * kTick_s);
     EXPECT_NEAR(std::sqrt(difference_sum / (3.0 * kTicks)), expected, relative * expected) << w;
@@ -140,7 +141,7 @@ TEST(VelocityEstimator, NoiseIsThatOfTheFormulas) {
 
 // ---- adaptive ----------------------------------------------------------------------------------
 
-// The definition, asked of each window in turn.
+// The definition, tested for each window in turn.
 Vec3 longest_straight(const std::vector<Moment>& moments, int window, double quantum_m,
                       int& chosen) {
   const Moment& last = moments.back();
@@ -191,13 +192,13 @@ TEST(AdaptiveVelocity, IsTheDifferenceOverTheLongestStraightWindow) {
       ++chosen_count[chosen];
     }
   }
-  // Short and long ones were called for.
+  // Both short and long windows occurred.
   EXPECT_GT(chosen_count[1], 20);
   EXPECT_GT(chosen_count[5], 20);
   EXPECT_GT(chosen_count[20], 20);
 }
 
-TEST(AdaptiveVelocity, ForgetsWhatWasBeforeAKinkAtOnce) {
+TEST(AdaptiveVelocity, DropsSamplesBeforeAKinkAtOnce) {
   Random random(4106);
   for (int i = 0; i < 100; ++i) {
     const Vec3 before = random.in_box(0.5);
@@ -221,9 +222,9 @@ TEST(AdaptiveVelocity, ForgetsWhatWasBeforeAKinkAtOnce) {
   }
 }
 
-// ---- what is remembered ------------------------------------------------------------------------
+// ---- memory ------------------------------------------------------------------------------------
 
-TEST(VelocityEstimator, ForgetsAllAtAReset) {
+TEST(VelocityEstimator, DropsAllSamplesAtAReset) {
   Random random(4107);
   for (const VelocityMethod method : kMethods) {
     const VelocitySettings settings{method, random_window(random), 1e-5};
@@ -244,7 +245,7 @@ TEST(VelocityEstimator, ForgetsAllAtAReset) {
   }
 }
 
-TEST(VelocityEstimator, TakesWhatIsThereUntilTheWindowIsFull) {
+TEST(VelocityEstimator, UsesTheSamplesPresentUntilTheWindowIsFull) {
   Random random(4108);
   for (const VelocityMethod method : kMethods) {
     VelocityEstimator longest({method, VelocityEstimator::kMostTicks, 1e-5});
@@ -261,7 +262,7 @@ TEST(VelocityEstimator, TakesWhatIsThereUntilTheWindowIsFull) {
   }
 }
 
-TEST(VelocityEstimator, TakesAWindowOutOfRangeAsTheNearestWithin) {
+TEST(VelocityEstimator, ClampsAWindowOutOfRange) {
   Random random(4109);
   for (const VelocityMethod method : kMethods) {
     for (const auto& [asked, taken] : {std::pair(0, 1), std::pair(-7, 1), std::pair(64, 63),
@@ -277,7 +278,7 @@ TEST(VelocityEstimator, TakesAWindowOutOfRangeAsTheNearestWithin) {
 }
 
 // A million ticks after a pause of thirty years, the length of a tick still has its digits.
-TEST(VelocityEstimator, KeepsItsDigitsHoweverLongItRuns) {
+TEST(VelocityEstimator, KeepsItsDigitsAfterAnyTime) {
   Random random(4110);
   for (const VelocityMethod method : kMethods) {
     const Vec3 v = random.in_box(0.1);
@@ -286,7 +287,7 @@ TEST(VelocityEstimator, KeepsItsDigitsHoweverLongItRuns) {
     estimator.add(Vec3::Zero(), 1e9);
     Vec3 estimate = Vec3::Zero();
     for (int n = 0; n < 1000000; ++n) {
-      // To and fro, so that positions keep their digits as well.
+      // The motion reverses regularly, so that positions keep their digits as well.
       const int phase = n % 200;
       const double way_s = kTick_s * (phase < 100 ? phase : 200 - phase);
       estimate = estimator.add(way_s * v, kTick_s);

@@ -1,4 +1,4 @@
-// The hum: its spectrum, and how it starts and ends.
+// The vibration's spectrum, its start and its end.
 
 #include "haptics/effects/vibration.h"
 
@@ -38,8 +38,8 @@ struct Signal {
   std::vector<double> value;
 };
 
-// The amplitude at a frequency, of samples at any times, under a window that keeps the sides of a
-// peak low (Hann's).
+// The amplitude of a signal at a frequency, from samples at any times, under Hann's window, which
+// keeps the side lobes of a peak low.
 double amplitude(const Signal& s, double frequency_Hz) {
   std::complex<double> sum = 0.0;
   double weight = 0.0;
@@ -66,8 +66,8 @@ double peak_Hz(const Signal& s, double from_Hz, double to_Hz, double step_Hz) {
   return best_Hz;
 }
 
-// Two seconds of force beyond the spring's, along the normal, at a steady depth.
-Signal felt(BodyHand& hand, Random& random, double jitter, bool slides) {
+// Two seconds of the force along the normal, minus the spring's, at a constant depth.
+Signal vibration_force(BodyHand& hand, Random& random, double jitter, bool slides) {
   hand.go_to({0, 0, 0.001});
   Signal signal;
   double t = 0.0;
@@ -75,10 +75,10 @@ Signal felt(BodyHand& hand, Random& random, double jitter, bool slides) {
   for (int tick = 0; tick < 2000; ++tick) {
     const double dt_s = kTick_s * (1.0 + jitter * random.uniform(-1.0, 1.0));
     t += dt_s;
-    // To and fro by 0.05 m, never at rest for two ticks.
+    // The hand moves back and forth by 0.05 m and never rests for two ticks.
     const double x = slides ? 0.05 * std::sin(2 * std::numbers::pi * tick / 777.5 + 0.1) : 0.0;
     hand.go_to({x, 0, -kDepth_m}, dt_s);
-    if (tick < 100) continue;  // the fade
+    if (tick < 100) continue;  // the amplitude still rises
     signal.time_s.push_back(t);
     signal.value.push_back(hand.force().z() - 1000.0 * kDepth_m);
     EXPECT_LE(hand.force().head<2>().norm(), 1e-9);
@@ -94,12 +94,12 @@ TEST(Vibration, HasTheDeclaredFrequencyAndAmplitude) {
         constexpr double kAmplitude_N = 0.3;
         BodyHand hand = humming(frequency_Hz, kAmplitude_N, when, random.pose(0.3));
         hand.begin(hand_settings());
-        const Signal signal = felt(hand, random, jitter, when == kSliding);
-        // Anywhere below half the tick rate, then closely.
+        const Signal signal = vibration_force(hand, random, jitter, when == kSliding);
+        // Search all frequencies below half the tick rate, then those near the peak.
         const double coarse_Hz = peak_Hz(signal, 1.0, 499.0, 0.5);
         const double fine_Hz = peak_Hz(signal, coarse_Hz - 0.5, coarse_Hz + 0.5, 0.02);
         EXPECT_NEAR(fine_Hz, frequency_Hz, 0.002 * frequency_Hz);
-        // Ticks at odd times are samples of the wave at those times, to the noise of 2000 of them.
+        // Ticks at irregular times sample the wave at those times, up to the noise of 2000 samples.
         EXPECT_NEAR(amplitude(signal, frequency_Hz), kAmplitude_N,
                     (jitter > 0.0 ? 0.03 : 0.001) * kAmplitude_N);
         std::printf("%5.0f Hz, jitter %.1f, %s: peak at %.2f Hz, amplitude %.4f N\n", frequency_Hz,
@@ -110,7 +110,7 @@ TEST(Vibration, HasTheDeclaredFrequencyAndAmplitude) {
   }
 }
 
-TEST(Vibration, IsNotFeltAsAnotherWhereTheTicksCannotCarryIt) {
+TEST(Vibration, IsInactiveAtFrequenciesThatWouldAlias) {
   for (const double frequency_Hz : {500.0, 501.0, 750.0, 1000.0, 5000.0}) {
     BodyHand hand = humming(frequency_Hz, 0.3, kContact, {});
     hand.begin(hand_settings());
@@ -120,14 +120,14 @@ TEST(Vibration, IsNotFeltAsAnotherWhereTheTicksCannotCarryIt) {
       ASSERT_NEAR(hand.force().z(), 2.0, 1e-8);
       ASSERT_FALSE(hand.feels(effect_number<VibrationEffect>()));
     }
-    // At ten times the rate they can, up to a point.
+    // At ten times the rate, the ticks can carry frequencies below 5 kHz.
     for (int tick = 0; tick < 200; ++tick) hand.go_to({0, 0, -0.002}, 1e-4);
     EXPECT_EQ(hand.feels(effect_number<VibrationEffect>()), frequency_Hz < 5000.0);
   }
 }
 
-// Beyond the sine's own steps, 2 pi f T of the amplitude at most, the fade adds f T of it, a
-// quarter of a period out of phase: 1.3 % at most.
+// The sine itself has steps of at most 2 pi f T of the amplitude. The rise and fall add f T of it,
+// a quarter of a period out of phase: 1.3 % at most.
 TEST(Vibration, StartsAndFadesWithoutAStep) {
   Random random(6503);
   for (int run = 0; run < 40; ++run) {
@@ -156,13 +156,13 @@ TEST(Vibration, StartsAndFadesWithoutAStep) {
   }
 }
 
-TEST(Vibration, OfSlidingIsSilentAtRestAndBeginsAnewAfterALift) {
+TEST(Vibration, WhileSlidingIsSilentAtRestAndRestartsAfterALift) {
   BodyHand hand = humming(50.0, 0.3, kSliding, {});
   hand.begin(hand_settings());
   hand.go_to({0, 0, 0.001});
   for (int tick = 0; tick < 100; ++tick) {
-    hand.go_to({0, 0, -0.002 + 1e-6 * tick});  // pressing is no sliding
-    // The way from the air counts as one.
+    hand.go_to({0, 0, -0.002 + 1e-6 * tick});  // pressing is not sliding
+    // The motion from free space into contact counts as sliding.
     if (tick < 25) continue;
     ASSERT_NEAR(hand.force().z(), 2.0 - 1e-3 * tick, 1e-8);
   }

@@ -14,7 +14,7 @@ namespace {
 using test::kTick_s;
 using test::Random;
 
-// Of the largest term of the force: four roundings a component.
+// The error relative to the largest term of the force: four roundings per component.
 constexpr double kForceRoundoff = 8 * std::numeric_limits<double>::epsilon();
 
 struct RandomCoupling {
@@ -22,7 +22,7 @@ struct RandomCoupling {
   VirtualCoupling coupling;
 };
 
-// Damped on all of the lag, whatever the surface.
+// A coupling whose damper acts on the whole lag, on any surface.
 Vec3 whole_force_N(VirtualCoupling& coupling, const Vec3& lag_m, const Vec3& normal, double dt_s) {
   const Vec3 rate = coupling.lag_rate_m_per_s(lag_m, dt_s);
   return coupling.force_N(lag_m, rate, normal);
@@ -34,7 +34,7 @@ RandomCoupling random_coupling(Random& random) {
   return {settings, VirtualCoupling(settings)};
 }
 
-TEST(VirtualCoupling, FirstTickOfAContactIsASpringAlone) {
+TEST(VirtualCoupling, IsASpringAloneInTheFirstTickOfAContact) {
   Random random(3201);
   for (int i = 0; i < 1000; ++i) {
     auto [settings, coupling] = random_coupling(random);
@@ -59,7 +59,7 @@ TEST(VirtualCoupling, DampsByTheBackwardDifferenceOfTheLag) {
       const double dt_s = random.uniform(1e-4, 1e-2);
       const Vec3 spring = settings.stiffness_N_per_m * lag_m;
       const Vec3 damper = settings.damping_Ns_per_m / dt_s * (lag_m - last_m);
-      // Along the difference of the last two ticks, never that of an earlier one.
+      // The damper uses the difference of the last two ticks, never an earlier one.
       const Vec3 force = whole_force_N(coupling, lag_m, Vec3::Zero(), dt_s);
       ASSERT_LE((force - (spring + damper)).norm(),
                 kForceRoundoff * (spring.norm() + damper.norm()));
@@ -68,7 +68,7 @@ TEST(VirtualCoupling, DampsByTheBackwardDifferenceOfTheLag) {
   }
 }
 
-TEST(VirtualCoupling, AWindowOfOneTickIsThatDifferenceToTheBitWhateverTheMethod) {
+TEST(VirtualCoupling, UsesTheBackwardDifferenceForAWindowOfOneTickWithAnyMethod) {
   Random random(3205);
   for (const VelocityMethod method :
        {VelocityMethod::kDifference, VelocityMethod::kLineFit, VelocityMethod::kAdaptive}) {
@@ -84,7 +84,7 @@ TEST(VirtualCoupling, AWindowOfOneTickIsThatDifferenceToTheBitWhateverTheMethod)
   }
 }
 
-TEST(VirtualCoupling, DampsByTheEstimateThatItsSettingsAskFor) {
+TEST(VirtualCoupling, DampsByTheEstimateOfItsSettings) {
   Random random(3206);
   for (const VelocityMethod method :
        {VelocityMethod::kDifference, VelocityMethod::kLineFit, VelocityMethod::kAdaptive}) {
@@ -117,7 +117,7 @@ TEST(VirtualCoupling, NeverPullsIntoTheSurface) {
       const Vec3 force = whole_force_N(coupling, lag_m, normal, kTick_s);
       ASSERT_GE(force.dot(normal), -rounding);
       ASSERT_LE(std::abs(force.dot(normal) - std::max(0.0, unclamped.dot(normal))), rounding);
-      // What is left out is along the normal only.
+      // The removed part is along the normal only.
       ASSERT_LE((force - unclamped).cross(normal).norm(), rounding);
       would_have_pulled += unclamped.dot(normal) < 0.0;
       last_m = lag_m;
@@ -126,14 +126,14 @@ TEST(VirtualCoupling, NeverPullsIntoTheSurface) {
   EXPECT_GT(would_have_pulled, 100);
 }
 
-TEST(VirtualCoupling, LeavesTheForceAloneWhereNormalsCancel) {
+TEST(VirtualCoupling, DoesNotChangeTheForceWhereNormalsCancel) {
   VirtualCoupling coupling({1000.0, 2.0});
   whole_force_N(coupling, {0.004, 0, 0}, Vec3::Zero(), kTick_s);
   const Vec3 force = whole_force_N(coupling, {0.001, 0, 0}, Vec3::Zero(), kTick_s);
   EXPECT_DOUBLE_EQ(force.x(), 1.0 - 6.0);
 }
 
-TEST(VirtualCoupling, WithoutDampingIsASpring) {
+TEST(VirtualCoupling, IsASpringWithoutDamping) {
   Random random(3204);
   VirtualCoupling coupling({500.0, 0.0});
   for (int tick = 0; tick < 100; ++tick) {
