@@ -61,7 +61,7 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
                                          SceneEffects& effects) {
   const double size_m = statistics_.extent_m.maxCoeff();
   IndexSharing sharing(welded_, boxes, sweep_radius_m(size_m, proxy_radius_m), size_m);
-  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.look_at(nodes[i].mesh, placements[i]);
+  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.examine(nodes[i].mesh, placements[i]);
   objects_.reserve(nodes.size());
   use_of_object_.reserve(nodes.size());
   std::vector<IndexUse> uses;

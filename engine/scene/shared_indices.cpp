@@ -101,7 +101,7 @@ IndexSharing::IndexSharing(const std::vector<WeldedSurface>& meshes, std::span<c
       size_m_(size_m),
       of_mesh_(meshes.size()) {}
 
-void IndexSharing::look_at(std::uint32_t mesh, const NodePlacement& placement) {
+void IndexSharing::examine(std::uint32_t mesh, const NodePlacement& placement) {
   OfMesh& of_mesh = of_mesh_[mesh];
   const Mat3 unit = unit_of(placement.deformation);
   if (!of_mesh.unit) of_mesh.unit = unit;

@@ -106,8 +106,8 @@ std::optional<Error> MaterialTuner::set(std::size_t handle, double value) {
 void MaterialTuner::before_tick(double /*time_s*/, HapticLoop& loop) noexcept {
   for (Block& block : blocks_) {
     Values values;
-    if (!block.mailbox->read(values) || values.number == block.taken) continue;
-    block.taken = values.number;
+    if (!block.mailbox->read(values) || values.number == block.applied) continue;
+    block.applied = values.number;
     loop.set_effect_parameters(
         block.call,
         std::span(values.bytes).first(compiled_effects()[block.effect].parameter_bytes));
