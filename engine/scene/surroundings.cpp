@@ -20,13 +20,14 @@ constexpr ParameterKey key_of(std::string_view key, std::string_view unit, doubl
 }
 
 constexpr ParameterKey kSceneKeys[] = {
-    key_of("gravity", "m/s^2", -1000.0, 1000.0, "that the tool feels, along the scene's axes",
+    key_of("gravity", "m/s^2", -1000.0, 1000.0, "acceleration of the tool, along the scene's axes",
            false),
-    key_of("toolMass", "kg", 0.0, 10.0, "that gravity pulls", true),
-    key_of("constantForce", "N", -100.0, 100.0, "everywhere, along the scene's axes", false)};
+    key_of("toolMass", "kg", 0.0, 10.0, "mass of the tool, on which gravity acts", true),
+    key_of("constantForce", "N", -100.0, 100.0,
+           "force that acts everywhere, along the scene's axes", false)};
 constexpr ParameterKey kRegionKeys[] = {
-    key_of("size", "m", 0.0, 1000.0, "of a box, along the node's axes", true),
-    key_of("radius", "m", 0.0, 1000.0, "of a sphere", true)};
+    key_of("size", "m", 0.0, 1000.0, "edge lengths of a box, along the node's axes", true),
+    key_of("radius", "m", 0.0, 1000.0, "radius of a sphere", true)};
 
 // What matrices of files, in single precision, leave of one scale along all axes.
 constexpr double kSameScale = 64 * std::numeric_limits<float>::epsilon();

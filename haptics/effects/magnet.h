@@ -38,9 +38,10 @@ struct MagnetEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kCallsFor,
-       "at the surface"},
+       "attraction at the surface"},
       {"magnetRange", "m", 0.0, 1000.0, offsetof(Parameters, range_m),
-       ParameterKey::Role::kRequired, "where it ends, from the surface", true, true}};
+       ParameterKey::Role::kRequired, "distance from the surface at which the attraction ends",
+       true, true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 

@@ -37,11 +37,12 @@ struct RestitutionEffect {
   };
   static constexpr ParameterKey kKeys[] = {
       {"restitution", "", 0.0, 1.0, offsetof(Parameters, restitution),
-       ParameterKey::Role::kCallsFor, "speed after over speed before an impact"},
+       ParameterKey::Role::kCallsFor, "ratio of the speed after an impact to the speed before it"},
       {"impactMass", "kg", 0.0, 10.0, offsetof(Parameters, mass_kg), ParameterKey::Role::kOptional,
-       "that taps: at most that of the moving parts of the device", false, true},
+       "mass that hits the surface; at most the mass of the moving parts of the device", false,
+       true},
       {"impactDuration", "s", 0.0, 1.0, offsetof(Parameters, duration_s),
-       ParameterKey::Role::kOptional, "of the pulse", false, true}};
+       ParameterKey::Role::kOptional, "duration of the force pulse", false, true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 

@@ -29,7 +29,7 @@ struct ShadingEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"creaseAngle", "deg", 0.0, 180.0, offsetof(Parameters, crease_angle_deg),
-       ParameterKey::Role::kCallsFor, "edges sharper than this stay creases"}};
+       ParameterKey::Role::kCallsFor, "edges sharper than this angle remain creases"}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 

@@ -37,7 +37,8 @@ struct TextureEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"textureHeight", "m", 0.0, 1.0, offsetof(Parameters, height_m),
-       ParameterKey::Role::kCallsFor, "from the lowest to the highest value of the map", true}};
+       ParameterKey::Role::kCallsFor,
+       "height difference between the lowest and the highest value of the map", true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
