@@ -419,8 +419,8 @@ TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
   EXPECT_FALSE(medium.is_solid);
   EXPECT_EQ(medium.effect_names(), Texts{"viscosity"});
   EXPECT_TRUE(compiled_material({given("solid", true)}).is_solid);
-  expect_names(refused({given("solid", false)}), {"wood", "/solid", "nothing to feel"});
-  expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"nothing to feel"});
+  expect_names(refused({given("solid", false)}), {"wood", "/solid", "no effect"});
+  expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"no effect"});
   expect_names(refused({given("solid", 1.0)}), {"/solid", "true or false"});
   expect_names(refused({given("solid", false), given("viscosity", 2.0), given("stiffness", 2.0)}),
                {"stiffness", "solid is false"});
@@ -538,9 +538,9 @@ TEST(NodeMedium, RefusesWhatIsNone) {
   const MaterialParameter size = given("size", std::vector<double>{1, 1, 1});
   expect_names(declared({given("medium", std::string("cone"))}), {"\"box\" or \"sphere\"", "cone"});
   expect_names(declared({box, given("viscosity", 1.0)}), {"pool", "box without size"});
-  expect_names(declared({box, size}), {"nothing to feel", "viscosity"});
+  expect_names(declared({box, size}), {"has no viscosity"});
   expect_names(declared({box, given("radius", 1.0), given("viscosity", 1.0)}),
-               {"radius is not of a box"});
+               {"a box has no radius"});
   expect_names(
       declared({box, given("size", std::vector<double>{1, 0, 1}), given("viscosity", 1.0)}),
       {"[1, 0, 1]", "above 0"});
