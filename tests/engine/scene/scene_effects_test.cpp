@@ -497,7 +497,7 @@ TEST(SceneEffects, RefuseAMediumInWhatIsOpen) {
                  {"`SceneSettings::overrides` \"fog.viscosity=0\" `SceneSettings::overrides` "
                   "\"fog.solid=true\""});
   expect_refused(described({two_faced_box()}, {node("box", 0)}, {jelly[0], material("wood", {})}),
-                 {"box", "jelly", "one for all faces"});
+                 {"box", "jelly", "one material for all faces"});
   expect_refused(
       described({two_faced_box()}, {node("box", 0)},
                 {material("fog", {{"viscosity", 3.0}, {"solid", false}}), material("wood", {})}),

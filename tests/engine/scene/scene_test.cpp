@@ -384,7 +384,7 @@ TEST(Scene, RefusesASceneOfWhichNothingIsLeft) {
   EXPECT_EQ(flattened.error().code, ErrorCode::kEmptyScene);
   EXPECT_EQ(flattened.error().path, "made.glb");
   EXPECT_NE(flattened.error().hint.find("n: left out"), std::string::npos);
-  EXPECT_NE(flattened.error().hint.find("stretches"), std::string::npos);
+  EXPECT_NE(flattened.error().hint.find("flattens"), std::string::npos);
   const MeshDescription line{"line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}};
   const auto no_area =
       Scene::compile(description_of({line}, {{"n", 0, Mat3::Identity(), Vec3::Zero()}}));

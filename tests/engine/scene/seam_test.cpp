@@ -442,7 +442,8 @@ TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
   const Scene scene = compiled(described_by_number({grass}, nodes));
   EXPECT_EQ(scene.world().seams, nullptr);
   const std::string warning = only_warning(scene);
-  EXPECT_NE(warning.find("more nodes: too small beside the scene to tell"), std::string::npos)
+  EXPECT_NE(warning.find("more nodes: too small relative to the scene to determine"),
+            std::string::npos)
       << warning;
 }
 
