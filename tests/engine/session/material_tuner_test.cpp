@@ -77,12 +77,12 @@ void expect_not_added(MaterialTuner& tuner, const char* material, const char* ke
 TEST(MaterialTuner, RefusesWhatCannotChange) {
   const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
-  expect_not_added(tuner, "glass", "stiffness", {"glass.stiffness", "no surface"});
-  expect_not_added(tuner, "wood", "hardness", {"wood.hardness", "no key"});
-  expect_not_added(tuner, "wood", "viscosity", {"wood.viscosity", "no viscosity"});
-  expect_not_added(tuner, "ice", "staticFriction", {"no friction"});
-  expect_not_added(tuner, "wood", "creaseAngle", {"built in"});
-  expect_not_added(tuner, "wood", "solid", {"built in"});
+  expect_not_added(tuner, "glass", "stiffness", {"glass.stiffness", "no surface has"});
+  expect_not_added(tuner, "wood", "hardness", {"wood.hardness", "not a key"});
+  expect_not_added(tuner, "wood", "viscosity", {"wood.viscosity", "the effect viscosity"});
+  expect_not_added(tuner, "ice", "staticFriction", {"the effect friction"});
+  expect_not_added(tuner, "wood", "creaseAngle", {"fixed when the scene is compiled"});
+  expect_not_added(tuner, "wood", "solid", {"fixed when the scene is compiled"});
   EXPECT_TRUE(tuner.add("wood", "magnetRange"));
   EXPECT_TRUE(tuner.add("wood", "stiffness"));
 }
