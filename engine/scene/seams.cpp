@@ -58,7 +58,7 @@ constexpr double kCellPerJoin = 64.0;
 
 // Limit on the places near one vertex. If rounding errors are small relative to the mesh, a vertex
 // is near one place, or near two if it lies halfway between them. If it is near many places, its
-// mesh is smaller than the rounding errors, and its vertices cannot be told apart.
+// mesh is smaller than the rounding errors, and its vertices cannot be distinguished.
 constexpr std::size_t kMostMet = 16;
 
 // Properties of a mesh, shared by all its surfaces.

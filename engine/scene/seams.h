@@ -38,8 +38,8 @@ struct Seams {
   // coordinates are too large relative to the scene to decide which vertices coincide. None of
   // their vertices is joined.
   std::vector<std::uint32_t> too_far;
-  // Surfaces whose vertices are too close together, relative to the size of the scene, to be told
-  // apart. None of their vertices is joined.
+  // Surfaces whose vertices are too close together, relative to the size of the scene, to be
+  // distinguished. None of their vertices is joined.
   std::vector<std::uint32_t> crowded;
 };
 

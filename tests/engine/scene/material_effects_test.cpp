@@ -81,7 +81,7 @@ typename Effect::Parameters parameters_of(const MaterialEffects& effects) {
 }
 
 // "key=value source" of each parameter, with the value in JSON notation.
-std::vector<std::string> told(const std::vector<HonouredParameter>& list) {
+std::vector<std::string> texts_of(const std::vector<HonouredParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) {
     texts.push_back(p.key + "=" + value_text(p.value) + " " + p.source + (p.is_off ? " off" : ""));
@@ -89,13 +89,13 @@ std::vector<std::string> told(const std::vector<HonouredParameter>& list) {
   std::sort(texts.begin(), texts.end());
   return texts;
 }
-std::vector<std::string> told(const std::vector<DefaultedParameter>& list) {
+std::vector<std::string> texts_of(const std::vector<DefaultedParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) texts.push_back(p.key + "=" + value_text(p.value) + p.unit);
   std::sort(texts.begin(), texts.end());
   return texts;
 }
-std::vector<std::string> told(const std::vector<IgnoredParameter>& list) {
+std::vector<std::string> texts_of(const std::vector<IgnoredParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) texts.push_back(p.key + " " + p.element);
   std::sort(texts.begin(), texts.end());
@@ -166,7 +166,7 @@ TEST(MaterialEffects, AreActiveIfTheirKeyIsNotZero) {
       compiled_material({given("magnetForce", 0.0), given("magnetRange", 0.1),
                          given("restitution", 0.0), given("viscosity", -0.0)});
   EXPECT_TRUE(off.entries.empty());
-  EXPECT_EQ(told(off.report.honoured),
+  EXPECT_EQ(texts_of(off.report.honoured),
             (Texts{"magnetForce=0 extras.palpate off", "magnetRange=0.1 extras.palpate off",
                    "restitution=0 extras.palpate off", "viscosity=-0 extras.palpate off"}));
   EXPECT_TRUE(off.report.defaulted.empty());
@@ -193,11 +193,11 @@ TEST(MaterialEffects, RefuseAnIncompleteDeclaration) {
 
 TEST(MaterialEffects, ReportEveryDefault) {
   const MaterialEffects tap = compiled_material({given("restitution", 0.5)});
-  EXPECT_EQ(told(tap.report.defaulted), (Texts{"impactDuration=0.005s", "impactMass=0.05kg"}));
+  EXPECT_EQ(texts_of(tap.report.defaulted), (Texts{"impactDuration=0.005s", "impactMass=0.05kg"}));
   EXPECT_EQ(parameters_of<RestitutionEffect>(tap).mass_kg, 0.05);
   const MaterialEffects hum =
       compiled_material({given("vibrationFrequency", 50.0), given("vibrationAmplitude", 0.2)});
-  EXPECT_EQ(told(hum.report.defaulted), Texts{"vibrationWhen=\"contact\""});
+  EXPECT_EQ(texts_of(hum.report.defaulted), Texts{"vibrationWhen=\"contact\""});
 }
 
 TEST(MaterialEffects, UseASingleFrictionCoefficientForBoth) {
@@ -206,7 +206,7 @@ TEST(MaterialEffects, UseASingleFrictionCoefficientForBoth) {
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, 0.3);
     EXPECT_EQ(friction.dynamic_friction, 0.3);
-    EXPECT_EQ(told(effects.report.honoured), Texts{std::string(key) + "=0.3 extras.palpate"});
+    EXPECT_EQ(texts_of(effects.report.honoured), Texts{std::string(key) + "=0.3 extras.palpate"});
     ASSERT_EQ(effects.report.defaulted.size(), 1u);
     EXPECT_NE(effects.report.defaulted[0].key, key);
   }
@@ -230,7 +230,7 @@ TEST(MaterialEffects, UsePhysicsForKeysThatTheMaterialLacks) {
   EXPECT_EQ(friction.static_friction, 0.5);
   EXPECT_EQ(friction.dynamic_friction, 0.2);
   EXPECT_EQ(parameters_of<RestitutionEffect>(effects).restitution, 0.9);
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"dynamicFriction=0.2 extras.palpate", "restitution=0.9 override",
                    "staticFriction=0.5 KHR_physics_rigid_bodies"}));
 }
@@ -241,7 +241,7 @@ TEST(MaterialEffects, HaveNoRestitutionIfPhysicsHasNone) {
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"dynamicFriction=0 KHR_physics_rigid_bodies off",
                    "restitution=0 KHR_physics_rigid_bodies off",
                    "staticFriction=0 KHR_physics_rigid_bodies off"}));
@@ -301,12 +301,12 @@ TEST(MaterialEffects, AdaptUnwrittenPhysicsToTheWrittenCoefficient) {
     const MaterialDescription material = material_with(c.parameters);
     const MaterialEffects effects =
         compiled_material(MaterialSources{&material, &c.physics, "/physics/1"});
-    SCOPED_TRACE(testing::PrintToString(told(effects.report.honoured)));
+    SCOPED_TRACE(testing::PrintToString(texts_of(effects.report.honoured)));
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, c.still);
     EXPECT_EQ(friction.dynamic_friction, c.sliding);
-    EXPECT_EQ(told(effects.report.honoured), c.honoured);
-    EXPECT_EQ(told(effects.report.defaulted), c.defaulted);
+    EXPECT_EQ(texts_of(effects.report.honoured), c.honoured);
+    EXPECT_EQ(texts_of(effects.report.defaulted), c.defaulted);
   }
 }
 
@@ -316,8 +316,8 @@ TEST(MaterialEffects, SwitchUnwrittenPhysicsOffIfStaticFrictionIsZero) {
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
-  EXPECT_EQ(told(effects.report.defaulted), Texts{"dynamicFriction=0"});
+  EXPECT_EQ(texts_of(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
+  EXPECT_EQ(texts_of(effects.report.defaulted), Texts{"dynamicFriction=0"});
 }
 
 TEST(MaterialEffects, NameBothSourcesThatContradictEachOther) {
@@ -343,12 +343,13 @@ TEST(MaterialEffects, UseDefaultsForMapsWithoutValues) {
   EXPECT_EQ(effects.effect_names(), (Texts{"friction", "texture"}));
   EXPECT_EQ(parameters_of<TextureEffect>(effects).height_m, 10.0 * kDefaultTextureHeight_m);
   EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kMapFriction);
-  EXPECT_EQ(told(effects.report.defaulted),
+  EXPECT_EQ(texts_of(effects.report.defaulted),
             (Texts{"dynamicFriction=1", "staticFriction=1", "textureHeight=1e-04m"}));
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material"}));
-  EXPECT_EQ(told(effects.report.not_understood), (Texts{"friction /maps/3", "stiffness /maps/2"}));
+  EXPECT_EQ(texts_of(effects.report.not_understood),
+            (Texts{"friction /maps/3", "stiffness /maps/2"}));
 }
 
 TEST(MaterialEffects, RequireAMapForATexture) {
@@ -358,7 +359,7 @@ TEST(MaterialEffects, RequireAMapForATexture) {
   material.normal_texture = TextureReference{};
   const MaterialEffects carved = compiled_material(MaterialSources{&material});
   EXPECT_EQ(carved.effect_names(), Texts{"texture"});
-  EXPECT_EQ(told(carved.report.honoured),
+  EXPECT_EQ(texts_of(carved.report.honoured),
             (Texts{"normalTexture=\"texture 0\" glTF", "textureHeight=0.001 extras.palpate"}));
   EXPECT_EQ(carved.report.honoured.back().element, "/materials/2/normalTexture");
   EXPECT_TRUE(compiled_material({given("textureHeight", 0.0)}).entries.empty());
@@ -371,7 +372,7 @@ TEST(MaterialEffects, ReportMapsWhoseEffectsAreOff) {
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, nullptr, "", &haptic});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material off",
                    "staticFriction=0 extras.palpate off", "textureHeight=0 extras.palpate off",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material off"}));
@@ -380,7 +381,7 @@ TEST(MaterialEffects, ReportMapsWhoseEffectsAreOff) {
   const PhysicsMaterialDescription physics{0.0};
   const MaterialDescription plain = material_with({});
   const auto off =
-      told(compiled_material({&plain, &physics, "/physics/1", &haptic}).report.honoured);
+      texts_of(compiled_material({&plain, &physics, "/physics/1", &haptic}).report.honoured);
   ASSERT_FALSE(off.empty());
   EXPECT_EQ(off.front(), "friction=\"texture 1\" MPEG_haptic_material off");
 }
@@ -398,7 +399,7 @@ TEST(MaterialEffects, ReportUnknownKeysOfAFile) {
   const MaterialEffects effects =
       compiled_material({given("Stiffness", 3.0), given("texture.amplitude", true)});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.not_understood),
+  EXPECT_EQ(texts_of(effects.report.not_understood),
             (Texts{std::string("Stiffness ") + kExtras + "/Stiffness",
                    std::string("texture.amplitude ") + kExtras + "/texture.amplitude"}));
 }
@@ -431,7 +432,7 @@ TEST(MaterialEffects, AreOnlyAMediumIfTheMaterialIsNotSolid) {
   const MaterialEffects beside =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_EQ(beside.effect_names(), Texts{"viscosity"});
-  EXPECT_EQ(told(beside.report.not_understood),
+  EXPECT_EQ(texts_of(beside.report.not_understood),
             (Texts{"dynamicFriction /physics/1/dynamicFriction",
                    "staticFriction /physics/1/staticFriction"}));
 }
@@ -475,7 +476,7 @@ TEST(SceneFields, RequireAMassForGravity) {
   ASSERT_TRUE(fields->gravity);
   EXPECT_EQ(fields->gravity->mass_kg, 0.1);
   EXPECT_EQ(fields->gravity->gravity_m_per_s2[1], -9.81);
-  EXPECT_EQ(told(fields->report.not_understood), Texts{std::string("x ") + kExtras + "/x"});
+  EXPECT_EQ(texts_of(fields->report.not_understood), Texts{std::string("x ") + kExtras + "/x"});
 
   expect_names(scene_fields(scene_with({given("gravity", down)})).error(), {"toolMass", "kg"});
   expect_names(scene_fields(scene_with({given("toolMass", 0.1)})).error(), {"gravity"});
@@ -494,7 +495,7 @@ TEST(SceneFields, AreAbsentForAnEmptyDeclaration) {
   const auto zero = scene_fields(scene_with({given("constantForce", std::vector<double>(3, 0.0))}));
   ASSERT_TRUE(zero);
   EXPECT_FALSE(zero->gravity);
-  EXPECT_EQ(told(zero->report.honoured), Texts{"constantForce=[0, 0, 0] extras.palpate off"});
+  EXPECT_EQ(texts_of(zero->report.honoured), Texts{"constantForce=[0, 0, 0] extras.palpate off"});
 }
 
 RegionDescription region_with(std::vector<MaterialParameter> parameters) {

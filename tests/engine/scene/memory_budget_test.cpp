@@ -189,7 +189,7 @@ TEST(MemoryNeedOf, AnIndexEqualsItsAllocations) {
     const std::size_t before = test::held_memory();
     const SurfaceIndex index(faces);
     // Embree allocates its memory from the C library.
-    expect_covers(need.kept, index.memory_bytes(), kTooMuchKept, what + ", told");
+    expect_covers(need.kept, index.memory_bytes(), kTooMuchKept, what + ", reported");
     EXPECT_GE(index.memory_bytes() + kRounding, test::held_memory() - before) << what;
     expect_covers(need.peak, memory.bytes(), kTooMuchPeak, what + ", peak");
   });
@@ -214,8 +214,8 @@ TEST(MemoryNeedOf, AdjacencyEqualsItsAllocations) {
     WeldedSurface welded(mesh.positions_m, mesh.triangles);
     const MemoryNeed need = SurfaceMesh::memory_need(welded);
     const SurfaceMesh surface(welded);
-    const MemoryBreakdown told = surface.memory();
-    expect_covers(need.kept, told.adjacency, kTooMuchKept, what);
+    const MemoryBreakdown reported = surface.memory();
+    expect_covers(need.kept, reported.adjacency, kTooMuchKept, what);
   });
 }
 

@@ -84,8 +84,8 @@ constexpr std::size_t kMostBytesPerTriangle = 250;
 // The allocator rounds the size of blocks up, for large blocks by at most a page.
 constexpr double kTolerance = 0.02;
 
-void expect_near(std::size_t told, std::size_t counted) {
-  EXPECT_NEAR(static_cast<double>(told), static_cast<double>(counted),
+void expect_near(std::size_t reported, std::size_t counted) {
+  EXPECT_NEAR(static_cast<double>(reported), static_cast<double>(counted),
               kTolerance * static_cast<double>(counted));
 }
 
@@ -131,17 +131,17 @@ TEST(Memory, OfASurfaceIsReportedCorrectly) {
   }
 }
 
-TEST(Memory, AnIndexTakesWhatItSays) {
+TEST(Memory, OfAnIndexIsReportedCorrectly) {
   for (const TriangleMesh& mesh : large_meshes()) {
     const SurfaceMesh surface = SurfaceMesh::build(mesh.positions_m, mesh.triangles);
-    { const SurfaceIndex first(surface); }  // Embree's own, which stays
+    { const SurfaceIndex first(surface); }  // memory that Embree allocates once and keeps
     const std::size_t before = g_live_bytes;
     const SurfaceIndex index(surface);
     expect_near(index.memory_bytes(), g_live_bytes - before);
   }
 }
 
-TEST(Memory, ALargeSurfaceAndItsIndexTakeNoMoreThanTheyMayForEachTriangle) {
+TEST(Memory, OfALargeSurfaceWithItsIndexIsLimitedPerTriangle) {
   for (const TriangleMesh& mesh : large_meshes()) {
     const SurfaceMesh surface = SurfaceMesh::build(mesh.positions_m, mesh.triangles);
     const SurfaceIndex index(surface);
@@ -152,8 +152,8 @@ TEST(Memory, ALargeSurfaceAndItsIndexTakeNoMoreThanTheyMayForEachTriangle) {
   }
 }
 
-// Not more than half as much again as what stays, at any time on the way there.
-TEST(Memory, CompilingALargeSurfaceNeedsLittleMoreThanWhatIsKept) {
+// The peak during compilation is at most 1.5 times the limit on the kept memory.
+TEST(Memory, OfCompilingALargeSurfaceIsLittleMoreThanTheKeptMemory) {
   for (TriangleMesh& mesh : large_meshes()) {
     const std::size_t triangles = mesh.triangles.size();
     SceneDescription description;

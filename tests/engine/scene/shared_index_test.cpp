@@ -370,7 +370,7 @@ SceneDescription pebbles(MapKind kind, double most_ratio, Random& random) {
   return description;
 }
 
-MaterialDescription felt_material(std::vector<std::pair<std::string, double>> parameters) {
+MaterialDescription declared_material(std::vector<std::pair<std::string, double>> parameters) {
   MaterialDescription m{"felt", "/materials/0", {}, std::nullopt};
   for (const auto& [key, value] : parameters) {
     m.parameters.push_back({key, value, "/materials/0/extras/palpate/" + key});
@@ -464,15 +464,15 @@ Differences compare(const SceneDescription& description, const Scene& shared, co
 }
 
 void expect_as_alone(MapKind kind, double most_ratio, double radius_m,
-                     const std::optional<MaterialDescription>& felt, std::uint64_t scenes,
+                     const std::optional<MaterialDescription>& material, std::uint64_t scenes,
                      int ticks) {
   int apart = 0;
   int touches = 0;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     Random random(seed);
     SceneDescription description = pebbles(kind, most_ratio, random);
-    if (felt) {
-      description.materials = {*felt};
+    if (material) {
+      description.materials = {*material};
       description.meshes[0].material_runs = {{0, 0u}};
     }
     const Scene shared = compiled_for_proxy(description, radius_m);
@@ -501,14 +501,14 @@ TEST(SharedIndex, IsFeltByASphereAsAnIndexOfItsOwn) {
 }
 
 TEST(SharedIndex, AttractsAsAnIndexOfItsOwn) {
-  const auto magnet = felt_material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
+  const auto magnet = declared_material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, magnet, 5, 400);
   expect_as_alone(MapKind::kAny, 99.0, 0.0, magnet, 20, 400);
 }
 
 TEST(SharedIndex, IsShadedAndRubsAsAnIndexOfItsOwn) {
-  const auto smooth =
-      felt_material({{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
+  const auto smooth = declared_material(
+      {{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, smooth, 5, 400);
   expect_as_alone(MapKind::kAny, 20.0, 0.0, smooth, 20, 400);
 }
@@ -519,7 +519,7 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
     Random random(seed);
     SceneDescription description =
         pebbles(seed % 4 ? MapKind::kAny : MapKind::kUniform, 20.0, random);
-    description.materials = {felt_material({{"textureHeight", 0.002}})};
+    description.materials = {declared_material({{"textureHeight", 0.002}})};
     description.meshes[0].material_runs = {{0, 0u}};
     ImageDescription image{16, 16, {}};
     for (int i = 0; i < 3 * 16 * 16; ++i) {
@@ -541,7 +541,7 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
 }
 
 TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
-  MaterialDescription medium = felt_material({{"viscosity", 2.0}});
+  MaterialDescription medium = declared_material({{"viscosity", 2.0}});
   medium.parameters.push_back({"solid", false, "/materials/0/extras/palpate/solid"});
   std::sort(medium.parameters.begin(), medium.parameters.end(),
             [](const auto& a, const auto& b) { return a.key < b.key; });
@@ -689,8 +689,8 @@ TEST(SharedIndex, TakesScalesOfAnySize) {
     EXPECT_NEAR((state.proxy - goal).norm() / size, 1.0 + radius_m / size, 0.2);
     for (std::size_t n = 1; n < description.nodes.size(); ++n) {
       const Vec3 at = scene.objects()[n].T_scene_body.translation_m;
-      const ProxyState felt = god_object.move_to(scene.world().to_solver(at));
-      EXPECT_TRUE(felt.proxy.allFinite() && felt.normal.allFinite());
+      const ProxyState other = god_object.move_to(scene.world().to_solver(at));
+      EXPECT_TRUE(other.proxy.allFinite() && other.normal.allFinite());
     }
   }
 }

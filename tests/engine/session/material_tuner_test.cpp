@@ -179,8 +179,8 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
     std::this_thread::yield();
   }
   EXPECT_FALSE(tuner.set(*stiffness, 2000.0));
-  const std::uint64_t told = thread.ticks();
-  while (thread.ticks() < told + 3) std::this_thread::yield();
+  const std::uint64_t seen = thread.ticks();
+  while (thread.ticks() < seen + 3) std::this_thread::yield();
   TickRecord snapshot;
   ASSERT_TRUE(session.latest(snapshot));
   thread.stop();
