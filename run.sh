@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs, builds and runs Palpate. Without arguments: the main job on the star.
+# Installs the packages, builds Palpate and runs it with the given arguments. Without arguments, the
+# simulated hand explores the model star.glb (palpate run).
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 install_missing_packages

@@ -1,5 +1,5 @@
-# Shared by run.sh and test.sh: installs what is missing from Debian's packages and builds a preset.
-# Source it; it defines functions and changes nothing by itself.
+# Functions of run.sh, test.sh and .ci/run: install missing Debian packages and build a preset.
+# Source this file; it only defines functions and variables.
 
 palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
@@ -12,14 +12,14 @@ palpate_packages=(
   gnuplot-nox python3 valgrind
 )
 
-palpate_fuzz_packages=(clang libclang-rt-dev)  # for the preset fuzz alone
+palpate_fuzz_packages=(clang libclang-rt-dev)  # only for the preset fuzz
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
 
 say() { printf 'palpate: %s\n' "$*" >&2; }
 
-# install_missing_packages [PACKAGE...]: those of Palpate and the ones named, unless they are there;
-# silent and instant when nothing is missing.
+# install_missing_packages [PACKAGE...]: installs the packages of Palpate and the named packages.
+# Prints nothing and returns at once if all packages are installed.
 install_missing_packages() {
   local missing=() package
   for package in "${palpate_packages[@]}" "$@"; do
@@ -31,7 +31,7 @@ install_missing_packages() {
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || {
-      say "these packages are missing and neither root nor sudo is at hand: ${missing[*]}"
+      say "packages are missing: ${missing[*]}; run this script as root, or install sudo"
       return 1
     }
     as_root=(sudo)
@@ -43,14 +43,15 @@ install_missing_packages() {
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
       apt-get install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
     cat "$log" >&2
-    say "apt-get could not install ${missing[*]}; its output is above"
+    say "apt-get could not install ${missing[*]}; see its output above"
     return 1
   fi
   rm -f "$log"
 }
 
-# build_preset PRESET [TARGET...]: configures where that is not done, or was before the presets changed,
-# then builds. Shows the progress of it on a terminal; elsewhere its output is shown if it fails.
+# build_preset PRESET [TARGET...]: configures the preset if it is not configured or if the presets
+# have changed since, then builds the targets. On a terminal it shows the progress of the build;
+# otherwise it shows the output of a failed build.
 build_preset() {
   local preset=$1 build=$palpate_root/build/$1
   shift
@@ -69,7 +70,7 @@ build_preset() {
     return 0
   fi
   say "building $preset (a few minutes the first time)"
-  if [ -t 2 ]; then  # ninja tells how far it is in one line, and what fails, by itself
+  if [ -t 2 ]; then  # ninja shows its progress in one line, and prints errors
     cmake --build "$build" "${target_flags[@]}" >&2
     return
   fi

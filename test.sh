@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# Installs, builds and runs the whole test suite; arguments go to ctest.
-# PRESET=debug ./test.sh runs it on another build. PRESET=asan builds and runs the tests of what files
-# and hands from outside reach (label memory), PRESET=tsan those of threads (rt): nothing else has such
-# errors to find. PRESET=fuzz fuzzes the glTF reader for 30 s, or for PALPATE_FUZZ_SECONDS; arguments
-# go to libFuzzer.
+# Installs the packages, builds the tests and runs the whole suite. Arguments are passed to ctest.
+# PRESET=debug ./test.sh uses the debug build. PRESET=asan builds and runs only the tests labelled
+# memory, which cover all code that processes files or device input from outside. PRESET=tsan builds
+# and runs only the tests labelled rt, which cover all code that uses threads. PRESET=fuzz fuzzes the
+# glTF reader for 30 s, or for PALPATE_FUZZ_SECONDS; arguments are then passed to libFuzzer.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-# Fuzzes from the seeds that the project makes and from what earlier runs have found to be new.
+# Starts fuzzing with the seeds of the project and the corpus of earlier runs.
 fuzz_gltf() {
   local build=$palpate_root/build/fuzz
   "$build/make_fuzz_seeds" "$build/seeds"
   mkdir -p "$build/corpus"
-  say "fuzzing; what is found is kept as $build/crash-..., and so on"
+  say "fuzzing; inputs that fail are saved in $build as crash-..., timeout-... and so on"
   "$build/fuzz_gltf" -max_total_time="${PALPATE_FUZZ_SECONDS:-30}" -timeout=5 -rss_limit_mb=2048 \
     -max_len=16384 -dict="$palpate_root/tests/io/gltf/gltf.dict" -artifact_prefix="$build/" \
     -print_final_stats=1 -print_funcs=0 -verbosity=0 "$@" "$build/corpus" "$build/seeds"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shows that rooms_test.py finds each kind of fault, in a small project that it makes."""
+"""Checks that rooms_test.py finds each kind of fault in a small generated project."""
 
 import pathlib
 import tempfile
@@ -26,7 +26,7 @@ FILES = {
 
 
 def faults(changes):
-    """What is found in the project above once some of its files are other ones."""
+    """The faults found in the project above after some of its files were replaced or added."""
     with tempfile.TemporaryDirectory() as name:
         project = pathlib.Path(name)
         for path, text in {**FILES, **changes}.items():
@@ -36,10 +36,10 @@ def faults(changes):
 
 
 class Rooms(unittest.TestCase):
-    def test_know_public_headers_as_users_include_them(self):
+    def test_public_headers_are_resolved_as_users_include_them(self):
         header = {"haptics/include/palpate/record.h": "#include <cstdint>\n",
                   "geometry/triangle.h": '#include "palpate/record.h"\n'}
-        table = TABLE + "| `haptics/include/palpate` | what is public | |\n"
+        table = TABLE + "| `haptics/include/palpate` | public headers | |\n"
         self.assertEqual(
             faults({**header, "ARCHITECTURE.md": table}),
             ['geometry/triangle.h:1: geometry may not include haptics/include/palpate '
@@ -47,40 +47,40 @@ class Rooms(unittest.TestCase):
         table = table.replace("| triangles | |", "| triangles | `haptics/include/palpate` |")
         self.assertEqual(faults({**header, "ARCHITECTURE.md": table}), [])
 
-    def test_accept_what_the_table_permits(self):
+    def test_includes_that_the_table_permits_are_accepted(self):
         self.assertEqual(faults({}), [])
 
-    def test_refuse_an_include_that_the_table_lacks(self):
+    def test_an_include_that_the_table_lacks_is_refused(self):
         self.assertEqual(
             faults({"haptics/a4/rotation.h": '\n#include "haptics/loop.h"\n',
                     "haptics/loop.h": ""}),
             ['haptics/a4/rotation.h:2: haptics/a4 may not include haptics ("haptics/loop.h")'])
 
-    def test_refuse_a_cycle(self):
+    def test_a_cycle_is_refused(self):
         table = TABLE.replace("| triangles | |", "| triangles | `haptics` |")
         self.assertEqual(
             faults({"ARCHITECTURE.md": table}),
             ["ARCHITECTURE.md: the table has a cycle: "
              "geometry -> haptics -> haptics/a4 -> geometry"])
 
-    def test_refuse_a_file_without_a_room(self):
+    def test_a_file_without_a_room_is_refused(self):
         self.assertEqual(faults({"geometry/mesh/weld.h": ""}),
                          ["geometry/mesh/weld.h: belongs to no room of ARCHITECTURE.md"])
 
-    def test_refuse_an_include_of_no_file(self):
+    def test_an_include_of_a_missing_file_is_refused(self):
         self.assertEqual(
             faults({"tests/loop_test.cpp": '#include "loop.h"\n'}),
-            ['tests/loop_test.cpp:1: includes "loop.h", which is not there from the project\'s root'])
+            ['tests/loop_test.cpp:1: includes "loop.h", which does not exist in the project\'s root'])
 
-    def test_refuse_rooms_without_a_source_and_unknown_permissions(self):
+    def test_rooms_without_a_source_and_unknown_permissions_are_refused(self):
         table = TABLE + "| `engine` | scenes | |\n"
         self.assertEqual(faults({"ARCHITECTURE.md": table}),
                          ["ARCHITECTURE.md: engine has no source"])
         table = TABLE + "| `engine` | scenes | `haptic`+ |\n"
         self.assertEqual(faults({"ARCHITECTURE.md": table}),
-                         ["ARCHITECTURE.md: engine may include haptic, which is no room"])
+                         ["ARCHITECTURE.md: engine may include haptic, which is not a room"])
 
-    def test_refuse_a_text_without_a_table(self):
+    def test_a_text_without_a_table_is_refused(self):
         self.assertEqual(faults({"ARCHITECTURE.md": "# Architecture\n"}),
                          ["ARCHITECTURE.md: has no table `| room | holds | may include |`"])
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Checks that every source lies in a room and includes only what its room may.
+"""Checks that every source lies in a room and includes only files that its room may include.
 
 usage: rooms_test.py PROJECT
 
-ARCHITECTURE.md draws the rooms as a table `| room | holds | may include |`. A room is a folder with
-its files, without its subfolders. `X+` stands for X and whatever X may include. Sources below tests/
-and benchmarks/ may include every room. Fails on an include that the table does not permit, on a file
-that belongs to no room, on an include that names no file, on a room that has no file, and on a cycle
-in the table.
+ARCHITECTURE.md defines the rooms in a table `| room | holds | may include |`. A room is a folder with
+its files, without its subfolders. `X+` means X and every room that X may include. Sources below
+tests/ and benchmarks/ may include every room. The test fails on an include that the table does not
+permit, a file that belongs to no room, an include of a missing file, a room without files, and a
+cycle in the table.
 """
 
 import pathlib
@@ -16,14 +16,14 @@ import sys
 
 SOURCES = {".h", ".cpp", ".inl", ".in"}
 FOLDERS = ("geometry", "io", "haptics", "engine", "models")
-PUBLIC = "palpate"  # of FOLDER/include/palpate, included as <palpate/...> or "palpate/..."
-FREE = ("tests", "benchmarks")  # may include all
+PUBLIC = "palpate"  # FOLDER/include/palpate is included as <palpate/...> or "palpate/..."
+FREE = ("tests", "benchmarks")  # may include every room
 GENERATED = {"compiled_effects.h"}  # by CMake, from the list of effects
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<(palpate/[^>]+)>)')
 
 
 class Table:
-    """The rooms of ARCHITECTURE.md, each with those that it may include."""
+    """The rooms of ARCHITECTURE.md, each with the rooms that it may include."""
 
     def __init__(self, text):
         self.direct = {}
@@ -32,7 +32,7 @@ class Table:
         for line in rows:
             if re.match(r"\|\s*room\s*\|\s*holds\s*\|\s*may include\s*\|", line):
                 break
-        next(rows, None)  # the rule below the heading
+        next(rows, None)  # the separator below the heading
         for line in rows:
             if not line.startswith("|"):
                 break
@@ -44,7 +44,7 @@ class Table:
         for room, names in self.direct.items():
             for name, _ in names:
                 if name not in self.direct:
-                    self.faults.append(f"ARCHITECTURE.md: {room} may include {name}, which is no room")
+                    self.faults.append(f"ARCHITECTURE.md: {room} may include {name}, which is not a room")
         if not self.faults:
             self._find_cycles()
         self.permitted = {} if self.faults else {r: self._reach(r) for r in self.direct}
@@ -52,22 +52,22 @@ class Table:
     def _find_cycles(self):
         done = set()
 
-        def visit(room, way):
-            if room in way:
-                cycle = way[way.index(room):] + [room]
+        def visit(room, path):
+            if room in path:
+                cycle = path[path.index(room):] + [room]
                 self.faults.append("ARCHITECTURE.md: the table has a cycle: " + " -> ".join(cycle))
                 return
             if room in done:
                 return
             for name, _ in self.direct[room]:
-                visit(name, way + [room])
+                visit(name, path + [room])
             done.add(room)
 
         for room in self.direct:
             visit(room, [])
 
     def _reach(self, room):
-        """All that a room may include, itself among them."""
+        """All rooms that a room may include, with the room itself."""
         rooms = {room}
         for name, closed in self.direct[room]:
             rooms |= self._reach(name) if closed else {name}
@@ -75,7 +75,7 @@ class Table:
 
 
 def sources(project):
-    """Paths below the project, of what CMake could build."""
+    """The paths of all sources, relative to the project."""
     for folder in (*FOLDERS, *FREE):
         for path in sorted((project / folder).rglob("*")):
             if path.suffix in SOURCES and path.is_file():
@@ -83,7 +83,7 @@ def sources(project):
 
 
 def public_header(project, included):
-    """Where a public header lies that is included as users include it."""
+    """The path of a public header in the project, from its path as users include it."""
     for folder in FOLDERS:
         place = pathlib.PurePosixPath(folder) / "include" / included
         if (project / place).is_file():
@@ -92,7 +92,7 @@ def public_header(project, included):
 
 
 def check_file(project, path, table):
-    """Faults of one source."""
+    """The faults of one source."""
     is_free = path.parts[0] in FREE
     room = path.parent.as_posix()
     if not is_free and room not in table.permitted:
@@ -107,7 +107,7 @@ def check_file(project, path, table):
         if included.parts[0] == PUBLIC:
             included = public_header(project, included)
         if not (project / included).is_file():
-            yield f'{path}:{number}: includes "{included}", which is not there from the project\'s root'
+            yield f'{path}:{number}: includes "{included}", which does not exist in the project\'s root'
         elif not is_free and included.parent.as_posix() not in table.permitted[room]:
             yield (f"{path}:{number}: {room} may not include {included.parent.as_posix()} "
                    f'("{included}")')
@@ -119,12 +119,12 @@ def check(project):
     if table.faults:
         return table.faults
     faults = []
-    furnished = set()
+    used = set()
     for path in sources(project):
-        furnished.add(path.parent.as_posix())
+        used.add(path.parent.as_posix())
         faults += check_file(project, path, table)
     faults += [f"ARCHITECTURE.md: {room} has no source" for room in table.direct
-               if room not in furnished]
+               if room not in used]
     return faults
 
 

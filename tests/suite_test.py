@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that no two tests of a build have one name: whoever asks for one by name gets that one.
+"""Checks that the names of all tests in a build are unique, so that a name selects one test.
 
 usage: suite_test.py CTEST BUILD
 """
@@ -17,7 +17,7 @@ def main():
     names = re.findall(r"^ *Test +#\d+: (.*)$", listed, re.M)
     twice = [name for name, count in collections.Counter(names).items() if count > 1]
     for name in twice:
-        print(f"{name}: two tests have this name; give one of them another")
+        print(f"{name}: several tests have this name; rename all but one")
     if not names:
         print(f"{build}: has no tests; build it first")
     return 1 if twice or not names else 0

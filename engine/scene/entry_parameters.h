@@ -1,6 +1,6 @@
 #pragma once
 
-// The parameters that an entry of an effect program keeps as bytes.
+// Reads and writes the parameters that an entry of an effect program stores as bytes.
 
 #include <cstring>
 

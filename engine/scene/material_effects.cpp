@@ -29,15 +29,15 @@ constexpr const char* kNormalMap = "normalTexture";
 
 using Role = ParameterKey::Role;
 
-// A parameter of an effect that has a value, given or not.
+// The value of a parameter of an effect, given or by default.
 struct Value {
   const ParameterKey* key;
   double number;
   MaterialParameter given;
-  std::string source;  // empty: it is a default
+  std::string source;  // empty for a default
 };
 
-// Writes the effects of one material.
+// Compiles the effects of one material.
 class Compiler {
  public:
   explicit Compiler(const MaterialSources& sources)
@@ -46,16 +46,16 @@ class Compiler {
         values_(compiled_effects().size()) {}
 
   Result<MaterialEffects> compile() {
-    if (auto error = take_physics()) return *error;
+    if (auto error = add_physics()) return *error;
     for (const MaterialParameter& parameter : sources_.material->parameters) {
-      if (auto error = take(parameter, source_of(parameter))) return *error;
+      if (auto error = add(parameter, source_of(parameter))) return *error;
     }
-    if (auto error = take_maps()) return *error;
+    if (auto error = add_maps()) return *error;
     complete_friction();
     for (std::uint16_t effect = 0; effect < values_.size(); ++effect) {
       if (auto error = finish(effect)) return *error;
     }
-    tell_idle_maps();
+    report_unused_maps();
     if (auto error = check_medium()) return *error;
     return std::move(result_);
   }
@@ -63,8 +63,8 @@ class Compiler {
  private:
   using MaybeError = std::optional<Error>;
 
-  MaybeError take(const MaterialParameter& parameter, const std::string& source) {
-    if (parameter.key == kSolidKey) return take_solid(parameter);
+  MaybeError add(const MaterialParameter& parameter, const std::string& source) {
+    if (parameter.key == kSolidKey) return add_solid(parameter);
     const auto types = compiled_effects();
     for (std::size_t effect = 0; effect < types.size(); ++effect) {
       for (const ParameterKey& key : types[effect].keys) {
@@ -75,16 +75,17 @@ class Compiler {
         return std::nullopt;
       }
     }
-    return take_unknown(parameter, source);
+    return add_other(parameter, source);
   }
 
-  MaybeError take_unknown(const MaterialParameter& parameter, const std::string& source) {
+  // A key of no effect in this build.
+  MaybeError add_other(const MaterialParameter& parameter, const std::string& source) {
     const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
                                     [&](const auto& k) { return k.key == parameter.key; });
     if (known == std::end(kKeyNames)) {
       if (source == kOverrideSource) return unknown_key(parameter);
       result_.report.not_understood.push_back(
-          {parameter.key, parameter.value, parameter.element, "no such key is known"});
+          {parameter.key, parameter.value, parameter.element, "the key is unknown"});
       return std::nullopt;
     }
     const double* number = std::get_if<double>(&parameter.value);
@@ -96,15 +97,15 @@ class Compiler {
     return not_built_error(owner_, parameter, known->effect);
   }
 
-  // A file may hold what other programs know; a command line is for this one.
+  // An unknown key in a file may be meant for other programs; an unknown override is an error.
   Error unknown_key(const MaterialParameter& parameter) const {
     std::string keys(kSolidKey);
     for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
-    return error_at(owner_, parameter, quoted_text(parameter.key) + " is no key that is known",
-                    "the keys are " + keys);
+    return error_at(owner_, parameter, quoted_text(parameter.key) + " is an unknown key",
+                    "use one of the keys " + keys);
   }
 
-  MaybeError take_solid(const MaterialParameter& parameter) {
+  MaybeError add_solid(const MaterialParameter& parameter) {
     const bool* solid = std::get_if<bool>(&parameter.value);
     if (!solid) return parameter_error(owner_, parameter, "true or false");
     result_.is_solid = *solid;
@@ -114,7 +115,7 @@ class Compiler {
     return std::nullopt;
   }
 
-  MaybeError take_physics() {
+  MaybeError add_physics() {
     const PhysicsMaterialDescription* physics = sources_.physics;
     if (!physics) return std::nullopt;
     const std::pair<const char*, std::optional<double>> written[] = {
@@ -122,61 +123,62 @@ class Compiler {
         {"dynamicFriction", physics->dynamic_friction},
         {"restitution", physics->restitution}};
     for (const auto& [key, number] : written) {
-      // What the material says of the same key goes before it, so it need not be any good.
+      // A value of the material takes precedence; this value is then not checked.
       if (!number || is_given(key)) continue;
       const MaterialParameter parameter{key, *number, sources_.physics_element + "/" + key};
-      if (auto error = take(parameter, kPhysics)) return error;
+      if (auto error = add(parameter, kPhysics)) return error;
     }
     return complete_physics(*physics);
   }
 
-  // What the extension has for a coefficient that is not written never contradicts the other one.
+  // Adds the default of the extension for each missing coefficient, changed if necessary so that it
+  // does not contradict the other coefficient.
   MaybeError complete_physics(const PhysicsMaterialDescription& physics) {
-    const auto said = [&](const char* key, std::optional<double> written) {
+    const auto declared = [&](const char* key, std::optional<double> written) {
       const MaterialParameter* parameter = find_given(key);
       const double* number = parameter ? std::get_if<double>(&parameter->value) : nullptr;
       return number ? std::optional(*number) : written;
     };
-    const auto still = said("staticFriction", physics.static_friction);
-    const auto sliding = said("dynamicFriction", physics.dynamic_friction);
+    const auto sticking = declared("staticFriction", physics.static_friction);
+    const auto sliding = declared("dynamicFriction", physics.dynamic_friction);
     if (!physics.static_friction && !is_given("staticFriction")) {
       const double number = std::max(kPhysicsFriction, sliding.value_or(kPhysicsFriction));
       const MaterialParameter unwritten{"staticFriction", number, sources_.physics_element};
-      if (auto error = take_default("friction", unwritten)) return error;
+      if (auto error = add_default("friction", unwritten)) return error;
     }
     if (!physics.dynamic_friction && !is_given("dynamicFriction")) {
-      const double number = std::min(kPhysicsFriction, still.value_or(kPhysicsFriction));
+      const double number = std::min(kPhysicsFriction, sticking.value_or(kPhysicsFriction));
       const MaterialParameter unwritten{"dynamicFriction", number, sources_.physics_element};
-      return take_default("friction", unwritten);
+      return add_default("friction", unwritten);
     }
     return std::nullopt;
   }
 
-  // Which maps there are to feel; each of the rest is told.
-  MaybeError take_maps() {
+  // Chooses the friction map and the texture map, and reports all other maps.
+  MaybeError add_maps() {
     if (!sources_.haptic) return std::nullopt;
     for (const HapticMap& map : sources_.haptic->maps) {
       if (map.property != kFrictionMap && map.property != kTextureMap) {
-        ignore(map, "no effect uses a map of this property");
+        ignore(map, "no effect uses a map for this property");
         continue;
       }
-      const HapticMap*& taken = map.property == kFrictionMap ? friction_map_ : texture_map_;
-      if (taken) {
-        ignore(map, "of several maps of one property the first is felt");
+      const HapticMap*& chosen = map.property == kFrictionMap ? friction_map_ : texture_map_;
+      if (chosen) {
+        ignore(map, "only the first map for a property is used");
         continue;
       }
-      taken = &map;
+      chosen = &map;
     }
     if (texture_map_ && !is_given("textureHeight")) {
       const MaterialParameter height{"textureHeight", kDefaultTextureHeight_m,
                                      texture_map_->element};
-      if (auto error = take_default("texture", height, kTextureMap)) return error;
+      if (auto error = add_default("texture", height, kTextureMap)) return error;
     }
     const bool has_friction = is_given("staticFriction") || is_given("dynamicFriction");
     if (!friction_map_ || has_friction || sources_.physics) return std::nullopt;
     for (const char* key : {"staticFriction", "dynamicFriction"}) {
       const MaterialParameter coefficient{key, kMapFriction, friction_map_->element};
-      if (auto error = take_default("friction", coefficient, kFrictionMap)) return error;
+      if (auto error = add_default("friction", coefficient, kFrictionMap)) return error;
     }
     return std::nullopt;
   }
@@ -190,9 +192,10 @@ class Compiler {
     return "texture " + std::to_string(texture.texture);
   }
 
-  // A value that another part of the file calls for, which `cause` names if it is not the key.
-  MaybeError take_default(std::string_view effect, const MaterialParameter& parameter,
-                          const char* cause = nullptr) {
+  // Adds a default value that another part of the file requires. cause: the name of that part, for
+  // an error; null if it is the key itself.
+  MaybeError add_default(std::string_view effect, const MaterialParameter& parameter,
+                         const char* cause = nullptr) {
     const double number = std::get<double>(parameter.value);
     const auto e = effect_number(effect);
     if (!e) {
@@ -206,7 +209,7 @@ class Compiler {
     return std::nullopt;
   }
 
-  // One coefficient alone is the other one, too.
+  // If only one coefficient is given, the other one gets the same value.
   void complete_friction() {
     const auto effect = effect_number("friction");
     if (!effect || values_[*effect].size() != 1) return;
@@ -217,7 +220,7 @@ class Compiler {
     }
   }
 
-  // Of two for one key the later goes before.
+  // Sets the value of a key and replaces an earlier value of the same key.
   void put(std::size_t effect, Value value) {
     std::vector<Value>& values = values_[effect];
     const auto same = std::find_if(values.begin(), values.end(),
@@ -229,7 +232,7 @@ class Compiler {
     }
   }
 
-  // Null if the material does not say it.
+  // Null if the material does not give the key.
   const MaterialParameter* find_given(std::string_view key) const {
     const auto& parameters = sources_.material->parameters;
     const auto found = std::find_if(parameters.begin(), parameters.end(),
@@ -238,7 +241,7 @@ class Compiler {
   }
   bool is_given(std::string_view key) const { return find_given(key) != nullptr; }
 
-  // Enters an effect if it is called for.
+  // Adds an effect if it is active.
   MaybeError finish(std::uint16_t effect) {
     const EffectType& type = compiled_effects()[effect];
     std::vector<Value>& values = values_[effect];
@@ -253,29 +256,29 @@ class Compiler {
     const bool has_switch =
         std::any_of(type.keys.begin(), type.keys.end(), has_role(Role::kCallsFor));
     const Role switching = has_switch ? Role::kCallsFor : Role::kRequired;
-    const bool is_said = std::any_of(values.begin(), values.end(),
-                                     [&](const Value& v) { return v.key->role == switching; });
-    const bool is_called_for = std::any_of(values.begin(), values.end(), [&](const Value& v) {
+    const bool is_switch_given = std::any_of(
+        values.begin(), values.end(), [&](const Value& v) { return v.key->role == switching; });
+    const bool is_active = std::any_of(values.begin(), values.end(), [&](const Value& v) {
       return v.key->role == switching && (!has_switch || v.number != 0.0);
     });
-    if (!is_said) {
+    if (!is_switch_given) {
       const auto key = std::find_if(type.keys.begin(), type.keys.end(), has_role(switching));
       return error_at(owner_, values.front().given,
                       values.front().given.key + " is given without " + std::string(key->key),
-                      "give both or none");
+                      "give both keys, or neither");
     }
     for (const ParameterKey& key : type.keys) {
-      if (!is_called_for || key.role != Role::kRequired || find(key) != values.end()) continue;
+      if (!is_active || key.role != Role::kRequired || find(key) != values.end()) continue;
       const Value& cause = *std::find_if(values.begin(), values.end(), [&](const Value& v) {
         return v.key->role == switching && v.number != 0.0;
       });
       return error_at(owner_, cause.given,
                       cause.given.key + " is given without " + std::string(key.key) +
                           "; expected " + expected_text(key),
-                      "give both or none");
+                      "give both keys, or neither");
     }
-    report(values, !is_called_for);
-    return is_called_for ? enter(effect, values) : std::nullopt;
+    report(values, !is_active);
+    return is_active ? enter(effect, values) : std::nullopt;
   }
 
   void report(const std::vector<Value>& values, bool is_off) {
@@ -334,11 +337,11 @@ class Compiler {
     return error_at(owner_, *first, std::string(contradiction) + ": " + where);
   }
 
-  // What a map gives is told with the effect that it gives it to.
+  // Checks that an effect has the map it needs, and reports this map.
   MaybeError check_maps(const EffectType& type, const std::vector<Value>& values) {
-    if (type.needs & kNeedsFrictionMap) tell(friction_map_);
+    if (type.needs & kNeedsFrictionMap) report_map(friction_map_);
     if (!(type.needs & kNeedsTextureMap)) return std::nullopt;
-    tell(texture_map_);
+    report_map(texture_map_);
     if (texture_map_) return std::nullopt;
     const TextureReference* normals = texture_map(*sources_.material, sources_.haptic);
     if (!normals) {
@@ -352,41 +355,41 @@ class Compiler {
     return std::nullopt;
   }
 
-  // That a map is taken, or would be if its effect were not off. Null: there is none.
-  void tell(const HapticMap* map, bool is_off = false) {
+  // Reports that a map is applied or, with is_off, that its effect is off. map may be null.
+  void report_map(const HapticMap* map, bool is_off = false) {
     if (!map) return;
     result_.report.honoured.push_back(
         {map->property, texture_text(map->texture), "", kHaptic, map->element, is_off});
   }
 
-  // Of those maps whose effects are off.
-  void tell_idle_maps() {
-    if (!result_.entry("friction")) tell(friction_map_, /*is_off=*/true);
-    if (!result_.entry("texture")) tell(texture_map_, /*is_off=*/true);
+  // Reports the maps whose effects are off.
+  void report_unused_maps() {
+    if (!result_.entry("friction")) report_map(friction_map_, /*is_off=*/true);
+    if (!result_.entry("texture")) report_map(texture_map_, /*is_off=*/true);
   }
 
-  // Without a surface, only what is inside can be felt.
+  // A material that is not solid needs a viscosity and can have no other effect.
   MaybeError check_medium() {
     if (result_.is_solid) return std::nullopt;
     if (!result_.entry("viscosity")) {
       return error_at(owner_, solid_,
-                      "solid is false and there is no viscosity: it has nothing to "
-                      "feel");
+                      "solid is false without a viscosity above 0, so the material has no effect",
+                      "give a viscosity, or set solid to true");
     }
     for (std::uint16_t effect = 0; effect < values_.size(); ++effect) {
       const std::string_view name = compiled_effects()[effect].name;
       if (name == "viscosity" || !result_.entry(name)) continue;
       for (const Value& v : values_[effect]) {
         if (v.source != kExtrasSource && v.source != kOverrideSource) continue;
-        return error_at(owner_, v.given,
-                        v.given.key + " is of a surface, but solid is false: there is none");
+        return error_at(owner_, v.given, v.given.key + " applies to a surface, but solid is false",
+                        "remove " + v.given.key + ", or set solid to true");
       }
       leave_out(effect);
     }
     return std::nullopt;
   }
 
-  // An effect that other parts of the file give a surface that there is not.
+  // Removes an effect that other parts of the file declare for a surface that is not solid.
   void leave_out(std::uint16_t effect) {
     std::set<std::string> keys;
     if (compiled_effects()[effect].needs & kNeedsTextureMap) keys.insert({kTextureMap, kNormalMap});
@@ -397,7 +400,7 @@ class Compiler {
     std::erase_if(result_.report.honoured, [&](const HonouredParameter& h) {
       if (!keys.contains(h.key)) return false;
       result_.report.not_understood.push_back(
-          {h.key, h.value, h.element, "it is of a surface, but solid is false"});
+          {h.key, h.value, h.element, "the value applies to a surface, but solid is false"});
       return true;
     });
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a material declares, turned into the effects that it is felt by, and a report of what became
-// of each value.
+// Turns the declarations of a material into effects, and reports whether each declared value was
+// applied, defaulted or ignored.
 
 #include <cstdint>
 #include <optional>
@@ -16,25 +16,25 @@
 
 namespace palpate {
 
-// A value that was taken.
+// A declared value that was applied.
 struct HonouredParameter {
   std::string key;
   MaterialValue value;  // as given, in `unit`
-  std::string unit;     // "" for none
+  std::string unit;     // "" for a value without a unit
   std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material",
                         // "glTF" or "override"
   std::string element;  // JSON path, or "`SceneSettings::overrides` NAME.key"
-  bool is_off = false;  // it says that there is no such effect
+  bool is_off = false;  // the value, such as 0, switches its effect off
 };
 
-// A value that was needed and not given.
+// A default that replaced a value which was needed but not given.
 struct DefaultedParameter {
   std::string key;
   MaterialValue value;
   std::string unit;
 };
 
-// What nothing was made of.
+// A declared value that was ignored.
 struct IgnoredParameter {
   std::string key;
   MaterialValue value;
@@ -50,54 +50,60 @@ struct MaterialReport {
   bool empty() const { return honoured.empty() && defaulted.empty() && not_understood.empty(); }
 };
 
-// Everything that has a say in how some triangles feel.
+// All declarations that affect the contact forces of some triangles.
 struct MaterialSources {
   const MaterialDescription* material;  // an empty one for triangles without a material
-  const PhysicsMaterialDescription* physics = nullptr;  // of the node, if there is one
-  std::string physics_element = {};                     // its JSON path
-  const HapticMaterialDescription* haptic = nullptr;    // of the mesh, if there is one
-  double scale = 1.0;                                   // of the scene: lengths are times this
+  const PhysicsMaterialDescription* physics = nullptr;  // of the node; null if it has none
+  std::string physics_element = {};                     // JSON path of `physics`
+  const HapticMaterialDescription* haptic = nullptr;    // of the mesh; null if it has none
+  double scale = 1.0;                                   // of the scene; multiplies all lengths
 };
 
 struct MaterialEffects {
-  // One for each effect that is called for, by number. Pointers in the parameters are null.
+  // One entry for each active effect, in the order of compiled_effects(). Pointers in the
+  // parameters are null.
   std::vector<EffectProgramBuilder::Entry> entries;
-  bool is_solid = true;  // false: there is only the medium inside
+  bool is_solid = true;  // false: the triangles bound a medium and cannot be touched
   MaterialReport report;
 
   const EffectProgramBuilder::Entry* entry(std::string_view effect) const;
   std::vector<std::string> effect_names() const;  // sorted
 };
 
-// Of the sources of a value, material (whose overrides io has put in place already) goes before
-// physics, and both before the defaults. An effect is called for if one of its keys of the role
-// kCallsFor is given and not zero, or, if it has none, if that of the role kRequired is given.
-// Besides: a friction coefficient that a physics material does not write is kPhysicsFriction, or
-// that of the other one where the two would contradict each other. Without a physics material one
-// coefficient alone is the other one, too, and a friction map without any gives the coefficients
-// itself; a vibrotactileTexture without textureHeight carves kDefaultTextureHeight_m.
+// Values of the material take precedence over values of the physics material; both take precedence
+// over the defaults. (io has already replaced values of the material by their overrides.) An effect
+// is active if one of its keys with the role kCallsFor is given and not zero. An effect without
+// such a key is active if its key with the role kRequired is given.
 //
-// An Error names the material, the element and what was expected: a value of the wrong type, out
-// of range or no choice; values that contradict each other or lack another one; an effect that is
-// not in this build; a key of --material that is not known. Other keys that are not known, and maps
-// that nothing uses, are no error but reported: those of an effect that is off as honoured, with
-// is_off. Thread-safe.
+// Defaults:
+// - A friction coefficient that a physics material leaves out is kPhysicsFriction. If the static
+//   coefficient would then be less than the dynamic one, both coefficients are equal.
+// - Without a physics material, a single coefficient serves as both the static and the dynamic one.
+// - If a friction map is given without a coefficient, both coefficients are kMapFriction.
+// - If a vibrotactileTexture is given without textureHeight, the height is kDefaultTextureHeight_m.
+//
+// Errors name the material and the element, and state the expected value. The causes are: a value
+// that has the wrong type, is out of range or is not one of the choices; values that contradict
+// each other; a value that requires another one which is missing; an effect that is not in this
+// build; an unknown key in an override (--material). Unknown keys in a file and unused maps are
+// reported as not understood, without an error. Maps of an effect that is off are reported as
+// honoured, with is_off. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
-inline constexpr double kMapFriction = 1.0;  // the map alone gives the coefficients
+inline constexpr double kMapFriction = 1.0;  // the map then contains the coefficients themselves
 inline constexpr double kDefaultTextureHeight_m = 1e-4;
 
-// The key that files may give and no effect has.
+// A material key that belongs to no effect.
 inline constexpr std::string_view kSolidKey = "solid";
 
-// A number of compiled_effects(), or none if the effect is not in this build.
+// The index of an effect in compiled_effects(); no value if the effect is not in this build.
 std::optional<std::uint16_t> effect_number(std::string_view name);
 
-// What the effects of the project call their parameters, whether they are in this build or not.
+// The parameter keys of all effects of the project, including effects that are not in this build.
 struct EffectKeyName {
   std::string_view key;
   std::string_view effect;
-  bool zero_is_none = true;  // 0 calls for nothing
+  bool zero_is_none = true;  // the value 0 does not require the effect
 };
 std::span<const EffectKeyName> effect_key_names();
 

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// How the element of one begins (MaterialParameter).
+// The element of an override begins with this text (MaterialParameter).
 constexpr const char* kOverrideElement = "`SceneSettings::overrides`";
 
 std::string number_text(double x) {
@@ -50,9 +50,9 @@ Error error_at(const std::string& owner, const MaterialParameter& parameter, std
 Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
                       std::string_view effect) {
   return {ErrorCode::kUnsupported, "", parameter.element,
-          owner + ": " + parameter.key + " calls for the effect " + std::string(effect) +
+          owner + ": " + parameter.key + " requires the effect " + std::string(effect) +
               ", which is not in this build",
-          "build with it in PALPATE_EFFECTS"};
+          "add " + std::string(effect) + " to PALPATE_EFFECTS and build again"};
 }
 
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
@@ -83,7 +83,7 @@ Result<double> checked_number(const std::string& owner, const MaterialParameter&
   const bool is_in_range = number && *number >= key.least && *number <= key.most &&
                            !(key.least_is_excluded && *number == key.least);
   if (!is_in_range) return parameter_error(owner, parameter, expected_text(key));
-  return *number == 0.0 ? 0.0 : *number;  // no minus zero
+  return *number == 0.0 ? 0.0 : *number;  // replaces -0 by 0
 }
 
 }  // namespace palpate

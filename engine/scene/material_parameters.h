@@ -1,7 +1,7 @@
 #pragma once
 
-// Parameters as files and command lines give them, of materials and of other parts of a scene:
-// where they are from, how they read, and whether an effect can have them.
+// Parameters of materials, of the scene and of nodes, as files and command lines give them: their
+// source, their text, and checks of their values.
 
 #include <string>
 #include <string_view>
@@ -15,31 +15,34 @@ namespace palpate {
 inline constexpr const char* kExtrasSource = "extras.palpate";
 inline constexpr const char* kOverrideSource = "override";
 
-// Where a parameter is from: one of these two.
+// The source of a parameter: kExtrasSource or kOverrideSource.
 std::string source_of(const MaterialParameter& parameter);
 
-// In quotes, as it is.
+// The text in quotation marks. Does not escape any character.
 std::string quoted_text(std::string_view text);
 
-// As JSON writes it.
+// The value in JSON notation.
 std::string value_text(const MaterialValue& value);
 
-// A problem with a parameter of `owner` ("material \"wood\""): with an argument, if it is an
-// override.
+// An error about a parameter of `owner` ("material \"wood\""). The code is kInvalidArgument for an
+// override and kInvalidContent otherwise.
 Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
                std::string hint = "");
 
-// Such a problem: "stiffness is -1; expected a number from 0 to 1e+06 N/m".
+// The same for a wrong value, e.g. "stiffness is -1; expected a number from 0 to 1e+06 N/m".
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
                       const std::string& expected);
 
-// Of a parameter that calls for an effect which is not in this build.
+// The error for a parameter that requires an effect which is not in this build.
 Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
                       std::string_view effect);
-// The number that an effect keeps for a value: of a choice, its place. An Error as above.
+
+// The number that the effect stores for a value; for a choice, its index in ParameterKey::choices.
+// Returns a parameter_error() if the value is not allowed.
 Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
                               const ParameterKey& key);
-// "a number from 0 to 1e+06 N/m"
+
+// The allowed values of a key, e.g. "a number from 0 to 1e+06 N/m".
 std::string expected_text(const ParameterKey& key);
 
 }  // namespace palpate

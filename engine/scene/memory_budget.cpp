@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
-// --- What a user writes --------------------------------------------------------------------------
+// --- Numbers of bytes that a user writes ---------------------------------------------------------
 
-// Bytes in a unit, or 0 for none.
+// The number of bytes in a unit; 0 for an unknown unit.
 double bytes_in(std::string unit) {
   std::transform(unit.begin(), unit.end(), unit.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -36,12 +36,12 @@ double bytes_in(std::string unit) {
   return step > 0.0 ? std::pow(step, static_cast<double>(power + 1)) : 0.0;
 }
 
-// --- What the system tells -----------------------------------------------------------------------
+// --- Free memory that the system reports ---------------------------------------------------------
 
-// What may still be taken, and of what.
+// The memory that may still be allocated, and the limit that determines it.
 struct FreeMemory {
   std::uint64_t bytes = kUnlimited;
-  std::string of;
+  std::string of;  // "the machine has free"
 };
 
 void keep_less(FreeMemory& least, std::uint64_t bytes, const std::string& of) {
@@ -52,7 +52,7 @@ std::uint64_t difference(std::uint64_t limit, std::uint64_t used) {
   return limit - std::min(used, limit);
 }
 
-// The number that a file begins with; nothing of a file that is not there, or says "max".
+// The number at the beginning of a file; no value if the file does not exist or contains "max".
 std::optional<std::uint64_t> number_in(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t number = 0;
@@ -60,7 +60,7 @@ std::optional<std::uint64_t> number_in(const std::string& path) {
   return std::nullopt;
 }
 
-// The number behind a name, in a file of a name and a number a line.
+// The number after a name, in a file whose lines are a name and a number.
 std::optional<std::uint64_t> number_named(const std::string& path, std::string_view name) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -72,7 +72,7 @@ std::optional<std::uint64_t> number_named(const std::string& path, std::string_v
   return std::nullopt;
 }
 
-// The files of one version in which a control group tells what it may take.
+// The files in which a control group of one version reports its limit and its use.
 struct GroupFiles {
   const char* limit;
   const char* used;
@@ -82,8 +82,8 @@ constexpr GroupFiles kVersion1{
     "memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file", "total_active_file"}};
 constexpr GroupFiles kVersion2{"memory.max", "memory.current", {"inactive_file", "active_file"}};
 
-void look_at_group(const std::string& folder, const std::string& name, const GroupFiles& files,
-                   FreeMemory& least) {
+void read_group(const std::string& folder, const std::string& name, const GroupFiles& files,
+                FreeMemory& least) {
   const auto limit = number_in(folder + "/" + files.limit);
   const auto used = number_in(folder + "/" + files.used);
   if (!limit || !used) return;
@@ -95,12 +95,12 @@ void look_at_group(const std::string& folder, const std::string& name, const Gro
             "the control group " + (name.empty() ? "/" : name) + " has free");
 }
 
-// A group and all above it. In a container, only the last of them may be there.
-void look_at_groups(const std::string& root, std::string name, const GroupFiles& files,
-                    FreeMemory& least) {
+// Reads a group and all its parent groups. A container may show only the outermost of them.
+void read_groups(const std::string& root, std::string name, const GroupFiles& files,
+                 FreeMemory& least) {
   if (name.find("..") != std::string::npos) name.clear();
   while (true) {
-    look_at_group(root + name, name, files, least);
+    read_group(root + name, name, files, least);
     if (name.empty()) return;
     const std::size_t last = name.rfind('/');
     name.erase(last == name.npos ? 0 : last);
@@ -108,7 +108,7 @@ void look_at_groups(const std::string& root, std::string name, const GroupFiles&
 }
 
 // Lines of /proc/self/cgroup: "0::/name" of version 2, "4:memory:/name" of version 1.
-void look_at_all_groups(const MemorySources& sources, FreeMemory& least) {
+void read_all_groups(const MemorySources& sources, FreeMemory& least) {
   std::ifstream file(sources.own_groups);
   for (std::string line; std::getline(file, line);) {
     const std::size_t first = line.find(':');
@@ -118,27 +118,27 @@ void look_at_all_groups(const MemorySources& sources, FreeMemory& least) {
     std::string name = line.substr(second + 1);
     if (name == "/") name.clear();
     if (controllers == ",,") {
-      look_at_groups(sources.group_root, name, kVersion2, least);
+      read_groups(sources.group_root, name, kVersion2, least);
     } else if (controllers.find(",memory,") != std::string::npos) {
-      look_at_groups(sources.group_root + "/memory", name, kVersion1, least);
+      read_groups(sources.group_root + "/memory", name, kVersion1, least);
     }
   }
 }
 
-void look_at_process(const MemorySources& sources, FreeMemory& least) {
+void read_process_limits(const MemorySources& sources, FreeMemory& least) {
   std::ifstream file(sources.own_pages);
   std::uint64_t all = 0;
   std::uint64_t ignored = 0;
   std::uint64_t data = 0;
   if (!(file >> all >> ignored >> ignored >> ignored >> ignored >> data)) return;
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  const auto look = [&](auto resource, std::uint64_t pages, const char* of) {
+  const auto read_limit = [&](auto resource, std::uint64_t pages, const char* of) {
     rlimit limit{};
     if (::getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
     keep_less(least, difference(limit.rlim_cur, pages * page), of);
   };
-  look(RLIMIT_AS, all, "the process has left of its addresses (ulimit -v)");
-  look(RLIMIT_DATA, data, "the process has left for data (ulimit -d)");
+  read_limit(RLIMIT_AS, all, "the process may still reserve (ulimit -v)");
+  read_limit(RLIMIT_DATA, data, "the process may still use for data (ulimit -d)");
 }
 
 }  // namespace
@@ -151,8 +151,8 @@ Result<std::uint64_t> parse_bytes(const std::string& text) {
   constexpr double kTooMany = 0x1p63;
   if (bytes >= 1.0 && bytes < kTooMany) return static_cast<std::uint64_t>(bytes);  // false for NaN
   return Error{ErrorCode::kInvalidArgument, "", "max_memory_bytes",
-               "\"" + text + "\" given, expected a number of bytes",
-               "such as 500M or 1.5G, of 1000, or 2GiB, of 1024"};
+               "is \"" + text + "\"; expected a number of bytes",
+               "write for example 500M, 1.5G (powers of 1000) or 2GiB (powers of 1024)"};
 }
 
 MemoryLimit default_memory_limit(const MemorySources& sources) {
@@ -161,8 +161,8 @@ MemoryLimit default_memory_limit(const MemorySources& sources) {
   if (const auto available = number_named(sources.meminfo, "MemAvailable:")) {
     keep_less(least, kBytesPerKb * *available, "the machine has free");
   }
-  look_at_all_groups(sources, least);
-  look_at_process(sources, least);
+  read_all_groups(sources, least);
+  read_process_limits(sources, least);
   if (least.bytes == kUnlimited) return {};
   return {least.bytes / 2, "half of the " + bytes_text(least.bytes) + " that " + least.of,
           "`SceneSettings::max_memory_bytes`"};
@@ -188,15 +188,15 @@ std::uint64_t memory_bytes(const SceneDescription& description) {
 }
 
 MemoryNeed sum_of(std::vector<MemoryNeed> needs, std::size_t at_once) {
-  const auto passing = [](const MemoryNeed& need) { return need.peak - need.kept; };
+  const auto temporary = [](const MemoryNeed& need) { return need.peak - need.kept; };
   MemoryNeed sum;
   for (const MemoryNeed& need : needs) sum.kept += need.kept;
   sum.peak = sum.kept;
   const std::size_t most = std::min(at_once, needs.size());
   std::nth_element(
       needs.begin(), needs.begin() + static_cast<std::ptrdiff_t>(most), needs.end(),
-      [&](const MemoryNeed& x, const MemoryNeed& y) { return passing(x) > passing(y); });
-  for (std::size_t i = 0; i < most; ++i) sum.peak += passing(needs[i]);
+      [&](const MemoryNeed& x, const MemoryNeed& y) { return temporary(x) > temporary(y); });
+  for (std::size_t i = 0; i < most; ++i) sum.peak += temporary(needs[i]);
   return sum;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// How much memory a scene may take, and what its parts do.
+// The memory limit of a scene, and the memory that parts of the scene need.
 
 #include <cstdint>
 #include <string>
@@ -12,11 +12,12 @@
 
 namespace palpate {
 
-// A number of bytes as a user writes it: "500M", "2G", "1.5GiB". K, M, G and T are of 1000, with or
-// without a B; KiB, MiB, GiB and TiB of 1024; upper or lower case. 1 byte at least.
+// Parses a number of bytes as a user writes it, e.g. "500M", "2G" or "1.5GiB". K, M, G and T, with
+// or without a B, are powers of 1000; KiB, MiB, GiB and TiB are powers of 1024. Upper and lower
+// case are equal. The result is at least 1 byte.
 Result<std::uint64_t> parse_bytes(const std::string& text);
 
-// Where the system tells how much memory is free. Files that are not there limit nothing.
+// The files in which Linux reports free memory. A missing file imposes no limit.
 struct MemorySources {
   std::string meminfo = "/proc/meminfo";
   std::string own_groups = "/proc/self/cgroup";
@@ -24,25 +25,28 @@ struct MemorySources {
   std::string own_pages = "/proc/self/statm";
 };
 
-// Half of what is free by the least of: the machine (MemAvailable); the control groups of the
-// process and all above them, of either version, in which what only caches files counts as free;
-// and the limits of the process (ulimit -v and -d).
+// The default limit is half of the free memory. The free memory is the least of three amounts:
+// - the memory that the machine has available (MemAvailable);
+// - the memory left in the control groups of the process and in all their parent groups, of cgroup
+//   version 1 or 2, where the file cache counts as free;
+// - the memory left under the limits of the process (ulimit -v and -d).
 MemoryLimit default_memory_limit(const MemorySources& sources = {});
 
-// The same for 0; else these bytes, as given by --max-memory.
+// The limit of max_bytes, as given by --max-memory; 0 means the default limit.
 MemoryLimit memory_limit(std::uint64_t max_bytes);
 
-// What a text takes outside of the object.
+// Heap memory of a string.
 inline std::uint64_t text_bytes(const std::string& text) {
   constexpr std::size_t kInside = 15;  // characters
   constexpr std::uint64_t kBlock = 16;
   return text.capacity() > kInside ? text.capacity() + kBlock : 0;
 }
 
-// What a description takes.
+// Heap memory of a description.
 std::uint64_t memory_bytes(const SceneDescription& description);
 
-// Of needs that are met at the same time, `at_once` of them being worked on.
+// The memory need of several jobs together, of which at most `at_once` run at the same time. All
+// results are kept; the temporary memory is that of the `at_once` most demanding jobs.
 MemoryNeed sum_of(std::vector<MemoryNeed> needs, std::size_t at_once);
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ std::string joined(std::initializer_list<std::string_view> parts) {
   return all;
 }
 
-// Equal for what is told once.
+// Items with equal identities are reported once.
 std::string identity(const HonouredParameter& p) {
   return joined({p.key, p.element, value_text(p.value), p.is_off ? "off" : "on"});
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What is told of a material that is felt in several ways, each thing once.
+// Merges the reports of one material that occurs in several combinations.
 
 #include <set>
 #include <string>
@@ -10,8 +10,9 @@
 
 namespace palpate {
 
-// Gathers what is told of one material that is felt in several ways, each thing once. There may be
-// as many ways as physics materials, so what is known is looked up.
+// Merges the reports of one material that is combined with several physics or haptic materials.
+// Equal lines are kept once; sets make the search for them fast, since a file can contain many
+// physics materials.
 class MergedReport {
  public:
   void append(const MaterialReport& more, MaterialReport& report);
@@ -20,7 +21,7 @@ class MergedReport {
   std::set<std::string> honoured_, defaulted_, not_understood_;
 };
 
-// Adds names to others that are sorted, each once.
+// Adds names to a sorted list of names and omits repeated names. The list stays sorted.
 void merge_names(const std::vector<std::string>& more, std::vector<std::string>& sorted);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// Half a turn about an axis changes no bit but signs.
+// A diagonal matrix needs no rotation, or half a turn about an axis, which changes only signs.
 NodePlacement split_diagonal(const Vec3& diagonal) {
   const bool is_mirrored = (diagonal.array() < 0.0).count() % 2 != 0;
   const double sign = is_mirrored ? -1.0 : 1.0;
@@ -29,13 +29,14 @@ std::optional<NodePlacement> split_linear(const Mat3& linear) {
   if (scales[2] <= 16 * std::numeric_limits<double>::epsilon() * scales[0]) return std::nullopt;
   const bool is_diagonal = Mat3(linear.diagonal().asDiagonal()) == linear;
   if (is_diagonal) return split_diagonal(linear.diagonal());
-  // R must be proper: a mirror stays in S, which is then minus a stretch, the one such factor there
-  // is, so that instances of one mirrored scale are found to be alike.
+  // R must be a proper rotation, so a mirror remains in S. S is then the negative of a positive
+  // definite matrix. This factor is unique; therefore instances with equal mirrored scales have
+  // equal factors S.
   const Mat3 orthogonal = svd.matrixU() * svd.matrixV().transpose();
   const Mat3 rotation = orthogonal.determinant() < 0.0 ? Mat3(-orthogonal) : orthogonal;
   const Quat q(Quat(rotation).normalized());
   const Mat3 deformation = q.conjugate().toRotationMatrix() * linear;
-  // A node that is only turned deforms nothing: it can share an index with one that is not turned.
+  // A node that is only rotated has exactly S = 1 and can share an index with unrotated nodes.
   constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
   if ((deformation - Mat3::Identity()).norm() <= kRounding) {
     return NodePlacement{Mat3::Identity(), q};

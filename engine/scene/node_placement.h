@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-// An affine node transform, split into what deforms and what only moves.
+// The linear part of a node transform, factored as linear = R S.
 struct NodePlacement {
-  Mat3 deformation;  // S: scale and shear, symmetric and positive, or minus that for a mirror
-  Quat rotation;     // R, so that linear = R S
+  Mat3 deformation;  // S: scale and shear. Symmetric; positive definite, or negative for a mirror
+  Quat rotation;     // R
 };
 
-// Polar decomposition of the linear part of a node transform. Where the matrix is diagonal it loses
-// no bit: so an axis-aligned node keeps its vertices. Nothing if the matrix is singular to within
-// rounding, or not finite.
+// Polar decomposition of the linear part of a node transform. It is exact for a diagonal matrix, so
+// that an axis-aligned node keeps the exact coordinates of its vertices. Returns no value if the
+// matrix is not finite or is singular to within rounding.
 std::optional<NodePlacement> split_linear(const Mat3& linear);
 
 }  // namespace palpate

@@ -39,13 +39,14 @@ Result<std::uint32_t> find_node(std::span<const TreeNode> tree, const std::strin
     }
   }
   if (found.empty()) {
-    return no_such_node(name, "is none of the " + std::to_string(tree.size()) + " of the scene",
-                        "`Scene::tree` shows them");
+    return no_such_node(name,
+                        "is not among the " + std::to_string(tree.size()) + " nodes of the scene",
+                        "`Scene::tree` lists the nodes");
   }
   if (found.size() > 1) {
     return no_such_node(name, "is the name of " + std::to_string(found.size()) + " nodes",
-                        "say which by its number in the file: \"#" +
-                            std::to_string(tree[found.front()].file_index) + "\" for the first");
+                        "name the node by its number in the file: \"#" +
+                            std::to_string(tree[found.front()].file_index) + "\" is the first one");
   }
   return found.front();
 }

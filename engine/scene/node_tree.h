@@ -1,6 +1,6 @@
 #pragma once
 
-// Nodes by the names that users give them, and what is below them.
+// Finds nodes by name, and handles the subtrees below them.
 
 #include <cstdint>
 #include <span>
@@ -11,17 +11,18 @@
 
 namespace palpate {
 
-// The index of the node that is meant: by its name, or, as names may repeat, by "#7", its number in
-// the file. Error::element is what was asked for. Thread-safe.
+// Returns the index of the node with this name. Names may repeat; therefore "#7" selects a node by
+// its number in the file. Error::element contains `name`. Thread-safe.
 Result<std::uint32_t> find_node(std::span<const TreeNode> tree, const std::string& name);
 
-// The tree is in depth-first order: a node and all below it are [node, end_of_subtree).
+// The tree is in depth-first order, so that [node, end_of_subtree) is the subtree of a node.
 std::uint32_t end_of_subtree(std::span<const TreeNode> tree, std::uint32_t node);
 
-// Leaves only a node and what is below it. The node keeps its place in the scene.
+// Removes all nodes except the subtree of one node. That node keeps its pose in the scene.
 void keep_subtree(SceneDescription& description, std::uint32_t node);
 
-// The tree as text, a line each, indented by depth: number, name, whether it has a mesh.
+// The tree as text. Each node has one line, indented by its depth: name, number, and "mesh" if the
+// node has a mesh.
 std::string tree_text(std::span<const TreeNode> tree);
 
 }  // namespace palpate

@@ -38,7 +38,7 @@ void scale_by(double scale, SceneDescription& description, std::vector<NodePlace
   }
 }
 
-// A tree of those that carry meshes, where the description has none.
+// If the description has no tree, makes a tree of the nodes that have meshes.
 void complete_tree(SceneDescription& description) {
   if (!description.tree.empty()) return;
   for (NodeDescription& node : description.nodes) {
@@ -47,7 +47,7 @@ void complete_tree(SceneDescription& description) {
   }
 }
 
-// Only the meshes that nodes still refer to.
+// Removes the meshes that no node refers to.
 void drop_unused_meshes(SceneDescription& description) {
   constexpr std::uint32_t kUnused = ~std::uint32_t{0};
   std::vector<std::uint32_t> new_index(description.meshes.size(), kUnused);
@@ -63,8 +63,8 @@ void drop_unused_meshes(SceneDescription& description) {
   description.meshes = std::move(used);
 }
 
-// What height maps of all images take, one of each.
-MemoryNeed of_maps(const std::vector<ImageDescription>& images) {
+// The memory need of height maps: one map of each image.
+MemoryNeed need_of_maps(const std::vector<ImageDescription>& images) {
   constexpr std::uint64_t kMakingPerTexel = 28;  // see kMostMapTexels
   MemoryNeed need;
   for (const ImageDescription& image : images) {
@@ -75,21 +75,22 @@ MemoryNeed of_maps(const std::vector<ImageDescription>& images) {
   return need;
 }
 
-bool calls_for_shading(const std::vector<MaterialDescription>& materials) {
-  const auto calls = [](const MaterialDescription& material) {
+bool requires_shading(const std::vector<MaterialDescription>& materials) {
+  const auto has_crease_angle = [](const MaterialDescription& material) {
     return std::any_of(material.parameters.begin(), material.parameters.end(),
                        [](const MaterialParameter& p) { return p.key == "creaseAngle"; });
   };
-  return std::any_of(materials.begin(), materials.end(), calls);
+  return std::any_of(materials.begin(), materials.end(), has_crease_angle);
 }
 
-// What surface_attributes() keeps of a surface of so many slots, if it is all called for.
-MemoryNeed of_attributes(const MeshParts& parts, std::uint64_t slots, bool is_shaded) {
+// The memory need of surface_attributes() for a surface with this number of slots, if effects need
+// all attributes.
+MemoryNeed need_of_attributes(const MeshParts& parts, std::uint64_t slots, bool is_shaded) {
   const std::uint64_t maps = (parts.has_texture_uv() ? 1 : 0) + (parts.has_friction_uv() ? 1 : 0);
   std::uint64_t kept = slots * maps * sizeof(UvMap);
   if (parts.materials().size() > 1) kept += slots * sizeof(std::uint16_t);
   if (!is_shaded) return {kept, kept};
-  constexpr std::uint64_t kPasses = 2;  // by face: of one angle, and of all
+  constexpr std::uint64_t kPasses = 2;  // normals by face: of one angle, and of all angles
   kept += slots * sizeof(CornerNormals);
   return {kept, kept + kPasses * slots * sizeof(CornerNormals)};
 }
@@ -122,7 +123,7 @@ Result<Scene> Scene::compile(SceneDescription description, const SceneSettings& 
 
 Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& settings,
                              MemoryLedger& ledger) {
-  SceneDescription description = std::move(given);  // so that what throws gives it back
+  SceneDescription description = std::move(given);  // freed here if an exception is thrown
   Scene scene;
   scene.ledger_ = &ledger;
   ledger.advise("load a part of it with `SceneSettings::node`");
@@ -134,7 +135,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
     keep_subtree(description, *node);
   }
   drop_unused_meshes(description);
-  ledger.begin("what the scene describes");
+  ledger.begin("the scene description");
   if (auto error = ledger.take(memory_bytes(description))) {
     return with_path(*error, description.path);
   }
@@ -153,7 +154,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   if (description.nodes.empty()) {
     const bool left_out = statistics.warnings.size() > reader_warnings;
     return Error{ErrorCode::kEmptyScene, description.path, "scene",
-                 "no node has a triangle with area, expected at least one",
+                 "no node has a triangle with area; expected at least one",
                  left_out ? statistics.warnings[reader_warnings] : std::string()};
   }
   const std::vector<Box> boxes = bounding_boxes(scene.welded_);
@@ -180,7 +181,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
                                       effects)) {
     return with_path(*error, description.path);
   }
-  std::vector<NodePlacement>().swap(placements);  // of a million nodes, that counts
+  std::vector<NodePlacement>().swap(placements);  // a large amount of memory for a million nodes
   const auto index_start = std::chrono::steady_clock::now();
   if (auto error = scene.build_world(bounds, description.nodes, settings.proxy_radius_m)) {
     return with_path(*error, description.path);
@@ -195,7 +196,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   return scene;
 }
 
-// What the description declares, but for what is compiled of it.
+// Moves those declarations out of the description that the scene stores unchanged.
 void Scene::take_declarations(SceneDescription& description) {
   statistics_.nodes = description.tree.size();
   statistics_.meshes = description.meshes.size();
@@ -209,34 +210,34 @@ void Scene::take_declarations(SceneDescription& description) {
   haptic_materials_ = std::move(description.haptic_materials);
 }
 
-// Calls visit(shape) for each shape that has a surface without a stretch, and for each stretch:
-// what surfaces share that share attributes.
+// Calls visit(shape) once for each shape that is used without a stretch, and once for each stretch:
+// surfaces with the same shape and stretch share attributes.
 template <typename Visit>
 void Scene::visit_shapes_and_stretches(const Visit& visit) const {
   std::vector<bool> is_shape_known(shapes_.size(), false);
   std::vector<bool> is_stretch_known(world_.stretches->size(), false);
-  const auto look_at = [&](const IndexUse& use) {
+  const auto visit_use = [&](const IndexUse& use) {
     const bool is_stretched = use.stretch != IndexUse::kNoStretch;
     std::vector<bool>::reference is_known =
         is_stretched ? is_stretch_known[use.stretch] : is_shape_known[use.shape];
     if (!is_known) visit(use.shape);
     is_known = true;
   };
-  for (const IndexUse& use : use_of_object_) look_at(use);
-  for (const Medium& medium : media_) look_at(medium.use);
+  for (const IndexUse& use : use_of_object_) visit_use(use);
+  for (const Medium& medium : media_) visit_use(medium.use);
 }
 
-// Counts what effects may keep of surfaces and images.
+// Takes the memory of surface attributes and height maps from the ledger.
 std::optional<Error> Scene::take_attributes(const std::vector<ImageDescription>& images) {
-  MemoryNeed kept_for_effects = of_maps(images);
-  const bool is_shaded = calls_for_shading(materials_);
+  MemoryNeed need = need_of_maps(images);
+  const bool is_shaded = requires_shading(materials_);
   visit_shapes_and_stretches([&](std::uint32_t shape) {
     const std::uint64_t slots = indices_[shape]->pack_count() * TrianglePack::kLanes;
     const MeshParts& parts = parts_[shapes_[shape].mesh];
-    kept_for_effects = kept_for_effects + of_attributes(parts, slots, is_shaded);
+    need = need + need_of_attributes(parts, slots, is_shaded);
   });
-  ledger_->begin("what effects keep of surfaces and images", "scene");
-  return ledger_->take(kept_for_effects);
+  ledger_->begin("storing attributes and maps for effects", "scene");
+  return ledger_->take(need);
 }
 
 EffectSurface Scene::effect_surface(std::string_view node, const IndexUse& use,

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene compiled once from what io read, and immutable afterwards.
+// A scene, compiled once from the description that io reads, and immutable afterwards.
 
 #include <cstdint>
 #include <memory>
@@ -25,77 +25,81 @@
 
 namespace palpate {
 
-// What to make of a description. Of scale and fit_size_m one at most; neither is checked here.
+// Settings for loading and compiling a scene. The caller sets scale or fit_size_m, not both, and
+// checks both values: they are not checked here.
 struct SceneSettings {
-  double proxy_radius_m = 0.0;  // the largest proxy that will touch the scene
-  std::string node = {};        // only this node and what is below it (find_node); empty: all
-  double scale = 1.0;           // of everything, about the origin of the scene; > 0
-  double fit_size_m = 0.0;      // > 0: the scale is such that the largest extent becomes this
-  std::vector<MaterialOverride> overrides = {};  // when a file is loaded, beside what it says
-  // When a file is loaded: one of its animations at one time, "NAME@SECONDS" or "#number@SECONDS"
-  // (GltfPose::choose); empty: the file's rest pose.
+  double proxy_radius_m = 0.0;  // of the largest proxy that will touch the scene
+  std::string node = {};        // compile only this node's subtree (find_node); empty: all nodes
+  double scale = 1.0;           // scales the whole scene about its origin; > 0
+  double fit_size_m = 0.0;      // if > 0, the scene is scaled to this largest extent
+  std::vector<MaterialOverride> overrides = {};  // override values of the file; load() only
+  // load() only: an animation and a time, "NAME@SECONDS" or "#number@SECONDS" (GltfPose::choose).
+  // Empty: the rest pose of the file.
   std::string pose = {};
-  // Memory that loading may take; 0: half of what is free (memory_budget.h).
+  // Limit on the memory used for loading; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
 };
 
-// What `palpate info` tells. Triangles are counted per mesh, except instanced_triangles.
+// The numbers that `palpate info` prints. Triangles are counted once per mesh, except for
+// instanced_triangles.
 struct SceneStatistics {
   std::size_t nodes = 0;
   std::size_t meshes = 0;
   std::size_t instances = 0;
   CleaningReport cleaning;              // summed over meshes
   std::size_t instanced_triangles = 0;  // summed over nodes
-  std::size_t indices = 0;              // that were built: see shared_indices.h
-  std::size_t seam_vertices = 0;        // of nodes, joined with those of others (seams.h)
-  std::size_t seam_places = 0;          // where they are
-  std::size_t seam_nodes = 0;           // that have them
-  double scale = 1.0;                   // that the scene was given
+  std::size_t indices = 0;              // number of indices built (shared_indices.h)
+  std::size_t seam_vertices = 0;        // vertices joined with vertices of other nodes (seams.h)
+  std::size_t seam_places = 0;          // distinct positions of these vertices
+  std::size_t seam_nodes = 0;           // nodes that have such vertices
+  double scale = 1.0;                   // the applied scale
   Vec3 extent_m = Vec3::Zero();
-  Box bounds_scene = {Vec3::Zero(), Vec3::Zero()};  // of the extent
-  std::vector<AnimationDescription> animations;     // all of the file
-  std::optional<PoseDescription> pose;              // of one of them; nothing: at rest
+  Box bounds_scene = {Vec3::Zero(), Vec3::Zero()};  // bounding box in the scene frame, metres
+  std::vector<AnimationDescription> animations;     // all animations of the file
+  std::optional<PoseDescription> pose;              // the chosen pose; no value: the rest pose
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;
-  MemoryBreakdown memory;  // of meshes and indices
+  MemoryBreakdown memory;  // memory by purpose, in bytes
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };
 
-// One node of the scene that can be touched. Nodes whose material is not solid are none: they are a
-// region with a medium, which stays where the file has it (NodeMotions does not move it).
+// A node of the scene that can be touched. A node whose material is not solid is not a SceneObject:
+// it bounds a region with a medium. NodeMotions does not move such a region.
 struct SceneObject {
   std::string name;
   std::uint32_t mesh;           // index for Scene::mesh()
   std::uint32_t tree_node;      // index into Scene::tree()
-  RigidTransform T_scene_body;  // the pose of its body, but for the unit (ContactBody)
+  RigidTransform T_scene_body;  // pose of its body; does not contain the body's unit (ContactBody)
   std::optional<std::uint32_t> physics_material = {};  // index into Scene::physics_materials()
 };
 
-// Surfaces, their indices and their places. The scene frame is that of the file, glTF world
-// coordinates in metres, times the scale of its settings. Immutable; any number of haptic loops and
-// threads may read it.
+// Surfaces with their indices and poses, and the effects of their materials. The scene frame is the
+// frame of the file (glTF world coordinates, metres), scaled by SceneSettings. Immutable: any
+// number of haptic loops and threads may read a scene.
 class Scene {
  public:
-  // Reads and compiles a glTF file. Besides the errors of read_gltf() and compile(): where the
-  // system has no more memory, kOutOfMemory, which names the step and what it takes.
+  // Reads and compiles a glTF file. Returns the errors of read_gltf() and compile(); returns
+  // kOutOfMemory, with the name and the memory need of the step, if the system is out of memory.
   static Result<Scene> load(const std::string& path, const SceneSettings& settings = {});
 
   // Compiles a description. Nodes with a singular transform have no surface to touch; they are
-  // left out with a warning. An error if nothing is left, if the node is not to be found, or if
-  // what is declared about how it feels is wrong or contradictory (scene_effects.h). Every step
-  // tells what it takes before it does: an error (kLimitExceeded) if that is more than is left of
-  // what the settings allow, or (kOutOfMemory) if the system has less.
+  // left out with a warning. Returns an error if no node is left, if SceneSettings::node does not
+  // exist, or if a declaration of a material, a region or the scene is wrong or contradictory
+  // (scene_effects.h).
+  //
+  // Every step computes its memory need before it allocates. The error is kLimitExceeded if the
+  // need exceeds the rest of the memory limit, and kOutOfMemory if an allocation fails.
   static Result<Scene> compile(SceneDescription description, const SceneSettings& settings = {});
 
   const ContactWorld& world() const { return world_; }
   const SceneStatistics& statistics() const { return statistics_; }
-  const std::vector<SceneObject>& objects() const { return objects_; }  // as the world's bodies
+  const std::vector<SceneObject>& objects() const { return objects_; }  // in the order of bodies
   const std::vector<TreeNode>& tree() const { return tree_; }
   const SurfaceMesh& mesh(std::size_t i) const { return meshes_[i]; }
 
-  // What the file declares about how its surfaces feel, as io describes it.
+  // The material declarations of the file, as io describes them.
   const std::vector<MaterialDescription>& materials() const { return materials_; }
   const std::vector<PhysicsMaterialDescription>& physics_materials() const {
     return physics_materials_;
@@ -103,38 +107,40 @@ class Scene {
   const std::vector<HapticMaterialDescription>& haptic_materials() const {
     return haptic_materials_;
   }
-  // What became of it; and the calls of world().effects by material.
+  // Reports how the declarations were applied.
   const SceneEffectsReport& effects() const { return effects_; }
+  // The calls of world().effects, by material.
   const std::vector<MaterialCalls>& material_calls() const { return material_calls_; }
-  // The material of a face of an object's mesh, index into materials(). Of triangles that were
-  // merged, the first one's. Logarithmic in the primitives of the mesh.
+  // The material of a face of an object's mesh: an index into materials(). If equal triangles were
+  // merged, the face has the material of the first. Logarithmic in the primitives of the mesh.
   std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
-  // Index into haptic_materials().
+  // The haptic material of an object: an index into haptic_materials().
   std::optional<std::uint32_t> haptic_material(std::size_t object) const {
     return parts_[objects_[object].mesh].haptic_material();
   }
 
-  // From the frame of an object's mesh to that of its body: the node's stretch and shear, and the
-  // unit of the body.
+  // Maps the frame of an object's mesh to its body frame, in units of the body. Contains the
+  // node's stretch and shear.
   AffineMap map_body_mesh(std::size_t object) const;
-  // The same in metres, with the node's scale and mirror: p_scene = T_scene_body of its deformation
-  // of p_mesh.
+  // The same map in metres, including the node's scale and mirror:
+  // p_scene = T_scene_body.point(deformation(object)(p_mesh)).
   AffineMap deformation(std::size_t object) const;
-  // All triangles in the scene frame, node by node: for slicing and pictures, not for haptics.
+  // Appends all triangles in the scene frame, node by node. For slicing and pictures, not for
+  // haptics.
   void append_triangles_scene(std::vector<Vec3>& positions_m,
                               std::vector<Triangle>& triangles) const;
 
  private:
-  // A surface that is no object.
+  // A surface that bounds a medium and cannot be touched.
   struct Medium {
     std::string name;
     IndexUse use;
-    std::size_t material_set;  // of SceneEffects
+    std::size_t material_set;  // SceneEffects::material_set()
     RigidTransform T_scene_body;
   };
 
   Scene() = default;
-  // As compile(), but it may throw where there is no memory.
+  // The same as the public compile(), but throws if an allocation fails.
   static Result<Scene> compile(SceneDescription&& description, const SceneSettings& settings,
                                MemoryLedger& ledger);
   void take_declarations(SceneDescription& description);
@@ -164,17 +170,17 @@ class Scene {
   EffectSurface effect_surface(std::string_view node, const IndexUse& use, std::size_t material_set,
                                const RigidTransform& T_scene_body) const;
 
-  MemoryLedger* ledger_ = nullptr;     // while it is compiled
-  std::vector<WeldedSurface> welded_;  // by mesh, while it is compiled
+  MemoryLedger* ledger_ = nullptr;     // only during compile()
+  std::vector<WeldedSurface> welded_;  // by mesh, only during compile()
   std::vector<SurfaceMesh> meshes_;
   std::vector<MeshParts> parts_;  // by mesh
   std::vector<IndexShape> shapes_;
   std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // by shape
   std::vector<SceneObject> objects_;
   std::vector<IndexUse> use_of_object_;
-  std::vector<std::uint32_t> node_of_object_;        // of the description, while it is compiled
-  std::vector<std::size_t> material_set_of_object_;  // while it is compiled
-  std::vector<Medium> media_;                        // likewise
+  std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
+  std::vector<std::size_t> material_set_of_object_;  // only during compile()
+  std::vector<Medium> media_;                        // only during compile()
   std::vector<TreeNode> tree_;
   std::vector<MaterialDescription> materials_;
   std::vector<PhysicsMaterialDescription> physics_materials_;

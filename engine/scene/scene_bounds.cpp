@@ -9,11 +9,12 @@
 namespace palpate {
 namespace {
 
-// Squares of areas must neither overflow nor vanish, of triangles a million times smaller as well.
+// Squares of areas must neither overflow nor underflow, also for triangles a million times smaller
+// than the scene.
 constexpr double kLargestExtent_m = 1e60;
 constexpr double kSmallestExtent_m = 1e-60;
 
-// Vertices looked at for the extent of a scene, of all nodes together: a second or less.
+// Limit on the vertices examined for the extent of a scene, for all nodes together: up to a second.
 constexpr std::size_t kMostExactVertices = std::size_t{1} << 27;
 
 Box bounding_box(std::span<const Vec3> positions, const Mat3& linear) {
@@ -25,7 +26,7 @@ Box bounding_box(std::span<const Vec3> positions, const Mat3& linear) {
   return box;
 }
 
-// Around p_scene = linear * p + translation_m of all p of a box.
+// The bounding box of p_scene = linear * p + translation_m for all p in a box.
 Box placed_box(const Box& box, const NodeDescription& node) {
   const Vec3 centre =
       node.linear_scene_mesh * (0.5 * box.low + 0.5 * box.high) + node.translation_m;
@@ -76,7 +77,7 @@ std::optional<Error> refuse_beyond_limits(const std::vector<Box>& boxes,
     std::ostringstream problem;
     const double scale = lengthening(node.linear_scene_mesh);
     if (scale != 1.0) problem << "at its scale of " << scale << " ";
-    problem << "its mesh reaches farther than " << kLargestExtent_m << " m";
+    problem << "its mesh reaches farther than " << kLargestExtent_m << " m from its origin";
     return Error{ErrorCode::kLimitExceeded, "", "node \"" + node.name + "\"", problem.str(),
                  "choose another scale"};
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// How large a scene is, and whether that is within what can be computed with.
+// The extent of a scene, and the limits within which the computations are safe.
 
 #include <optional>
 #include <vector>
@@ -12,21 +12,23 @@
 
 namespace palpate {
 
-// Of each mesh, in its own frame.
+// The bounding box of each mesh, in the frame of the mesh.
 std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes);
 
-// Around all vertices in their places. A node whose box lies inside what has been found already is
-// not looked at any closer: of ten thousand instances only the outermost are. What is left when
-// kMostExactVertices have been looked at counts with its boxes.
+// The bounding box of all nodes in the scene frame, in metres. Computed from the vertices, except
+// for two kinds of nodes. A node is skipped if its box lies inside the bounds found so far; most of
+// ten thousand instances are skipped. After kMostExactVertices vertices, a node counts with its box
+// instead of its vertices.
 Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
                     const std::vector<NodeDescription>& nodes);
 
-// A mesh can be larger than the scene: its node takes it back to the others by a translation as
-// large, and leaves rounding errors of it.
+// Returns an error if the vertices of a node are too far from the origin of their mesh. The extent
+// of the scene does not show this: a node can move a distant mesh back to the other nodes by a
+// large translation, but the rounding errors of the large coordinates remain.
 std::optional<Error> refuse_beyond_limits(const std::vector<Box>& boxes,
                                           const std::vector<NodeDescription>& nodes);
 
-// Of the scene itself: neither too large nor too small.
+// Returns an error if the scene is too large or too small.
 std::optional<Error> refuse_extent(const Vec3& extents_m);
 
 }  // namespace palpate

@@ -14,14 +14,14 @@
 namespace palpate {
 namespace {
 
-// The faces of one node that a plane cuts, with the vertices that they have.
+// The faces of one node that a plane cuts, with their vertices.
 struct CutFaces {
   std::vector<Vec3> positions_scene_m;
   std::vector<Triangle> triangles;
 };
 
-// How a node shows a mesh: p_scene = linear * p_mesh + translation_m, within roundoff_m for all
-// points of the mesh.
+// A mesh placed by an object: p_scene = linear * p_mesh + translation_m, with an error of at most
+// roundoff_m for all points of the mesh.
 struct PlacedMesh {
   const SceneObject& object;
   AffineMap deformation;
@@ -34,7 +34,7 @@ struct PlacedMesh {
   }
 };
 
-// A mesh while the nodes that show it are cut.
+// Cuts all nodes that have the same mesh.
 class CutMesh {
  public:
   CutMesh(const SurfaceMesh& surface, const Vec3& centre_scene_m)
@@ -46,8 +46,8 @@ class CutMesh {
     for (const Vec3& p : positions_) box_ = box_.united({p, p});
   }
 
-  // Adds the curves of an object to those there are. Takes from faces_left; false if it has too
-  // few.
+  // Adds the curves of an object to `contours` and subtracts the examined faces from faces_left.
+  // Returns false if faces_left is too small.
   bool cut(const SceneObject& object, const AffineMap& deformation, std::size_t& faces_left,
            std::array<SceneContour, 3>& contours) {
     const PlacedMesh placed = place(object, deformation);
@@ -66,7 +66,7 @@ class CutMesh {
  private:
   PlacedMesh place(const SceneObject& object, const AffineMap& deformation) const {
     const Mat3 rotation = object.T_scene_body.rotation.toRotationMatrix();
-    // Of a dozen products and sums, each rounded to the size of what goes into them.
+    // Bounds the error of a dozen products and sums, each relative to the size of its operands.
     constexpr double kRoundoff = 32 * std::numeric_limits<double>::epsilon();
     const Vec3 farthest = box_.low.cwiseAbs().cwiseMax(box_.high.cwiseAbs());
     const double size_m = deformation.linear.norm() * farthest.norm() +
@@ -84,8 +84,8 @@ class CutMesh {
     return !(std::abs(centre - centre_scene_m_[axis]) > reach + placed.roundoff_m);
   }
 
-  // By the numbers of plane_section(), which takes zero as above; where rounding cannot change the
-  // answer, by fewer.
+  // Decides for each vertex whether it is above the plane, as plane_section() does: height 0 counts
+  // as above. A cheaper formula is used where rounding cannot change the result.
   void find_sides(const PlacedMesh& placed, int axis) {
     const Vec3 row = placed.linear.row(axis);
     const double offset_m = placed.translation_m[axis] - centre_scene_m_[axis];
@@ -151,12 +151,12 @@ class CutMesh {
   std::span<const Vec3> positions_;
   Vec3 centre_scene_m_;
   Box box_;
-  std::vector<Triangle> faces_;         // when they are first needed
+  std::vector<Triangle> faces_;         // filled when first needed
   std::vector<std::uint8_t> is_above_;  // by vertex, 0 or 1
   std::vector<std::uint32_t> cut_faces_;
 };
 
-// The objects, those of one mesh together.
+// All objects, grouped by mesh.
 std::vector<std::size_t> objects_by_mesh(const Scene& scene) {
   std::vector<std::size_t> order(scene.objects().size());
   std::iota(order.begin(), order.end(), std::size_t{0});

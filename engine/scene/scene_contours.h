@@ -1,6 +1,6 @@
 #pragma once
 
-// What a device with two sensors would find in the middle of a scene.
+// The contours that a device with two sensors would find in the middle of a scene.
 
 #include <array>
 #include <cstddef>
@@ -13,23 +13,25 @@ namespace palpate {
 
 inline constexpr std::array<std::string_view, 3> kContourNormals = {"A1", "A2", "A3"};
 
-// What a plane across an axis of the scene cuts out of the surfaces.
+// The intersection of all surfaces with a plane perpendicular to an axis of the scene.
 struct SceneContour {
-  double offset_m = 0.0;   // of the plane, along the axis, scene frame
-  std::size_t curves = 0;  // open and closed ones, of all surfaces
-  double longest_m = 0.0;  // of the curves
-  bool is_closed = false;  // the longest
+  double offset_m = 0.0;   // position of the plane along the axis, scene frame
+  std::size_t curves = 0;  // number of open and closed curves of all surfaces
+  double longest_m = 0.0;  // length of the longest curve
+  bool is_closed = false;  // whether the longest curve is closed
 };
 
-// Faces that are looked at, of all nodes and planes together: a second or two.
+// The default limit on the faces examined for all nodes and planes: one or two seconds.
 inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 28;
 
-// For each axis, the plane across it through the centre of the scene's bounding box. Curves end
-// where a node ends, as those of plane_section() and of `palpate run`. Media have none. Nothing if
-// the meshes of the nodes that planes cut have more than most_faces faces, which takes many
-// instances.
+// For each axis, cuts all nodes by the plane perpendicular to this axis through the centre of the
+// scene's bounding box. A curve ends at the boundary of its node, as in plane_section() and in
+// `palpate run`. Media are not cut. Returns no value if more than most_faces faces would have to be
+// examined, counting each face once for each node and plane; only scenes with many instances reach
+// this limit.
 //
-// Takes memory for one mesh, and for what is cut of one node at a time. For load time. Thread-safe.
+// Uses memory for one mesh and for the cut faces of one node at a time. For load time, not for the
+// haptic thread. Thread-safe.
 std::optional<std::array<SceneContour, 3>> scene_contours(
     const Scene& scene, std::size_t most_faces = kMostContourFaces);
 

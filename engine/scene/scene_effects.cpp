@@ -26,7 +26,7 @@ bool is_of(const Entry& entry, std::string_view effect) {
   return compiled_effects()[entry.effect].name == effect;
 }
 
-// Those that are not of a surface but of what is around it.
+// Whether an effect belongs to the surroundings and not to a surface.
 bool is_of_place(const Entry& entry) {
   return compiled_effects()[entry.effect].stage == EffectStage::kSurroundings;
 }
@@ -66,7 +66,7 @@ const HapticMaterialDescription* SceneEffects::haptic_of(const Combination& c) c
   return c.haptic ? &declarations_.haptic_materials[*c.haptic] : nullptr;
 }
 
-// What the declarations do not have is none: a description may be made by hand.
+// Removes materials that do not exist in the declarations: a description may be made by hand.
 SceneEffects::CombinationKey SceneEffects::existing(CombinationKey key) const {
   const std::array<std::size_t, 3> counts = {declarations_.materials.size(),
                                              declarations_.physics_materials.size(),
@@ -81,9 +81,9 @@ Result<std::size_t> SceneEffects::combination(const CombinationKey& key) {
   const auto known = combination_of_.find(key);
   if (known != combination_of_.end()) return known->second;
   if (combinations_.size() == kMostMaterialCombinations) {
-    return limit_error("scene", "its materials meet in more than " +
-                                    std::to_string(kMostMaterialCombinations) +
-                                    " combinations with those of nodes and meshes");
+    return limit_error("scene", "has more than " + std::to_string(kMostMaterialCombinations) +
+                                    " combinations of materials, physics materials and haptic "
+                                    "materials");
   }
   Combination c;
   std::tie(c.material, c.physics, c.haptic) = std::tie(key[0], key[1], key[2]);
@@ -122,9 +122,9 @@ Result<std::size_t> SceneEffects::material_set(const std::string& node, std::siz
   }
   if (!material_set.is_solid && material_set.combinations.size() > 1) {
     return Error{ErrorCode::kInvalidContent, "", "node \"" + node + "\"",
-                 "its mesh has several materials, of which one is not solid; expected one material "
+                 "its mesh has several materials, one of which is not solid; expected one material "
                  "for all faces",
-                 ""};
+                 "split the mesh by material"};
   }
   material_sets_.push_back(std::move(material_set));
   material_set_of_.emplace(key, material_sets_.size() - 1);
@@ -197,7 +197,7 @@ SceneEffects::MaybeError SceneEffects::set_maps(const Combination& c, HeightMapM
   return std::nullopt;
 }
 
-// For each shape whose surfaces are felt by anything at all.
+// Computes attributes for each shape whose surfaces have at least one effect.
 SceneEffects::MaybeError SceneEffects::add_attributes(const EffectSurfaces& bodies) {
   std::map<std::size_t, std::vector<std::size_t>> material_sets_of_shape;
   std::map<std::size_t, std::size_t> body_of_shape;
@@ -215,7 +215,7 @@ SceneEffects::MaybeError SceneEffects::add_attributes(const EffectSurfaces& bodi
     }
     body_of_shape.emplace(body.shape, b);
   }
-  // Of which only the parts are asked for: the same however they are stretched.
+  // Attributes that consist of parts only: they do not depend on the stretch.
   std::map<const SurfaceIndex*, const SurfaceAttributes*> plain;
   for (const auto& [shape, material_sets] : material_sets_of_shape) {
     const EffectSurface body = bodies.at(body_of_shape[shape]);
@@ -265,7 +265,8 @@ Result<AttributeNeeds> SceneEffects::needs_of(const PartedSurface& surface,
                         (needs.friction_uv && !surface.parts->has_friction_uv());
   if (lacks_uv) {
     return Error{ErrorCode::kInvalidContent, "", "",
-                 "its mesh has no texture coordinates for the map that it is to be felt by", ""};
+                 "its mesh has no texture coordinates for the map of its material",
+                 "add texture coordinates to the mesh"};
   }
   return needs;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Turns what a scene declares into the effect program of its world.
+// Turns the declarations of a scene into the effect program of its world.
 
 #include <cstdint>
 #include <functional>
@@ -22,16 +22,17 @@
 
 namespace palpate {
 
-// Of what costs a query in every tick near it.
+// Limits of one scene. A magnet or a medium costs a query in every tick near it.
 inline constexpr std::size_t kMostMagnets = 256;
 inline constexpr std::size_t kMostMedia = 256;
-// Each costs a pass over the surface when a scene is compiled.
-inline constexpr std::size_t kMostCreaseAngles = 16;  // of one mesh
-// Of materials of the three kinds, and of their parts in the effect program.
+// Limit of one mesh. Each crease angle costs a pass over the surface while a scene is compiled.
+inline constexpr std::size_t kMostCreaseAngles = 16;
+// Limit of one scene: combinations of a material, a physics material and a haptic material.
 inline constexpr std::size_t kMostMaterialCombinations = std::size_t{1} << 16;
-inline constexpr std::size_t kMostParts = std::size_t{1} << 16;  // of one mesh
+// Limit of one mesh: parts with different materials.
+inline constexpr std::size_t kMostParts = std::size_t{1} << 16;
 
-// A part of a file that declares how something feels, and what became of it.
+// A part of a file that declares effects, with the report of its declarations.
 struct DeclarationReport {
   std::string name;
   std::string element;
@@ -40,79 +41,80 @@ struct DeclarationReport {
 };
 
 struct SceneEffectsReport {
-  std::vector<std::string> effects;  // of the scene, sorted
-  // As SceneDescription::materials, and one more for triangles without a material if anything is
-  // declared for them. Of a material that is felt in several ways, with different physics materials
-  // say, all of them together.
+  std::vector<std::string> effects;  // all active effects of the scene, sorted
+  // In the order of SceneDescription::materials. One more element follows if anything is declared
+  // for triangles without a material. If a material occurs in several combinations, for example
+  // with different physics materials, its report covers all of them.
   std::vector<DeclarationReport> materials;
   DeclarationReport scene;
   std::vector<DeclarationReport> regions;
 };
 
-// Which calls of the effect program are of a material: what material_tuner.h needs.
+// The calls of the effect program that belong to a material. material_tuner.h uses them.
 struct MaterialCalls {
   std::string material;  // its name
   std::vector<std::uint32_t> calls;
 };
 
-// What a file declares; all of it must outlive the compiler.
+// The declarations of a file. All referenced objects must outlive SceneEffects.
 struct EffectDeclarations {
   std::span<const MaterialDescription> materials;
   std::span<const PhysicsMaterialDescription> physics_materials;
   std::span<const HapticMaterialDescription> haptic_materials;
   std::span<const ImageDescription> images;
   const MaterialDescription* scene_parameters;
-  std::span<const RegionDescription> regions;  // scaled as the scene is
+  std::span<const RegionDescription> regions;  // already scaled by `scale`
   double scale = 1.0;                          // of the scene
 };
 
-// A surface of a node, as one tick meets it.
+// The surface of a node: its materials, its shape and its pose.
 struct EffectSurface {
   std::string_view node;     // name, for messages
-  std::size_t material_set;  // of SceneEffects::material_set()
-  std::size_t shape;         // surfaces of one shape share attributes
+  std::size_t material_set;  // SceneEffects::material_set()
+  std::size_t shape;         // surfaces with the same number share attributes
   PartedSurface surface;
   RigidTransform T_solver_body;
   double metres_per_unit;  // of the body frame (ContactBody)
 };
 
-// Made when they are asked for: a scene has a million, and few of them are felt by an effect.
+// Surfaces created on demand: a scene can have a million surfaces, and effects use few of them.
 struct EffectSurfaces {
   std::size_t count;
   std::function<EffectSurface(std::size_t)> at;
 };
 
 struct SceneEffectsResult {
-  std::shared_ptr<const EffectProgram> program;  // null if nothing is called for
+  std::shared_ptr<const EffectProgram> program;  // null if no effect is active
   std::vector<MaterialCalls> calls;
   SceneEffectsReport report;
   std::size_t memory_bytes = 0;
 };
 
-// First every node is asked for its material_set, then all is compiled. Load time only. Errors are
-// those of material_effects() and of surroundings.h, and name the node where it matters which.
+// Compiles the effects of a scene. The caller first calls material_set() for every node and then
+// compile(). For load time only. The errors are those of material_effects() and surroundings.h;
+// they name the node if the error depends on the node.
 class SceneEffects {
  public:
   SceneEffects(const EffectDeclarations& declarations, std::span<const MeshParts> meshes);
 
-  // How the parts of a mesh are felt on a node with this physics material. The number is the same
-  // for nodes that are alike.
+  // The material set of a node: the number of the combinations of materials that the parts of its
+  // mesh have with this physics material. Equal combinations have the same number.
   Result<std::size_t> material_set(const std::string& node, std::size_t mesh,
                                    std::optional<std::uint32_t> physics_material);
-  // False: the nodes are no bodies, only the medium inside is felt.
+  // False: nodes with this material set bound a medium and are not bodies of the world.
   bool is_solid(std::size_t material_set) const { return material_sets_[material_set].is_solid; }
 
-  // bodies: as the world's. media: those that are not solid.
+  // bodies: in the order of the world's bodies. media: the surfaces that are not solid.
   Result<SceneEffectsResult> compile(const EffectSurfaces& bodies, const EffectSurfaces& media,
                                      const Vec3& anchor_scene_m);
 
  private:
-  // A material in a program: what is felt where these three meet.
+  // The effects of one combination of a material, a physics material and a haptic material.
   struct Combination {
     std::optional<std::uint32_t> material, physics, haptic;
     MaterialEffects effects;
     std::uint32_t program_material = 0;
-    std::vector<std::uint32_t> places;  // its calls among those that are felt in places
+    std::vector<std::uint32_t> places;  // indices of its calls among the calls of surroundings
   };
   struct MaterialSet {
     std::vector<std::size_t> combinations;  // by part
@@ -167,8 +169,8 @@ class SceneEffects {
   SceneEffectsReport report_;
 };
 
-// Null if no vibration of the program has a frequency that ticks at this rate cannot carry; else an
-// Error that names material and key.
+// Returns an error that names the material and the key if the frequency of an active vibration is
+// not below half of the tick rate; otherwise no value.
 std::optional<Error> check_tick_rate(const SceneEffectsReport& report, double rate_Hz);
 
 }  // namespace palpate

@@ -1,4 +1,5 @@
-// What is felt in places, whatever is touched: magnets, media, and the surroundings of all.
+// Compiles the effects that depend on the position of the proxy and not on a contact: magnets,
+// media and the fields of the scene.
 
 #include <algorithm>
 #include <string>
@@ -51,10 +52,10 @@ SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies)
       if (!magnet) continue;
       auto& magnets = builder_.program.magnets;
       if (magnets.size() == kMostMagnets) {
-        return place_error(body, c, MagnetEffect::kKeys[0].key,
-                           "is one magnetic surface too many; expected at most " +
-                               std::to_string(kMostMagnets) + " in a scene",
-                           "load a part of it with `SceneSettings::node`");
+        return place_error(
+            body, c, MagnetEffect::kKeys[0].key,
+            "the scene has more than " + std::to_string(kMostMagnets) + " magnetic surfaces",
+            "load a part of it with `SceneSettings::node`");
       }
       magnets.push_back({b, c.program_material, magnet_index(body, part)});
       Entry entry = *magnet;
@@ -67,7 +68,7 @@ SceneEffects::MaybeError SceneEffects::add_magnets(const EffectSurfaces& bodies)
   return std::nullopt;
 }
 
-// Of the faces of one part, shared by all surfaces that share the index of all parts.
+// The index of the faces of one part. Surfaces that share the index of all parts share it as well.
 const SurfaceIndex* SceneEffects::magnet_index(const EffectSurface& body, std::size_t part) {
   if (body.surface.parts->materials().size() == 1) return body.surface.index;
   const SurfaceIndex*& index = index_of_part_[{body.surface.index, part}];
@@ -93,7 +94,7 @@ Error SceneEffects::place_error(const EffectSurface& surface, const Combination&
           hint};
 }
 
-// The arguments by which a material has no medium; then it must be solid.
+// The overrides that remove the medium of a material; a material without a medium must be solid.
 std::string SceneEffects::without_medium(const Combination& c) const {
   const auto argument = [&](std::string_view key, const char* value) {
     return "`SceneSettings::overrides` \"" + name_of(c) + "." + std::string(key) + "=" + value +
@@ -108,7 +109,8 @@ SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface&
   const std::string_view key = ViscosityEffect::kKeys[0].key;
   if (surface.surface.parts->materials().size() > 1) {
     return place_error(surface, c, key,
-                       "its mesh has other materials, too; viscosity needs one for all faces", "");
+                       "its mesh has several materials; viscosity needs one material for all faces",
+                       "split the mesh by material");
   }
   const SurfaceMesh& mesh = *surface.surface.mesh;
   const auto known = is_closed_.find(&mesh);
@@ -119,9 +121,9 @@ SceneEffects::MaybeError SceneEffects::check_medium_surface(const EffectSurface&
   return place_error(surface, c, key,
                      boundary > 0
                          ? "its surface is open: " + std::to_string(boundary) +
-                               " boundary edges; viscosity needs a closed one"
-                         : std::string("its surface does not close: an edge has an odd number of "
-                                       "faces; viscosity needs a closed one"),
+                               " boundary edges; viscosity needs a closed surface"
+                         : std::string("its surface is not closed: an edge has an odd number of "
+                                       "faces; viscosity needs a closed surface"),
                      "close the surface, or load it without the medium: " + without_medium(c));
 }
 
@@ -162,7 +164,7 @@ SceneEffects::MaybeError SceneEffects::add_medium(const Entry& entry, const Medi
   auto& media = builder_.program.media;
   if (media.size() == kMostMedia) {
     return limit_error("scene", "has more than " + std::to_string(kMostMedia) +
-                                    " places with a viscosity, the most that are felt");
+                                    " regions with viscosity, the limit");
   }
   media.push_back(region);
   Entry with_region = entry;
@@ -175,7 +177,7 @@ SceneEffects::MaybeError SceneEffects::add_medium(const Entry& entry, const Medi
 
 // --- Surroundings --------------------------------------------------------------------------------
 
-// Calls in places are counted, so that those of a material can be found again.
+// Counts the calls of surroundings, so that the calls of a material can be found later.
 void SceneEffects::add_place(const Entry& entry, Combination* owner) {
   builder_.add_surroundings(entry);
   if (owner) owner->places.push_back(place_count_);

@@ -1,4 +1,4 @@
-// How the meshes of a scene are welded, linked and indexed: see scene.h.
+// Welds, links and indexes the meshes of a scene: see scene.h.
 
 #include <algorithm>
 #include <cstddef>
@@ -25,7 +25,7 @@ std::string node_named(const std::string& name) {
   return "node \"" + name + "\"";
 }
 
-// Calls work(i) for all meshes, or indices of them, on several cores if there is enough to do.
+// Calls work(i) for all meshes or indices; uses several cores if there are enough triangles.
 template <typename Work>
 void run_meshes(std::size_t count, std::size_t triangles, const Work& work) {
   constexpr std::size_t kWorthAThread = 10000;  // triangles: a millisecond of work
@@ -68,12 +68,12 @@ std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptio
   });
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     parts_.emplace_back(welded_[i], std::move(descriptions[i]));
-    descriptions[i] = {};  // what is compiled need not be kept twice
+    descriptions[i] = {};  // frees the data that is now compiled
   }
   return std::nullopt;
 }
 
-// What the triangles of the indices take, by slot, that bodies which meet others have.
+// The memory of the triangles by slot, for the indices of bodies with seams.
 std::uint64_t Scene::corner_bytes(const Seams& seams) const {
   std::vector<bool> has_seams(shapes_.size(), false);
   for (const SeamBody& body : seams.bodies) has_seams[use_of_object_[body.surface].shape] = true;
@@ -84,8 +84,8 @@ std::uint64_t Scene::corner_bytes(const Seams& seams) const {
   return bytes;
 }
 
-// Counts what adjacency and indices take, and the corners of those that meet others. The node that
-// is named shows the mesh of which indices take the most.
+// Takes the memory of adjacency, indices and the corners of bodies with seams from the ledger. An
+// error names a node with the mesh whose indices need the most memory.
 std::optional<Error> Scene::take_surfaces(const Seams& seams) {
   std::vector<MemoryNeed> needs;
   for (const WeldedSurface& mesh : welded_) needs.push_back(SurfaceMesh::memory_need(mesh));
@@ -116,7 +116,7 @@ std::optional<Error> Scene::take_surfaces(const Seams& seams) {
   return ledger_->take(need);
 }
 
-// Adjacency and indices at the same time: both need the welded surfaces alone.
+// Builds adjacency and indices at the same time: both depend only on the welded surfaces.
 void Scene::build_meshes_and_indices() {
   std::size_t triangles = 0;
   for (const WeldedSurface& mesh : welded_) triangles += mesh.face_count();

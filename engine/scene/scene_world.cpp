@@ -1,4 +1,4 @@
-// How the nodes of a scene become the bodies of its world: see scene.h.
+// Turns the nodes of a scene into the bodies of its world: see scene.h.
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 namespace palpate {
 namespace {
 
-// So many bodies are asked one by one; more are found by a tree.
+// Up to this many bodies are tested one by one; a tree is used for more bodies.
 constexpr std::size_t kFewBodies = 8;
 
-// That indices are built for. Of a proxy.
+// The sweep radius that indices are built for; 0 if the proxy is a point.
 double sweep_radius_m(double size_m, double proxy_radius_m) {
   const double stand_off_m = SolverScale::of(size_m, proxy_radius_m).stand_off_m;
   return proxy_radius_m > 0.0 ? proxy_radius_m + 2 * stand_off_m : 0.0;
@@ -23,7 +23,7 @@ double sweep_radius_m(double size_m, double proxy_radius_m) {
 
 }  // namespace
 
-// Counts what the nodes take that are placed, whatever their surfaces.
+// Takes the memory of all placed nodes, without their surfaces, from the ledger.
 std::optional<Error> Scene::take_places(const std::vector<NodeDescription>& nodes) {
   constexpr std::uint64_t kKept = sizeof(SceneObject) + sizeof(IndexUse) + sizeof(std::size_t) +
                                   sizeof(std::uint32_t) + sizeof(ContactBody);
@@ -35,7 +35,7 @@ std::optional<Error> Scene::take_places(const std::vector<NodeDescription>& node
   return ledger_->take(need);
 }
 
-// Leaves the nodes that have a surface to touch, and returns how each is placed.
+// Removes the nodes that have no surface to touch, and returns the placements of the others.
 std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
   std::vector<NodePlacement> placements;
   placements.reserve(nodes.size());
@@ -43,10 +43,8 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
     if (welded_[node.mesh].face_count() == 0) return true;
     const auto placement = split_linear(node.linear_scene_mesh);
     if (!placement || !node.translation_m.allFinite()) {
-      statistics_.warnings.push_back(
-          node.name +
-          ": left out, its transform stretches it by so much more in one "
-          "direction than in another that no surface is left");
+      statistics_.warnings.push_back(node.name +
+                                     ": left out because its transform flattens the surface");
       return true;
     }
     placements.push_back(*placement);
@@ -61,7 +59,7 @@ std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nod
                                          SceneEffects& effects) {
   const double size_m = statistics_.extent_m.maxCoeff();
   IndexSharing sharing(welded_, boxes, sweep_radius_m(size_m, proxy_radius_m), size_m);
-  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.look_at(nodes[i].mesh, placements[i]);
+  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.examine(nodes[i].mesh, placements[i]);
   objects_.reserve(nodes.size());
   use_of_object_.reserve(nodes.size());
   std::vector<IndexUse> uses;
@@ -114,7 +112,7 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
                                         const std::vector<NodeDescription>& nodes,
                                         double proxy_radius_m) {
   world_.size_m = statistics_.extent_m.maxCoeff();
-  // A single body is solved in its own frame: no transform, no rounding.
+  // A single body is solved in its own frame, which needs no transform and causes no rounding.
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
                                                : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
   world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
@@ -159,9 +157,10 @@ void Scene::add_bodies() {
   }
 }
 
-// For a point: as far as what sorts out looks beyond the clearance for bodies that meet others
-// along seams, and for stretched ones. Of one that is next to nothing beside the scene, that is
-// far: such a body is not searched with Embree (SegmentTracer).
+// Widens the sweep radii of indices for a point. For bodies with seams and for stretched bodies,
+// the search examines triangles at a distance of up to one stand-off, beyond the boxes built for a
+// point. Relative to a tiny body this distance is large; such a body keeps its sweep radius and is
+// not searched with Embree (SegmentTracer).
 void Scene::widen_sweeps(const Seams& seams) {
   constexpr double kMostSweep = 0x1p-10;  // of the size of the mesh
   const double reach_m = SolverScale::of(world_.size_m, 0.0).stand_off_m;
@@ -202,8 +201,8 @@ void Scene::report_seams(const Seams& seams) {
     statistics_.notes.push_back(
         "seams: " + std::to_string(seams.vertices) + " vertices of " +
         std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
-        " places and are joined, so that no point passes there; open stay nodes that have moved, "
-        "a vertex on the edge of another node, and gaps that are in the file");
+        " places and are joined, so that no point passes between the nodes; not joined are nodes "
+        "that move, vertices on the edge of another node, and gaps in the file");
   }
   const auto warn = [&](const std::vector<std::uint32_t>& surfaces, const char* problem) {
     if (surfaces.empty()) return;
@@ -213,14 +212,14 @@ void Scene::report_seams(const Seams& seams) {
         (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") + problem);
   };
   warn(seams.too_far,
-       ": too far from the origin of the scene, or of the mesh, to tell which vertices meet those "
-       "of other nodes; a point may pass between nodes there. Move the scene to its origin");
+       ": too far from the origin of the scene or of the mesh to determine which vertices meet "
+       "those of other nodes; a point may pass between the nodes. Move the scene to its origin");
   warn(seams.crowded,
-       ": too small beside the scene to tell which vertices meet those of other nodes; a point may "
-       "pass between nodes there. Leave out what makes the scene so large");
+       ": too small relative to the scene to determine which vertices meet those of other nodes; a "
+       "point may pass between the nodes. Remove the distant parts of the scene");
 }
 
-// Of the bodies that meet others, for a point. Their indices exist.
+// Sets the corners of the bodies with seams, for a point. The indices must exist.
 void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes) {
   constexpr std::size_t kNone = ~std::size_t{0};
   std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);

@@ -18,50 +18,54 @@
 namespace palpate {
 namespace {
 
-// How far a vertex in the solver frame is from where the file means it to be, at most. With u the
-// unit roundoff, v the vertex in the mesh frame, and L and t the linear part and translation of
-// each transform on the way, in units of u times |L..| |v| + sum |L..| |t| (TransformProduct),
-// where |L| |v| is the sum of |L's columns| |v's components|:
+// The three constants below bound the distance of a vertex in the solver frame from its exact
+// position in the file. Let u be the unit roundoff, v the vertex in the mesh frame, and L and t the
+// linear part and the translation of each transform from the mesh to the scene. All bounds are in
+// units of u times |L..| |v| + sum |L..| |t| (TransformProduct), where |L| |v| is the sum of
+// |L's columns| |v's components|.
 //
-// each transform: 2 for its numbers, rounded to double; 18 for the matrix of a quaternion (sums of
-// four products, then divided by the square of its length); 2 for the scale; 9 for the product with
-// the one above it: 3 an entry, in which the magnitudes of two rotations can be 5/3 as long as the
-// rotations.
+// For each transform: 2 for rounding its numbers to double; 18 for the matrix of a quaternion (sums
+// of four products, divided by the square of its length); 2 for the scale; 9 for the product with
+// the parent transform (3 per entry, where the magnitudes of two rotations can be 5/3 as long as
+// the rotations).
 constexpr double kRoundoffPerTransform = 32 * kUnitRoundoff;
-// each vertex: 5 for three products and their sums, as above, 1 for the translation from the
-// anchor, 1 for adding it.
+// For each vertex: 5 for three products and their sums, 1 for the translation relative to the
+// anchor, 1 for adding this translation.
 constexpr double kRoundoffPerVertex = 8 * kUnitRoundoff;
-// whoever wrote the file: a quaternion or a matrix that was itself a product of two, and an offset
-// turned by it, in double.
+// For the program that wrote the file: it may have computed a quaternion or a matrix as a product
+// of two, and rotated an offset by it, in double.
 constexpr double kRoundoffOfWriter = 32 * kUnitRoundoff;
 
-// How far a vertex in the index, moved by the pose, is from there, beyond what the rotation and the
-// deformation differ from the linear part by: 8 for the deformed vertex and the middle of the
-// index, 4 for the unit of the body, that is for its inverse and a product each way, 24 for a point
-// turned by a quaternion both ways, 16 for the product that the difference is told by. And a point
-// on its way to the index, 24 of its distance from the body: where a step can meet something that
-// is less than three sizes of the scene.
+// Bounds the distance between a vertex in the solver frame and the same vertex of the index after
+// the body's pose was applied. The difference between rotation times deformation and the linear
+// part is counted separately. In units of u: 8 for the deformed vertex and the middle of the index;
+// 4 for the unit of the body (its inverse, and a product in each direction); 24 for rotating a
+// point by a quaternion in both directions; 16 for the product used to compute the difference.
+// Transforming a query point to the index adds 24 of its distance from the body, which is less than
+// three sizes of the scene for every step that can touch the body.
 constexpr double kFrameRoundoff = 72 * kUnitRoundoff;
 
-// What the two may be, in stand-offs, so that a vertex that has been joined is within
-// kMostApartPerStandOff of what the index has: one may move by the rounding of two.
+// Limits on the two bounds, in stand-offs. With them a joined vertex is within
+// kMostApartPerStandOff of its position in the index, even if it was moved by the rounding errors
+// of two surfaces.
 constexpr double kMostJoinPerStandOff = 0.1;
 constexpr double kMostFramePerStandOff = 0.1;
 static_assert(kMostJoinPerStandOff + kMostFramePerStandOff <= kMostApartPerStandOff);
 
-// Cells of this many times the largest distance to be joined: nearly all queries look at one.
+// Size of a grid cell, in units of the largest distance of joined vertices. Nearly all queries then
+// visit one cell.
 constexpr double kCellPerJoin = 64.0;
 
-// Places that one vertex may meet, at most. Where the rounding is small beside the mesh it meets
-// one, or two halfway between two; where it meets many, its mesh is smaller than the rounding and
-// nothing tells its vertices from each other.
+// Limit on the places near one vertex. If rounding errors are small relative to the mesh, a vertex
+// is near one place, or near two if it lies halfway between them. If it is near many places, its
+// mesh is smaller than the rounding errors, and its vertices cannot be distinguished.
 constexpr std::size_t kMostMet = 16;
 
-// What is known of a mesh, once for all its surfaces.
+// Properties of a mesh, shared by all its surfaces.
 struct MeshOutline {
   Box box;
-  Vec3 reach_m;                         // of its vertices from the mesh's origin, by axis
-  std::vector<std::uint32_t> boundary;  // rising; of open meshes, once they are asked for
+  Vec3 reach_m;                         // largest |coordinate| of its vertices, by axis
+  std::vector<std::uint32_t> boundary;  // ascending; filled on demand, for open meshes only
 };
 
 MeshOutline outline_of(const WeldedSurface& mesh) {
@@ -72,17 +76,17 @@ MeshOutline outline_of(const WeldedSurface& mesh) {
   return outline;
 }
 
-// A surface with what its place makes of it.
+// A surface with the error bounds that follow from its transform.
 struct Placed {
   const SeamSurface* surface;
   Vec3 translation_solver_m;
-  double rounding_m = 0.0;  // of its vertices, as above
-  double apart_m = 0.0;     // of its index, as above
+  double rounding_m = 0.0;  // bound on the error of its vertices, see kRoundoffPerTransform
+  double apart_m = 0.0;     // bound on the distance of its index, see kFrameRoundoff
 
   Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
       : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {}
 
-  // reach_m: of the mesh, by axis. size_m: of the scene.
+  // Computes the bounds. reach_m: MeshOutline::reach_m. size_m: the largest extent of the scene.
   void bound(const Vec3& reach_m, double size_m) {
     const NodeDescription& node = *surface->node;
     const Vec3 columns = node.linear_scene_mesh.colwise().norm();
@@ -102,8 +106,8 @@ struct Placed {
   Vec3 vertex(const Vec3& v_mesh) const {
     return solver_vertex(surface->node->linear_scene_mesh, translation_solver_m, v_mesh);
   }
-  // Around the surface, with a margin for surfaces so far from the origin that their place is not
-  // certain.
+  // The bounding box of the surface, with a margin for the position error of surfaces far from the
+  // origin.
   Box box_solver(const Box& box_mesh) const {
     const NodeDescription& node = *surface->node;
     const Vec3 centre = vertex(0.5 * (box_mesh.low + box_mesh.high));
@@ -113,19 +117,23 @@ struct Placed {
   }
 };
 
-// A vertex that may meet others, or a place where some do.
+// A vertex that may coincide with vertices of other surfaces.
 struct Candidate {
   std::uint32_t vertex;
   bool is_on_boundary;
   Vec3 position_m;
 };
+// A position at which vertices may coincide.
 struct Place {
-  Vec3 position_m;     // of the first vertex
-  double rounding_m;   // likewise
-  bool has_boundary;   // a vertex on a boundary is here
-  std::uint32_t last;  // surface; they come in rising order, so none comes twice if not at once
+  Vec3 position_m;    // of its first vertex
+  double rounding_m;  // of the surface of its first vertex
+  bool has_boundary;  // whether one of its vertices is on a boundary
+  // The last surface that joined. Surfaces join in ascending order, so comparing with the last one
+  // ensures that each surface joins at most once.
+  std::uint32_t last;
   std::uint32_t vertices = 1;
 };
+// A vertex at a place.
 struct Membership {
   std::uint32_t surface;
   std::uint32_t vertex;
@@ -142,7 +150,7 @@ struct BoundaryPoint {
   Vec3 position_m;
 };
 
-// All points on boundaries, by where they are.
+// Finds points on boundaries by position.
 class BoundaryGrid {
  public:
   BoundaryGrid(const std::vector<BoundaryPoint>& points, double distance_m)
@@ -156,8 +164,8 @@ class BoundaryGrid {
     }
   }
 
-  // Whether p is within the distance of the boundary of another surface; nothing where too many
-  // points crowd about it to tell.
+  // Whether p is within the distance of a boundary point of another surface. No value if too many
+  // points are near p.
   std::optional<bool> is_near_another(const Vec3& p, std::uint32_t surface) const {
     if (!cells_.may_hold(p)) return false;
     bool is_near = false;
@@ -222,7 +230,8 @@ class SeamSearch {
   MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
   bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
 
-  // Surfaces that may meet another one, of which one is open, and of which one can tell.
+  // Finds the surfaces that may touch another surface where one of the two is open. Surfaces with
+  // too large error bounds are reported as too far.
   void find_near() {
     std::vector<Box> boxes;
     std::vector<bool> open;
@@ -235,14 +244,14 @@ class SeamSearch {
     for (std::uint32_t s = 0; s < placed_.size(); ++s) {
       if (!touches[s]) continue;
       placed_[s].bound(outline(s).reach_m, size_m_);
-      // Two may add up to what is allowed. Not so if it is no number, either.
+      // The errors of two surfaces add up. The comparison is false for NaN.
       const bool is_certain =
           2 * placed_[s].rounding_m <= most_m_ && placed_[s].apart_m <= most_apart_m_;
       (is_certain ? near_ : seams_.too_far).push_back(s);
     }
   }
 
-  // Of the open surfaces that may meet others; finds their boundaries.
+  // Finds the boundaries of the open surfaces in near_, and counts their points.
   std::size_t count_boundary_points() {
     std::size_t count = 0;
     for (const std::uint32_t s : near_) {
@@ -257,17 +266,18 @@ class SeamSearch {
     return placed_[s].vertex(mesh(s).positions()[v]);
   }
 
-  // Those that others come near to, as far as small cells tell. All others meet nothing.
+  // Collects the boundary points that share a small cell with a vertex of another surface. No other
+  // boundary point can coincide with a vertex of another surface.
   std::optional<Error> find_shared_boundary_points() {
     const std::size_t most = count_boundary_points();
     if (auto error = ledger_.check(SharedCells::bytes(most))) return error;
     SharedCells cells(kCellPerJoin * most_m_, most);
     std::erase_if(near_, [&](std::uint32_t s) {
       const std::vector<std::uint32_t>& own = outline(s).boundary;
-      const bool is_told = std::all_of(own.begin(), own.end(),
-                                       [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
-      if (!is_told) seams_.crowded.push_back(s);
-      return !is_told;
+      const bool is_added = std::all_of(
+          own.begin(), own.end(), [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
+      if (!is_added) seams_.crowded.push_back(s);
+      return !is_added;
     });
     std::size_t inner = 0;
     for (const std::uint32_t s : near_) inner += share_cells(s, cells);
@@ -286,8 +296,8 @@ class SeamSearch {
     return std::nullopt;
   }
 
-  // Marks the cells that the vertices of a surface come near to; how many of those that are not on
-  // its boundary do.
+  // Marks the cells near the vertices of a surface. Returns how many vertices inside its boundary
+  // are near a marked cell.
   std::size_t share_cells(std::uint32_t s, SharedCells& cells) {
     const std::vector<std::uint32_t>& own = outline(s).boundary;
     const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
@@ -314,7 +324,7 @@ class SeamSearch {
     }
   }
 
-  // What all that follows takes at a time. A candidate rarely makes more than one pair.
+  // The memory of the search after this step. A candidate rarely has more than one pair.
   std::uint64_t bytes_of_search(std::size_t shared) const {
     constexpr std::uint64_t kPerCandidate =
         sizeof(Place) + sizeof(Membership) + sizeof(JoinedVertex);
@@ -327,8 +337,8 @@ class SeamSearch {
            std::min(most_vertices, most_candidates_) * (sizeof(Candidate) + sizeof(Pair));
   }
 
-  // Vertices of a surface that are on a shared part of its boundary or near to the boundary of
-  // another; nothing where too many points crowd about one to tell.
+  // The vertices of a surface that are on a shared part of its boundary or near the boundary of
+  // another surface. No value if too many points are near a vertex.
   std::optional<std::vector<Candidate>> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
     const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
@@ -349,7 +359,8 @@ class SeamSearch {
     return found;
   }
 
-  // Each vertex with the places that it may be at; nothing where too many crowd about one.
+  // All pairs of a vertex and a place near it, nearest first. No value if too many places are near
+  // a vertex.
   std::optional<std::vector<Pair>> pairs_of(std::uint32_t s, const std::vector<Candidate>& vertices,
                                             const PointGrid& grid) const {
     std::vector<Pair> pairs;
@@ -368,8 +379,8 @@ class SeamSearch {
     return pairs;
   }
 
-  // The nearest pairs of a vertex and a place come first; a vertex that is left makes a place.
-  // False, and nothing is joined, where too many places crowd about a vertex.
+  // Joins vertices and places, the nearest pairs first; each remaining vertex becomes a new place.
+  // Returns false and joins nothing if too many places are near a vertex.
   bool join(std::uint32_t s, const std::vector<Candidate>& vertices, PointGrid& grid) {
     const auto pairs = pairs_of(s, vertices, grid);
     if (!pairs) return false;
@@ -395,7 +406,7 @@ class SeamSearch {
     return true;
   }
 
-  bool counts(const Place& place) const { return place.vertices > 1 && place.has_boundary; }
+  bool is_seam(const Place& place) const { return place.vertices > 1 && place.has_boundary; }
 
   void collect() {
     std::sort(memberships_.begin(), memberships_.end(),
@@ -403,7 +414,7 @@ class SeamSearch {
                 return std::pair(a.surface, a.vertex) < std::pair(b.surface, b.vertex);
               });
     for (const Membership& m : memberships_) {
-      if (!counts(places_[m.place])) continue;
+      if (!is_seam(places_[m.place])) continue;
       ++seams_.vertices;
       if (seams_.bodies.empty() || seams_.bodies.back().surface != m.surface) {
         seams_.bodies.push_back({m.surface, {}});
@@ -411,14 +422,14 @@ class SeamSearch {
       if (!m.is_moved) continue;
       seams_.bodies.back().joined.push_back({m.vertex, places_[m.place].position_m});
     }
-    for (const Place& place : places_) seams_.places += counts(place) ? 1 : 0;
+    for (const Place& place : places_) seams_.places += is_seam(place) ? 1 : 0;
   }
 
   const std::vector<WeldedSurface>& meshes_;
   MemoryLedger& ledger_;
-  double size_m_;        // of the scene
-  double most_m_;        // that two vertices may be apart and be joined
-  double most_apart_m_;  // that an index may be apart
+  double size_m_;        // largest extent of the scene
+  double most_m_;        // largest distance of joined vertices
+  double most_apart_m_;  // largest allowed Placed::apart_m
   std::vector<MeshOutline> outlines_;
   std::vector<Placed> placed_;
   std::vector<std::uint32_t> near_;
@@ -435,7 +446,7 @@ class SeamSearch {
 Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
                          std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
                          double size_m, MemoryLedger& ledger) {
-  // The surface, its box with two numbers in the search for boxes that touch, and what is left.
+  // The surface, its box, two numbers in the search for touching boxes, and an entry of near_.
   constexpr std::uint64_t kPerSurface = sizeof(Placed) + sizeof(Box) + 3 * sizeof(std::uint32_t);
   const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const WeldedSurface& mesh) {
     return mesh.report().boundary_edges > 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Where the nodes of a scene meet: vertices of different nodes that the file puts in one place, and
-// that only the rounding of the nodes' transforms keeps apart.
+// Seams between nodes: vertices of different nodes that coincide in the file, and are separated
+// only by the rounding of the nodes' transforms.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,41 +17,45 @@
 
 namespace palpate {
 
-// A surface in its place, with what the solver has for its place.
+// A surface with the transform of its node, and with the transform that the solver uses for it.
 struct SeamSurface {
   const NodeDescription* node;  // its transform; its mesh is an index into the meshes
-  Mat3 deformation;             // the linear part of the map to its body, in metres
-  Quat rotation;                // of its pose
+  Mat3 deformation;             // linear part of the map from mesh frame to body frame, metres
+  Quat rotation;                // rotation of T_scene_body
 };
 
-// A surface that meets another one.
+// A surface that shares a seam with another surface.
 struct SeamBody {
   std::uint32_t surface;
-  std::vector<JoinedVertex> joined;  // that were moved, in rising order
+  std::vector<JoinedVertex> joined;  // the vertices that were moved, in ascending order
 };
 
 struct Seams {
-  std::vector<SeamBody> bodies;  // in rising order
-  std::size_t vertices = 0;  // that were joined with those of others, also where none had to move
-  std::size_t places = 0;    // that they have now
-  // Surfaces that have an open edge near another, or are near one that has, but whose coordinates
-  // are too large beside the scene to tell what meets. Nothing of theirs is joined.
+  std::vector<SeamBody> bodies;  // in ascending order
+  std::size_t vertices = 0;      // joined vertices, including those that did not have to move
+  std::size_t places = 0;        // distinct positions of the joined vertices
+  // Surfaces with an open edge near another surface, and surfaces near such an edge, whose
+  // coordinates are too large relative to the scene to decide which vertices coincide. None of
+  // their vertices is joined.
   std::vector<std::uint32_t> too_far;
-  // Surfaces whose vertices crowd so closely beside the scene that none can be told from another.
-  // Nothing of theirs is joined.
+  // Surfaces whose vertices are too close together, relative to the size of the scene, to be
+  // distinguished. None of their vertices is joined.
   std::vector<std::uint32_t> crowded;
 };
 
-// Joins what meets: vertices of different surfaces that are nearer to each other than the bounds on
-// the rounding of both (see the .cpp) get the position that the first of them has; of each surface
-// one vertex at most, the nearest. A place counts where at least one vertex is on the boundary of
-// its mesh: surfaces that are closed, or apart, are left alone.
+// Joins coinciding vertices of different surfaces. Two vertices coincide if their distance is at
+// most the sum of the bounds on their rounding errors (see the .cpp). Joined vertices get the
+// position of the vertex whose surface has the lowest number. Of each surface, at most one vertex
+// joins a place: the nearest one. At least one of the joined vertices must lie on the boundary of
+// its mesh; closed surfaces and separate surfaces are left alone.
 //
-// anchor_scene_m: the origin of the solver frame. size_m: of the scene. Takes next to nothing where
-// no mesh has a boundary or there is one surface; else O(n log n) in the surfaces, O(1) for each
-// vertex of those that an open one may touch. The ledger is asked for the memory that it takes
-// meanwhile: up to 24 bytes for each boundary vertex of those, and some 200 for each vertex that
-// others come near to. Deterministic.
+// anchor_scene_m: the origin of the solver frame. size_m: the largest extent of the scene.
+//
+// Costs almost nothing if no mesh has a boundary or if the scene has one surface. Otherwise the
+// cost is O(n log n) in the number of surfaces, plus O(1) for each vertex of the surfaces that may
+// touch an open surface. The ledger checks the temporary memory: up to 24 bytes for each boundary
+// vertex of these surfaces, and about 200 bytes for each vertex near another surface.
+// Deterministic.
 Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
                          std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
                          double size_m, MemoryLedger& ledger);

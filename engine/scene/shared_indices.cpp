@@ -9,30 +9,31 @@
 namespace palpate {
 namespace {
 
-// Deformations that differ by no more are one: a node that is turned has its own from a
-// decomposition. Of their norm.
+// Deformations whose difference is at most this part of their norm count as equal: the deformation
+// of a rotated node results from a decomposition, which causes rounding errors.
 constexpr double kSameDeformation = 64 * std::numeric_limits<double>::epsilon();
 
-// A hostile file can have any number of deformations that look alike. To share is to save memory,
-// no more.
+// Limit on the matrices compared with a new one. A hostile file can contain any number of similar
+// deformations. A missed match only costs memory.
 constexpr std::size_t kMostCompared = 256;
 
-// The unit of a body is at least 2^-40 of the scene, or the body is one of those whose unit is so
-// many steps longer, of 2^40 each. A tenth of a stand-off is as much of the scene; and a radius of
-// 2^40 has a square that is far from overflow in single precision, where the boxes that are not
-// there would count.
+// The unit of a body is at least 2^-40 of the size of the scene. A smaller unit is lengthened in
+// steps of 2^40. A tenth of a stand-off is also about 2^-40 of the scene. In units of at least this
+// length, the square of a radius of 2^40 is far from overflow in single precision; an overflow
+// would make empty boxes count.
 constexpr int kUnitStep = 40;
 
-// A sphere may be larger than a body. Up to so much, the unit of the index is the size of the body.
+// A sphere may be larger than a body. Up to 2^40 times the size of the body, the unit of the index
+// is the size of the body.
 constexpr int kMostSweepExponent = 40;
 
-// The number of a deformation that is none.
+// The number of a deformation that is only a uniform scale.
 constexpr std::uint32_t kUniform = ~std::uint32_t{0};
 
 // Sweeps are rounded up.
 constexpr double kSlack = 1 + 0x1p-40;
 
-// What uniform scales are, but for their size.
+// The normalised deformation of all uniform scales.
 Mat3 uniform() {
   return Mat3::Identity() / std::sqrt(3.0);
 }
@@ -45,12 +46,12 @@ double sign_of(const Mat3& deformation) {
   return std::copysign(1.0, deformation.trace());
 }
 
-// As a vector's: Eigen 3.4 asserts in stableNorm() of a matrix of fixed size.
+// The norm, computed for a vector: stableNorm() of a fixed-size matrix asserts in Eigen 3.4.
 double stable_norm(const Mat3& m) {
   return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(m.data()).stableNorm();
 }
 
-// Of size 1, and positive definite.
+// The normalised deformation: of norm 1 and positive definite.
 Mat3 unit_of(const Mat3& deformation) {
   return deformation / (sign_of(deformation) * stable_norm(deformation));
 }
@@ -66,7 +67,7 @@ bool is_within_ratio(const Mat3& unit) {
   return stretches[0] <= Stretch::kMostRatio * kSlack * stretches[2];
 }
 
-// Different for different matrices, as a rule.
+// A key that usually differs for different matrices.
 double key_of(const Mat3& m) {
   Mat3 weights;
   weights << 1.0, 0.7548, 0.5698, 0.4301, 0.8191, 0.6710, 0.5497, 0.4503, 0.3689;
@@ -81,7 +82,7 @@ std::optional<std::uint32_t> IndexSharing::MatrixFinder::find(const Mat3& m,
   const double tolerance = kSameDeformation * stable_norm(m);
   const double key = key_of(m);
   std::size_t left = kMostCompared;
-  // The weights' norm is less than 2.
+  // The norm of the weights is less than 2, so equal matrices have keys within 2 * tolerance.
   for (auto it = by_key_.lower_bound(key - 2 * tolerance);
        it != by_key_.end() && it->first <= key + 2 * tolerance && left > 0; ++it, --left) {
     if (stable_norm(stored(it->second) - m) <= tolerance) return it->second;
@@ -101,7 +102,7 @@ IndexSharing::IndexSharing(const std::vector<WeldedSurface>& meshes, std::span<c
       size_m_(size_m),
       of_mesh_(meshes.size()) {}
 
-void IndexSharing::look_at(std::uint32_t mesh, const NodePlacement& placement) {
+void IndexSharing::examine(std::uint32_t mesh, const NodePlacement& placement) {
   OfMesh& of_mesh = of_mesh_[mesh];
   const Mat3 unit = unit_of(placement.deformation);
   if (!of_mesh.unit) of_mesh.unit = unit;
@@ -126,7 +127,7 @@ IndexUse IndexSharing::use(std::uint32_t mesh, const NodePlacement& placement) {
   return similar(mesh, number, base, scale, scale);
 }
 
-// That of an earlier node, or a new one.
+// The number of an equal deformation of an earlier node, or a new number.
 std::uint32_t IndexSharing::deformation_of(std::uint32_t mesh, const Mat3& unit, const Mat3& base) {
   MatrixFinder& known = of_mesh_[mesh].deformations;
   const auto found =
@@ -138,8 +139,8 @@ std::uint32_t IndexSharing::deformation_of(std::uint32_t mesh, const Mat3& unit,
   return number;
 }
 
-// scale: of the base, negative for a mirror. least_scale: by which the body shortens a length of
-// the base.
+// scale: factor applied to the base, negative for a mirror. least_scale: the smallest factor by
+// which the body scales a length of the base.
 IndexUse IndexSharing::similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base,
                                double scale, double least_scale) {
   const bool is_point = sweep_radius_m_ == 0.0;
@@ -161,8 +162,8 @@ IndexUse IndexSharing::similar(std::uint32_t mesh, std::uint32_t deformation, co
   return {known->second, IndexUse::kNoStretch, metres_per_unit};
 }
 
-// Of the unit that makes a box, scaled by 2^exponent, of size 1; or, beside a sphere that is far
-// larger, not too small for that.
+// The exponent of the unit of an index. In this unit the box, scaled by 2^exponent, has size 1. If
+// the sphere is far larger than the box, the unit is longer (kMostSweepExponent).
 int IndexSharing::unit_exponent(const Box& box, int exponent) const {
   const double sweep = std::ldexp(sweep_radius_m_, -exponent - kMostSweepExponent);
   int unit = 0;
@@ -170,14 +171,14 @@ int IndexSharing::unit_exponent(const Box& box, int exponent) const {
   return unit;
 }
 
-// Than a unit of about 2^exponent_m.
+// The number of steps by which a unit of about 2^exponent_m must be lengthened (kUnitStep).
 int IndexSharing::steps_longer(int exponent_m) const {
   const int missing = std::ilogb(size_m_) - kUnitStep - exponent_m;
   return missing > 0 ? (missing + kUnitStep - 1) / kUnitStep : 0;
 }
 
 IndexUse IndexSharing::stretched(std::uint32_t mesh, const Mat3& deformation) {
-  // The least singular value is at least so much of the norm: see kMostRatio.
+  // A lower bound on the least singular value, from the norm and kMostRatio.
   const double least_scale = 0.5 / Stretch::kMostRatio * stable_norm(deformation);
   IndexUse use = similar(mesh, kUniform, Mat3::Identity(), 1.0, least_scale);
   const AffineMap& map = shapes_[use.shape].map_index_mesh;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Which nodes share an index. An index takes hundreds of bytes a triangle, a node that shares one
-// next to nothing.
+// Decides which nodes share an index. An index needs hundreds of bytes per triangle; a node that
+// shares an existing index needs almost no memory.
 
 #include <cstdint>
 #include <map>
@@ -17,19 +17,21 @@
 
 namespace palpate {
 
-// What an index is made of: a mesh in a frame of its own. That is the frame of the mesh, about its
-// middle and times a power of two that makes it of size 1: so single precision has the same digits
-// whatever the unit, and a vertex has the bits that it has about its middle. Where all nodes deform
-// a mesh alike, but for their sizes, the index has it deformed. Bodies that are next to nothing
-// beside the scene have an index with a longer unit, in which the scene is no larger than single
-// precision can say.
+// The input of an index: a mesh and the map to the index frame.
+//
+// The index frame is the mesh frame, moved to the middle of the mesh and scaled by a power of two
+// so that the mesh has size 1. Therefore single precision keeps the same digits for every unit of
+// length, and the scaling does not round the coordinates. If all nodes deform a mesh in the same
+// way, apart from the size, the index contains the deformed mesh. If a body is tiny relative to the
+// scene, its index has a longer unit; otherwise the scene, measured in this unit, would exceed the
+// range of single precision.
 struct IndexShape {
   std::uint32_t mesh;
   AffineMap map_index_mesh;
-  double sweep_radius = 0.0;  // that the index is built for, in its unit
+  double sweep_radius = 0.0;  // largest sweep radius of a query, in units of the index
 };
 
-// How a node has its surface from an index: see ContactBody.
+// The index that a node uses, and the transform from index frame to body frame: see ContactBody.
 struct IndexUse {
   static constexpr std::uint32_t kNoStretch = ~std::uint32_t{0};
 
@@ -38,20 +40,22 @@ struct IndexUse {
   double metres_per_unit = 1.0;
 };
 
-// Decides what is built before any of it is. Uniform scales and mirrors share an index, and so do
-// stretches up to Stretch::kMostRatio if the proxy is a point. A sphere's radius is in the boxes of
-// an index: scales within a factor of two share one that is built for the least of them, and each
-// stretch has its own.
+// Plans all indices before any of them is built.
 //
-// Of all nodes look_at() comes first, then use().
+// If the proxy is a point, uniformly scaled and mirrored nodes of a mesh share one index, as do
+// nodes stretched by at most Stretch::kMostRatio. If the proxy is a sphere, its radius is part of
+// the boxes in an index; nodes whose scales are in the same factor of two share an index, built for
+// the smallest of these scales, and every different stretch has its own index.
+//
+// Call examine() for all nodes first, then use() for all nodes.
 class IndexSharing {
  public:
-  // boxes: around the meshes, which outlive this. sweep_radius_m: of a sphere; 0 for a point.
-  // size_m: of the scene.
+  // boxes: the bounding boxes of the meshes. meshes and boxes must outlive this object.
+  // sweep_radius_m: for a sphere; 0 for a point. size_m: the largest extent of the scene.
   IndexSharing(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
                double sweep_radius_m, double size_m);
 
-  void look_at(std::uint32_t mesh, const NodePlacement& placement);
+  void examine(std::uint32_t mesh, const NodePlacement& placement);
   // O(log n).
   IndexUse use(std::uint32_t mesh, const NodePlacement& placement);
 
@@ -59,10 +63,10 @@ class IndexSharing {
   std::vector<Stretch> take_stretches() { return std::move(stretches_); }
 
  private:
-  // Finds a matrix among those that were added, to within rounding.
+  // Finds an added matrix that equals a given one to within rounding.
   class MatrixFinder {
    public:
-    // stored(id): the matrix that was added as that.
+    // stored(id): the matrix that was added with this id.
     template <typename Stored>
     std::optional<std::uint32_t> find(const Mat3& m, const Stored& stored) const;
     void add(const Mat3& m, std::uint32_t id);
@@ -70,18 +74,18 @@ class IndexSharing {
    private:
     std::multimap<double, std::uint32_t> by_key_;
   };
-  // A deformation but for its size, and what an index with it has: positive definite.
+  // A deformation that is applied to the mesh in an index. Both matrices are positive definite.
   struct Deformation {
-    Mat3 unit;
-    Mat3 base;
-    Box box;  // around the mesh, with the base
+    Mat3 unit;  // normalised: independent of the size
+    Mat3 base;  // applied in the index
+    Box box;    // bounding box of the mesh after `base`
   };
   struct OfMesh {
-    std::optional<Mat3> unit;  // of the deformation of its first node
-    bool is_alike = true;      // all nodes deform it like that
+    std::optional<Mat3> unit;  // normalised deformation of its first node
+    bool is_alike = true;      // all nodes have this normalised deformation
     MatrixFinder deformations;
   };
-  // Mesh, deformation, exponent of its scale, steps that the unit is longer.
+  // Mesh, deformation, exponent of the scale, number of steps by which the unit is longer.
   using ShapeKey = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
   IndexUse similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base, double scale,

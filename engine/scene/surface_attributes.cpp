@@ -31,7 +31,7 @@ CornerCoordinates corners_of(const Triangle& triangle,
   return {uv[triangle[0]], uv[triangle[1]], uv[triangle[2]]};
 }
 
-// By face, for those parts that are shaded.
+// Corner normals by face, for the shaded parts.
 std::vector<CornerNormals> shaded_normals(const PartedSurface& surface,
                                           const AttributeNeeds& needs) {
   std::vector<CornerNormals> normals(surface.mesh->face_count());
@@ -51,7 +51,7 @@ std::vector<CornerNormals> shaded_normals(const PartedSurface& surface,
   return normals;
 }
 
-// An index exchanges b and c under a mirror.
+// An index exchanges the corners b and c of mirrored triangles.
 CornerCoordinates in_index_order(CornerCoordinates corners, bool is_mirrored) {
   if (is_mirrored) std::swap(corners[1], corners[2]);
   return corners;
@@ -75,14 +75,14 @@ std::vector<TexelSlope> slopes_of(const ImageDescription& image, double scale) {
   return slopes_from_normal_map(pixels, scale);
 }
 
-// Heights are proportional to the scale, so what is left of it is its sign: -1, 0 or 1.
+// Heights are proportional to the scale; after normalisation only its sign matters: -1, 0 or 1.
 std::vector<float> normalised_heights(const ImageDescription& image, int scale_sign) {
   std::vector<float> heights =
       heights_from_slopes(image.width, image.height, slopes_of(image, scale_sign));
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   const float lowest = *low;
   const float range = *high - lowest;
-  // A flat map is all surface.
+  // A flat map has the height 1 everywhere: it leaves the surface unchanged.
   for (float& h : heights) h = range > 0.0f ? (h - lowest) / range : 1.0f;
   return heights;
 }
@@ -118,7 +118,7 @@ MeshParts::MeshParts(const WeldedSurface& surface, MeshDescription&& description
     const std::size_t end = r + 1 < runs.size()
                                 ? first_face_from(surface, runs[r + 1].first_triangle)
                                 : surface.face_count();
-    if (first == end) continue;  // nothing is left of it
+    if (first == end) continue;  // cleaning removed all its triangles
     const auto [part, is_new] =
         parts.emplace(runs[r].material, static_cast<std::uint32_t>(materials_.size()));
     if (is_new) materials_.push_back(runs[r].material);
@@ -224,8 +224,8 @@ Result<const HeightMap*> HeightMapMaker::make(const TextureReference& reference,
       image->rgb.size() != std::size_t{3} * image->width * image->height) {
     return Error{ErrorCode::kUnsupported, "", "",
                  "texture " + std::to_string(reference.texture) +
-                     " has no image that is read; expected PNG or JPEG",
-                 ""};
+                     " has no image that can be read; expected PNG or JPEG",
+                 "replace the image"};
   }
   const int sign = is_normal_map ? sign_of(reference.scale) : 1;
   const Key key{*reference.pixels, reference.wrap_u, reference.wrap_v, is_normal_map, sign};
@@ -234,11 +234,11 @@ Result<const HeightMap*> HeightMapMaker::make(const TextureReference& reference,
   const std::uint64_t texels = std::uint64_t{image->width} * image->height;
   if (texels > most_texels_ - texels_) {
     return Error{ErrorCode::kLimitExceeded, "", "",
-                 "with texture " + std::to_string(reference.texture) + " of " +
+                 "texture " + std::to_string(reference.texture) + " of " +
                      std::to_string(image->width) + " x " + std::to_string(image->height) +
-                     " texels the height maps of the scene have more than " +
-                     std::to_string(most_texels_),
-                 "use smaller images, or each with one wrap mode"};
+                     " texels raises the height maps of the scene to more than " +
+                     std::to_string(most_texels_) + " texels",
+                 "use smaller images, or only one wrap mode for each image"};
   }
   texels_ += texels;
   maps_.push_back(

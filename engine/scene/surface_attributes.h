@@ -1,7 +1,7 @@
 #pragma once
 
-// What surfaces keep of their triangles for effects: made from meshes, images and their indices.
-// Load time only.
+// Attributes of triangles that effects need, computed from meshes, images and indices. For load
+// time only.
 
 #include <algorithm>
 #include <array>
@@ -24,25 +24,28 @@
 
 namespace palpate {
 
-// The faces of a mesh by material. The description without its positions, which a mesh has.
+// The parts of a mesh: faces grouped by material, and their texture coordinates. Contains the data
+// of a MeshDescription except the positions, which SurfaceMesh stores.
 class MeshParts {
  public:
-  // Takes what it needs of the description. Triangles are kept only beside texture coordinates.
+  // Moves the needed data out of the description. Keeps the triangles only if the description has
+  // texture coordinates.
   MeshParts(const WeldedSurface& surface, MeshDescription&& description);
 
-  // The distinct materials of faces; without any face, or any declaration, one of them: none. A
-  // part is a place in here.
+  // The distinct materials of the faces. Contains a single element without a value if the mesh has
+  // no faces or declares no material. A part is an index into this list.
   const std::vector<std::optional<std::uint32_t>>& materials() const { return materials_; }
   std::size_t part_of_face(std::size_t face) const;  // logarithmic in the primitives
   std::optional<std::uint32_t> haptic_material() const { return haptic_material_; }
   std::size_t memory_bytes() const;
 
-  // Texture coordinates of a face's corners in its own order; see MeshDescription.
+  // Texture coordinates of a face's corners, in the order of its source triangle; see
+  // MeshDescription.
   bool has_texture_uv() const { return !texture_uv_.empty(); }
   bool has_friction_uv() const { return !friction_uv_.empty(); }
   CornerCoordinates texture_uv(std::uint32_t source_triangle) const;
   CornerCoordinates friction_uv(std::uint32_t source_triangle) const;
-  void drop_uv();  // once they are no longer needed
+  void drop_uv();  // frees the texture coordinates
 
  private:
   struct FaceRun {
@@ -51,22 +54,22 @@ class MeshParts {
   };
 
   std::vector<std::optional<std::uint32_t>> materials_;
-  std::vector<FaceRun> runs_;  // in rising order; each lasts until the next begins
+  std::vector<FaceRun> runs_;  // in ascending order; a run ends where the next one begins
   std::optional<std::uint32_t> haptic_material_;
   std::vector<Triangle> triangles_;
   std::vector<std::array<double, 2>> texture_uv_;
   std::vector<std::array<double, 2>> friction_uv_;
 };
 
-// A surface as effects see it.
+// A surface with its parts and its index.
 struct PartedSurface {
   const SurfaceMesh* mesh;
   const MeshParts* parts;
   AffineMap map_index_mesh;
   const SurfaceIndex* index;
-  const Stretch* stretch = nullptr;  // if the body frame is not that of the index
+  const Stretch* stretch = nullptr;  // null if body frame and index frame are equal
 
-  // Attributes are those of the body frame.
+  // Attributes are computed in the body frame.
   AffineMap map_body_mesh() const {
     if (!stretch) return map_index_mesh;
     const Mat3& linear = stretch->linear_body_index();
@@ -78,7 +81,7 @@ struct PartedSurface {
   std::size_t slot_count() const { return index->pack_count() * TrianglePack::kLanes; }
 };
 
-// What is asked for. crease_angles_rad: of each part; none where it is not shaded.
+// The attributes that effects need. crease_angles_rad: for each part; no value for an unshaded one.
 struct AttributeNeeds {
   std::vector<std::optional<double>> crease_angles_rad;
   bool texture_uv = false;
@@ -94,40 +97,42 @@ struct AttributeNeeds {
 SurfaceAttributes surface_attributes(const PartedSurface& surface, const AttributeNeeds& needs);
 std::size_t memory_bytes(const SurfaceAttributes& attributes);
 
-// The faces of one part alone, in the same frame. At least one.
+// Builds an index of the faces of one part, in the same index frame. The part has at least one
+// face.
 SurfaceIndex part_index(const PartedSurface& surface, std::size_t part);
 
-// Texels of all height maps of a scene, at most; their pyramids, a third more, are not counted. A
-// map takes 16/3 bytes a texel, and one of normals 28 while it is made. One image counts once for
-// each map that is made of it.
+// Limit on the texels of all height maps of a scene, without their pyramids (a third more). A map
+// needs 16/3 bytes per texel; a normal map needs 28 more bytes per texel during the conversion. An
+// image counts once for each map made from it.
 inline constexpr std::uint64_t kMostMapTexels = std::uint64_t{1} << 25;
 
-// Height maps of the images of a scene, each made once. Values are from 0 to 1: of a grey map the
-// mean of red, green and blue; of a normal map the height that it is the slope of, 0 the lowest and
-// 1 the highest. So the scale of a normal texture does not set how deep it feels, which the
-// material's textureHeight does: a negative scale turns it inside out, 0 makes it flat.
+// Makes height maps from the images of a scene, each map once. Values range from 0 to 1. The value
+// of a grey map is the mean of red, green and blue. A normal map is integrated; 0 is its lowest and
+// 1 its highest point. Therefore the scale of a normal texture does not affect the height, which is
+// the material's textureHeight: a negative scale inverts the map, and 0 makes it flat.
 class HeightMapMaker {
  public:
-  // Maps go to the end of `maps`, which must outlive this.
+  // Appends the maps to `maps`. `images` and `maps` must outlive this object.
   HeightMapMaker(std::span<const ImageDescription> images, std::deque<HeightMap>& maps,
                  std::uint64_t most_texels = kMostMapTexels)
       : images_(images), maps_(maps), most_texels_(most_texels) {}
 
-  // An Error, without an element, if the reference has no pixels (kUnsupported), or if all maps
-  // would have more texels than they may (kLimitExceeded; nothing is made).
+  // Returns an error, without an element, if the reference has no pixels (kUnsupported) or if the
+  // maps would exceed the limit on texels (kLimitExceeded; the map is not made).
   Result<const HeightMap*> grey(const TextureReference& reference);
   Result<const HeightMap*> from_normals(const TextureReference& reference);
 
  private:
   Result<const HeightMap*> make(const TextureReference& reference, bool is_normal_map);
 
-  // Image, wraps, whether it is a normal map, and then the sign of its scale.
+  // Image, wrap modes in u and v, whether the image is a normal map, sign of the scale (1 for a
+  // grey map).
   using Key = std::tuple<std::uint32_t, TextureWrap, TextureWrap, bool, int>;
 
   std::span<const ImageDescription> images_;
   std::deque<HeightMap>& maps_;
   std::uint64_t most_texels_;
-  std::uint64_t texels_ = 0;  // of those that are made
+  std::uint64_t texels_ = 0;  // of all maps made so far
   std::map<Key, const HeightMap*> made_;
 };
 

@@ -20,18 +20,19 @@ constexpr ParameterKey key_of(std::string_view key, std::string_view unit, doubl
 }
 
 constexpr ParameterKey kSceneKeys[] = {
-    key_of("gravity", "m/s^2", -1000.0, 1000.0, "that the tool feels, along the scene's axes",
+    key_of("gravity", "m/s^2", -1000.0, 1000.0, "acceleration of the tool, along the scene's axes",
            false),
-    key_of("toolMass", "kg", 0.0, 10.0, "that gravity pulls", true),
-    key_of("constantForce", "N", -100.0, 100.0, "everywhere, along the scene's axes", false)};
+    key_of("toolMass", "kg", 0.0, 10.0, "mass of the tool, on which gravity acts", true),
+    key_of("constantForce", "N", -100.0, 100.0,
+           "force that acts everywhere, along the scene's axes", false)};
 constexpr ParameterKey kRegionKeys[] = {
-    key_of("size", "m", 0.0, 1000.0, "of a box, along the node's axes", true),
-    key_of("radius", "m", 0.0, 1000.0, "of a sphere", true)};
+    key_of("size", "m", 0.0, 1000.0, "edge lengths of a box, along the node's axes", true),
+    key_of("radius", "m", 0.0, 1000.0, "radius of a sphere", true)};
 
-// What matrices of files, in single precision, leave of one scale along all axes.
+// Relative tolerance for equal scales along all axes: matrices in files have single precision.
 constexpr double kSameScale = 64 * std::numeric_limits<float>::epsilon();
 
-// Takes the parameters of one part of a file, and reports each.
+// Reads the parameters of one part of a file, and reports each parameter.
 class Declaration {
  public:
   Declaration(std::string owner, const std::vector<MaterialParameter>& parameters,
@@ -60,15 +61,16 @@ class Declaration {
     return Vec3((*list)[0], (*list)[1], (*list)[2]);
   }
 
-  void honour(const MaterialParameter& parameter, std::string_view unit, bool is_off = false) {
+  void report_applied(const MaterialParameter& parameter, std::string_view unit,
+                      bool is_off = false) {
     report_.honoured.push_back({parameter.key, parameter.value, std::string(unit),
                                 source_of(parameter), parameter.element, is_off});
   }
-  // Reports those whose keys are none of these.
+  // Reports all parameters whose keys are not in the list.
   void report_others(std::span<const std::string_view> keys) {
     for (const MaterialParameter& p : parameters_) {
       if (std::find(keys.begin(), keys.end(), p.key) != keys.end()) continue;
-      report_.not_understood.push_back({p.key, p.value, p.element, "no such key is known here"});
+      report_.not_understood.push_back({p.key, p.value, p.element, "the key is unknown here"});
     }
   }
   Error error(const MaterialParameter& parameter, std::string problem,
@@ -86,8 +88,8 @@ class Declaration {
   MaterialReport& report_;
 };
 
-// The weight of the tool; both keys or none.
-std::optional<Error> take_gravity(Declaration& declaration, GravityEffect::Parameters& gravity) {
+// Reads the weight of the tool. gravity and toolMass must be given together.
+std::optional<Error> read_gravity(Declaration& declaration, GravityEffect::Parameters& gravity) {
   const MaterialParameter* acceleration = declaration.find("gravity");
   const MaterialParameter* mass = declaration.find("toolMass");
   if (!acceleration && !mass) return std::nullopt;
@@ -96,7 +98,7 @@ std::optional<Error> take_gravity(Declaration& declaration, GravityEffect::Param
         acceleration ? *acceleration : *mass,
         acceleration ? "gravity is given without toolMass; expected " + expected_text(kSceneKeys[1])
                      : "toolMass is given without gravity",
-        "give both or none");
+        "give both keys, or neither");
   }
   const auto a = declaration.vector(*acceleration, kSceneKeys[0]);
   if (!a) return a.error();
@@ -105,33 +107,34 @@ std::optional<Error> take_gravity(Declaration& declaration, GravityEffect::Param
   std::copy_n(a->data(), 3, gravity.gravity_m_per_s2);
   gravity.mass_kg = *m;
   const bool is_off = a->isZero(0.0);
-  declaration.honour(*acceleration, kSceneKeys[0].unit, is_off);
-  declaration.honour(*mass, kSceneKeys[1].unit, is_off);
+  declaration.report_applied(*acceleration, kSceneKeys[0].unit, is_off);
+  declaration.report_applied(*mass, kSceneKeys[1].unit, is_off);
   return std::nullopt;
 }
 
-std::optional<Error> take_field(Declaration& declaration, GravityEffect::Parameters& gravity) {
+std::optional<Error> read_field(Declaration& declaration, GravityEffect::Parameters& gravity) {
   const MaterialParameter* field = declaration.find("constantForce");
   if (!field) return std::nullopt;
   const auto f = declaration.vector(*field, kSceneKeys[2]);
   if (!f) return f.error();
   std::copy_n(f->data(), 3, gravity.field_N);
-  declaration.honour(*field, kSceneKeys[2].unit, f->isZero(0.0));
+  declaration.report_applied(*field, kSceneKeys[2].unit, f->isZero(0.0));
   return std::nullopt;
 }
 
-// The half extent, in the frame of the node.
-Result<Vec3> take_extent(Declaration& declaration, bool is_box, const MaterialParameter& medium) {
+// Reads the half extent of the region, in the frame of the node.
+Result<Vec3> read_extent(Declaration& declaration, bool is_box, const MaterialParameter& medium) {
   const ParameterKey& wanted = kRegionKeys[is_box ? 0 : 1];
   const ParameterKey& other = kRegionKeys[is_box ? 1 : 0];
   const std::string shape(kMediumShapes[is_box ? 0 : 1]);
   if (const MaterialParameter* wrong = declaration.find(other.key)) {
-    return declaration.error(*wrong, std::string(other.key) + " is not of a " + shape +
+    return declaration.error(*wrong, "a " + shape + " has no " + std::string(other.key) +
                                          "; expected " + std::string(wanted.key));
   }
   const MaterialParameter* extent = declaration.find(wanted.key);
   if (!extent) {
-    return declaration.error(medium, "is a " + shape + " without " + std::string(wanted.key));
+    return declaration.error(medium, "is a " + shape + " without " + std::string(wanted.key) +
+                                         "; expected " + std::string(wanted.key));
   }
   Vec3 half_m = Vec3::Zero();
   if (is_box) {
@@ -143,11 +146,11 @@ Result<Vec3> take_extent(Declaration& declaration, bool is_box, const MaterialPa
     if (!radius_m) return radius_m.error();
     half_m.x() = *radius_m;
   }
-  declaration.honour(*extent, wanted.unit);
+  declaration.report_applied(*extent, wanted.unit);
   return half_m;
 }
 
-// Puts the region where the node is.
+// Places the region by the transform of its node.
 std::optional<Error> place(const RegionDescription& node, const Vec3& anchor_scene_m,
                            const Declaration& declaration, const MaterialParameter& medium,
                            MediumRegion& region) {
@@ -156,14 +159,15 @@ std::optional<Error> place(const RegionDescription& node, const Vec3& anchor_sce
   const bool is_singular = !node.linear_scene_node.allFinite() || !node.translation_m.allFinite() ||
                            !(scales[2] > 16 * std::numeric_limits<double>::epsilon() * scales[0]);
   if (is_singular) {
-    return declaration.error(medium, "its transform is singular and leaves no room for a medium");
+    return declaration.error(medium, "its transform is singular, so the medium has no volume",
+                             "scale the node by more than 0 along all axes");
   }
   if (region.shape == MediumRegion::Shape::kSphere &&
       scales[0] - scales[2] > kSameScale * scales[0]) {
     return declaration.error(medium,
-                             "a sphere whose node is scaled unevenly or sheared is none; expected "
-                             "the same scale along all axes",
-                             "make it a box, or scale it evenly");
+                             "its transform is uneven or sheared, so its region is not a sphere; "
+                             "expected the same scale along all axes",
+                             "declare a box, or scale the node evenly");
   }
   const Mat3 linear = node.linear_scene_node.inverse();
   region.p_region_solver = {linear, linear * (anchor_scene_m - node.translation_m)};
@@ -171,20 +175,20 @@ std::optional<Error> place(const RegionDescription& node, const Vec3& anchor_sce
   return std::nullopt;
 }
 
-// The drag of the medium: 0 for none.
-Result<double> take_viscosity(Declaration& declaration, const MaterialParameter& medium) {
+// Reads the drag coefficient of the medium; 0 means that the medium has no effect.
+Result<double> read_viscosity(Declaration& declaration, const MaterialParameter& medium) {
   constexpr const ParameterKey& kViscosity = ViscosityEffect::kKeys[0];
   const MaterialParameter* viscosity = declaration.find(kViscosity.key);
   if (!viscosity) {
-    return declaration.error(
-        medium, "has nothing to feel; expected viscosity, " + expected_text(kViscosity));
+    return declaration.error(medium,
+                             "has no viscosity; expected viscosity, " + expected_text(kViscosity));
   }
   const auto drag = declaration.number(*viscosity, kViscosity);
   if (!drag) return drag.error();
   if (*drag > 0.0 && !effect_number(ViscosityEffect::kName)) {
     return declaration.not_built(*viscosity, ViscosityEffect::kName);
   }
-  declaration.honour(*viscosity, kViscosity.unit, *drag == 0.0);
+  declaration.report_applied(*viscosity, kViscosity.unit, *drag == 0.0);
   return *drag;
 }
 
@@ -202,8 +206,8 @@ Result<SceneFields> scene_fields(const MaterialDescription& scene_parameters) {
   SceneFields fields;
   Declaration declaration("scene", scene_parameters.parameters, fields.report);
   GravityEffect::Parameters gravity;
-  if (auto error = take_gravity(declaration, gravity)) return *error;
-  if (auto error = take_field(declaration, gravity)) return *error;
+  if (auto error = read_gravity(declaration, gravity)) return *error;
+  if (auto error = read_field(declaration, gravity)) return *error;
   declaration.report_others(std::array{kSceneKeys[0].key, kSceneKeys[1].key, kSceneKeys[2].key});
   const auto is_nonzero = [](const double(&v)[3]) {
     return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0;
@@ -228,10 +232,10 @@ Result<NodeMedium> node_medium(const RegionDescription& node, const Vec3& anchor
   if (!is_box && !(shape && *shape == kMediumShapes[1])) {
     return parameter_error(declaration.owner(), medium ? *medium : none, "\"box\" or \"sphere\"");
   }
-  declaration.honour(*medium, "");
-  const auto half_m = take_extent(declaration, is_box, *medium);
+  declaration.report_applied(*medium, "");
+  const auto half_m = read_extent(declaration, is_box, *medium);
   if (!half_m) return half_m.error();
-  const auto viscosity = take_viscosity(declaration, *medium);
+  const auto viscosity = read_viscosity(declaration, *medium);
   if (!viscosity) return viscosity.error();
   result.region.shape = is_box ? MediumRegion::Shape::kBox : MediumRegion::Shape::kSphere;
   result.region.half_m = *half_m;

@@ -23,7 +23,7 @@ HapticSession::~HapticSession() {
 
 std::optional<std::string> HapticSession::start() {
   if (is_running_.exchange(true)) return std::nullopt;
-  // Whatever comes now, also out of device_.start(), ends in stop().
+  // is_running_ is already set, so that stop() runs even if device_.start() throws.
   auto problem = device_.start();
   if (problem) stop();
   return problem;
@@ -52,7 +52,7 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns) noexcept {
   for (TickObserver* observer : parts_.observers) observer->on_tick(record);
 }
 
-// The last gate before the motors, whoever made the force.
+// The last check before the motors, for forces of the loop and of the governor.
 void HapticSession::command(TickRecord& record) noexcept {
   if (!is_finite(record.force_device_N)) {
     std::fill_n(record.force_device_N, 3, 0.0);

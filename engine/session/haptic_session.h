@@ -1,6 +1,7 @@
 #pragma once
 
-// The one road through a tick: a device, a haptic loop, and what changes, governs and hears of it.
+// A haptic session: the sequence of steps in a tick, from reading the device to commanding its
+// force.
 
 #include <atomic>
 #include <cstdint>
@@ -15,56 +16,58 @@
 
 namespace palpate {
 
-// Changes something for the next tick (nodes, materials, motors): asked on the haptic thread before
-// each, and must not block, allocate or throw.
+// Changes nodes, materials or motors before a tick. Called on the haptic thread before every tick;
+// must not block, allocate or throw.
 class BeforeTick {
  public:
   virtual ~BeforeTick() = default;
-  // time_s: sum of the good dt of the ticks before this one.
+  // time_s: sum of the valid time steps (is_time_step) of the ticks before this one.
   virtual void before_tick(double time_s, HapticLoop& loop) noexcept = 0;
 };
 
-// Moves bodies of the world.
+// Moves bodies of the world before a tick.
 class WorldMover : public BeforeTick {
  public:
   void before_tick(double time_s, HapticLoop& loop) noexcept final { move_bodies(time_s, loop); }
-  // time_s: sum of the good dt of the ticks before this one. Calls loop.move_body() for what has
-  // moved.
+  // Calls loop.move_body() for each body that has moved. time_s: as in before_tick().
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
 };
 
-// Stands between loop and device, under the same rules: may lessen the commanded force of the
-// record, and says why in the upper 16 bits of its faults.
+// Limits the force between loop and device: may reduce the commanded force of the record, and
+// reports the reason in the upper 16 bits of the record's faults. Called on the haptic thread in
+// every tick; must not block, allocate or throw.
 class ForceGovernor {
  public:
   virtual ~ForceGovernor() = default;
   virtual void govern(TickRecord& record) noexcept = 0;
 };
 
-// Told of each tick on the haptic thread, after the force was commanded; under the same rules.
+// Receives the record of each tick, after the force was commanded. Called on the haptic thread;
+// must not block, allocate or throw.
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
   virtual void on_tick(const TickRecord& record) noexcept = 0;
 };
 
-// Who takes part in a tick beside loop and device, each asked in the order given. None is null but
-// the governor, which may be.
+// The objects that take part in a tick besides loop and device. Each list is called in its order.
+// Only the governor may be null.
 struct SessionParts {
   std::vector<BeforeTick*> changes = {};
   ForceGovernor* governor = nullptr;
   std::vector<TickObserver*> observers = {};
 };
 
-// Runs ticks: read the device, change what changes, run the loop, govern, command the force,
-// publish, tell the observers. No allocation, lock, I/O or exception in tick().
+// Runs ticks. Each tick reads the device, applies the changes, runs the loop, calls the governor,
+// commands the force, publishes the record and calls the observers. tick() does not allocate, lock,
+// do I/O or throw.
 //
-// Between start() and stop() the device pushes. However a session ends, by stop(), by the end of
-// its life or by an exception that passes it, the device's last command is zero force, and its
-// stop() is called once.
+// The device can exert forces only between start() and stop(). A session can end by stop(), by its
+// destructor or by an exception. In each case the last command to the device is zero force, and
+// Device::stop() is called once.
 //
-// All references must outlive the session. tick() is for one thread, latest() for any; start() and
-// stop() while no tick is running.
+// All references must outlive the session. Call tick() on one thread, and start() and stop() only
+// while no tick is running. Any thread may call latest().
 class HapticSession {
  public:
   HapticSession(HapticLoop& loop, Device& device, SessionParts parts = {});
@@ -72,13 +75,13 @@ class HapticSession {
   HapticSession(const HapticSession&) = delete;
   HapticSession& operator=(const HapticSession&) = delete;
 
-  // Starts the device, unless it is started. What it says if it refuses, one line; it has then been
-  // stopped, and ticks do nothing.
+  // Starts the device unless it is already started. If the device refuses, returns its one-line
+  // message; the device has then been stopped, and ticks do nothing.
   std::optional<std::string> start();
 
-  // One tick; nothing before start() and after stop(). dt_s: since the last one, nominal. late_ns:
-  // since it was due. A force that is not finite is not commanded: zero force, and
-  // kFaultNonFiniteForce.
+  // Runs one tick. Does nothing before start() and after stop(). dt_s: nominal time since the last
+  // tick. late_ns: time since this tick was due. If the force is not finite, commands zero force
+  // and sets kFaultNonFiniteForce.
   void tick(double dt_s, std::int64_t late_ns = 0) noexcept;
 
   void stop() noexcept;

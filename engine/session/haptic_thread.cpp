@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// Above ordinary work, below the kernel's own real-time threads.
+// Above ordinary threads and below the real-time threads of the kernel.
 constexpr int kFifoPriority = 80;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
@@ -30,7 +30,7 @@ void sleep_until(std::int64_t due_ns) {
   }
 }
 
-// A thread made while this lives has all signals blocked.
+// A thread created during the lifetime of this object has all signals blocked.
 class BlockedSignals {
  public:
   BlockedSignals() {
@@ -72,7 +72,7 @@ RealtimeStatus HapticThread::start() {
   status.locked_memory = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   locked_memory_ = status.locked_memory;
   if (!status.fifo_priority) {
-    status.explanation = std::string("no SCHED_FIFO (") + std::strerror(refused) +
+    status.explanation = std::string("SCHED_FIFO was refused (") + std::strerror(refused) +
                          "): ticks may be late; allow it with `ulimit -r 80` or run as root";
   }
   if (!status.locked_memory) {

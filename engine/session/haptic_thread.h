@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs a session at a fixed rate on a thread of its own.
+// Runs a session at a fixed rate on its own thread.
 
 #include <atomic>
 #include <cstdint>
@@ -12,39 +12,41 @@
 namespace palpate {
 
 struct HapticThreadSettings {
-  double rate_Hz = 1000.0;      // at least 1: a longer tick than kLongestTick_s is none
+  double rate_Hz = 1000.0;      // at least 1: a tick is at most kLongestTick_s long
   std::uint64_t max_ticks = 0;  // 0: until stop()
 };
 
-// How a thread has started, and what the operating system granted.
+// The result of starting a haptic thread: whether the device started, and the real-time scheduling
+// granted by the operating system.
 struct RealtimeStatus {
-  std::string device_problem;  // why the device did not start, and no thread runs; empty if it did
+  std::string device_problem;  // why the device did not start (then no thread runs); else empty
   bool fifo_priority = false;  // SCHED_FIFO
   bool locked_memory = false;  // no page of the process can be swapped out
-  std::string explanation;     // one line: what was refused and what to do; empty if nothing was
+  std::string explanation;     // one line: refused requests and remedies; empty if none was refused
 };
 
-// The haptic thread. It wakes at absolute times start + k / rate, so that a late tick does not
-// delay those after it, and gives the loop the nominal dt, so that one input gives one output. A
-// tick that ends after the next one is due is a missed deadline; due times that have passed by then
-// are left out, not caught up.
+// The haptic thread. It wakes at the absolute times start + k / rate, so that a late tick does not
+// delay the following ticks. It passes the nominal time step to the loop, so that equal inputs give
+// equal outputs. A tick that ends after the next due time counts as one missed deadline; due times
+// that have already passed are skipped.
 //
-// After start() returns the thread neither allocates nor locks nor does I/O. Signals to the process
-// never interrupt it: other threads take them. When it ends, for whatever reason, it stops the
-// session, whose last command is zero force.
+// After start() returns, the thread does not allocate, lock or do I/O. Signals are blocked on this
+// thread; other threads handle them. When the thread ends, it stops the session, whose last command
+// is zero force.
 class HapticThread {
  public:
   // The session must outlive the thread.
   HapticThread(HapticSession& session, const HapticThreadSettings& settings);
-  ~HapticThread();  // stops
+  ~HapticThread();  // calls stop()
   HapticThread(const HapticThread&) = delete;
   HapticThread& operator=(const HapticThread&) = delete;
 
-  // Starts the session and the thread, once; says what real-time scheduling the system granted.
+  // Starts the session and the thread, and returns the real-time scheduling that the system
+  // granted. Call it once.
   RealtimeStatus start();
-  // Ends the loop after the present tick and waits for it.
+  // Ends the thread after the current tick and waits for its end.
   void stop();
-  // Waits until max_ticks are done.
+  // Waits until max_ticks ticks are done.
   void join();
 
   bool running() const { return running_.load(std::memory_order_acquire); }

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-// Those that corner normals and bodies are made of.
-constexpr std::string_view kBakedKeys[] = {"creaseAngle", kSolidKey};
+// Keys whose values determine corner normals and bodies when a scene is compiled.
+constexpr std::string_view kFixedKeys[] = {"creaseAngle", kSolidKey};
 
 const ParameterKey* find_key(std::uint16_t effect, const std::string& key) {
   for (const ParameterKey& k : compiled_effects()[effect].keys) {
@@ -26,8 +26,9 @@ Error refused(const std::string& material, const std::string& key, std::string p
 }  // namespace
 
 Result<std::size_t> MaterialTuner::add(const std::string& material, const std::string& key) {
-  if (std::find(std::begin(kBakedKeys), std::end(kBakedKeys), key) != std::end(kBakedKeys)) {
-    return refused(material, key, "cannot change: it is built in when a scene is compiled");
+  if (std::find(std::begin(kFixedKeys), std::end(kFixedKeys), key) != std::end(kFixedKeys)) {
+    return refused(material, key,
+                   "cannot change during a session: its value is fixed when the scene is compiled");
   }
   Handle handle{material, nullptr, {}};
   bool is_known = false;
@@ -41,16 +42,16 @@ Result<std::size_t> MaterialTuner::add(const std::string& material, const std::s
       handle.blocks.push_back(block_of(call));
     }
   }
-  if (!is_known) return refused(material, key, "no surface of the scene has this material");
+  if (!is_known) return refused(material, key, "belongs to a material that no surface has");
   if (!handle.key) {
     const auto names = effect_key_names();
     const auto name = std::find_if(names.begin(), names.end(),
                                    [&](const EffectKeyName& n) { return n.key == key; });
     return refused(material, key,
                    name == names.end()
-                       ? std::string("is no key of an effect")
-                       : "the material has no " + std::string(name->effect) +
-                             "; an effect that is to change must be called for in the file");
+                       ? std::string("is not a key of an effect")
+                       : "requires the effect " + std::string(name->effect) +
+                             ", which the material does not declare; declare it in the file");
   }
   handles_.push_back(std::move(handle));
   return handles_.size() - 1;
@@ -106,8 +107,8 @@ std::optional<Error> MaterialTuner::set(std::size_t handle, double value) {
 void MaterialTuner::before_tick(double /*time_s*/, HapticLoop& loop) noexcept {
   for (Block& block : blocks_) {
     Values values;
-    if (!block.mailbox->read(values) || values.number == block.taken) continue;
-    block.taken = values.number;
+    if (!block.mailbox->read(values) || values.number == block.applied) continue;
+    block.applied = values.number;
     loop.set_effect_parameters(
         block.call,
         std::span(values.bytes).first(compiled_effects()[block.effect].parameter_bytes));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Materials that an application changes while the hand feels them.
+// Changes material parameters during a session.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-// Values on their way from an application to the haptic thread.
+// Passes parameter values from an application to the haptic thread.
 //
 //     MaterialTuner tuner(scene);
 //     const auto friction = tuner.add("wood", "dynamicFriction");  // before the session starts
@@ -25,39 +25,41 @@ namespace palpate {
 //     ...
 //     tuner.set(*friction, 0.2);                                   // at any time, from one thread
 //
-// What was set before the session starts holds from its first tick on. A tuner serves one session.
+// Values set before the session starts apply from the first tick on. A tuner serves one session.
 class MaterialTuner final : public BeforeTick {
  public:
   // The scene must outlive the tuner.
   explicit MaterialTuner(const Scene& scene) : scene_(&scene) {}
 
-  // Makes a value of a material adjustable, and returns its handle; all materials of this name
-  // change together, in whatever combination with others the scene has them. An error if there is
-  // no such material or key, if the effect of the key is not compiled into the material, or if the
-  // value is built into something else: creaseAngle, solid. Allocates: before the session starts.
+  // Makes a parameter of a material adjustable and returns its handle. The handle changes the
+  // parameter in all materials of this name and in all their combinations with physics and haptic
+  // materials. Returns an error if the material or the key does not exist, if the material does not
+  // declare the effect of the key, or if the value is fixed when the scene is compiled
+  // (creaseAngle, solid). Allocates: call it before the session starts.
   Result<std::size_t> add(const std::string& material, const std::string& key);
 
-  // value: in the unit of the key, as in a file; of a choice, its place. What is out of range, or
-  // contradicts another value of the same effect as it was set last, is an Error, and then nothing
-  // is changed. Otherwise wait-free; one thread at a time for all handles. (An Error allocates.)
+  // Sets a value, in the unit of the key as in a file; for a choice, the index of the choice.
+  // Returns an error and changes nothing if the value is out of range or contradicts the last
+  // values of the other parameters of the effect. Only one thread at a time may call set(), for all
+  // handles together. Wait-free, except that an error allocates.
   std::optional<Error> set(std::size_t handle, double value);
 
-  // On the haptic thread, before a tick.
+  // Called on the haptic thread before a tick.
   void before_tick(double time_s, HapticLoop& loop) noexcept override;
 
  private:
   static constexpr std::size_t kMostBytes = 64;
 
-  // Parameters of one call of the effect program, as bytes that can be copied.
+  // The parameters of one call of the effect program, as bytes that can be copied.
   struct Values {
-    std::uint64_t number = 0;  // of sets so far
+    std::uint64_t number = 0;  // counts the calls of set()
     alignas(double) std::array<std::byte, kMostBytes> bytes{};
   };
   struct Block {
     std::uint32_t call;
     std::uint16_t effect;
-    Values set;               // the application's
-    std::uint64_t taken = 0;  // the haptic thread's
+    Values set;                 // last values of the application
+    std::uint64_t applied = 0;  // last Values::number that the haptic thread applied
     std::unique_ptr<SnapshotRing<Values>> mailbox;
   };
   struct Handle {

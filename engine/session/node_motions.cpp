@@ -11,7 +11,7 @@ RigidTransform pose_of(const std::array<double, 7>& n) {
   return {Quat(n[0], n[1], n[2], n[3]), Vec3(n[4], n[5], n[6])};
 }
 
-// First inner, then outer.
+// Applies inner first, then outer.
 RigidTransform composed(const RigidTransform& outer, const RigidTransform& inner) {
   return {outer.rotation * inner.rotation, outer.point(inner.translation_m)};
 }
@@ -43,13 +43,13 @@ Result<std::size_t> NodeMotions::add(const std::string& node) {
   nodes_.pop_back();
   bodies_ = bodies_before;
   return Error{ErrorCode::kInvalidArgument, "", "node \"" + node + "\"",
-               moves_something ? "brings the bodies that move to " + std::to_string(count) +
+               moves_something ? "raises the number of moving bodies to " + std::to_string(count) +
                                      "; expected at most " + std::to_string(LiveWorld::kMostMoving)
-                               : "carries no surface that could be touched",
-               ""};
+                               : "has no surface that can be touched",
+               moves_something ? "move fewer nodes" : "name a node with a solid mesh"};
 }
 
-// The objects below the movable nodes.
+// Lists the bodies below the movable nodes.
 void NodeMotions::find_bodies() {
   bodies_.clear();
   const auto& objects = scene_->objects();
@@ -61,7 +61,7 @@ void NodeMotions::find_bodies() {
       if (is_below) body.nodes.push_back(n);
     }
     if (body.nodes.empty()) continue;
-    // A node comes before those below it in the tree.
+    // In the tree, a node precedes the nodes below it.
     std::sort(body.nodes.begin(), body.nodes.end(), [&](std::size_t a, std::size_t c) {
       return nodes_[a].tree_node < nodes_[c].tree_node;
     });
@@ -74,7 +74,7 @@ void NodeMotions::set(std::size_t handle, const RigidTransform& T) noexcept {
                                    T.translation_m.x(), T.translation_m.y(), T.translation_m.z()});
 }
 
-// The newest pose of each node that is one. False if one was none.
+// Reads the newest pose of each node and keeps it if it is valid. Returns false if any was invalid.
 bool NodeMotions::collect() noexcept {
   bool all_good = true;
   for (MovableNode& node : nodes_) {
@@ -115,7 +115,7 @@ Result<SteadyMotions> SteadyMotions::create(const Scene& scene,
     for (const Mover& mover : steady.movers_) {
       if (mover.handle != *handle) continue;
       return Error{ErrorCode::kInvalidArgument, "", "node \"" + motion.node + "\"",
-                   "is given two motions; expected one", ""};
+                   "has two motions; expected one", "remove one of the motions"};
     }
     const auto node = find_node(scene.tree(), motion.node);
     steady.movers_.push_back({*handle, motion, scene.tree()[*node].origin_m});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Nodes of a scene that move while the hand feels them.
+// Moves nodes of a scene during a session.
 
 #include <array>
 #include <cstdint>
@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// Poses of nodes on their way from an application to the haptic thread. A node takes all below it
-// along; a moving node below another moves on top of that one's motion.
+// Passes poses of nodes from an application to the haptic thread. All nodes below a moved node move
+// with it. If a movable node is below another movable node, both motions add up.
 //
 //     NodeMotions motions(scene);
 //     const auto lid = motions.add("lid");                 // before the session starts
@@ -28,33 +28,34 @@ class NodeMotions final : public WorldMover {
   // The scene must outlive the motions.
   explicit NodeMotions(const Scene& scene);
 
-  // Makes a node movable (named as for find_node) and returns its handle. An error if there is no
-  // such node, nothing to touch below it, or more bodies would move than LiveWorld::kMostMoving.
-  // Allocates: before the session starts.
+  // Makes a node movable and returns its handle. node: a name as in find_node(). Returns an error
+  // if the node does not exist, if its subtree has no surface to touch, or if more than
+  // LiveWorld::kMostMoving bodies would move. Allocates: call it before the session starts.
   Result<std::size_t> add(const std::string& node);
 
-  // Where the node is, relative to where the file has it: p_scene = T_scene_rest p_scene_as_loaded.
-  // Wait-free; one thread at a time for each node. What is no pose (is_pose) is not
-  // taken, and kFaultBadBodyPose tells for as long as no other one is set.
+  // Sets the displacement of a node from its pose in the file:
+  // p_scene = T_scene_rest * p_scene_as_loaded. An invalid pose (see is_pose) is ignored and sets
+  // kFaultBadBodyPose in every tick until another pose is set. Wait-free. Only one thread at a time
+  // may set the pose of a node.
   void set(std::size_t handle, const RigidTransform& T_scene_rest) noexcept;
 
-  // On the haptic thread, before a tick.
+  // Called on the haptic thread before a tick.
   void move_bodies(double time_s, HapticLoop& loop) noexcept override;
 
  private:
-  // Plain numbers, so that they can be copied as bits.
+  // Plain numbers, so that they can be copied bytewise.
   using PoseNumbers = std::array<double, 7>;  // q w x y z, translation
 
   struct MovableNode {
     std::uint32_t tree_node;
     std::uint32_t end;            // of its subtree
-    RigidTransform T_scene_rest;  // the last that was a pose
+    RigidTransform T_scene_rest;  // the last valid pose
     bool has_moved = false;
     std::unique_ptr<SnapshotRing<PoseNumbers>> mailbox;
   };
   struct MovableBody {
     std::uint32_t body;
-    std::vector<std::size_t> nodes;  // that move it, the outermost first
+    std::vector<std::size_t> nodes;  // the movable nodes above it, outermost first
   };
 
   bool collect() noexcept;
@@ -65,14 +66,15 @@ class NodeMotions final : public WorldMover {
   std::vector<MovableBody> bodies_;
 };
 
-// A node that moves steadily: about the origin it has in the file, at first there.
+// A motion with constant velocity and angular velocity. At time 0 the node has its pose in the
+// file; it rotates about its origin in that pose.
 struct SteadyMotion {
   std::string node;
   Vec3 velocity_m_per_s = Vec3::Zero();
   Vec3 turn_rad_per_s = Vec3::Zero();  // scene axes
 };
 
-// Moves nodes steadily from time 0 on: what `--move` does.
+// Moves nodes with constant velocities from time 0 on, as `--move` requests.
 class SteadyMotions final : public WorldMover {
  public:
   static Result<SteadyMotions> create(const Scene& scene, const std::vector<SteadyMotion>& motions);

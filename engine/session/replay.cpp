@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-// Keeps the records of the first pass, and of the later ones each tick's time where it is shorter.
+// Keeps the records of the first pass. A later pass only replaces the time of a tick by a shorter
+// one.
 class Keeper final : public TickObserver {
  public:
   // summary: null for a later pass.
@@ -29,7 +30,7 @@ class Keeper final : public TickObserver {
   SummaryAccumulator* summary_;
 };
 
-// As below, but it may throw where there is no memory.
+// The same as the public replay(), but throws if an allocation fails.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes, MemoryLedger& ledger) {
   if (auto error = check_setup(scene, setup)) return *error;
@@ -39,7 +40,7 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
   ReplayResult result;
   result.records.resize(path_m.size());
   SummaryAccumulator summary;
-  RunSummary of_first_pass;  // what it did, without the times that are kept of all passes
+  RunSummary of_first_pass;  // effects of the first pass; step times come from all passes
   for (int pass = 0; pass < passes; ++pass) {
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
     auto mover = SteadyMotions::create(scene, setup.moves);

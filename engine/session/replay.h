@@ -1,6 +1,7 @@
 #pragma once
 
-// A recorded device path through a scene: deterministic, no thread, as fast as it goes.
+// Replays a recorded device path through a scene. Deterministic; runs on the calling thread, as
+// fast as possible.
 
 #include <cstdint>
 #include <vector>
@@ -17,10 +18,11 @@ struct ReplayResult {
   RunSummary summary;
 };
 
-// One tick per device position (device frame, metres). passes >= 1: repeats the whole path from a
-// fresh start and keeps each tick's shortest time, the one least disturbed by the machine.
-// An error if a node that is to move is not there, as of check_setup(), or (kOutOfMemory) if there
-// is not enough memory for a record of each tick.
+// Runs one tick per device position. path_m: positions in the device frame, metres. passes >= 1:
+// runs the whole path this many times, each time from a new start, and keeps the shortest time of
+// each tick, which is disturbed least by other processes.
+// Returns an error if a node in setup.moves does not exist, if check_setup() returns one, or
+// (kOutOfMemory) if there is not enough memory for the records of all ticks.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes);
 

@@ -20,9 +20,9 @@ Result<ActuationModel> make_actuation(const RunSettings& settings) {
   }
   if (settings.actuators && static_cast<std::size_t>(*settings.actuators) != axes.size()) {
     return invalid_argument("actuators",
-                            std::to_string(*settings.actuators) +
-                                " actuators, but `RunSettings::actuated_axes` gives " +
-                                std::to_string(axes.size()) + " directions",
+                            "is " + std::to_string(*settings.actuators) +
+                                ", but the number of `RunSettings::actuated_axes` is " +
+                                std::to_string(axes.size()),
                             "leave `RunSettings::actuators` out");
   }
   return ActuationModel::from_axes(settings.sensors, axes);
@@ -31,7 +31,7 @@ Result<ActuationModel> make_actuation(const RunSettings& settings) {
 std::optional<Error> check_number(const char* name, double value, bool zero_allowed) {
   if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
   std::ostringstream text;
-  text << value << " given, expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
+  text << "is " << value << "; expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
   return invalid_argument(name, text.str());
 }
 
@@ -39,14 +39,14 @@ std::optional<Error> check_numbers(const RunSettings& o) {
   if (auto e = check_number("rate_Hz", o.rate_Hz, false)) return e;
   if (!is_time_step(1.0 / o.rate_Hz)) {
     std::ostringstream text;
-    text << o.rate_Hz << " Hz given, expected at least " << 1.0 / kLongestTick_s;
-    return invalid_argument("rate_Hz", text.str(), "1000 Hz is usual");
+    text << "is " << o.rate_Hz << " Hz; expected at least " << 1.0 / kLongestTick_s << " Hz";
+    return invalid_argument("rate_Hz", text.str(), "use for example 1000 Hz");
   }
   if (auto e = check_number("stiffness_N_per_m", o.stiffness_N_per_m, true)) return e;
   if (auto e = check_number("damping_Ns_per_m", o.damping_Ns_per_m, true)) return e;
   if (auto e = check_number("radius_m", o.radius_m, true)) return e;
   if (!std::isfinite(o.plane_height_m.value_or(0.0)))
-    return invalid_argument("plane_height_m", "not a finite number");
+    return invalid_argument("plane_height_m", "is not a finite number");
   return std::nullopt;
 }
 
@@ -56,24 +56,23 @@ Result<VelocitySettings> make_velocity(const RunSettings& settings) {
   velocity.window_ticks = settings.velocity_window_ticks;
   if (velocity.window_ticks < 1 || velocity.window_ticks > VelocityEstimator::kMostTicks) {
     return invalid_argument("velocity_window_ticks",
-                            std::to_string(velocity.window_ticks) + " ticks given, expected 1 to " +
+                            "is " + std::to_string(velocity.window_ticks) +
+                                " ticks; expected 1 to " +
                                 std::to_string(VelocityEstimator::kMostTicks));
   }
   if (settings.encoder_quantum_m) {
     velocity.encoder_quantum_m = *settings.encoder_quantum_m;
     if (auto e = check_number("encoder_quantum_m", velocity.encoder_quantum_m, false)) return *e;
   } else if (velocity.method == VelocityMethod::kAdaptive) {
-    return invalid_argument(
-        "velocity_estimator",
-        "adaptive given without `RunSettings::encoder_quantum_m`, by which it chooses "
-        "its window",
-        "give the step of the device's encoders, such as "
-        "`RunSettings::encoder_quantum_m` 2e-5");
+    return invalid_argument("velocity_estimator",
+                            "is adaptive, which requires `RunSettings::encoder_quantum_m`",
+                            "give the step of the device's encoders, such as "
+                            "`RunSettings::encoder_quantum_m` 2e-5");
   }
   return velocity;
 }
 
-// What the settings say of sensors, motors, encoders and rate, a description says, too.
+// The device description, with sensors, motors, encoders and rate replaced by the settings.
 DeviceDescription device_of(const RunSettings& settings, const ActuationModel& actuation) {
   DeviceDescription device = settings.device;
   device.sensed_axes = actuation.sensors();
@@ -94,8 +93,8 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
   if (settings.work_budget && *settings.work_budget < 1) {
-    return invalid_argument(
-        "work_budget", std::to_string(*settings.work_budget) + " given, expected at least 1 unit");
+    return invalid_argument("work_budget", "is " + std::to_string(*settings.work_budget) +
+                                               "; expected at least 1 unit of work");
   }
   const auto velocity = make_velocity(settings);
   if (!velocity) return velocity.error();
@@ -119,12 +118,13 @@ std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
   const double extent_m = workspace_extent_m(setup.device);
   if (!(extent_m > 0.0)) {
     return invalid_argument("device.workspace",
-                            std::to_string(extent_m) + " m given, expected > 0");
+                            "is " + std::to_string(extent_m) + " m; expected more than 0 m");
   }
   if (auto error = check_settings(scene.world(), setup.haptics)) return error;
   if (is_time_step(setup.dt_s)) return std::nullopt;
   std::ostringstream text;
-  text << setup.dt_s << " s a tick, expected above 0 to " << kLongestTick_s;
+  text << "gives ticks of " << setup.dt_s << " s; expected more than 0 s and at most "
+       << kLongestTick_s << " s";
   return invalid_argument("rate_Hz", text.str());
 }
 

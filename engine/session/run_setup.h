@@ -1,6 +1,6 @@
 #pragma once
 
-// What a run may be told, and what a haptic loop and a simulated hand are made with.
+// The settings of a run, and the setup of haptic loop and simulated hand that results from them.
 
 #include <cstdint>
 #include <optional>
@@ -15,19 +15,20 @@
 
 namespace palpate {
 
-// Numbers and choices, checked by make_setup().
+// The settings of a run. make_setup() checks them.
 struct RunSettings {
   int sensors = 3;
-  // Nothing: as many as actuated_axes, or default_actuators but no more than sensors.
+  // No value: the size of actuated_axes or, if that list is empty, default_actuators, but at most
+  // `sensors`.
   std::optional<int> actuators;
   int default_actuators = 3;
-  std::vector<Vec3> actuated_axes;  // directions, device frame; empty: the first of A1 A2 A3
+  std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
   ForceMode force = ForceMode::kActuated;
   bool a4 = false;
   Table1Form table1 = Table1Form::kCorrected;
   StepRule a4_step = StepRule::kExact;
   Accuracy accuracy;
-  std::optional<std::int64_t> work_budget = {};  // units of haptics/proxy/work.h; else accuracy's
+  std::optional<std::int64_t> work_budget = {};  // haptics/proxy/work.h; no value: accuracy's
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
   double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
@@ -35,11 +36,13 @@ struct RunSettings {
   int velocity_window_ticks = 1;
   std::optional<double> encoder_quantum_m;  // for the adaptive estimator; also the device's
   double radius_m = 0.0;
-  std::optional<double> plane_height_m;  // of a planar device; who runs may choose one, else 0
+  std::optional<double> plane_height_m;  // for a planar device; no value: chosen by the run, or 0
   ScenePose place;                       // T_device_scene at the start
   std::vector<SteadyMotion> moves;
   bool effect_times = false;
-  DeviceDescription device = light_device();  // but for sensed axes, motors and rate
+  // Sensed axes, motors and rate of this description are replaced by the settings above; the
+  // encoder step only if encoder_quantum_m has a value.
+  DeviceDescription device = light_device();
 };
 
 struct RunSetup {
@@ -47,15 +50,17 @@ struct RunSetup {
   HapticSettings haptics;
   double dt_s;
   std::vector<SteadyMotion> moves;
-  DeviceDescription device = light_device();  // that a simulated hand holds
+  DeviceDescription device = light_device();  // held by the simulated hand
 };
 
-// Checks ranges and finiteness; an error names the field of RunSettings.
+// Checks that all settings are finite and within their ranges, and creates the setup. An error
+// names the field of RunSettings.
 Result<RunSetup> make_setup(const RunSettings& settings);
 
-// What a loop on this scene would refuse in every tick (check_settings, is_time_step), or a hand
-// with this device; the error names the field of HapticSettings or of RunSettings. replay() and
-// explore() ask it.
+// Returns an error if the haptic loop would refuse this setup in every tick on this scene
+// (check_settings, is_time_step), or if the device has no workspace for the simulated hand. The
+// error names the field of HapticSettings or RunSettings. replay() and explore() call this
+// function.
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a run amounts to, gathered tick by tick.
+// The summary of a run, accumulated tick by tick.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// Percentiles of the time one tick of the loop took, nanoseconds.
+// Percentiles of the time that a tick of the loop took, in nanoseconds.
 struct StepTimes {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
@@ -21,8 +21,8 @@ struct StepTimes {
   static StepTimes of(std::vector<std::int64_t> steps_ns);
 };
 
-// Means run over contact ticks. A force is held from its tick to the next, so work pairs it with
-// the displacement that follows; ticks with a bad sample give none.
+// Means are taken over contact ticks. The device holds a force until the next tick; therefore work
+// is the force times the displacement that follows it. Ticks with an invalid sample add no work.
 struct RunSummary {
   std::uint64_t ticks = 0;
   std::uint64_t contact_ticks = 0;
@@ -31,14 +31,14 @@ struct RunSummary {
   double mean_contact_angle_deg = 0.0;
   double share_within_30deg = 0.0;      // of contact ticks; Barbagli & Salisbury's limit
   std::uint64_t losses_of_contact = 0;  // 1 -> 0 transitions, undebounced
-  std::uint64_t longest_gap_ticks = 0;  // at a stretch without contact, after the first touch
+  std::uint64_t longest_gap_ticks = 0;  // longest interval without contact after the first contact
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
-  double port_work_J = 0.0;             // sum f_commanded . dx_device; > 0: the device gave energy
+  double port_work_J = 0.0;  // sum f_commanded . dx_device; > 0: the device did work on the hand
   std::array<std::uint64_t, kFaultCount> faults{};
-  std::uint64_t a4_ticks = 0;  // in which A4 turned the scene
-  // By the effect's number in compiled_effects().
-  std::array<std::uint64_t, kMostEffects> effect_ticks{};              // in which it was felt
-  std::optional<std::array<double, kMostEffects>> effect_time_shares;  // if it was measured
+  std::uint64_t a4_ticks = 0;  // ticks in which A4 rotated the scene
+  // By the effect's index in compiled_effects().
+  std::array<std::uint64_t, kMostEffects> effect_ticks{};              // ticks with active effect
+  std::optional<std::array<double, kMostEffects>> effect_time_shares;  // no value: not measured
   Vec3 device_extent_m = Vec3::Zero();
   StepTimes step_ns;
 
@@ -48,16 +48,17 @@ struct RunSummary {
   }
 };
 
-// How long each tick took, as RunSummary asks for it.
+// The time of each tick in nanoseconds, for SummaryAccumulator::finish().
 std::vector<std::int64_t> steps_of(const std::vector<TickRecord>& records);
 
-// What a loop has counted of its effects, and of the time of all its ticks.
+// Copies the effect counters of a loop into a summary: the active ticks of each effect and, if
+// has_times, its share of the time of all ticks.
 void take_effects(const HapticLoop& loop, bool has_times, const std::vector<std::int64_t>& steps_ns,
                   RunSummary& summary);
 
 class SummaryAccumulator {
  public:
-  // Allocation-free: may run on the haptic thread.
+  // Does not allocate, so that the haptic thread may call it.
   void add(const TickRecord& record) noexcept;
   RunSummary finish(std::vector<std::int64_t> steps_ns) const;
 
@@ -69,7 +70,7 @@ class SummaryAccumulator {
   double angle_sum_rad_ = 0.0;
   std::uint64_t within_30deg_ = 0;
   bool was_in_contact_ = false;
-  std::uint64_t gap_ticks_ = 0;  // since the last contact
+  std::uint64_t gap_ticks_ = 0;  // ticks since the last contact
   bool has_position_ = false;
   Vec3 last_device_m_ = Vec3::Zero();
   Vec3 last_force_N_ = Vec3::Zero();

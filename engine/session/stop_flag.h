@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// Asks work that takes long to end in order. Set once, from any thread or from a signal handler.
+// Requests the orderly end of a long computation. May be set from any thread or signal handler.
 class StopFlag {
  public:
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }

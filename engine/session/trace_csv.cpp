@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-// As traces have always had them; whoever adds a field to the record names it at the end.
+// The order of the columns. It is part of the format: add new fields at the end.
 constexpr std::array<std::string_view, kRecordFields.size()> kOrder = {
     "tick",         "time_s",         "device_m",     "goal_scene_m", "proxy_scene_m",
     "normal_scene", "force_device_N", "contact",      "alpha_rad",    "q_before_wxyz",
@@ -36,7 +36,7 @@ constexpr Form form_of(const RecordField& field) {
   return Form::kNumbers;
 }
 
-// Does not compile where a name is of no field, or of one that stands there already.
+// Does not compile if a name in kOrder is not a field or occurs twice.
 consteval std::array<Column, kOrder.size()> columns_in_order() {
   std::array<Column, kOrder.size()> columns{};
   std::array<bool, kRecordFields.size()> is_taken{};
@@ -143,8 +143,8 @@ void TraceWriter::add(const TickRecord& record) {
   for (const Column& column : kColumns) put(column, record, lines_);
   lines_.end_line();
   ++count_;
-  constexpr std::size_t kOftenEnough = 1u << 16;
-  if (lines_.text().size() < kOftenEnough) return;
+  constexpr std::size_t kBlockBytes = 1u << 16;
+  if (lines_.text().size() < kBlockBytes) return;
   file_.add(lines_.text());
   lines_.clear();
 }

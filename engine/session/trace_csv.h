@@ -1,6 +1,6 @@
 #pragma once
 
-// What a haptic loop did, tick by tick, written as a table.
+// Writes the records of a haptic loop as a CSV table, one line per tick.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,23 +17,25 @@
 
 namespace palpate {
 
-// The columns of a trace, joined by commas: one for each number of the fields of kRecordFields, in
-// an order of their own, in which new ones come last. Angles are in degrees; faults, effects and
-// friction are names, joined by "+" and empty for none.
+// The header line of a trace: the column names, joined by commas. Each number of each field in
+// kRecordFields has one column. The order of the columns differs from that of the fields: new
+// columns are always added at the end. Angles are in degrees. Faults and effects are names joined
+// by
+// "+", or empty if there are none; the friction state is a name.
 const std::string& trace_columns();
 
-// Writes a trace: trace_columns(), then a line for each record (CsvLines). The same records give
-// the same bytes. The file is there when finish() has succeeded (WholeFile). Not for the haptic
-// thread: it does I/O. One thread owns a writer.
+// Writes a trace: trace_columns(), then one line per record (CsvLines). Equal records give equal
+// bytes. The file appears when finish() succeeds (WholeFile). Does I/O, so do not use it on the
+// haptic thread. Only one thread may use a writer.
 class TraceWriter {
  public:
-  // Fails where the file could not be created.
+  // Returns an error if the file cannot be created.
   static Result<TraceWriter> create(const std::string& path);
 
-  // A failure to write shows in finish(). Records after finish() are dropped.
+  // finish() reports write errors. Records added after finish() are discarded.
   void add(const TickRecord& record);
 
-  // Returns the number of records. To be called once.
+  // Completes the file and returns the number of records. Call it once.
   Result<std::size_t> finish();
 
  private:
@@ -44,11 +46,11 @@ class TraceWriter {
   std::size_t count_ = 0;
 };
 
-// All of them, as a whole file.
+// Writes a complete trace of all records.
 std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records);
 
-// The names of the faults of a tick, joined by "+"; empty for none. Those of a governor are
-// "governor_" and the number of the bit.
+// The names of the faults of a tick, joined by "+"; empty if there are none. A fault of a governor
+// is "governor_" followed by its bit number.
 std::string fault_names(std::uint32_t faults);
 
 // "none", "sticks" or "slides".

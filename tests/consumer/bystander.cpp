@@ -1,6 +1,6 @@
-// A source of a project that has Palpate below it, and does not use it here.
+// A source that does not use Palpate, in a project that contains Palpate as a subproject.
 
-static_assert(__cplusplus == 201703L, "the project says C++17");
+static_assert(__cplusplus == 201703L, "the project sets C++17");
 
 int bystander() {
   return 17;

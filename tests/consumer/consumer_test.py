@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Checks what a project gets that has Palpate below it: the libraries, and nothing else.
+"""Checks that a project with Palpate as a subproject gets only Palpate's libraries.
 
 usage: consumer_test.py CMAKE PROJECT [--build]
 
-Configures tests/consumer in a folder that goes again. What is looked for and what can be built must
-be what NEEDED and LIBRARIES say, and options must stay with whom they are of. Compiles the README's
-programs with warnings as errors; with --build all of it, and runs them.
+Configures tests/consumer in a temporary folder. CMake must search only for the packages in NEEDED and
+offer only the targets in LIBRARIES, and compiler options must not leak from one project to the other.
+Compiles the README's programs with warnings as errors. With --build, builds everything and runs the
+programs.
 """
 
 import json
@@ -23,11 +24,11 @@ NEEDED = {"Threads", "Eigen3", "OpenMesh", "nlohmann_json", "draco", "meshoptimi
           "TURBOJPEG_LIBRARY"}
 FINDS = {"find_package", "find_program", "find_library", "find_path", "find_file",
          "pkg_check_modules"}
-HANDED_ON = {"-ffp-contract=off"}  # to whoever includes our headers
+PASSED_ON = {"-ffp-contract=off"}  # to targets that include Palpate's headers
 
 
 def run(*command, folder=None):
-    """Output of a command; a fault, with the end of what it said, if it fails."""
+    """Runs a command and returns its output. If it fails, exits with the last lines of the output."""
     done = subprocess.run([str(word) for word in command], cwd=folder, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode:
@@ -37,7 +38,7 @@ def run(*command, folder=None):
 
 
 def configure(cmake, project, build, programs):
-    """The calls of CMake in the project's own CMakeLists.txt files, each as file, line, name, words."""
+    """The CMake calls in the project's own CMakeLists.txt files, each as file, line, name, words."""
     query = build / ".cmake/api/v1/query/codemodel-v2"
     query.parent.mkdir(parents=True)
     query.touch()
@@ -52,62 +53,63 @@ def configure(cmake, project, build, programs):
         if "cmd" not in call:
             continue
         file = pathlib.Path(call["file"])
-        if file.is_relative_to(project):  # not one that CMake makes to try a compiler
+        if file.is_relative_to(project):  # not a file that CMake makes to test the compiler
             yield file.relative_to(project), call["line"], call["cmd"].lower(), call["args"]
 
 
 def check_finds(calls):
-    """Faults of what is looked for."""
+    """Faults of the packages that CMake searches for."""
     found = set()
     for file, line, name, words in calls:
         if name in FINDS:
             found.add(words[0])
             if words[0] not in NEEDED:
-                yield (f"{file}:{line}: looks for {words[0]} below another project, where no library "
-                       "needs it; do so on top only (PROJECT_IS_TOP_LEVEL)")
+                yield (f"{file}:{line}: searches for {words[0]} in a subproject, where no library "
+                       "needs it; search only if PROJECT_IS_TOP_LEVEL")
     for name in sorted(NEEDED - found):
-        yield f"consumer_test.py: NEEDED names {name}, which is not looked for; take it out"
+        yield f"consumer_test.py: NEEDED contains {name}, which CMake does not search for; remove it"
 
 
 def check_targets(build, own):
-    """Faults of what can be built."""
+    """Faults of the targets."""
     reply = build / ".cmake/api/v1/reply"
     model = json.loads(next(reply.glob("codemodel-v2-*.json")).read_text())
     targets = {target["name"]: json.loads((reply / target["jsonFile"]).read_text())
                for target in model["configurations"][0]["targets"]}
     for name in sorted(targets.keys() - LIBRARIES - own):
-        yield (f"CMakeLists.txt: {name} is built below another project; build it on top only "
-               "(PROJECT_IS_TOP_LEVEL)")
+        yield (f"CMakeLists.txt: {name} is built in a subproject; build it only if "
+               "PROJECT_IS_TOP_LEVEL")
     for name in sorted((LIBRARIES | own) - targets.keys()):
-        yield f"CMakeLists.txt: {name} is not built below another project"
+        yield f"CMakeLists.txt: {name} is not built in a subproject; build it there"
     if "BUILD_TESTING:" in (build / "CMakeCache.txt").read_text():
-        yield "CMakeLists.txt: asks for CTest below another project; do so on top only"
+        yield ("CMakeLists.txt: includes CTest in a subproject; include it only if "
+               "PROJECT_IS_TOP_LEVEL")
 
 
 def check_options(build, project):
-    """Faults of the options of the compiler; each kind of source has those that are its own."""
+    """Faults of the compiler options. Each kind of source must have its own options."""
     seen = set()
     for entry in json.loads((build / "compile_commands.json").read_text()):
         source = pathlib.Path(entry["file"])
         options = {word for word in entry["command"].split() if re.match(r"-(std|[fmW])", word)}
         if source.name == "bystander.cpp":
-            kind, expected = "bystander", {"-std=gnu++17"}  # as it asserts
+            kind, expected = "bystander", {"-std=gnu++17"}  # bystander.cpp asserts it
         elif source.is_relative_to(build) and source.name.startswith("readme_"):
-            kind, expected = "program", {"-std=gnu++20", "-Wall", "-Wextra", "-Werror"} | HANDED_ON
+            kind, expected = "program", {"-std=gnu++20", "-Wall", "-Wextra", "-Werror"} | PASSED_ON
         elif source.is_relative_to(project):
             kind, expected = "library", None
-            for option in {"-std=c++20", "-Wall", "-Wshadow"} | HANDED_ON:
+            for option in {"-std=c++20", "-Wall", "-Wshadow"} | PASSED_ON:
                 if option not in options:
                     yield f"{source.relative_to(project)}: is compiled without {option}"
         else:
             continue  # a precompiled header
         seen.add(kind)
         standard = {word for word in expected or () if word.startswith("-std")}
-        if expected and options not in (expected, expected - standard):  # it may be the default
+        if expected and options not in (expected, expected - standard):  # the default may be equal
             yield (f"tests/consumer: a {kind} is compiled with {' '.join(sorted(options))}, not with "
-                   f"{' '.join(sorted(expected))}; what is of our sources alone must not be handed on")
+                   f"{' '.join(sorted(expected))}; keep options of Palpate's sources private")
     for kind in sorted({"bystander", "program", "library"} - seen):
-        yield f"consumer_test.py: no {kind} is among the compile commands"
+        yield f"consumer_test.py: the compile commands contain no {kind}"
 
 
 def main():

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Takes the C++ programs out of the README, as they stand.
+"""Extracts the C++ programs of the README without changes.
 
 usage: readme_programs.py README OUT.cpp...
 
-A ```cpp block that begins with #include begins a program, and those after it go on with it. The
-first program becomes the first file, and so on; there must be as many files as programs. A compiler
-names the README and its lines.
+A ```cpp block that begins with #include starts a program; the following blocks continue it. The
+programs are written to the files in this order; the numbers of programs and files must be equal.
+Messages of the compiler refer to the lines of the README.
 """
 
 import pathlib
@@ -27,8 +27,8 @@ def programs(readme):
         elif found:
             found[-1] += piece
         else:
-            raise ValueError(f"{readme.name}:{line}: the first block of C++ begins no program; "
-                             "begin it with its #include lines")
+            raise ValueError(f"{readme.name}:{line}: the first block of C++ does not start a program; "
+                             "begin the block with #include lines")
     return found
 
 
@@ -39,8 +39,8 @@ def main():
     except ValueError as error:
         return str(error)
     if len(found) != len(outputs):
-        return (f"{readme.name}: has {len(found)} programs in C++, but {len(outputs)} are expected; "
-                "put the number right in tests/CMakeLists.txt")
+        return (f"{readme.name}: contains {len(found)} programs in C++, but {len(outputs)} are "
+                "expected; correct the number in tests/CMakeLists.txt")
     for text, output in zip(found, outputs):
         pathlib.Path(output).write_text(text)
     return 0

@@ -1,5 +1,5 @@
-// The JSON Schema of extras.palpate says what the engine does: same keys, units, ranges, choices
-// and defaults. Needs PALPATE_SCHEMA, the file.
+// Tests that the JSON Schema of extras.palpate agrees with the engine: keys, units, ranges, choices
+// and defaults. PALPATE_SCHEMA is the path of the schema.
 
 #include <algorithm>
 #include <cstring>
@@ -34,7 +34,7 @@ void expect_range(const json& number, const ParameterKey& key) {
   EXPECT_FALSE(number.contains("exclusiveMaximum"));
 }
 
-void expect_told(const json& property, const ParameterKey& key) {
+void expect_description(const json& property, const ParameterKey& key) {
   EXPECT_EQ(property.value("unit", ""), key.unit);
   EXPECT_TRUE(property["description"].get<std::string>().starts_with(key.what))
       << property["description"];
@@ -42,7 +42,7 @@ void expect_told(const json& property, const ParameterKey& key) {
 
 void expect_list(const json& property, const ParameterKey& key) {
   SCOPED_TRACE(key.key);
-  expect_told(property, key);
+  expect_description(property, key);
   EXPECT_EQ(property["type"], "array");
   EXPECT_EQ(property["minItems"], 3);
   EXPECT_EQ(property["maxItems"], 3);
@@ -82,7 +82,7 @@ TEST(ExtrasSchema, HasTheKeysOfTheEffects) {
     for (const ParameterKey& key : type.keys) {
       SCOPED_TRACE(key.key);
       const json& property = properties[std::string(key.key)];
-      expect_told(property, key);
+      expect_description(property, key);
       expect_default(property, key, type);
       if (key.kind == ParameterKey::Kind::kChoice) {
         EXPECT_EQ(property["enum"], json(key.choices));
@@ -93,13 +93,13 @@ TEST(ExtrasSchema, HasTheKeysOfTheEffects) {
   }
 }
 
-// {"if": key is given and as `is`, "then": other is given}
+// {"if": key is given and matches `is`, "then": other is given}
 json demand(const std::string& key, const json& is, const std::string& other) {
   return {{"if", {{"properties", {{key, is}}}, {"required", {key}}}},
           {"then", {{"required", {other}}}}};
 }
 
-TEST(ExtrasSchema, DemandsWhatEffectsRequire) {
+TEST(ExtrasSchema, RequiresTheKeysThatEffectsRequire) {
   const json above_zero = {{"exclusiveMinimum", 0}};
   std::vector<json> demands;
   for (const EffectType& type : compiled_effects()) {
@@ -120,8 +120,8 @@ TEST(ExtrasSchema, DemandsWhatEffectsRequire) {
   for (const json& d : demands) EXPECT_EQ(std::count(stated.begin(), stated.end(), d), 1) << d;
 }
 
-// As io/gltf/extras.cpp reads them.
-TEST(ExtrasSchema, HoldsKeysToTheirForm) {
+// The form is the one that io/gltf/extras.cpp checks.
+TEST(ExtrasSchema, LimitsTheFormOfKeys) {
   const json defs = schema()["$defs"];
   for (const char* part : {"material", "scene", "node"}) {
     EXPECT_EQ(defs[part]["propertyNames"], json({{"maxLength", 32}, {"pattern", "^[^.]*$"}}))
@@ -137,7 +137,7 @@ TEST(ExtrasSchema, HasTheKeysOfScenesAndNodes) {
     if (key.key != "toolMass") {
       expect_list(property, key);
     } else {
-      expect_told(property, key);
+      expect_description(property, key);
       expect_range(property, key);
     }
   }
@@ -145,9 +145,9 @@ TEST(ExtrasSchema, HasTheKeysOfScenesAndNodes) {
   EXPECT_EQ(keys_of(node), (std::set<std::string>{"medium", "size", "radius", "viscosity"}));
   EXPECT_EQ(node["medium"]["enum"], json(kMediumShapes));
   expect_list(node["size"], region_keys()[0]);
-  expect_told(node["radius"], region_keys()[1]);
+  expect_description(node["radius"], region_keys()[1]);
   expect_range(node["radius"], region_keys()[1]);
-  expect_told(node["viscosity"], ViscosityEffect::kKeys[0]);
+  expect_description(node["viscosity"], ViscosityEffect::kKeys[0]);
   expect_range(node["viscosity"], ViscosityEffect::kKeys[0]);
 }
 

@@ -1,4 +1,4 @@
-// What loading makes of a mesh does not depend on how many cores it is made on.
+// Tests that the result of loading a mesh does not depend on the number of cores.
 
 #include <array>
 #include <atomic>
@@ -44,7 +44,7 @@ TEST_F(Cores, RunEachCallsEveryNumberOnce) {
   }
 }
 
-TEST_F(Cores, RangesAreAllOfTheItemsAndNoneTwice) {
+TEST_F(Cores, CoverEachItemByExactlyOneRange) {
   test::Random random(7201);
   for (int i = 0; i < 200; ++i) {
     assume_cores(1 + random.index(9));
@@ -56,8 +56,8 @@ TEST_F(Cores, RangesAreAllOfTheItemsAndNoneTwice) {
   }
 }
 
-// Work that shares its own work again gets no more threads than there are cores.
-TEST_F(Cores, NeverRunMoreThreadsThanThereAre) {
+// Nested parallel work does not use more threads than cores.
+TEST_F(Cores, NeverRunMoreThreadsThanCores) {
   constexpr int kCores = 3;
   assume_cores(kCores);
   std::atomic<int> running{0};
@@ -74,7 +74,7 @@ TEST_F(Cores, NeverRunMoreThreadsThanThereAre) {
   EXPECT_LE(most, kCores);
 }
 
-TEST_F(Cores, ErrorsReachTheCallerFromEveryThread) {
+TEST_F(Cores, PassErrorsOfEveryThreadToTheCaller) {
   for (const std::size_t cores : {1, 2, 4}) {
     assume_cores(cores);
     for (std::size_t wrong = 0; wrong < 16; ++wrong) {
@@ -84,16 +84,17 @@ TEST_F(Cores, ErrorsReachTheCallerFromEveryThread) {
                             }),
                    std::runtime_error);
     }
-    // And the cores are free again.
+    // The cores are available again.
     const SpareCore core;
     EXPECT_EQ(core.is_taken(), cores > 1);
   }
 }
 
-// ---- The same from any number of cores
+// ---- Equal results for any number of cores
 
-// Everything that cleaning knows: repeated positions and their negative zeros, positions that
-// nobody uses, triangles without area, triangles twice, edges of many faces, of either orientation.
+// A mesh with all defects that cleaning handles: repeated positions, also with negative zeros,
+// unused positions, triangles without area, repeated triangles, and edges with many faces of either
+// orientation.
 Soup lattice_soup(test::Random& random) {
   Soup soup;
   constexpr std::uint64_t kSide = 30;
@@ -119,7 +120,7 @@ Soup sphere() {
   return {mesh.positions_m, mesh.triangles};
 }
 
-// Bytes of what loading makes of a soup.
+// All results of loading a soup of triangles, as bytes.
 class Made {
  public:
   explicit Made(const Soup& soup) {
@@ -193,7 +194,7 @@ class Made {
   std::string bytes_;
 };
 
-TEST_F(Cores, MakeTheSameOfASoupHoweverMany) {
+TEST_F(Cores, LoadASoupWithEqualResultsForAnyNumber) {
   test::Random random(7202);
   for (const Soup& soup : {lattice_soup(random), sphere()}) {
     assume_cores(1);
@@ -222,7 +223,7 @@ SceneDescription scene_of(const std::vector<Soup>& soups) {
 }
 
 // Large meshes and small ones, each with its index.
-TEST_F(Cores, CompileTheSameSceneHoweverMany) {
+TEST_F(Cores, CompileASceneWithEqualResultsForAnyNumber) {
   test::Random random(7203);
   std::vector<Soup> soups = {lattice_soup(random), sphere()};
   for (int i = 0; i < 40; ++i) {

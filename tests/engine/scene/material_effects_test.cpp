@@ -1,4 +1,4 @@
-// What a material's declaration becomes, and what is told of it.
+// Tests the effects compiled from a material's declarations, and the report of the declarations.
 
 #include "engine/scene/material_effects.h"
 
@@ -80,8 +80,8 @@ typename Effect::Parameters parameters_of(const MaterialEffects& effects) {
   return parameters;
 }
 
-// "key=value" of each, as JSON has the value.
-std::vector<std::string> told(const std::vector<HonouredParameter>& list) {
+// "key=value source" of each parameter, with the value in JSON notation.
+std::vector<std::string> texts_of(const std::vector<HonouredParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) {
     texts.push_back(p.key + "=" + value_text(p.value) + " " + p.source + (p.is_off ? " off" : ""));
@@ -89,13 +89,13 @@ std::vector<std::string> told(const std::vector<HonouredParameter>& list) {
   std::sort(texts.begin(), texts.end());
   return texts;
 }
-std::vector<std::string> told(const std::vector<DefaultedParameter>& list) {
+std::vector<std::string> texts_of(const std::vector<DefaultedParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) texts.push_back(p.key + "=" + value_text(p.value) + p.unit);
   std::sort(texts.begin(), texts.end());
   return texts;
 }
-std::vector<std::string> told(const std::vector<IgnoredParameter>& list) {
+std::vector<std::string> texts_of(const std::vector<IgnoredParameter>& list) {
   std::vector<std::string> texts;
   for (const auto& p : list) texts.push_back(p.key + " " + p.element);
   std::sort(texts.begin(), texts.end());
@@ -104,15 +104,15 @@ std::vector<std::string> told(const std::vector<IgnoredParameter>& list) {
 
 using Texts = std::vector<std::string>;
 
-TEST(MaterialEffects, OfNothingAreNone) {
+TEST(MaterialEffects, AreEmptyForAnEmptyDeclaration) {
   const MaterialEffects effects = compiled_material(std::vector<MaterialParameter>{});
   EXPECT_TRUE(effects.entries.empty());
   EXPECT_TRUE(effects.is_solid);
   EXPECT_TRUE(effects.report.empty());
 }
 
-// Every number of every effect: its ends are taken, what is beyond is refused by name.
-TEST(MaterialEffects, HoldEveryNumberToItsRange) {
+// For every number of every effect: both limits are accepted; an error names a number beyond them.
+TEST(MaterialEffects, AcceptEveryNumberInItsRangeOnly) {
   for (const EffectType& type : compiled_effects()) {
     for (const ParameterKey& key : type.keys) {
       if (key.kind != ParameterKey::Kind::kNumber) continue;
@@ -144,7 +144,7 @@ TEST(MaterialEffects, HoldEveryNumberToItsRange) {
   }
 }
 
-TEST(MaterialEffects, TakeChoicesByName) {
+TEST(MaterialEffects, AcceptChoicesByName) {
   const auto hum = [](MaterialValue when) {
     return std::vector<MaterialParameter>{given("vibrationFrequency", 50.0),
                                           given("vibrationAmplitude", 0.2),
@@ -161,16 +161,16 @@ TEST(MaterialEffects, TakeChoicesByName) {
   }
 }
 
-TEST(MaterialEffects, AreCalledForByWhatIsNotZero) {
+TEST(MaterialEffects, AreActiveIfTheirKeyIsNotZero) {
   const MaterialEffects off =
       compiled_material({given("magnetForce", 0.0), given("magnetRange", 0.1),
                          given("restitution", 0.0), given("viscosity", -0.0)});
   EXPECT_TRUE(off.entries.empty());
-  EXPECT_EQ(told(off.report.honoured),
+  EXPECT_EQ(texts_of(off.report.honoured),
             (Texts{"magnetForce=0 extras.palpate off", "magnetRange=0.1 extras.palpate off",
                    "restitution=0 extras.palpate off", "viscosity=-0 extras.palpate off"}));
   EXPECT_TRUE(off.report.defaulted.empty());
-  // Those without such a key are called for by being given.
+  // An effect without a key of the role kCallsFor is active if its required key is given.
   EXPECT_EQ(compiled_material({given("stiffness", 0.0), given("damping", 0.0)}).effect_names(),
             (Texts{"damping", "stiffness"}));
   EXPECT_EQ(
@@ -178,7 +178,7 @@ TEST(MaterialEffects, AreCalledForByWhatIsNotZero) {
       Texts{"magnet"});
 }
 
-TEST(MaterialEffects, RefuseHalfADeclaration) {
+TEST(MaterialEffects, RefuseAnIncompleteDeclaration) {
   expect_names(refused({given("impactMass", 0.1)}),
                {"wood", "impactMass is given without restitution",
                 "/materials/2/extras/palpate/impactMass"});
@@ -191,22 +191,22 @@ TEST(MaterialEffects, RefuseHalfADeclaration) {
                {"vibrationAmplitude is given without vibrationFrequency", "5000 Hz"});
 }
 
-TEST(MaterialEffects, TellEveryDefault) {
+TEST(MaterialEffects, ReportEveryDefault) {
   const MaterialEffects tap = compiled_material({given("restitution", 0.5)});
-  EXPECT_EQ(told(tap.report.defaulted), (Texts{"impactDuration=0.005s", "impactMass=0.05kg"}));
+  EXPECT_EQ(texts_of(tap.report.defaulted), (Texts{"impactDuration=0.005s", "impactMass=0.05kg"}));
   EXPECT_EQ(parameters_of<RestitutionEffect>(tap).mass_kg, 0.05);
   const MaterialEffects hum =
       compiled_material({given("vibrationFrequency", 50.0), given("vibrationAmplitude", 0.2)});
-  EXPECT_EQ(told(hum.report.defaulted), Texts{"vibrationWhen=\"contact\""});
+  EXPECT_EQ(texts_of(hum.report.defaulted), Texts{"vibrationWhen=\"contact\""});
 }
 
-TEST(MaterialEffects, OneCoefficientOfFrictionIsTheOtherToo) {
+TEST(MaterialEffects, UseASingleFrictionCoefficientForBoth) {
   for (const char* key : {"staticFriction", "dynamicFriction"}) {
     const MaterialEffects effects = compiled_material({given(key, 0.3)});
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, 0.3);
     EXPECT_EQ(friction.dynamic_friction, 0.3);
-    EXPECT_EQ(told(effects.report.honoured), Texts{std::string(key) + "=0.3 extras.palpate"});
+    EXPECT_EQ(texts_of(effects.report.honoured), Texts{std::string(key) + "=0.3 extras.palpate"});
     ASSERT_EQ(effects.report.defaulted.size(), 1u);
     EXPECT_NE(effects.report.defaulted[0].key, key);
   }
@@ -219,7 +219,7 @@ TEST(MaterialEffects, RefuseFrictionThatGrowsWhileSliding) {
                 "/dynamicFriction"});
 }
 
-TEST(MaterialEffects, TakePhysicsWhereTheMaterialSaysNothing) {
+TEST(MaterialEffects, UsePhysicsForKeysThatTheMaterialLacks) {
   const PhysicsMaterialDescription physics{0.5, 0.4, 0.3};
   const MaterialDescription material =
       material_with({given("dynamicFriction", 0.2),
@@ -230,25 +230,25 @@ TEST(MaterialEffects, TakePhysicsWhereTheMaterialSaysNothing) {
   EXPECT_EQ(friction.static_friction, 0.5);
   EXPECT_EQ(friction.dynamic_friction, 0.2);
   EXPECT_EQ(parameters_of<RestitutionEffect>(effects).restitution, 0.9);
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"dynamicFriction=0.2 extras.palpate", "restitution=0.9 override",
                    "staticFriction=0.5 KHR_physics_rigid_bodies"}));
 }
 
-TEST(MaterialEffects, TakeNoRestitutionFromPhysicsThatHasNone) {
+TEST(MaterialEffects, HaveNoRestitutionIfPhysicsHasNone) {
   const PhysicsMaterialDescription physics{0.0, 0.0, 0.0};
   const MaterialDescription material = material_with({});
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"dynamicFriction=0 KHR_physics_rigid_bodies off",
                    "restitution=0 KHR_physics_rigid_bodies off",
                    "staticFriction=0 KHR_physics_rigid_bodies off"}));
 }
 
-// Of what KHR_physics_rigid_bodies has for a coefficient that is not written.
-TEST(MaterialEffects, UnwrittenPhysicsFollowsWhatIsWritten) {
+// Tests the defaults of KHR_physics_rigid_bodies for coefficients that are not written.
+TEST(MaterialEffects, AdaptUnwrittenPhysicsToTheWrittenCoefficient) {
   constexpr std::nullopt_t kNone = std::nullopt;
   const std::string physics_source = " KHR_physics_rigid_bodies";
   const struct {
@@ -301,23 +301,23 @@ TEST(MaterialEffects, UnwrittenPhysicsFollowsWhatIsWritten) {
     const MaterialDescription material = material_with(c.parameters);
     const MaterialEffects effects =
         compiled_material(MaterialSources{&material, &c.physics, "/physics/1"});
-    SCOPED_TRACE(testing::PrintToString(told(effects.report.honoured)));
+    SCOPED_TRACE(testing::PrintToString(texts_of(effects.report.honoured)));
     const auto friction = parameters_of<FrictionEffect>(effects);
     EXPECT_EQ(friction.static_friction, c.still);
     EXPECT_EQ(friction.dynamic_friction, c.sliding);
-    EXPECT_EQ(told(effects.report.honoured), c.honoured);
-    EXPECT_EQ(told(effects.report.defaulted), c.defaulted);
+    EXPECT_EQ(texts_of(effects.report.honoured), c.honoured);
+    EXPECT_EQ(texts_of(effects.report.defaulted), c.defaulted);
   }
 }
 
-TEST(MaterialEffects, NoStaticFrictionSwitchesUnwrittenPhysicsOff) {
+TEST(MaterialEffects, SwitchUnwrittenPhysicsOffIfStaticFrictionIsZero) {
   const PhysicsMaterialDescription physics;
   const MaterialDescription material = material_with({given("staticFriction", 0.0)});
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
-  EXPECT_EQ(told(effects.report.defaulted), Texts{"dynamicFriction=0"});
+  EXPECT_EQ(texts_of(effects.report.honoured), Texts{"staticFriction=0 extras.palpate off"});
+  EXPECT_EQ(texts_of(effects.report.defaulted), Texts{"dynamicFriction=0"});
 }
 
 TEST(MaterialEffects, NameBothSourcesThatContradictEachOther) {
@@ -328,13 +328,13 @@ TEST(MaterialEffects, NameBothSourcesThatContradictEachOther) {
   expect_names(error, {"wood", "staticFriction 0.3", "/physics/1/dynamicFriction", "0.6"});
 }
 
-TEST(MaterialEffects, RefuseArgumentsAsSuch) {
+TEST(MaterialEffects, ReportAWrongOverrideAsAnInvalidArgument) {
   const Error error = refused({{"stiffness", -1.0, "`SceneSettings::overrides` wood.stiffness"}});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(error.element, "`SceneSettings::overrides` wood.stiffness");
 }
 
-TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
+TEST(MaterialEffects, UseDefaultsForMapsWithoutValues) {
   const HapticMaterialDescription haptic =
       haptic_with({"vibrotactileTexture", "friction", "stiffness", "friction"});
   const MaterialDescription material = material_with({});
@@ -343,44 +343,45 @@ TEST(MaterialEffects, OfMapsAloneHaveDefaults) {
   EXPECT_EQ(effects.effect_names(), (Texts{"friction", "texture"}));
   EXPECT_EQ(parameters_of<TextureEffect>(effects).height_m, 10.0 * kDefaultTextureHeight_m);
   EXPECT_EQ(parameters_of<FrictionEffect>(effects).static_friction, kMapFriction);
-  EXPECT_EQ(told(effects.report.defaulted),
+  EXPECT_EQ(texts_of(effects.report.defaulted),
             (Texts{"dynamicFriction=1", "staticFriction=1", "textureHeight=1e-04m"}));
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material"}));
-  EXPECT_EQ(told(effects.report.not_understood), (Texts{"friction /maps/3", "stiffness /maps/2"}));
+  EXPECT_EQ(texts_of(effects.report.not_understood),
+            (Texts{"friction /maps/3", "stiffness /maps/2"}));
 }
 
-TEST(MaterialEffects, CarveATextureOnlyWithAMap) {
+TEST(MaterialEffects, RequireAMapForATexture) {
   expect_names(refused({given("textureHeight", 0.001)}),
                {"wood", "textureHeight", "without a map", "normalTexture"});
   MaterialDescription material = material_with({given("textureHeight", 0.001)});
   material.normal_texture = TextureReference{};
   const MaterialEffects carved = compiled_material(MaterialSources{&material});
   EXPECT_EQ(carved.effect_names(), Texts{"texture"});
-  EXPECT_EQ(told(carved.report.honoured),
+  EXPECT_EQ(texts_of(carved.report.honoured),
             (Texts{"normalTexture=\"texture 0\" glTF", "textureHeight=0.001 extras.palpate"}));
   EXPECT_EQ(carved.report.honoured.back().element, "/materials/2/normalTexture");
   EXPECT_TRUE(compiled_material({given("textureHeight", 0.0)}).entries.empty());
 }
 
-TEST(MaterialEffects, TellMapsWhoseEffectsAreOff) {
+TEST(MaterialEffects, ReportMapsWhoseEffectsAreOff) {
   const HapticMaterialDescription haptic = haptic_with({"vibrotactileTexture", "friction"});
   const MaterialDescription material =
       material_with({given("staticFriction", 0.0), given("textureHeight", 0.0)});
   const MaterialEffects effects =
       compiled_material(MaterialSources{&material, nullptr, "", &haptic});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.honoured),
+  EXPECT_EQ(texts_of(effects.report.honoured),
             (Texts{"friction=\"texture 1\" MPEG_haptic_material off",
                    "staticFriction=0 extras.palpate off", "textureHeight=0 extras.palpate off",
                    "vibrotactileTexture=\"texture 0\" MPEG_haptic_material off"}));
   EXPECT_TRUE(effects.report.not_understood.empty());
-  // A physics material without friction, too.
+  // The same with a physics material without friction.
   const PhysicsMaterialDescription physics{0.0};
   const MaterialDescription plain = material_with({});
   const auto off =
-      told(compiled_material({&plain, &physics, "/physics/1", &haptic}).report.honoured);
+      texts_of(compiled_material({&plain, &physics, "/physics/1", &haptic}).report.honoured);
   ASSERT_FALSE(off.empty());
   EXPECT_EQ(off.front(), "friction=\"texture 1\" MPEG_haptic_material off");
 }
@@ -394,16 +395,16 @@ TEST(MaterialEffects, MultiplyOnlyLengthsByTheScale) {
   EXPECT_EQ(parameters_of<MagnetEffect>(effects).range_m, 0.05);
 }
 
-TEST(MaterialEffects, TellWhatTheyDoNotUnderstand) {
+TEST(MaterialEffects, ReportUnknownKeysOfAFile) {
   const MaterialEffects effects =
       compiled_material({given("Stiffness", 3.0), given("texture.amplitude", true)});
   EXPECT_TRUE(effects.entries.empty());
-  EXPECT_EQ(told(effects.report.not_understood),
+  EXPECT_EQ(texts_of(effects.report.not_understood),
             (Texts{std::string("Stiffness ") + kExtras + "/Stiffness",
                    std::string("texture.amplitude ") + kExtras + "/texture.amplitude"}));
 }
 
-TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
+TEST(MaterialEffects, RefuseUnknownKeysOfOverrides) {
   const Error error = refused({{"Stiffness", 3.0, "`SceneSettings::overrides` wood.Stiffness"}});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(error.element, "`SceneSettings::overrides` wood.Stiffness");
@@ -413,30 +414,31 @@ TEST(MaterialEffects, RefuseArgumentsThatTheyDoNotUnderstand) {
   }
 }
 
-TEST(MaterialEffects, OfWhatIsNotSolidAreOnlyItsMedium) {
+TEST(MaterialEffects, AreOnlyAMediumIfTheMaterialIsNotSolid) {
   const MaterialEffects medium =
       compiled_material({given("solid", false), given("viscosity", 2.0)});
   EXPECT_FALSE(medium.is_solid);
   EXPECT_EQ(medium.effect_names(), Texts{"viscosity"});
   EXPECT_TRUE(compiled_material({given("solid", true)}).is_solid);
-  expect_names(refused({given("solid", false)}), {"wood", "/solid", "nothing to feel"});
-  expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"nothing to feel"});
+  expect_names(refused({given("solid", false)}), {"wood", "/solid", "no effect"});
+  expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"no effect"});
   expect_names(refused({given("solid", 1.0)}), {"/solid", "true or false"});
   expect_names(refused({given("solid", false), given("viscosity", 2.0), given("stiffness", 2.0)}),
                {"stiffness", "solid is false"});
-  // What the node gives all its colliders is no contradiction of the material.
+  // Values of the node's physics material do not contradict the material.
   const PhysicsMaterialDescription physics{0.6, 0.6};
   const MaterialDescription material =
       material_with({given("solid", false), given("viscosity", 2.0)});
   const MaterialEffects beside =
       compiled_material(MaterialSources{&material, &physics, "/physics/1"});
   EXPECT_EQ(beside.effect_names(), Texts{"viscosity"});
-  EXPECT_EQ(told(beside.report.not_understood),
+  EXPECT_EQ(texts_of(beside.report.not_understood),
             (Texts{"dynamicFriction /physics/1/dynamicFriction",
                    "staticFriction /physics/1/staticFriction"}));
 }
 
-// The list of keys that refuses what is not built, against the effects that are.
+// Compares the list of all keys, which serves to refuse effects that are not built, with the built
+// effects.
 TEST(MaterialEffects, KnowTheKeysOfEveryEffect) {
   const auto names = effect_key_names();
   std::size_t compiled_keys = 0;
@@ -451,7 +453,7 @@ TEST(MaterialEffects, KnowTheKeysOfEveryEffect) {
   }
   for (const EffectKeyName& name : names) {
     if (effect_number(name.effect)) continue;
-    // Left out of this build: a scene that asks for it is refused.
+    // The effect is not in this build: a scene that declares it is refused.
     const Error error = refused({given(std::string(name.key), 0.5)});
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
     expect_names(error, {std::string(name.effect), "PALPATE_EFFECTS", "wood"});
@@ -466,7 +468,7 @@ MaterialDescription scene_with(std::vector<MaterialParameter> parameters) {
   return {"scene", "/scenes/0/extras/palpate", std::move(parameters), std::nullopt};
 }
 
-TEST(SceneFields, NeedAMassForGravity) {
+TEST(SceneFields, RequireAMassForGravity) {
   const std::vector<double> down{0.0, -9.81, 0.0};
   const auto fields =
       scene_fields(scene_with({given("gravity", down), given("toolMass", 0.1), given("x", 1.0)}));
@@ -474,7 +476,7 @@ TEST(SceneFields, NeedAMassForGravity) {
   ASSERT_TRUE(fields->gravity);
   EXPECT_EQ(fields->gravity->mass_kg, 0.1);
   EXPECT_EQ(fields->gravity->gravity_m_per_s2[1], -9.81);
-  EXPECT_EQ(told(fields->report.not_understood), Texts{std::string("x ") + kExtras + "/x"});
+  EXPECT_EQ(texts_of(fields->report.not_understood), Texts{std::string("x ") + kExtras + "/x"});
 
   expect_names(scene_fields(scene_with({given("gravity", down)})).error(), {"toolMass", "kg"});
   expect_names(scene_fields(scene_with({given("toolMass", 0.1)})).error(), {"gravity"});
@@ -486,14 +488,14 @@ TEST(SceneFields, NeedAMassForGravity) {
                {"[0, 1]", "three numbers"});
 }
 
-TEST(SceneFields, OfNothingAreNone) {
+TEST(SceneFields, AreAbsentForAnEmptyDeclaration) {
   const auto none = scene_fields(scene_with({}));
   ASSERT_TRUE(none);
   EXPECT_FALSE(none->gravity);
   const auto zero = scene_fields(scene_with({given("constantForce", std::vector<double>(3, 0.0))}));
   ASSERT_TRUE(zero);
   EXPECT_FALSE(zero->gravity);
-  EXPECT_EQ(told(zero->report.honoured), Texts{"constantForce=[0, 0, 0] extras.palpate off"});
+  EXPECT_EQ(texts_of(zero->report.honoured), Texts{"constantForce=[0, 0, 0] extras.palpate off"});
 }
 
 RegionDescription region_with(std::vector<MaterialParameter> parameters) {
@@ -518,7 +520,7 @@ TEST(NodeMedium, IsABoxOrASphere) {
   EXPECT_DOUBLE_EQ(medium->region.least_scale, 0.5);
 }
 
-TEST(NodeMedium, RefusesWhatIsNone) {
+TEST(NodeMedium, RefusesWrongDeclarations) {
   const auto sphere = [](Mat3 linear) {
     RegionDescription region = region_with(
         {given("medium", std::string("sphere")), given("radius", 1.0), given("viscosity", 1.0)});
@@ -538,9 +540,9 @@ TEST(NodeMedium, RefusesWhatIsNone) {
   const MaterialParameter size = given("size", std::vector<double>{1, 1, 1});
   expect_names(declared({given("medium", std::string("cone"))}), {"\"box\" or \"sphere\"", "cone"});
   expect_names(declared({box, given("viscosity", 1.0)}), {"pool", "box without size"});
-  expect_names(declared({box, size}), {"nothing to feel", "viscosity"});
+  expect_names(declared({box, size}), {"has no viscosity"});
   expect_names(declared({box, given("radius", 1.0), given("viscosity", 1.0)}),
-               {"radius is not of a box"});
+               {"a box has no radius"});
   expect_names(
       declared({box, given("size", std::vector<double>{1, 0, 1}), given("viscosity", 1.0)}),
       {"[1, 0, 1]", "above 0"});

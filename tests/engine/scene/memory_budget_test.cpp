@@ -1,5 +1,5 @@
-// What loading may take, where that comes from, and whether what it says it takes is what it does.
-// This executable replaces operator new to count.
+// Tests the memory limit of loading, the sources of this limit, and that declared memory needs
+// equal the actual allocations. This executable replaces operator new to count allocations.
 
 #include "engine/scene/memory_budget.h"
 
@@ -25,9 +25,9 @@
 namespace palpate {
 namespace {
 
-// ---- What a user writes
+// ---- Numbers of bytes that a user writes
 
-TEST(ParseBytes, TakesEachUnit) {
+TEST(ParseBytes, AcceptsEachUnit) {
   const auto bytes = [](const char* text) {
     const auto parsed = parse_bytes(text);
     return parsed ? *parsed : 0;
@@ -44,7 +44,7 @@ TEST(ParseBytes, TakesEachUnit) {
   EXPECT_EQ(bytes("0.5T"), 500'000'000'000u);
 }
 
-TEST(ParseBytes, RefusesWhatIsNoNumberOfBytesByTheOption) {
+TEST(ParseBytes, RefusesOtherTextsAndNamesTheOption) {
   for (const char* text : {"0", "-1", "0.4", "nan", "inf", "1e9", "G", "12 M", "12Q", "12Gi",
                            "12iB", "99999999999999999999", "9T9", "0x10", " 5"}) {
     const auto parsed = parse_bytes(text);
@@ -62,7 +62,7 @@ TEST(BytesText, HasThreeDigitsAndAUnit) {
   EXPECT_EQ(bytes_text(1'500'000'000), "1.50 GB");
 }
 
-// ---- What the system has free
+// ---- Free memory of the system
 
 class FreeMemory : public testing::Test {
  protected:
@@ -83,13 +83,13 @@ class FreeMemory : public testing::Test {
   MemorySources sources_;
 };
 
-TEST_F(FreeMemory, OfTheMachineIsWhatIsAvailable) {
+TEST_F(FreeMemory, OfTheMachineIsTheAvailableMemory) {
   const MemoryLimit limit = default_memory_limit(sources_);
   EXPECT_EQ(limit.bytes, std::uint64_t{4'000'000} * 1024);
   EXPECT_NE(limit.origin.find("the machine"), std::string::npos) << limit.origin;
 }
 
-TEST_F(FreeMemory, OfAControlGroupIsThatOfTheLeastOfAllAboveIt) {
+TEST_F(FreeMemory, OfAControlGroupIsTheLeastOfItsParentGroups) {
   write("cgroup", "0::/outer/inner\n");
   write("groups/memory.max", "7000000000\n");
   write("groups/memory.current", "1000000000\n");
@@ -103,29 +103,29 @@ TEST_F(FreeMemory, OfAControlGroupIsThatOfTheLeastOfAllAboveIt) {
   EXPECT_NE(limit.origin.find("/outer"), std::string::npos) << limit.origin;
 }
 
-TEST_F(FreeMemory, OfAControlGroupOfVersionOneInAContainer) {
+TEST_F(FreeMemory, OfAControlGroupOfVersionOneIsFoundInAContainer) {
   write("cgroup", "5:cpu:/docker/x\n4:memory:/docker/x\n");
   write("groups/memory/memory.limit_in_bytes", "800000000\n");
   write("groups/memory/memory.usage_in_bytes", "600000000\n");
   EXPECT_EQ(default_memory_limit(sources_).bytes, 100'000'000u);
 }
 
-TEST_F(FreeMemory, OfAGroupThatIsOverItsLimitIsNone) {
+TEST_F(FreeMemory, OfAGroupOverItsLimitIsZero) {
   write("cgroup", "0::/\n");
   write("groups/memory.max", "1000\n");
   write("groups/memory.current", "2000\n");
   EXPECT_EQ(default_memory_limit(sources_).bytes, 0u);
 }
 
-TEST_F(FreeMemory, IsWithoutLimitWhereNothingIsTold) {
+TEST_F(FreeMemory, IsUnlimitedIfTheSystemReportsNothing) {
   std::filesystem::remove_all(root_);
   EXPECT_EQ(default_memory_limit(sources_).bytes, std::numeric_limits<std::uint64_t>::max());
 }
 
-// ---- What is said and what is taken
+// ---- Declared and allocated memory
 
-// An estimate may say so much too little, of what is taken, and so much too much; and beside that
-// what blocks are rounded by.
+// Tolerances of an estimate, relative to the allocated memory: too small, too large, and the
+// rounding of blocks.
 constexpr double kTooLittle = 0.02;
 constexpr double kTooMuchKept = 0.10;
 constexpr double kTooMuchPeak = 0.40;  // of tables that are at worst twice as large as they are
@@ -158,7 +158,7 @@ TriangleMesh patch(std::size_t triangles) {
   return mesh;
 }
 
-// Triangles that meet nowhere.
+// Triangles without common vertices.
 TriangleMesh soup(std::size_t triangles) {
   test::Random random(8101);
   TriangleMesh mesh;
@@ -179,23 +179,23 @@ void check_meshes(const Check& check) {
   }
 }
 
-TEST(MemoryNeedOf, AnIndexIsWhatItTakes) {
+TEST(MemoryNeedOf, AnIndexEqualsItsAllocations) {
   check_meshes([](const TriangleMesh& mesh, const std::string& what) {
     const WeldedSurface welded(mesh.positions_m, mesh.triangles);
     const MappedFaces faces{welded.positions(), welded.faces(), {}};
-    { const SurfaceIndex first(faces); }  // Embree's own, which stays
+    { const SurfaceIndex first(faces); }  // memory that Embree allocates once and keeps
     const MemoryNeed need = SurfaceIndex::memory_need(welded.face_count());
     const test::PeakMemory memory;
     const std::size_t before = test::held_memory();
     const SurfaceIndex index(faces);
-    // What Embree holds comes from the C library.
-    expect_covers(need.kept, index.memory_bytes(), kTooMuchKept, what + ", told");
+    // Embree allocates its memory from the C library.
+    expect_covers(need.kept, index.memory_bytes(), kTooMuchKept, what + ", reported");
     EXPECT_GE(index.memory_bytes() + kRounding, test::held_memory() - before) << what;
     expect_covers(need.peak, memory.bytes(), kTooMuchPeak, what + ", peak");
   });
 }
 
-TEST(MemoryNeedOf, AWeldedSurfaceCoversWhatItTakes) {
+TEST(MemoryNeedOf, AWeldedSurfaceIsAtLeastItsAllocations) {
   check_meshes([](const TriangleMesh& mesh, const std::string& what) {
     std::vector<Vec3> positions = mesh.positions_m;
     std::vector<Triangle> triangles = mesh.triangles;
@@ -203,23 +203,23 @@ TEST(MemoryNeedOf, AWeldedSurfaceCoversWhatItTakes) {
     const test::PeakMemory memory;
     const std::size_t before = test::held_memory();
     const WeldedSurface welded(std::move(positions), std::move(triangles));
-    // Positions may become fewer.
+    // Welding may reduce the number of positions.
     EXPECT_GE(need.kept + kRounding + before, test::held_memory()) << what;
     expect_covers(need.peak, memory.bytes(), 1.0, what);
   });
 }
 
-TEST(MemoryNeedOf, AdjacencyIsWhatItTakes) {
+TEST(MemoryNeedOf, AdjacencyEqualsItsAllocations) {
   check_meshes([](const TriangleMesh& mesh, const std::string& what) {
     WeldedSurface welded(mesh.positions_m, mesh.triangles);
     const MemoryNeed need = SurfaceMesh::memory_need(welded);
     const SurfaceMesh surface(welded);
-    const MemoryBreakdown told = surface.memory();
-    expect_covers(need.kept, told.adjacency, kTooMuchKept, what);
+    const MemoryBreakdown reported = surface.memory();
+    expect_covers(need.kept, reported.adjacency, kTooMuchKept, what);
   });
 }
 
-TEST(MemoryNeedOf, ATreeOfBodiesIsWhatItTakes) {
+TEST(MemoryNeedOf, ATreeOfBodiesEqualsItsAllocations) {
   test::Random random(8102);
   for (const std::size_t count : {9u, 100u, 1000u, 30000u, 200000u}) {
     std::vector<Box> boxes;
@@ -229,7 +229,7 @@ TEST(MemoryNeedOf, ATreeOfBodiesIsWhatItTakes) {
     }
     const MemoryNeed need = BoxTree::memory_need(count);
     const BoxTree tree(boxes, 0.0);
-    // Embree hands out its memory by halves and doubles.
+    // Embree allocates its memory in blocks that halve or double.
     expect_covers(need.kept, tree.memory_bytes(), 0.7, std::to_string(count));
     EXPECT_GE(need.peak, need.kept);
   }
@@ -253,7 +253,7 @@ Result<Scene> compile_with(SceneDescription description, std::uint64_t bytes) {
   return Scene::compile(std::move(description), settings);
 }
 
-TEST(MemoryBudget, IsAsMuchAsASceneTakesAndLittleMore) {
+TEST(MemoryBudget, IsSufficientIfItIsSlightlyLargerThanTheScene) {
   { const auto first = compile_with(ball(3), 0); }
   for (const int level : {4, 5, 6}) {
     const test::PeakMemory memory;
@@ -270,7 +270,7 @@ TEST(MemoryBudget, IsAsMuchAsASceneTakesAndLittleMore) {
   }
 }
 
-TEST(MemoryBudget, IsRefusedByLimitOriginStepNodeAndOption) {
+TEST(MemoryBudget, NamesLimitOriginStepNodeAndOptionWhenExceeded) {
   const auto refused = compile_with(ball(5), 4'000'000);
   ASSERT_FALSE(refused);
   const std::string text = refused.error().to_string();
@@ -280,7 +280,7 @@ TEST(MemoryBudget, IsRefusedByLimitOriginStepNodeAndOption) {
   }
 }
 
-// Many loose triangles, placed many times so near to each other that their boxes meet.
+// Many separate triangles, placed many times so close to each other that their boxes overlap.
 SceneDescription loose_triangles(std::uint32_t triangles, int nodes, double apart_m) {
   test::Random random(7);
   MeshDescription mesh;
@@ -302,8 +302,8 @@ SceneDescription loose_triangles(std::uint32_t triangles, int nodes, double apar
   return description;
 }
 
-// Whether nodes meet is found out within the budget, and takes few bytes a vertex that meets none.
-TEST(MemoryBudget, CountsWhatLookingForSeamsTakes) {
+// The search for seams stays within the budget and needs few bytes for a vertex without a seam.
+TEST(MemoryBudget, CountsTheSearchForSeams) {
   constexpr std::uint32_t kTriangles = 1000;
   constexpr int kNodes = 400;
   const test::PeakMemory memory;
@@ -316,7 +316,7 @@ TEST(MemoryBudget, CountsWhatLookingForSeamsTakes) {
   EXPECT_NE(refused.error().to_string().find("joining nodes that meet"), std::string::npos)
       << refused.error().to_string();
   EXPECT_TRUE(compile_with(loose_triangles(kTriangles, kNodes, 1e-3), peak * 14 / 10));
-  // Where all of them meet, each takes more, and that is counted, too.
+  // If all vertices meet, each vertex needs more memory, which is counted as well.
   const test::PeakMemory again;
   const std::size_t held = test::held_memory();
   ASSERT_TRUE(compile_with(loose_triangles(kTriangles, kNodes, 0.0), 0));
@@ -327,8 +327,8 @@ TEST(MemoryBudget, CountsWhatLookingForSeamsTakes) {
   EXPECT_EQ(refused_again.error().code, ErrorCode::kLimitExceeded);
 }
 
-// An index is charged for its packs that are not full, and for Embree's objects.
-TEST(MemoryBudget, CountsAnIndexOfOneTriangleAsWhatItIs) {
+// Packs that are not full and Embree's objects count as well.
+TEST(MemoryBudget, CountsTheWholeMemoryOfAnIndexOfOneTriangle) {
   SceneDescription description;
   description.path = "scales.glb";
   description.meshes.push_back(
@@ -337,7 +337,7 @@ TEST(MemoryBudget, CountsAnIndexOfOneTriangleAsWhatItIs) {
   for (int i = 0; i < kNodes; ++i) {
     NodeDescription node;
     node.name = "leaf " + std::to_string(i);
-    // Sheared by so much that none may share the index of another.
+    // Sheared so strongly that no two nodes can share an index.
     node.linear_scene_mesh(0, 1) = 500.0 + i;
     node.translation_m = Vec3(i, 0, 0);
     description.nodes.push_back(std::move(node));

@@ -1,5 +1,5 @@
-// What a surface is said to take is what was allocated for it: this executable replaces operator
-// new and delete to count.
+// Tests that the reported memory of a surface equals its allocations. This executable replaces
+// operator new and delete to count allocations.
 
 #include <atomic>
 #include <cstddef>
@@ -81,11 +81,11 @@ namespace {
 
 constexpr std::size_t kMostBytesPerTriangle = 250;
 
-// Blocks are rounded up, by a page at most where they are large.
+// The allocator rounds the size of blocks up, for large blocks by at most a page.
 constexpr double kTolerance = 0.02;
 
-void expect_near(std::size_t told, std::size_t counted) {
-  EXPECT_NEAR(static_cast<double>(told), static_cast<double>(counted),
+void expect_near(std::size_t reported, std::size_t counted) {
+  EXPECT_NEAR(static_cast<double>(reported), static_cast<double>(counted),
               kTolerance * static_cast<double>(counted));
 }
 
@@ -104,8 +104,8 @@ TriangleMesh grid(std::uint32_t n) {
   return mesh;
 }
 
-// Every second triangle twice, and every third one more turned round about its first edge, so that
-// duplicates are dropped and most edges have three faces or more.
+// Repeats every second triangle, and adds a copy of every third triangle, turned about its first
+// edge. Thus duplicates are dropped, and most edges have three faces or more.
 TriangleMesh damaged(TriangleMesh mesh) {
   const std::vector<Triangle> whole = mesh.triangles;
   for (std::size_t t = 0; t < whole.size(); t += 2) mesh.triangles.push_back(whole[t]);
@@ -121,7 +121,7 @@ std::vector<TriangleMesh> large_meshes() {
   return {icosphere(6, 0.1), torus(1.0, 0.25, 5), grid(200)};
 }
 
-TEST(Memory, ASurfaceTakesWhatItSays) {
+TEST(Memory, OfASurfaceIsReportedCorrectly) {
   for (TriangleMesh mesh : large_meshes()) {
     for (const TriangleMesh& input : {mesh, damaged(mesh)}) {
       const std::size_t before = g_live_bytes;
@@ -131,17 +131,17 @@ TEST(Memory, ASurfaceTakesWhatItSays) {
   }
 }
 
-TEST(Memory, AnIndexTakesWhatItSays) {
+TEST(Memory, OfAnIndexIsReportedCorrectly) {
   for (const TriangleMesh& mesh : large_meshes()) {
     const SurfaceMesh surface = SurfaceMesh::build(mesh.positions_m, mesh.triangles);
-    { const SurfaceIndex first(surface); }  // Embree's own, which stays
+    { const SurfaceIndex first(surface); }  // memory that Embree allocates once and keeps
     const std::size_t before = g_live_bytes;
     const SurfaceIndex index(surface);
     expect_near(index.memory_bytes(), g_live_bytes - before);
   }
 }
 
-TEST(Memory, ALargeSurfaceAndItsIndexTakeNoMoreThanTheyMayForEachTriangle) {
+TEST(Memory, OfALargeSurfaceWithItsIndexIsLimitedPerTriangle) {
   for (const TriangleMesh& mesh : large_meshes()) {
     const SurfaceMesh surface = SurfaceMesh::build(mesh.positions_m, mesh.triangles);
     const SurfaceIndex index(surface);
@@ -152,8 +152,8 @@ TEST(Memory, ALargeSurfaceAndItsIndexTakeNoMoreThanTheyMayForEachTriangle) {
   }
 }
 
-// Not more than half as much again as what stays, at any time on the way there.
-TEST(Memory, CompilingALargeSurfaceNeedsLittleMoreThanWhatIsKept) {
+// The peak during compilation is at most 1.5 times the limit on the kept memory.
+TEST(Memory, OfCompilingALargeSurfaceIsLittleMoreThanTheKeptMemory) {
   for (TriangleMesh& mesh : large_meshes()) {
     const std::size_t triangles = mesh.triangles.size();
     SceneDescription description;

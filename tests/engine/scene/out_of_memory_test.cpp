@@ -1,5 +1,5 @@
-// Memory that runs out anywhere ends in an Error that names the step, with all of it given back.
-// This executable replaces operator new and delete.
+// Tests that a failed allocation anywhere leads to an Error that names the step, and that all
+// memory is freed. This executable replaces operator new and delete.
 
 #include <algorithm>
 #include <cstddef>
@@ -21,7 +21,7 @@
 #include "tests/helpers/gltf_seeds.h"
 #include "tests/helpers/peak_memory.h"
 
-// Embree loses a few hundred bytes of a build that finds no memory.
+// Embree leaks a few hundred bytes if a build fails for lack of memory.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libembree";
 }
@@ -42,7 +42,7 @@ class OutOfMemory : public testing::TestWithParam<std::size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Cores, OutOfMemory, testing::Values(1, 4));
 
-// What a call came to. The Error's text is made here, where memory may still be short.
+// The outcome of a call. The text of the Error is made here, while memory may still be short.
 struct Outcome {
   bool is_ok = false;
   ErrorCode code = ErrorCode::kInvalidArgument;
@@ -61,8 +61,8 @@ void expect_ok_or_out_of_memory(const Outcome& outcome, const std::string& what)
   EXPECT_TRUE(outcome.names_something) << what;
 }
 
-// What is held more after a call than before it. What is made once for good, as the libraries do
-// for their errors, is not made again by the next call like it; a leak is.
+// The increase of allocated memory during a call. Libraries allocate some memory once, for example
+// for their errors; the next equal call does not allocate it again. A leak occurs in every call.
 template <typename Call>
 std::size_t leaked_by(const Call& call) {
   const std::size_t before = test::held_memory();
@@ -73,12 +73,12 @@ std::size_t leaked_by(const Call& call) {
   return test::held_memory() - between;
 }
 
-// Runs the call with less and less memory than it takes, and with memory that ends at a sample of
-// all allocations.
+// Runs the call with less and less memory than it needs, and with failures at a sample of all
+// allocations.
 template <typename Call>
 void run_out_of_memory(const std::string& name, std::size_t bounds, std::size_t failures,
                        const Call& call) {
-  ASSERT_TRUE(call().is_ok) << name;  // what stays for good is made
+  ASSERT_TRUE(call().is_ok) << name;  // allocates memory that is kept for good
   std::size_t peak = 0;
   std::size_t calls = 0;
   {
@@ -111,7 +111,7 @@ void run_out_of_memory(const std::string& name, std::size_t bounds, std::size_t 
   }
 }
 
-TEST_P(OutOfMemory, InAnythingThatAFileCanHold) {
+TEST_P(OutOfMemory, IsReportedForEveryFeatureOfAFile) {
   for (const test::GltfSeed& seed : test::gltf_seeds()) {
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(seed.bytes.data()),
                           seed.bytes.size());
@@ -123,7 +123,7 @@ TEST_P(OutOfMemory, InAnythingThatAFileCanHold) {
   }
 }
 
-TEST_P(OutOfMemory, InLoadingASceneWithEffects) {
+TEST_P(OutOfMemory, IsReportedWhileASceneWithEffectsIsLoaded) {
   for (const char* name : {"star", "gallery", "effect_texture", "effect_magnet", "effect_shading",
                            "effect_viscosity", "effect_friction_map"}) {
     const std::string path = std::string(PALPATE_MODELS_DIR "/") + name + ".glb";
@@ -131,7 +131,7 @@ TEST_P(OutOfMemory, InLoadingASceneWithEffects) {
   }
 }
 
-// Compiles what `make` makes, which may throw: that is no code of ours.
+// Compiles the result of `make`. make() may throw: it is code of the test.
 template <typename Make>
 Outcome compile_what(const Make& make) {
   std::optional<SceneDescription> description;
@@ -143,8 +143,8 @@ Outcome compile_what(const Make& make) {
   return outcome_of(Scene::compile(std::move(*description)));
 }
 
-// More than one thread takes part in it, and Embree builds a tree of several levels.
-TEST_P(OutOfMemory, InALargeMesh) {
+// Several threads take part, and Embree builds a tree of several levels.
+TEST_P(OutOfMemory, IsReportedForALargeMesh) {
   const TriangleMesh mesh = icosphere(6, 0.1);
   run_out_of_memory("mesh", 30, 60, [&] {
     return compile_what([&] {
@@ -157,7 +157,7 @@ TEST_P(OutOfMemory, InALargeMesh) {
   });
 }
 
-TEST_P(OutOfMemory, InManyNodes) {
+TEST_P(OutOfMemory, IsReportedForManyNodes) {
   const TriangleMesh mesh = icosphere(1, 0.1);
   run_out_of_memory("nodes", 25, 60, [&] {
     return compile_what([&] {
@@ -184,7 +184,7 @@ RunSetup setup_of(int sensors) {
   return *setup;
 }
 
-TEST_P(OutOfMemory, InARunAndAReplay) {
+TEST_P(OutOfMemory, IsReportedInARunAndAReplay) {
   const auto scene = Scene::load(PALPATE_MODELS_DIR "/star.glb");
   ASSERT_TRUE(scene);
   ExplorationSettings settings;

@@ -1,4 +1,4 @@
-// Contours through the centre of a scene, against closed forms.
+// Tests contours through the centre of a scene against closed forms.
 
 #include "engine/scene/scene_contours.h"
 
@@ -20,7 +20,8 @@ namespace {
 
 using test::Random;
 
-// Of lengths, over the size of what is cut: a few roundings in each of some hundred segments.
+// Tolerance of lengths, relative to the size of the cut surface: a few rounding errors in each of
+// some hundred segments.
 constexpr double kRoundoff = 1e-13;
 
 MeshDescription mesh_of(const TriangleMesh& mesh) {
@@ -52,8 +53,8 @@ std::array<SceneContour, 3> contours_of(const Scene& scene) {
   return contours.value_or(std::array<SceneContour, 3>{});
 }
 
-// The outline in which the plane across an axis through its centre cuts a box: the points on its
-// twelve edges, in order round the centre.
+// The outline of a box cut by the plane perpendicular to an axis through its centre: the points on
+// the twelve edges of the box, ordered around the centre.
 double outline_m(const Vec3& size_m, const Mat3& linear, int axis) {
   std::vector<Vec3> points;
   for (int along = 0; along < 3; ++along) {
@@ -83,7 +84,7 @@ double outline_m(const Vec3& size_m, const Mat3& linear, int axis) {
   return length;
 }
 
-// Turns, stretches, shears, and mirrors every second time.
+// A random rotation, stretch and shear; every second matrix is also a mirror.
 Mat3 random_stretch(Random& random) {
   Mat3 stretch = Mat3::Identity();
   stretch(0, 1) = random.uniform(-1, 1);
@@ -92,7 +93,7 @@ Mat3 random_stretch(Random& random) {
          random.rotation().toRotationMatrix();
 }
 
-TEST(SceneContours, OfABoxInAnyPoseAreItsOutlines) {
+TEST(SceneContours, EqualTheOutlinesOfABoxInAnyPose) {
   Random random(41);
   for (int round = 0; round < 100; ++round) {
     const Vec3 size_m(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1));
@@ -112,7 +113,7 @@ TEST(SceneContours, OfABoxInAnyPoseAreItsOutlines) {
   }
 }
 
-TEST(SceneContours, OfASphereAreItsGreatCircles) {
+TEST(SceneContours, EqualTheGreatCirclesOfASphere) {
   Random random(42);
   for (const double radius_m : {1e-6, 0.1, 1e4}) {
     const Mat3 rotation = random.rotation().toRotationMatrix();
@@ -123,15 +124,15 @@ TEST(SceneContours, OfASphereAreItsGreatCircles) {
     for (const SceneContour& c : contours_of(scene)) {
       EXPECT_EQ(c.curves, 1u);
       EXPECT_TRUE(c.is_closed);
-      // An icosphere of five subdivisions has edges of a thirtieth of its radius.
+      // The edges of an icosphere with five subdivisions are a thirtieth of its radius long.
       EXPECT_LT(c.longest_m, circle_m * (1.0 + 1e-6));
       EXPECT_GT(c.longest_m, circle_m * (1.0 - 1e-3));
     }
   }
 }
 
-// Rings of its vertices lie in the plane, one outside and one inside.
-TEST(SceneContours, OfATorusAreThePolygonsOfItsVertices) {
+// Two rings of vertices lie in the plane, one outside and one inside.
+TEST(SceneContours, EqualThePolygonsOfATorus) {
   const Scene scene =
       compiled_parts({mesh_of(torus(1.0, 0.25, 2))}, {node_of(0, Mat3::Identity(), Vec3::Zero())});
   const SceneContour across_z = contours_of(scene)[2];
@@ -158,8 +159,8 @@ TEST(SceneContours, GrowWithTheScene) {
   }
 }
 
-TEST(SceneContours, AreOpenOfAnOpenMeshAndNoneWhereNothingIsCut) {
-  // A wall in the plane y = 0, which the plane across y leaves on one side.
+TEST(SceneContours, AreOpenForAnOpenMeshAndEmptyIfThePlaneCutsNothing) {
+  // A wall in the plane y = 0. The plane perpendicular to y has the wall on one side.
   const MeshDescription wall = {
       "wall", {{0, 0, 0}, {3, 0, 0}, {3, 0, 1}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
   const auto contours =
@@ -172,7 +173,7 @@ TEST(SceneContours, AreOpenOfAnOpenMeshAndNoneWhereNothingIsCut) {
   EXPECT_NEAR(contours[2].longest_m, 3.0, kRoundoff);
 }
 
-TEST(SceneContours, CountAllNodesAndTellTheLongest) {
+TEST(SceneContours, CountTheCurvesOfAllNodesAndReportTheLongest) {
   // Three boxes in a row along x, the last one mirrored and twice as large.
   const Mat3 mirrored = Vec3(-2, 2, 2).asDiagonal();
   const Scene scene =
@@ -188,8 +189,8 @@ TEST(SceneContours, CountAllNodesAndTellTheLongest) {
   }
 }
 
-// What `palpate run` cuts, all triangles at once.
-TEST(SceneContours, AreThoseOfTheWholeSceneCutAtOnce) {
+// `palpate run` cuts all triangles at once.
+TEST(SceneContours, EqualThoseOfTheWholeSceneCutAtOnce) {
   Random random(43);
   for (int round = 0; round < 20; ++round) {
     std::vector<NodeDescription> nodes;
@@ -219,7 +220,7 @@ TEST(SceneContours, AreThoseOfTheWholeSceneCutAtOnce) {
   }
 }
 
-TEST(SceneContours, AreNotLookedForAmongTooManyFaces) {
+TEST(SceneContours, AreNotComputedForTooManyFaces) {
   const std::vector<NodeDescription> nodes(10, node_of(0, Mat3::Identity(), Vec3::Zero()));
   const Scene scene = compiled_parts({mesh_of(icosphere(2, 1.0))}, nodes);
   EXPECT_FALSE(scene_contours(scene, 3 * 10 * 320 - 1));

@@ -1,4 +1,4 @@
-// Scenes that declare how they feel: what their world is given, and what a hand then feels.
+// Tests scenes that declare effects: the effect program of their world, and the resulting forces.
 
 #include "engine/scene/scene_effects.h"
 
@@ -81,8 +81,8 @@ HapticLoop loop_in(const Scene& scene) {
   return HapticLoop(scene.world(), *ActuationModel::from_counts(3, 3), settings);
 }
 
-// The force after the hand went straight from one point to another.
-TickRecord felt(HapticLoop& loop, const Vec3& from_m, const Vec3& to_m, int ticks = 200) {
+// The force after the device moved along a straight line from one point to another.
+TickRecord tick_along(HapticLoop& loop, const Vec3& from_m, const Vec3& to_m, int ticks = 200) {
   TickRecord record;
   for (int n = 0; n <= ticks; ++n) {
     record = loop.tick(from_m + (to_m - from_m) * (static_cast<double>(n) / ticks), kTick_s);
@@ -96,7 +96,7 @@ std::vector<std::uint32_t> slots_of(const SurfaceIndex& index) {
   return slots;
 }
 
-TEST(SceneEffects, OfASceneThatDeclaresNothingAreNone) {
+TEST(SceneEffects, AreAbsentIfASceneDeclaresNothing) {
   const Scene scene = compiled(described({box_mesh({1, 1, 1}, 0)}, {node("box", 0)},
                                          {material("plain", {{"colour", std::string("red")}})}));
   EXPECT_FALSE(scene.world().effects);
@@ -113,16 +113,16 @@ TEST(SceneEffects, SurfacesHaveTheStiffnessOfTheirMaterial) {
       {node("hard", 0), node("plain", 1, {5, 0, 0})}, {material("hard", {{"stiffness", 4000.0}})}));
   EXPECT_EQ(scene.effects().effects, std::vector<std::string>{"stiffness"});
   HapticLoop loop = loop_in(scene);
-  EXPECT_NEAR(vec3(felt(loop, {0, 0, 1.1}, {0, 0, 0.999}).force_device_N).z(), 4.0, 1e-6);
-  felt(loop, {0, 0, 0.999}, {0, 0, 1.5});
-  felt(loop, {0, 0, 1.5}, {5, 0, 1.1});
-  EXPECT_NEAR(vec3(felt(loop, {5, 0, 1.1}, {5, 0, 0.999}).force_device_N).z(), 1.0, 1e-6);
+  EXPECT_NEAR(vec3(tick_along(loop, {0, 0, 1.1}, {0, 0, 0.999}).force_device_N).z(), 4.0, 1e-6);
+  tick_along(loop, {0, 0, 0.999}, {0, 0, 1.5});
+  tick_along(loop, {0, 0, 1.5}, {5, 0, 1.1});
+  EXPECT_NEAR(vec3(tick_along(loop, {5, 0, 1.1}, {5, 0, 0.999}).force_device_N).z(), 1.0, 1e-6);
 }
 
-TEST(SceneEffects, OneMaterialOnTwoNodesHasThePhysicsOfEach) {
+TEST(SceneEffects, OneMaterialOnTwoNodesUsesThePhysicsOfEachNode) {
   SceneDescription description =
       described({box_mesh({1, 1, 1}, 0)},
-                {node("ice", 0), node("sand", 0, {5, 0, 0}), node("bare", 0, {9, 0, 0})},
+                {node("ice", 0), node("sand", 0, {5, 0, 0}), node("plain", 0, {9, 0, 0})},
                 {material("stone", {})});
   description.physics_materials = {{0.1, 0.05, 0.0}, {0.9, 0.8, 0.0}};
   description.nodes[0].physics_material = 0;
@@ -146,8 +146,8 @@ TEST(SceneEffects, OneMaterialOnTwoNodesHasThePhysicsOfEach) {
   EXPECT_EQ(scene.material_calls().size(), 3u);
 }
 
-// Each thing that is told of a material is told once, however many ways it is felt in.
-TEST(SceneEffects, OneMaterialWithManyPhysicsMaterialsIsToldOfOnce) {
+// Equal lines about a material are reported once, for any number of combinations.
+TEST(SceneEffects, OneMaterialWithManyPhysicsMaterialsIsReportedOnce) {
   constexpr std::uint32_t kCount = 100;
   SceneDescription description = described(
       {box_mesh({1, 1, 1}, 0)}, {},
@@ -165,7 +165,7 @@ TEST(SceneEffects, OneMaterialWithManyPhysicsMaterialsIsToldOfOnce) {
   EXPECT_EQ(report.not_understood.size(), 1u);
 }
 
-// A soup of triangles with several materials, some without area, some twice.
+// Random triangles with several materials, some without area, some repeated.
 MeshDescription patched_mesh(Random& random, std::uint32_t materials) {
   MeshDescription mesh{"patches", {}, {}};
   for (int i = 0; i < 120; ++i) mesh.positions.push_back(random.in_box(1.0));
@@ -189,13 +189,13 @@ Mat3 random_shear(Random& random, bool is_mirrored) {
   return linear;
 }
 
-// Every slot knows the material of its face, and every corner its own coordinates, whichever way a
-// node mirrors the mesh.
-TEST(SceneEffects, SlotsKnowTheirMaterialAndCornersTheirCoordinates) {
+// Every slot has the material of its face, and every corner has its own coordinates, also if a node
+// mirrors the mesh.
+TEST(SceneEffects, SlotsHaveTheirMaterialAndCornersTheirCoordinates) {
   Random random(20261101);
   for (int round = 0; round < 20; ++round) {
     MeshDescription mesh = patched_mesh(random, 3);
-    // Coordinates that tell the position.
+    // Texture coordinates from which the position can be computed.
     Eigen::Matrix<double, 2, 3> uv_of;
     for (int i = 0; i < 6; ++i) uv_of(i / 3, i % 3) = random.uniform(-1, 1);
     for (const Vec3& p : mesh.positions) {
@@ -348,7 +348,7 @@ ImageDescription random_image(Random& random, std::uint32_t width, std::uint32_t
   return image;
 }
 
-// Of the scale only the sign is left once heights are from 0 to 1.
+// Only the sign of the scale matters, because heights are normalised to 0 to 1.
 TEST(SceneEffects, NormalMapsAreMadeOnceForAllScalesOfOneSign) {
   Random random(20261103);
   const std::vector<ImageDescription> images = {random_image(random, 7, 5)};
@@ -379,7 +379,7 @@ TEST(SceneEffects, NormalMapsAreMadeOnceForAllScalesOfOneSign) {
   }
 }
 
-TEST(SceneEffects, RefuseMoreTexelsThanMapsMayHave) {
+TEST(SceneEffects, RefuseMapsBeyondTheLimitOnTexels) {
   Random random(20261104);
   const std::vector<ImageDescription> images = {random_image(random, 6, 4),
                                                 random_image(random, 5, 5)};
@@ -401,13 +401,13 @@ TEST(SceneEffects, RefuseMoreTexelsThanMapsMayHave) {
   texture.pixels = 0;
   EXPECT_TRUE(maker.from_normals(texture)) << "made before";
   texture.wrap_v = TextureWrap::kMirror;
-  EXPECT_TRUE(maker.grey(texture)) << "just as many";
+  EXPECT_TRUE(maker.grey(texture)) << "exactly the limit";
   texture.wrap_u = TextureWrap::kMirror;
   EXPECT_FALSE(maker.grey(texture));
   EXPECT_EQ(maps.size(), 3u);
 }
 
-TEST(SceneEffects, RefuseMapsThatAreNotThere) {
+TEST(SceneEffects, RefuseMissingMaps) {
   SceneDescription description =
       mapped_scene({material("cloth", {{"textureHeight", 0.01}})}, {1, 1, {0, 0, 0}});
   description.materials[0].normal_texture = TextureReference{};
@@ -426,7 +426,7 @@ MeshDescription two_faced_box() {
   return mesh;
 }
 
-TEST(SceneEffects, MagnetsAreTheFacesOfTheirMaterialAlone) {
+TEST(SceneEffects, MagnetsConsistOfTheFacesOfTheirMaterial) {
   const std::vector<MaterialDescription> materials = {
       material("steel", {{"magnetForce", 2.0}, {"magnetRange", 0.5}}), material("wood", {})};
   const Scene scene =
@@ -443,14 +443,14 @@ TEST(SceneEffects, MagnetsAreTheFacesOfTheirMaterialAlone) {
 
   HapticLoop loop = loop_in(scene);
   const double distance_m = 0.1;
-  const TickRecord near = felt(loop, {8, 0, 0}, {9 - distance_m, 0, 0});
+  const TickRecord near = tick_along(loop, {8, 0, 0}, {9 - distance_m, 0, 0});
   EXPECT_NEAR(vec3(near.force_device_N).x(), 2.0 * std::pow(1 - distance_m / 0.5, 2), 1e-9);
-  felt(loop, {9 - distance_m, 0, 0}, {8, 3, 0});
-  felt(loop, {8, 3, 0}, {12, 3, 0});
-  EXPECT_EQ(vec3(felt(loop, {12, 3, 0}, {11.1, 0, 0}).force_device_N), Vec3::Zero());
+  tick_along(loop, {9 - distance_m, 0, 0}, {8, 3, 0});
+  tick_along(loop, {8, 3, 0}, {12, 3, 0});
+  EXPECT_EQ(vec3(tick_along(loop, {12, 3, 0}, {11.1, 0, 0}).force_device_N), Vec3::Zero());
 }
 
-TEST(SceneEffects, AMagnetOfAllFacesIsTheBodyItself) {
+TEST(SceneEffects, AMagnetOfAllFacesUsesTheIndexOfTheBody) {
   const Scene scene =
       compiled(described({box_mesh({1, 1, 1}, 0)}, {node("a", 0)},
                          {material("steel", {{"magnetForce", 2.0}, {"magnetRange", 0.5}})}));
@@ -460,7 +460,7 @@ TEST(SceneEffects, AMagnetOfAllFacesIsTheBodyItself) {
   EXPECT_TRUE(program.indices.empty());
 }
 
-TEST(SceneEffects, RefuseMoreMagnetsThanATickCanAsk) {
+TEST(SceneEffects, RefuseMagnetsBeyondTheLimit) {
   std::vector<NodeDescription> nodes;
   for (int i = 0; i <= 256; ++i) nodes.push_back(node("n" + std::to_string(i), 0, {3.0 * i, 0, 0}));
   expect_refused(described({box_mesh({1, 1, 1}, 0)}, nodes,
@@ -478,14 +478,14 @@ Vec3 drag_at(const Scene& scene, const Vec3& p_m) {
   return vec3(record.force_device_N);
 }
 
-TEST(SceneEffects, AMediumIsInsideAClosedBody) {
+TEST(SceneEffects, AMediumActsInsideAClosedBody) {
   const Scene scene = compiled(described({box_mesh({1, 1, 1}, 0)}, {node("a", 0)},
                                          {material("jelly", {{"viscosity", 3.0}})}));
   EXPECT_NEAR(drag_at(scene, {0.2, 0, 0}).x(), -3.0, 1e-9);
   EXPECT_EQ(drag_at(scene, {1.2, 0, 0}), Vec3::Zero());
 }
 
-TEST(SceneEffects, RefuseAMediumInWhatIsOpen) {
+TEST(SceneEffects, RefuseAMediumInAnOpenSurface) {
   MeshDescription open = box_mesh({1, 1, 1}, 0);
   open.triangles.pop_back();
   const std::vector<MaterialDescription> jelly = {material("jelly", {{"viscosity", 3.0}})};
@@ -497,14 +497,14 @@ TEST(SceneEffects, RefuseAMediumInWhatIsOpen) {
                  {"`SceneSettings::overrides` \"fog.viscosity=0\" `SceneSettings::overrides` "
                   "\"fog.solid=true\""});
   expect_refused(described({two_faced_box()}, {node("box", 0)}, {jelly[0], material("wood", {})}),
-                 {"box", "jelly", "one for all faces"});
+                 {"box", "jelly", "one material for all faces"});
   expect_refused(
       described({two_faced_box()}, {node("box", 0)},
                 {material("fog", {{"viscosity", 3.0}, {"solid", false}}), material("wood", {})}),
       {"box", "one material for all faces"});
 }
 
-TEST(SceneEffects, WhatIsNotSolidIsARegionAndNoObject) {
+TEST(SceneEffects, ANodeThatIsNotSolidIsARegionAndNotAnObject) {
   const Mat3 turned = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Scene scene = compiled(described(
       {box_mesh({1, 1, 1}, 0), box_mesh({1, 1, 1}, 1)},
@@ -519,12 +519,12 @@ TEST(SceneEffects, WhatIsNotSolidIsARegionAndNoObject) {
   EXPECT_NEAR(drag_at(scene, Vec3(5, 0, 0) + 0.49 * turned.col(1)).x(), -3.0, 1e-9);
   EXPECT_EQ(drag_at(scene, Vec3(5, 0, 0) + 0.52 * turned.col(1)), Vec3::Zero());
   HapticLoop loop = loop_in(scene);
-  const TickRecord through = felt(loop, {5, 5, 0}, {5, 0, 0}, 5000);
+  const TickRecord through = tick_along(loop, {5, 5, 0}, {5, 0, 0}, 5000);
   EXPECT_FALSE(through.contact);
   EXPECT_NEAR(vec3(through.force_device_N).y(), 3.0, 1e-9);
 }
 
-TEST(SceneEffects, OfMediaAloneAreFelt) {
+TEST(SceneEffects, MediaActWithoutAnySurface) {
   const Scene scene =
       compiled(described({box_mesh({1, 1, 1}, 0)}, {node("fog", 0)},
                          {material("fog", {{"viscosity", 3.0}, {"solid", false}})}));
@@ -574,7 +574,7 @@ TEST(SceneEffects, NodesCanBeRegions) {
   EXPECT_EQ(drag_at(scene, {-5.9, 0.9, 0}), Vec3::Zero());
 }
 
-TEST(SceneEffects, RegionsAreScaledAndPickedAsTheSceneIs) {
+TEST(SceneEffects, RegionsAreScaledAndSelectedWithTheScene) {
   SceneSettings settings;
   settings.scale = 10.0;
   const Scene large = compiled(pool_scene(), settings);
@@ -602,7 +602,7 @@ TEST(SceneEffects, LengthsAreScaledWithTheScene) {
   EXPECT_EQ(p.force_N, 2.0);
 }
 
-TEST(SceneEffects, TheSceneItselfCanPull) {
+TEST(SceneEffects, ASceneCanDeclareGravityAndAForce) {
   SceneDescription description = described({box_mesh({1, 1, 1}, std::nullopt)}, {node("a", 0)}, {});
   description.scene_parameters = {"scene", "/scenes/0", {}, std::nullopt};
   description.scene_parameters.parameters = {
@@ -615,7 +615,7 @@ TEST(SceneEffects, TheSceneItselfCanPull) {
   EXPECT_LE((vec3(loop.tick({3, 0, 0}, kTick_s).force_device_N) - Vec3(1, -2, 0)).norm(), 1e-15);
 }
 
-TEST(SceneEffects, KnowWhichFrequenciesARateCarries) {
+TEST(SceneEffects, RefuseFrequenciesTooHighForTheTickRate) {
   const Scene scene = compiled(
       described({box_mesh({1, 1, 1}, 0)}, {node("a", 0)},
                 {material("motor", {{"vibrationAmplitude", 0.5}, {"vibrationFrequency", 400.0}})}));

@@ -1,4 +1,4 @@
-// Where the triangles of a file end up: compiling a scene and splitting node transforms.
+// Tests the positions of a file's triangles in a compiled scene, and splitting of node transforms.
 
 #include "engine/scene/scene.h"
 
@@ -27,10 +27,10 @@ using test::kEpsilon;
 using test::Random;
 using test::TemporaryFolder;
 
-constexpr double kFeltPerSize = 1e-12;
+constexpr double kTolerancePerSize = 1e-12;
 
-// A convex solid of eight triangles, front sides out, around the origin; float vertices, as in a
-// file. No two of its corners, edges or faces look alike.
+// A convex solid of eight triangles around the origin, front sides out, with float vertices as in a
+// file. All its corners, edges and faces differ.
 MeshDescription bent_octahedron(Random& random, const std::string& name = "solid") {
   MeshDescription mesh{name, {}, {}};
   for (int axis = 0; axis < 3; ++axis) {
@@ -49,7 +49,7 @@ MeshDescription bent_octahedron(Random& random, const std::string& name = "solid
   return mesh;
 }
 
-// Rotation, uneven scale, shear, and a mirror in every second matrix.
+// A rotation with uneven scale and shear; every second matrix is also a mirror.
 Mat3 random_linear(Random& random) {
   Mat3 shear = Mat3::Identity();
   shear(0, 1) = random.uniform(-1, 1);
@@ -76,12 +76,12 @@ SceneDescription description_of(std::vector<MeshDescription> meshes,
   return description;
 }
 
-struct FeltFace {
+struct SolverFace {
   Vec3 a_m, b_m, c_m, normal;  // scene frame, metres and unit
 };
 
-// What the solver has of a face: the corners and the normal it decides with, in the scene frame.
-FeltFace felt_face(const Scene& scene, std::size_t body, std::size_t face) {
+// A face as the solver uses it: corners and normal, in the scene frame.
+SolverFace solver_face(const Scene& scene, std::size_t body, std::size_t face) {
   const ContactBody& b = scene.world().bodies[body];
   for (std::uint32_t p = 0; p < b.index->pack_count(); ++p) {
     const TrianglePack& pack = b.index->pack(p);
@@ -98,7 +98,7 @@ FeltFace felt_face(const Scene& scene, std::size_t body, std::size_t face) {
   return {};
 }
 
-double distance_felt(const Scene& scene, std::size_t body, const Vec3& p_scene) {
+double distance_to_surface(const Scene& scene, std::size_t body, const Vec3& p_scene) {
   const ContactBody& b = scene.world().bodies[body];
   const Vec3 p_body = b.to_body(scene.world().to_solver(p_scene));
   const double radius = b.length_to_body(scene.world().size_m);
@@ -108,33 +108,33 @@ double distance_felt(const Scene& scene, std::size_t body, const Vec3& p_scene) 
                  : std::numeric_limits<double>::infinity();
 }
 
-// Every face of `mesh` is felt where p -> linear p + translation puts it, with its front where the
-// inverse transpose puts it: on a mirrored node too, as glTF has it (3.7.4).
-void expect_felt_at(const Scene& scene, std::size_t body, const MeshDescription& mesh,
-                    const Mat3& linear, const Vec3& translation_m) {
-  const double tolerance_m = kFeltPerSize * scene.world().size_m;
+// Checks that every face of `mesh` lies where p -> linear p + translation moves it, and that its
+// normal is transformed by the inverse transpose, also on a mirrored node (glTF 3.7.4).
+void expect_faces_at(const Scene& scene, std::size_t body, const MeshDescription& mesh,
+                     const Mat3& linear, const Vec3& translation_m) {
+  const double tolerance_m = kTolerancePerSize * scene.world().size_m;
   const auto place = [&](std::uint32_t i) { return linear * mesh.positions[i] + translation_m; };
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     const Triangle& t = mesh.triangles[f];
-    const FeltFace felt = felt_face(scene, body, f);
-    EXPECT_LE((felt.a_m - place(t[0])).norm(), tolerance_m);
-    EXPECT_LE(std::min((felt.b_m - place(t[1])).norm(), (felt.b_m - place(t[2])).norm()),
+    const SolverFace actual = solver_face(scene, body, f);
+    EXPECT_LE((actual.a_m - place(t[0])).norm(), tolerance_m);
+    EXPECT_LE(std::min((actual.b_m - place(t[1])).norm(), (actual.b_m - place(t[2])).norm()),
               tolerance_m);
     for (const std::uint32_t corner : t) {
-      EXPECT_LE(distance_felt(scene, body, place(corner)), tolerance_m);
+      EXPECT_LE(distance_to_surface(scene, body, place(corner)), tolerance_m);
     }
     const Vec3& origin = mesh.positions[t[0]];
     const Vec3 front =
         (mesh.positions[t[1]] - origin).cross(mesh.positions[t[2]] - origin).normalized();
     const Vec3 expected = (linear.inverse().transpose() * front).normalized();
     const double c = condition(linear);
-    EXPECT_LE((felt.normal - expected).norm(), 64 * kEpsilon * c * c) << "face " << f;
+    EXPECT_LE((actual.normal - expected).norm(), 64 * kEpsilon * c * c) << "face " << f;
   }
 }
 
 // ---- node transforms ---------------------------------------------------------------------------
 
-TEST(NodePlacement, SplitsAnyMatrixIntoARotationAndADeformation) {
+TEST(NodePlacement, SplitsEveryMatrixIntoARotationAndADeformation) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const Mat3 linear = random_linear(random);
@@ -143,13 +143,13 @@ TEST(NodePlacement, SplitsAnyMatrixIntoARotationAndADeformation) {
     const Mat3 rotation = placement->rotation.toRotationMatrix();
     EXPECT_LE((rotation * placement->deformation - linear).norm(), 16 * kEpsilon * linear.norm());
     EXPECT_NEAR(placement->rotation.norm(), 1.0, 4 * kEpsilon);
-    // What deforms is symmetric, so that all turning is in the rotation.
+    // The deformation is symmetric, so that it contains no rotation.
     const Mat3& deformation = placement->deformation;
     EXPECT_LE((deformation - deformation.transpose()).norm(), 16 * kEpsilon * linear.norm());
   }
 }
 
-TEST(NodePlacement, TakesADiagonalMatrixToTheBit) {
+TEST(NodePlacement, SplitsADiagonalMatrixExactly) {
   Random random(2);
   for (int i = 0; i < 100; ++i) {
     const Vec3 scales(random.uniform(0.1, 3), random.uniform(0.1, 3), random.uniform(0.1, 3));
@@ -157,7 +157,7 @@ TEST(NodePlacement, TakesADiagonalMatrixToTheBit) {
     const Mat3 linear = scales.cwiseProduct(signs).asDiagonal();
     const auto placement = split_linear(linear);
     ASSERT_TRUE(placement);
-    // Half a turn about an axis at most, which a point takes without rounding, and a mirror.
+    // At most half a turn about an axis, which does not round a point, and a mirror.
     EXPECT_EQ(placement->deformation, Mat3((signs.prod() * scales).asDiagonal()));
     const Vec3 p = random.in_box(1.0);
     EXPECT_EQ(placement->rotation * Vec3(placement->deformation * p), Vec3(linear * p));
@@ -166,7 +166,7 @@ TEST(NodePlacement, TakesADiagonalMatrixToTheBit) {
   }
 }
 
-TEST(NodePlacement, FindsThatATurnDeformsNothing) {
+TEST(NodePlacement, SplitsARotationIntoAnIdenticalDeformation) {
   Random random(3);
   for (int i = 0; i < 500; ++i) {
     const auto placement = split_linear(random.rotation().toRotationMatrix());
@@ -175,7 +175,7 @@ TEST(NodePlacement, FindsThatATurnDeformsNothing) {
   }
 }
 
-TEST(NodePlacement, RefusesWhatLeavesNoSurface) {
+TEST(NodePlacement, RefusesSingularMatrices) {
   Random random(4);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < 100; ++i) {
@@ -192,7 +192,7 @@ TEST(NodePlacement, RefusesWhatLeavesNoSurface) {
 
 // ---- places ------------------------------------------------------------------------------------
 
-TEST(Scene, IsFeltWhereTheNodeTransformsPutIt) {
+TEST(Scene, HasItsFacesWhereTheNodeTransformsPutThem) {
   Random random(5);
   for (int i = 0; i < 200; ++i) {
     std::vector<MeshDescription> meshes{bent_octahedron(random), bent_octahedron(random)};
@@ -205,13 +205,13 @@ TEST(Scene, IsFeltWhereTheNodeTransformsPutIt) {
     ASSERT_TRUE(scene) << scene.error().to_string();
     ASSERT_EQ(scene->world().bodies.size(), nodes.size());
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-      expect_felt_at(*scene, n, meshes[nodes[n].mesh], nodes[n].linear_scene_mesh,
-                     nodes[n].translation_m);
+      expect_faces_at(*scene, n, meshes[nodes[n].mesh], nodes[n].linear_scene_mesh,
+                      nodes[n].translation_m);
     }
   }
 }
 
-TEST(Scene, AppendsItsTrianglesAsTheyAreFelt) {
+TEST(Scene, AppendsTheTrianglesOfTheSolver) {
   Random random(6);
   for (int i = 0; i < 50; ++i) {
     const MeshDescription mesh = bent_octahedron(random);
@@ -224,11 +224,11 @@ TEST(Scene, AppendsItsTrianglesAsTheyAreFelt) {
     scene->append_triangles_scene(positions, triangles);
     ASSERT_EQ(triangles.size(), 16u);
     for (std::size_t f = 0; f < triangles.size(); ++f) {
-      const FeltFace felt = felt_face(*scene, f / 8, f % 8);
+      const SolverFace actual = solver_face(*scene, f / 8, f % 8);
       const Vec3& a = positions[triangles[f][0]];
       const Vec3 front = (positions[triangles[f][1]] - a).cross(positions[triangles[f][2]] - a);
-      EXPECT_LE((a - felt.a_m).norm(), kFeltPerSize * scene->world().size_m);
-      EXPECT_GT(front.normalized().dot(felt.normal), 0.999);
+      EXPECT_LE((a - actual.a_m).norm(), kTolerancePerSize * scene->world().size_m);
+      EXPECT_GT(front.normalized().dot(actual.normal), 0.999);
     }
   }
 }
@@ -273,13 +273,13 @@ TEST(Scene, MultipliesAChainOfNodesInDouble) {
     }
     const auto scene = Scene::load(gltf.write_glb(folder));
     ASSERT_TRUE(scene) << scene.error().to_string();
-    // Four matrices in a row: what the ancestors' rounding is worth grows with their size.
+    // A product of four matrices: the rounding errors of the ancestors grow with the scales.
     if (condition(linear) > 1e4) continue;
-    expect_felt_at(*scene, 0, mesh, linear, translation);
+    expect_faces_at(*scene, 0, mesh, linear, translation);
   }
 }
 
-TEST(Scene, KeepsTheVerticesOfIdentityNodesToTheBit) {
+TEST(Scene, KeepsTheVerticesOfIdentityNodesExactly) {
   Random random(8);
   for (int i = 0; i < 100; ++i) {
     const MeshDescription mesh = bent_octahedron(random);
@@ -289,10 +289,10 @@ TEST(Scene, KeepsTheVerticesOfIdentityNodesToTheBit) {
     EXPECT_TRUE(scene->world().bodies[0].is_identity);
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
       const Triangle& t = mesh.triangles[f];
-      const FeltFace felt = felt_face(*scene, 0, f);
-      EXPECT_EQ(felt.a_m, mesh.positions[t[0]]);
-      EXPECT_EQ(felt.b_m, mesh.positions[t[1]]);
-      EXPECT_EQ(felt.c_m, mesh.positions[t[2]]);
+      const SolverFace actual = solver_face(*scene, 0, f);
+      EXPECT_EQ(actual.a_m, mesh.positions[t[0]]);
+      EXPECT_EQ(actual.b_m, mesh.positions[t[1]]);
+      EXPECT_EQ(actual.c_m, mesh.positions[t[2]]);
     }
   }
 }
@@ -325,12 +325,12 @@ TEST(Scene, BuildsOneIndexForAllScalesOfAMesh) {
   EXPECT_EQ(distinct_indices(*scene), 2u);
   EXPECT_EQ(scene->statistics().indices, 2u);
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    expect_felt_at(*scene, n, meshes[nodes[n].mesh], nodes[n].linear_scene_mesh,
-                   nodes[n].translation_m);
+    expect_faces_at(*scene, n, meshes[nodes[n].mesh], nodes[n].linear_scene_mesh,
+                    nodes[n].translation_m);
   }
 }
 
-TEST(Scene, SharesAnIndexWhicheverNodeComesFirst) {
+TEST(Scene, SharesAnIndexForAnyOrderOfNodes) {
   Random random(10);
   const MeshDescription mesh = bent_octahedron(random);
   const Mat3 turn = random.rotation().toRotationMatrix();
@@ -343,7 +343,7 @@ TEST(Scene, SharesAnIndexWhicheverNodeComesFirst) {
   }
 }
 
-TEST(Scene, KeepsScalesApartThatOnlyLookAlike) {
+TEST(Scene, SharesNoIndexBetweenScalesThatDifferSlightly) {
   Random random(11);
   const MeshDescription mesh = bent_octahedron(random);
   const Mat3 turn = random.rotation().toRotationMatrix();
@@ -353,13 +353,13 @@ TEST(Scene, KeepsScalesApartThatOnlyLookAlike) {
   const auto scene = Scene::compile(description_of({mesh}, nodes));
   ASSERT_TRUE(scene);
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    expect_felt_at(*scene, n, mesh, nodes[n].linear_scene_mesh, Vec3::Zero());
+    expect_faces_at(*scene, n, mesh, nodes[n].linear_scene_mesh, Vec3::Zero());
   }
 }
 
-// ---- what cannot be touched --------------------------------------------------------------------
+// ---- nodes without a surface -------------------------------------------------------------------
 
-TEST(Scene, LeavesSingularNodesOutWithAWarningThatNamesThem) {
+TEST(Scene, LeavesOutSingularNodesWithAWarning) {
   Random random(12);
   const MeshDescription mesh = bent_octahedron(random);
   const auto scene = Scene::compile(
@@ -376,7 +376,7 @@ TEST(Scene, LeavesSingularNodesOutWithAWarningThatNamesThem) {
   EXPECT_NE(s.warnings[1].find("vanished"), std::string::npos);
 }
 
-TEST(Scene, RefusesASceneOfWhichNothingIsLeft) {
+TEST(Scene, RefusesASceneWithoutAnySurface) {
   Random random(13);
   const auto flattened = Scene::compile(description_of(
       {bent_octahedron(random)}, {{"n", 0, Vec3(1, 1, 0).asDiagonal(), Vec3::Zero()}}));
@@ -384,7 +384,7 @@ TEST(Scene, RefusesASceneOfWhichNothingIsLeft) {
   EXPECT_EQ(flattened.error().code, ErrorCode::kEmptyScene);
   EXPECT_EQ(flattened.error().path, "made.glb");
   EXPECT_NE(flattened.error().hint.find("n: left out"), std::string::npos);
-  EXPECT_NE(flattened.error().hint.find("stretches"), std::string::npos);
+  EXPECT_NE(flattened.error().hint.find("flattens"), std::string::npos);
   const MeshDescription line{"line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}};
   const auto no_area =
       Scene::compile(description_of({line}, {{"n", 0, Mat3::Identity(), Vec3::Zero()}}));
@@ -394,7 +394,7 @@ TEST(Scene, RefusesASceneOfWhichNothingIsLeft) {
 
 // ---- far away ----------------------------------------------------------------------------------
 
-TEST(Scene, KeepsItsShapeToTheBitHoweverFarAwayItIs) {
+TEST(Scene, KeepsItsShapeExactlyAtAnyDistance) {
   Random random(14);
   for (double distance_m = 1.0; distance_m <= 1e6; distance_m *= 10.0) {
     const MeshDescription mesh = bent_octahedron(random);
@@ -419,7 +419,7 @@ TEST(Scene, KeepsItsShapeToTheBitHoweverFarAwayItIs) {
   }
 }
 
-TEST(Scene, OfSeveralNodesLosesOnlyTheRoundingOfItsCoordinatesFarAway) {
+TEST(Scene, WithSeveralNodesFarAwayHasOnlyTheRoundingOfItsCoordinates) {
   Random random(15);
   for (double distance_m = 1e3; distance_m <= 1e6; distance_m *= 10.0) {
     const MeshDescription mesh = bent_octahedron(random);
@@ -433,16 +433,14 @@ TEST(Scene, OfSeveralNodesLosesOnlyTheRoundingOfItsCoordinatesFarAway) {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       for (const Vec3& v : mesh.positions) {
         const Vec3 p = nodes[n].linear_scene_mesh * v + nodes[n].translation_m;
-        EXPECT_LE(distance_felt(*scene, n, p),
-                  kFeltPerSize * scene->world().size_m + 4 * kEpsilon * distance_m);
+        EXPECT_LE(distance_to_surface(*scene, n, p),
+                  kTolerancePerSize * scene->world().size_m + 4 * kEpsilon * distance_m);
       }
     }
   }
 }
 
-// The whole way: a wall pressed by 1 mm, with the device near its own origin and the scene 1000 km
-// from its own.
-TEST(Scene, SharesOneIndexBetweenInstancesOfOneScaleHoweverTurnedAndMirrored) {
+TEST(Scene, SharesOneIndexBetweenRotatedAndMirroredInstancesOfOneScale) {
   Random random(21);
   for (const Vec3& scale : {Vec3(1, 1, 1), Vec3(-1, 1, 1), Vec3(2, 2, -2), Vec3(-1, 2, 3)}) {
     std::vector<NodeDescription> nodes;
@@ -457,7 +455,7 @@ TEST(Scene, SharesOneIndexBetweenInstancesOfOneScaleHoweverTurnedAndMirrored) {
   }
 }
 
-TEST(Scene, RefusesASizeAtWhichNumbersVanish) {
+TEST(Scene, RefusesASizeAtWhichNumbersUnderflowOrOverflow) {
   Random random(22);
   for (const double scale : {1e-170, 1e170}) {
     const auto scene = Scene::compile(description_of(
@@ -465,7 +463,8 @@ TEST(Scene, RefusesASizeAtWhichNumbersVanish) {
     ASSERT_FALSE(scene);
     EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
   }
-  // A scale that is too large is told by the node and the scale, also where it comes from outside.
+  // An error names the node and its scale if the scale is too large, also if the settings scale the
+  // scene.
   const SceneDescription description =
       description_of({bent_octahedron(random)}, {{"ok", 0}, {"big", 0, 1e40 * Mat3::Identity()}});
   EXPECT_TRUE(Scene::compile(description));
@@ -478,7 +477,9 @@ TEST(Scene, RefusesASizeAtWhichNumbersVanish) {
       << scaled.error().problem;
 }
 
-TEST(Scene, IsTouchedFarAwayAsItIsNearby) {
+// Complete loop: a wall pressed by 1 mm, with the device near its own origin and the scene 1000 km
+// from its own origin.
+TEST(Scene, GivesEqualForcesFarAwayAndNearby) {
   Random random(16);
   const test::Soup box = test::box_soup(Vec3(0.5, 0.25, 0.125));
   for (double distance_m = 1e3; distance_m <= 1e6; distance_m *= 10.0) {
@@ -501,10 +502,10 @@ TEST(Scene, IsTouchedFarAwayAsItIsNearby) {
 
 // ---- figures -----------------------------------------------------------------------------------
 
-TEST(Scene, CountsWhatCameInWhatWasDroppedAndWhatIsFelt) {
+TEST(Scene, CountsInputDroppedAndRemainingTriangles) {
   Random random(17);
   MeshDescription dirty = bent_octahedron(random, "dirty");
-  dirty.triangles.push_back(dirty.triangles[0]);                            // twice
+  dirty.triangles.push_back(dirty.triangles[0]);                            // repeated
   dirty.triangles.push_back({dirty.triangles[3][2], dirty.triangles[3][0],  // turned about
                              dirty.triangles[3][1]});
   dirty.triangles.push_back({1, 1, 2});  // no area
@@ -531,7 +532,7 @@ TEST(Scene, CountsWhatCameInWhatWasDroppedAndWhatIsFelt) {
   EXPECT_TRUE(s.warnings.empty());
 }
 
-TEST(Scene, TellsTheExtentOfItsPlacedTriangles) {
+TEST(Scene, ReportsTheExtentOfItsPlacedTriangles) {
   Random random(18);
   for (int i = 0; i < 50; ++i) {
     const MeshDescription mesh = bent_octahedron(random);
@@ -549,22 +550,23 @@ TEST(Scene, TellsTheExtentOfItsPlacedTriangles) {
     const auto scene = Scene::compile(description_of({mesh}, nodes));
     ASSERT_TRUE(scene);
     const double size_m = (high - low).maxCoeff();
-    EXPECT_LE((scene->statistics().extent_m - (high - low)).norm(), kFeltPerSize * size_m);
-    EXPECT_NEAR(scene->world().size_m, size_m, kFeltPerSize * size_m);
-    // The solver's bounds hold every corner.
+    EXPECT_LE((scene->statistics().extent_m - (high - low)).norm(), kTolerancePerSize * size_m);
+    EXPECT_NEAR(scene->world().size_m, size_m, kTolerancePerSize * size_m);
+    // The bounds of the solver contain every corner.
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       for (const Vec3& v : mesh.positions) {
         const Vec3 p = nodes[n].linear_scene_mesh * v + nodes[n].translation_m;
         EXPECT_LE(
             std::sqrt(scene->world().bounds_solver.squared_distance(scene->world().to_solver(p))),
-            kFeltPerSize * size_m);
+            kTolerancePerSize * size_m);
       }
     }
   }
 }
 
-// The scene's own extent is small: only how it comes about is out of bounds.
-TEST(Scene, RefusesAMeshThatIsLargerThanTheSceneCanBe) {
+// The extent of the scene is small: only the mesh coordinates and the translation are out of
+// bounds.
+TEST(Scene, RefusesAMeshBeyondTheLimitOfTheScene) {
   Random random(20);
   const MeshDescription mesh = bent_octahedron(random);
   for (const double scale : {1e61, 1e150, 1e290, 1e306}) {
@@ -579,8 +581,8 @@ TEST(Scene, RefusesAMeshThatIsLargerThanTheSceneCanBe) {
   }
 }
 
-// As large as a double can be before the scene is fitted: its sums are not.
-TEST(Scene, FitsWhatIsAsLargeAsADoubleCanBe) {
+// Coordinates near the largest double, before the scene is fitted. Their sums must not overflow.
+TEST(Scene, FitsCoordinatesNearTheLargestDouble) {
   Random random(21);
   const MeshDescription mesh = bent_octahedron(random);
   MeshDescription large = mesh;
@@ -594,7 +596,7 @@ TEST(Scene, FitsWhatIsAsLargeAsADoubleCanBe) {
   EXPECT_EQ(fitted->statistics().extent_m, expected->statistics().extent_m);
 }
 
-TEST(Scene, TakesTheCountsAndWarningsOfTheFileOver) {
+TEST(Scene, KeepsTheCountsAndWarningsOfTheFile) {
   Random random(19);
   SceneDescription description =
       description_of({bent_octahedron(random)}, {{"n", 0, Mat3::Identity(), Vec3::Zero()}});
@@ -609,7 +611,7 @@ TEST(Scene, TakesTheCountsAndWarningsOfTheFileOver) {
   EXPECT_EQ(scene->objects()[0].name, "n");
 }
 
-// Cleaning drops triangles, so that faces have other numbers than the triangles they came from.
+// Cleaning drops triangles, so that the numbers of faces and source triangles differ.
 TEST(Scene, FacesKeepTheMaterialsOfTheirTriangles) {
   MeshDescription mesh{"patches", {}, {}};
   for (int i = 0; i < 10; ++i) mesh.positions.push_back(Vec3(i / 2, i % 2, 0.1 * i * i));

@@ -16,26 +16,26 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A closed surface around the origin with vertices that are multiples of 2^-20 below 2, and so are
-// exact in float in any frame below.
+// A closed surface around the origin. Its coordinates are multiples of 2^-20 below 2, so that they
+// are exact in float in all frames below.
 struct Solid {
   std::string kind;
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;  // front sides out
   std::vector<std::uint32_t> node_of;
   std::uint32_t node_count = 0;
-  bool is_of_instances = false;  // nodes show one mesh in Solid::frames
+  bool is_of_instances = false;  // all nodes have the same mesh, in Solid::frames
 };
 
 // The frame of a node: x -> rotation * scale * x + translation. The rotations are the 24 of a cube,
-// the scales powers of two or their negatives, so all of it is exact.
+// the scales powers of two or their negatives; therefore the map is exact.
 struct NodeFrame {
   Quat rotation = Quat::Identity();
   Vec3 scale = Vec3::Ones();
   Vec3 translation = Vec3::Zero();
 };
 
-// With square roots of a half as doubles, as files have them.
+// Components of sqrt(1/2) are rounded to double, as in files.
 std::vector<Quat> cube_rotations() {
   std::vector<Quat> all;
   const double half = std::sqrt(0.5);
@@ -106,12 +106,12 @@ class SolidBuilder {
   std::map<std::array<double, 3>, std::uint32_t> known_;
 };
 
-// The place of one tile of a box: the unit square in its frame, times widths.
+// The frame of one tile of a box: it maps the unit square, times the widths, to the tile.
 struct Tile {
   Vec3 corner, u, v, out;
 };
 
-// A box of tiles, as many along each axis as said.
+// A box of tiles, with the given number of tiles along each axis.
 std::vector<Tile> tiles_of_box(const std::array<int, 3>& counts, const Vec3& widths) {
   std::vector<Tile> tiles;
   for (int axis = 0; axis < 3; ++axis) {
@@ -128,7 +128,7 @@ std::vector<Tile> tiles_of_box(const std::array<int, 3>& counts, const Vec3& wid
           tile.corner[axis] = side * counts[static_cast<std::size_t>(axis)] * widths[axis];
           tile.corner[i] = at(i, m);
           tile.corner[j] = at(j, n);
-          if (side < 0) std::swap(tile.u, tile.v);  // u x v is out
+          if (side < 0) std::swap(tile.u, tile.v);  // u x v points out
           tiles.push_back(tile);
         }
       }
@@ -173,7 +173,7 @@ void split_into(SolidBuilder& builder, const Vec3& a, const Vec3& b, const Vec3&
   split_into(builder, ab, bc, ca, levels - 1, node_at);
 }
 
-// An octahedron, split; node_at: by the middle of a triangle.
+// A subdivided octahedron. node_at: the node of a triangle, from the middle of the triangle.
 Solid sphere(const std::string& kind, int levels, std::uint32_t nodes,
              const std::function<std::uint32_t(const Vec3&)>& node_at) {
   SolidBuilder builder(kind);
@@ -191,7 +191,8 @@ std::uint32_t octant_of(const Vec3& p) {
   return (p.x() > 0.0 ? 1u : 0u) + (p.y() > 0.0 ? 2u : 0u) + (p.z() > 0.0 ? 4u : 0u);
 }
 
-// Cut into pieces around random points, or into a piece a triangle for the smallest.
+// Divides the body into pieces around random points; the smallest bodies get one piece per
+// triangle.
 Solid cut_sphere(Random& random) {
   const int levels = static_cast<int>(random.index(3)) + 1;
   std::vector<Vec3> centres(2 + random.index(49));
@@ -213,7 +214,7 @@ Solid cut_sphere(Random& random) {
 
 // ---- nodes -------------------------------------------------------------------------------------
 
-// A mesh of its own for every node: the vertices of its triangles in its frame.
+// A separate mesh for every node: the vertices of its triangles, in the frame of the node.
 MeshDescription piece_of(const Solid& solid, std::uint32_t node, const WideMat3& linear,
                          const Wide3& translation) {
   const WideMat3 inverse = linear.inverse();
@@ -238,7 +239,7 @@ MeshDescription piece_of(const Solid& solid, std::uint32_t node, const WideMat3&
   return mesh;
 }
 
-// All nodes below one chain of nodes: turned, scaled, mirrored, and off the origin.
+// A chain of nodes above all other nodes: rotated, scaled, mirrored and away from the origin.
 struct Assembly {
   struct Link {
     Quat rotation;
@@ -256,7 +257,7 @@ struct Assembly {
   }
 };
 
-// Of the placed vertices.
+// The size of the placed vertices.
 double extent_m(const Solid& solid, const WideMat3& linear) {
   Wide3 low = Wide3::Constant(std::numeric_limits<long double>::infinity());
   Wide3 high = -low;
@@ -268,7 +269,7 @@ double extent_m(const Solid& solid, const WideMat3& linear) {
   return static_cast<double>((high - low).maxCoeff());
 }
 
-// 1e-3 to 1e3 m in size, up to 10 sizes off the origin.
+// A size from 1e-3 to 1e3 m, at up to 10 sizes from the origin.
 Assembly random_assembly(Random& random, const Solid& solid) {
   const double size_m = std::pow(10.0, random.uniform(-3.0, 3.0));
   const double unit_m = size_m / extent_m(solid, WideMat3::Identity());
@@ -298,7 +299,7 @@ Json json_of(const Vec3& v) {
 Json json_of(const Quat& q) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
-// A place as translation, rotation and scale, or as a matrix.
+// Writes a transform as translation, rotation and scale, or as a matrix.
 Json json_of(const Quat& rotation, const Mat3& turn, const Vec3& scale, const Vec3& translation,
              bool as_matrix) {
   if (!as_matrix) {
@@ -327,8 +328,8 @@ std::size_t add_mesh(GltfBuilder& gltf, const MeshDescription& mesh) {
   return gltf.add_mesh({{{"attributes", {{"POSITION", position}}}, {"indices", index}}});
 }
 
-// The nodes of a file: below those of the assembly, or all at the root with the assembly multiplied
-// out in double, as a program may write them.
+// Writes the nodes of a file, either below the chain of nodes, or at the root with transforms
+// multiplied out in double, as a program may write them.
 class FileNodes {
  public:
   FileNodes(Random& random, SeamBody& body, const Assembly& assembly)
@@ -389,7 +390,7 @@ void describe(SeamBody& body, std::uint32_t node, std::uint32_t mesh, const Asse
   body.description.nodes.push_back(std::move(description));
 }
 
-// The unit square, and where it shows a tile of a box.
+// The unit square as a mesh, and the frames that make it the tiles of a box.
 MeshDescription unit_tile() {
   return {"tile", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
 }
@@ -409,7 +410,7 @@ std::vector<NodeFrame> tile_frames(const Solid& solid) {
   return frames;
 }
 
-// One octant of a sphere, and where it shows the others, mirrored.
+// One octant of a sphere as a mesh, and the mirrored frames of the other octants.
 std::vector<NodeFrame> octant_frames() {
   std::vector<NodeFrame> frames;
   for (unsigned octant = 0; octant < 8; ++octant) {
@@ -419,7 +420,7 @@ std::vector<NodeFrame> octant_frames() {
   return frames;
 }
 
-// Float attributes: the roots of a half are as float has them, and both the same.
+// For float attributes: sqrt(1/2) is rounded to float, equally in both components.
 void add_instances(GltfBuilder& gltf, Json& node, const std::vector<NodeFrame>& frames) {
   std::vector<float> translations, rotations, scales;
   const auto add = [](std::vector<float>& list, const auto& numbers) {
@@ -441,7 +442,7 @@ void add_instances(GltfBuilder& gltf, Json& node, const std::vector<NodeFrame>& 
       {"SCALE", accessor(scales, "VEC3", 3)}};
 }
 
-// All nodes show one mesh.
+// All nodes have the same mesh.
 void place_instances(Random& random, const Solid& solid, const Assembly& assembly, SeamBody& body) {
   const bool is_box = solid.kind == "box of tiles";
   const std::vector<NodeFrame> frames = is_box ? tile_frames(solid) : octant_frames();
@@ -468,7 +469,7 @@ void place_instances(Random& random, const Solid& solid, const Assembly& assembl
   nodes.finish();
 }
 
-// Every node has a mesh and a frame of its own.
+// Every node has its own mesh and its own frame.
 void place_pieces(Random& random, const Solid& solid, const Assembly& assembly, SeamBody& body) {
   FileNodes nodes(random, body, assembly);
   const bool is_turned_freely = !body.is_gltf && random.index(2) == 0;
@@ -562,7 +563,7 @@ std::vector<std::uint32_t> seam_vertices(const SeamBody& body) {
   return vertices;
 }
 
-// ---- the judge ---------------------------------------------------------------------------------
+// ---- the inside test ---------------------------------------------------------------------------
 
 SeamJudge::SeamJudge(const SeamBody& body, const Vec3& origin_m) {
   const long double size = body.size_m;
@@ -593,7 +594,7 @@ bool SeamJudge::is_inside(const Vec3& p_m) const {
   return by_solid_angle(p);
 }
 
-// Along an axis, to one side: t = volume / turn along the axis is where the line meets a face.
+// Counts the faces on a ray along an axis, to one side. The ray meets a face at t = volume / turn.
 SeamJudge::Answer SeamJudge::by_parity(const Wide3& p, const Vec3& rounded, int axis,
                                        double side) const {
   const int i = (axis + 1) % 3;
@@ -620,8 +621,8 @@ SeamJudge::Answer SeamJudge::by_parity(const Wide3& p, const Vec3& rounded, int 
   return is_odd ? Answer::kInside : Answer::kOutside;
 }
 
-// A. van Oosterom and J. Strackee, "The Solid Angle of a Plane Triangle", 1983: the sum is 4 pi
-// inside, 0 outside.
+// The sum of the solid angles is 4 pi inside and 0 outside (A. van Oosterom and J. Strackee, "The
+// Solid Angle of a Plane Triangle", 1983).
 bool SeamJudge::by_solid_angle(const Wide3& p) const {
   long double half_sum = 0;
   for (const Face& face : faces_) {

@@ -1,4 +1,4 @@
-// What meets in the file, meets: a point does not pass between the nodes of a watertight body.
+// Tests seams: a point does not pass between the nodes of a watertight body.
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ Scene scene_of(SeamBody& body, const SceneSettings& settings = {}) {
   return std::move(*scene);
 }
 
-// The same world as it was before seams were known: every body is judged in its own frame.
+// The same world without seams: the solver decides on every body in the body's own frame.
 ContactWorld without_corners(const ContactWorld& world) {
   ContactWorld copy = world;
   for (ContactBody& body : copy.bodies) body.corners = nullptr;
@@ -46,8 +46,8 @@ ContactWorld without_corners(const ContactWorld& world) {
 
 // ---- a hand that aims at the seams --------------------------------------------------------------
 
-// Where a seam is, solver frame, rounded to double: a vertex, the middle of an edge, or any point
-// of it.
+// Points of seams, solver frame, rounded to double: a vertex, the middle of an edge, or any point
+// on an edge.
 class SeamAim {
  public:
   SeamAim(const SeamBody& body, const Vec3& anchor_scene_m)
@@ -55,7 +55,7 @@ class SeamAim {
 
   bool has_seams() const { return !edges_.empty(); }
   void choose_edge(Random& random) { edge_ = edges_[random.index(edges_.size())]; }
-  // At a fraction along the edge chosen.
+  // The point at a fraction along the chosen edge.
   Vec3 at(double fraction) const {
     const test::Wide3& a = body_.vertices_m[edge_[0]];
     const test::Wide3& b = body_.vertices_m[edge_[1]];
@@ -81,7 +81,7 @@ struct Passes {
   std::size_t bodies_passed = 0;
 };
 
-// A point proxy in a body, or outside of it, that is led by a hand.
+// A point proxy inside or outside of a body, moved by a simulated hand.
 class SeamHand {
  public:
   SeamHand(Random& random, const SeamBody& body, const Scene& scene, const ContactWorld& world)
@@ -120,7 +120,8 @@ class SeamHand {
     }
   }
 
-  // A new stroke: through a point of a seam, exactly onto it, along an edge, or back to the start.
+  // Starts a new stroke: through a point of a seam, exactly onto it, along an edge, or back to the
+  // start.
   void aim() {
     if (random_.index(40) == 0) begin();
     way_ = static_cast<Way>(random_.index(4));
@@ -178,7 +179,7 @@ class SeamHand {
   double depth_ = 0.0;
 };
 
-// ---- how far apart what is judged by is from what is searched in --------------------------------
+// ---- distance between the corners used for decisions and those in the index ---------------------
 
 double farthest_apart_m(const ContactWorld& world) {
   double farthest_m = 0.0;
@@ -190,7 +191,7 @@ double farthest_apart_m(const ContactWorld& world) {
         TriangleGeometry room;
         TriangleGeometry t = body.triangle(slot, room);
         if (body.units_per_metre < 0.0)
-          std::swap(t.b, t.c);  // corners are in order about the front
+          std::swap(t.b, t.c);  // corners are counter-clockwise seen from the front
         const TriangleGeometry u = body.corners->triangle(slot, body.direction_to_solver(t.normal));
         farthest_m =
             std::max({farthest_m, (body.to_solver(t.a) - u.a).norm(),
@@ -202,7 +203,7 @@ double farthest_apart_m(const ContactWorld& world) {
   return farthest_m;
 }
 
-// Every vertex of a seam is one place, and every node has some.
+// Checks that every vertex of a seam is one place, and that every node has such vertices.
 void expect_joined(const SeamBody& body, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   EXPECT_EQ(s.seam_places, test::seam_vertices(body).size());
@@ -237,8 +238,8 @@ TEST(Seams, NoPointPassesBetweenTheNodesOfAWatertightBody) {
   EXPECT_GT(sum.contacts, sum.ticks / 4);
 }
 
-// What the test above would see if bodies were judged each in its own frame.
-TEST(Seams, PointsPassWhereEveryBodyIsJudgedInItsOwnFrame) {
+// A control of the test above: without joined corners, points do pass.
+TEST(Seams, PointsPassIfEveryBodyIsTestedInItsOwnFrame) {
   Passes sum;
   for (std::uint64_t n = 0; n < in_soak_or_else(1000u, 40u); ++n) {
     Random random(seed_of(n));
@@ -252,8 +253,7 @@ TEST(Seams, PointsPassWhereEveryBodyIsJudgedInItsOwnFrame) {
   EXPECT_GT(sum.bodies_passed, 5u);
 }
 
-// ---- what is joined, and what is left alone
-// ------------------------------------------------------
+// ---- joined and unchanged vertices --------------------------------------------------------------
 
 MeshDescription mesh_of(const test::Soup& soup) {
   return {"made", soup.positions, soup.triangles};
@@ -289,7 +289,7 @@ SceneDescription described_by_number(std::vector<MeshDescription> meshes,
   return description;
 }
 
-// Neither corners, nor a wider index, nor a word of them.
+// Checks that a scene has no corners, no wider index and no report of seams.
 void expect_left_alone(const Scene& scene) {
   EXPECT_EQ(scene.world().seams, nullptr);
   for (const ContactBody& body : scene.world().bodies) {
@@ -301,35 +301,35 @@ void expect_left_alone(const Scene& scene) {
   EXPECT_EQ(scene.statistics().warnings, std::vector<std::string>());
 }
 
-TEST(Seams, LeaveASceneOfOneBodyAlone) {
+TEST(Seams, AreAbsentInASceneOfOneBody) {
   expect_left_alone(compiled(described_by_number({square()}, {node_at({3, 4, 5})})));
   expect_left_alone(compiled(described_by_number({closed_box(1.0)}, {node_at({3, 4, 5})})));
 }
 
-TEST(Seams, LeaveClosedBodiesAloneWhereverTheyAre) {
+TEST(Seams, AreAbsentBetweenClosedBodies) {
   for (const double apart_m : {0.0, 2.0, 5.0}) {
     expect_left_alone(compiled(
         described_by_number({closed_box(1.0)}, {node_at({0, 0, 0}), node_at({apart_m, 0, 0})})));
   }
 }
 
-TEST(Seams, LeaveOpenBodiesAloneThatAreApart) {
+TEST(Seams, AreAbsentBetweenSeparateOpenBodies) {
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 100; ++i) nodes.push_back(node_at({1.5 * (i % 10), 1.5 * (i / 10), 0}));
   expect_left_alone(compiled(described_by_number({square()}, nodes)));
 }
 
-TEST(Seams, StayOpenWhereTheFileHasAGapOrAVertexOnAnEdge) {
+TEST(Seams, StayOpenAtAGapInTheFileOrAVertexOnAnEdge) {
   const double float_apart = 0x1p-24;
   expect_left_alone(compiled(
       described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})})));
-  // The corners of the second lie in the middle of the first one's edges.
+  // The corners of the second body lie in the middle of the edges of the first body.
   expect_left_alone(
       compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})})));
 }
 
-// The corner of a tile of a row that is turned by a random angle about a random axis.
-TEST(Seams, JoinVerticesThatOnlyRoundingKeepsApart) {
+// A row of tiles is rotated by a random angle about a random axis.
+TEST(Seams, JoinVerticesSeparatedOnlyByRounding) {
   Random random(31);
   for (int trial = 0; trial < 100; ++trial) {
     const Mat3 turn = random.rotation().toRotationMatrix();
@@ -365,7 +365,7 @@ TEST(Seams, AreTheSameForEverySizeOfTheScene) {
   }
 }
 
-// A body with corners that are nearer to each other than what is joined of different bodies.
+// A body whose own vertices are closer together than joined vertices of different bodies.
 TEST(Seams, NeverJoinTwoVerticesOfOneBody) {
   const double near = 1e-15;
   test::Soup soup;
@@ -384,7 +384,7 @@ TEST(Seams, NeverJoinTwoVerticesOfOneBody) {
   }
 }
 
-// Each is near enough to the one before, but not to the one before that.
+// Each vertex is close enough to its predecessor, but not to the predecessor of that one.
 TEST(Seams, DoNotGrowAlongAChain) {
   const double step = 5e-15;
   std::vector<NodeDescription> nodes;
@@ -400,35 +400,35 @@ std::string only_warning(const Scene& scene) {
   return scene.statistics().warnings.empty() ? "" : scene.statistics().warnings[0];
 }
 
-TEST(Seams, AreNotSoughtInASceneTooFarFromItsOriginAndThatIsTold) {
+TEST(Seams, AreNotSearchedTooFarFromTheOriginWithAWarning) {
   const Vec3 far_m(1e5, 0, 0);
   const Scene scene =
       compiled(described_by_number({square()}, {node_at(far_m), node_at(far_m + Vec3::UnitX())}));
   EXPECT_EQ(scene.world().seams, nullptr);
   EXPECT_NE(only_warning(scene).find("node 0 and 1 more nodes: too far from the origin"),
             std::string::npos);
-  // So are vertices far from the origin of their mesh.
+  // The same for vertices far from the origin of their mesh.
   MeshDescription far_square = square();
   for (Vec3& p : far_square.positions) p += far_m;
   const Scene other = compiled(
       described_by_number({far_square}, {node_at(-far_m), node_at(Vec3::UnitX() - far_m)}));
   EXPECT_EQ(other.world().seams, nullptr);
   EXPECT_NE(only_warning(other).find("too far from the origin"), std::string::npos);
-  // And a long way out and back.
+  // The same for a long translation and back.
   SceneDescription there_and_back =
       described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})});
   for (NodeDescription& node : there_and_back.nodes) node.product = {2, 1.0, Vec3::Ones(), 2e5};
   EXPECT_NE(only_warning(compiled(there_and_back)).find("too far from the origin"),
             std::string::npos);
-  // But not where there is nothing to be joined.
+  // No warning if there are no vertices to join.
   EXPECT_TRUE(compiled(described_by_number({square()}, {node_at(far_m), node_at(2 * far_m)}))
                   .statistics()
                   .warnings.empty());
 }
 
-// One vertex is so far away that all others of a node are within the rounding of each other: nodes
-// that each have thousands of them would take years to compare.
-TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
+// One vertex is so far away that the distances of all other vertices are within rounding errors.
+// Comparing nodes with thousands of such vertices would take years.
+TEST(Seams, AreNotSearchedAmongCrowdedVerticesWithAWarning) {
   Random random(33);
   MeshDescription grass;
   for (std::uint32_t t = 0; t < 3000; ++t) {
@@ -442,11 +442,12 @@ TEST(Seams, AreNotSoughtAmongVerticesThatCrowdAndThatIsTold) {
   const Scene scene = compiled(described_by_number({grass}, nodes));
   EXPECT_EQ(scene.world().seams, nullptr);
   const std::string warning = only_warning(scene);
-  EXPECT_NE(warning.find("more nodes: too small beside the scene to tell"), std::string::npos)
+  EXPECT_NE(warning.find("more nodes: too small relative to the scene to determine"),
+            std::string::npos)
       << warning;
 }
 
-TEST(Seams, AreKeptTenSizesFromTheOriginBelowAChainOfNodes) {
+TEST(Seams, AreClosedTenSizesFromTheOriginBelowAChainOfNodes) {
   SceneDescription description = described_by_number(
       {square()}, {node_at({20, 20, 20}), node_at({21, 20, 20}), node_at({20, 21, 20})});
   for (NodeDescription& node : description.nodes) node.product = {5, 1.0, Vec3::Ones(), 36.0};
@@ -455,7 +456,7 @@ TEST(Seams, AreKeptTenSizesFromTheOriginBelowAChainOfNodes) {
   EXPECT_EQ(scene.statistics().warnings, std::vector<std::string>());
 }
 
-TEST(Seams, AreLostByABodyThatMoves) {
+TEST(Seams, OpenAtABodyThatMoves) {
   const Scene scene =
       compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0, 0})}));
   LiveWorld live(scene.world());

@@ -1,8 +1,8 @@
-// Bodies that share an index feel as if each had the deformed mesh for itself: judged against
-// triangles that are made here from mesh and node in long double, and against scenes in which every
-// node has a mesh of its own, deformed beforehand.
+// Tests that bodies with a shared index give the same results as bodies whose index contains the
+// deformed mesh. The oracles are triangles computed here from mesh and node in long double, and
+// scenes in which every node has its own mesh, deformed in advance.
 //
-// A scene is its seed: PALPATE_SEED=N runs scene N alone.
+// The seed defines a scene: PALPATE_SEED=N runs scene N alone.
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ using Wide = long double;
 using Wide3 = Eigen::Matrix<Wide, 3, 1>;
 using Wide33 = Eigen::Matrix<Wide, 3, 3>;
 
-// What the proxy may be beside the exact answer, of the size of the scene.
+// Tolerance of the proxy, relative to the size of the scene.
 constexpr double kExactPerSize = 1e-9;
 
 enum class MapKind { kUniform, kMirror, kStretch, kShear, kAny };
@@ -53,7 +53,7 @@ Mat3 signs(Random& random, bool is_mirror) {
   return s.asDiagonal();
 }
 
-// Of size 1, with singular values up to 1 : most_ratio.
+// A random map of size 1, with a ratio of singular values up to most_ratio.
 Mat3 random_map(MapKind kind, double most_ratio, Random& random) {
   if (kind == MapKind::kAny) kind = static_cast<MapKind>(random.index(4));
   const auto turn = [&] {
@@ -90,7 +90,7 @@ std::vector<Corners> exact_triangles(const SceneDescription& description,
   return triangles;
 }
 
-// The same scene, but each node has a mesh of its own that is deformed beforehand.
+// The same scene, in which each node has its own mesh, deformed in advance.
 SceneDescription baked(const SceneDescription& description) {
   SceneDescription alone = description;
   alone.meshes.clear();
@@ -101,7 +101,7 @@ SceneDescription baked(const SceneDescription& description) {
     }
     if (node.linear_scene_mesh.determinant() < 0.0) {
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-      // Texture coordinates belong to the positions, which are as they were.
+      // Texture coordinates belong to the original positions.
     }
     node.mesh = static_cast<std::uint32_t>(alone.meshes.size());
     node.linear_scene_mesh.setIdentity();
@@ -136,8 +136,9 @@ struct HardNodes {
   HardScene scene;
 };
 
-// The first node is a hard scene: the mesh is what its map makes that of. Two more nodes show the
-// mesh in other shapes, small and far, so that it is no longer deformed alike.
+// The first node is a hard scene: its mesh is the inverse image of that scene under the node's map.
+// Two more nodes show the mesh with other deformations, small and far away, so that the
+// deformations of its nodes differ.
 HardNodes hard_nodes(HardKind kind, MapKind map_kind, Random& random) {
   HardNodes made;
   made.scene = test::hard_scene(kind, random);
@@ -169,7 +170,7 @@ struct Judged {
   ExactJudge judge;
 };
 
-// As the engine has them, body frame.
+// The triangles that the engine uses, body frame.
 std::vector<Corners> decided_triangles(const ContactBody& body) {
   std::vector<Corners> triangles;
   for (std::uint32_t pack = 0; pack < body.index->pack_count(); ++pack) {
@@ -191,7 +192,7 @@ double farthest_from_solver(const ContactBody& body, const std::vector<Corners>&
       const TriangleGeometry& t = body.triangle(slot, room);
       double least_m = std::numeric_limits<double>::infinity();
       for (const Corners& c : solver) {
-        // Of a mirrored body the index has the corners in the order of the mesh.
+        // For a mirrored body, the index has the corners in the order of the mesh.
         const bool is_turned = body.units_per_metre < 0.0;
         const double apart_m = std::max({(body.to_solver(t.a) - c.a).norm(),
                                          (body.to_solver(is_turned ? t.c : t.b) - c.b).norm(),
@@ -204,7 +205,7 @@ double farthest_from_solver(const ContactBody& body, const std::vector<Corners>&
   return farthest_m;
 }
 
-TEST(SharedIndex, DecidesOnTheTrianglesThatTheFileMeans) {
+TEST(SharedIndex, DecidesOnTheTrianglesOfTheFile) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     const auto kind = test::kAllHardKinds[random.index(std::size(test::kAllHardKinds))];
@@ -221,7 +222,7 @@ TEST(SharedIndex, DecidesOnTheTrianglesThatTheFileMeans) {
   }
 }
 
-TEST(SharedIndex, TurnsTheNormalsOfStretchesByTheInverseTranspose) {
+TEST(SharedIndex, TransformsNormalsOfStretchesByTheInverseTranspose) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     Random random(seed);
     SceneDescription description;
@@ -248,7 +249,7 @@ TEST(SharedIndex, TurnsTheNormalsOfStretchesByTheInverseTranspose) {
   }
 }
 
-// Goals about a surface: mostly where the proxy is, or beyond what it touches.
+// Goals near a surface: mostly near the proxy, or behind the touched surface.
 Vec3 some_goal(const std::vector<Corners>& triangles, const Vec3& proxy, Random& random) {
   const Corners& t = triangles[random.index(triangles.size())];
   const Vec3 corners[] = {t.a, t.b, t.c, (t.a + t.b + t.c) / 3.0};
@@ -270,10 +271,11 @@ double hard_radius_m(bool is_sphere, Random& random) {
   return is_sphere ? kRadii_m[random.index(std::size(kRadii_m))] : 0.0;
 }
 
-// No piece of a path touches a triangle: those of the file for a sphere, whose distance is not a
-// matter of roundings; for a point those that the engine decides on, in its own frame, which the
-// tests above compare with the file's. And in the solver frame, where both are rounded once more,
-// the point stays on its side of closed surfaces.
+// Checks that no segment of a path touches a triangle. For a sphere, whose distance is much larger
+// than rounding errors, these are the triangles of the file. For a point, these are the triangles
+// that the engine uses, in the body frame; the tests above compare them with the file. In addition,
+// the point stays on its side of closed surfaces in the solver frame, where both are rounded once
+// more.
 void expect_no_leaks(bool is_sphere, int ticks_per_kind) {
   constexpr int kTicksPerScene = 250;
   int contacts = 0;
@@ -293,7 +295,7 @@ void expect_no_leaks(bool is_sphere, int ticks_per_kind) {
         start = random.in_box(0.2 + 2 * radius_m);
       } while (judged.judge.distance_m(start) < 1.1 * radius_m + 1e-6);
       god_object.place(start);
-      // What is there twice has no parity.
+      // Repeated triangles have no defined parity.
       const bool has_sides = nodes.scene.is_closed && kind != HardKind::kRepeated;
       const bool was_inside = has_sides && judged.judge.is_inside(start);
       for (int tick = 0; tick < kTicksPerScene; ++tick) {
@@ -326,9 +328,9 @@ TEST(SharedIndex, LetsNoSphereThroughHardScenes) {
   expect_no_leaks(true, in_soak_or_else(100'000, 1'000));
 }
 
-// ---- as with an index of its own ---------------------------------------------------------------
+// ---- comparison with separate indices ----------------------------------------------------------
 
-// A closed bumpy body, convex enough that a proxy that is pressed a little has one place to be.
+// A closed bumpy body, nearly convex, so that a proxy under light pressure has only one rest.
 MeshDescription pebble(Random& random) {
   MeshDescription mesh{"pebble", {}, {}};
   constexpr std::uint32_t kRings = 9;
@@ -370,7 +372,7 @@ SceneDescription pebbles(MapKind kind, double most_ratio, Random& random) {
   return description;
 }
 
-MaterialDescription felt_material(std::vector<std::pair<std::string, double>> parameters) {
+MaterialDescription declared_material(std::vector<std::pair<std::string, double>> parameters) {
   MaterialDescription m{"felt", "/materials/0", {}, std::nullopt};
   for (const auto& [key, value] : parameters) {
     m.parameters.push_back({key, value, "/materials/0/extras/palpate/" + key});
@@ -380,7 +382,7 @@ MaterialDescription felt_material(std::vector<std::pair<std::string, double>> pa
   return m;
 }
 
-// A device that comes from outside, presses a little and slides, on one body after the other.
+// A device that approaches from outside, presses lightly and slides, on one body after another.
 class Strokes {
  public:
   Strokes(const SceneDescription& description, Random& random)
@@ -394,7 +396,7 @@ class Strokes {
     turn_ = 0.02 * random_->in_box(1.0);
     left_ = 40;
   }
-  // In the scene, `lift` of the body's own size above its surface.
+  // The next device position in the scene, at a random height relative to the body's size.
   Vec3 next() {
     --left_;
     out_ = (out_ + turn_).normalized();
@@ -413,15 +415,15 @@ class Strokes {
 };
 
 struct Differences {
-  double proxy = 0.0;  // of the scene's size
-  double force = 0.0;  // of the largest force
+  double proxy = 0.0;  // relative to the size of the scene
+  double force = 0.0;  // relative to the largest force
   int touches = 0;
   int ticks = 0;
-  int apart = 0;  // strokes in which the two came to hold on to different faces
+  int apart = 0;  // strokes in which the two proxies rest on different faces
 };
 
-// Feels two scenes alike. A stroke in which the proxies have parted, at a corner where the next
-// rounding decides, is left.
+// Moves the same device through two scenes. If the proxies part at a corner where a rounding error
+// decides, the rest of the stroke is skipped.
 Differences compare(const SceneDescription& description, const Scene& shared, const Scene& alone,
                     double radius_m, int ticks, Random& random, WorldMover* mover_shared = nullptr,
                     WorldMover* mover_alone = nullptr) {
@@ -464,15 +466,15 @@ Differences compare(const SceneDescription& description, const Scene& shared, co
 }
 
 void expect_as_alone(MapKind kind, double most_ratio, double radius_m,
-                     const std::optional<MaterialDescription>& felt, std::uint64_t scenes,
+                     const std::optional<MaterialDescription>& material, std::uint64_t scenes,
                      int ticks) {
   int apart = 0;
   int touches = 0;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     Random random(seed);
     SceneDescription description = pebbles(kind, most_ratio, random);
-    if (felt) {
-      description.materials = {*felt};
+    if (material) {
+      description.materials = {*material};
       description.meshes[0].material_runs = {{0, 0u}};
     }
     const Scene shared = compiled_for_proxy(description, radius_m);
@@ -487,39 +489,39 @@ void expect_as_alone(MapKind kind, double most_ratio, double radius_m,
   EXPECT_LE(apart * 200, static_cast<int>(scenes) * ticks) << "strokes that part";
 }
 
-TEST(SharedIndex, IsFeltByAPointAsAnIndexOfItsOwn) {
+TEST(SharedIndex, GivesAPointTheSameForcesAsASeparateIndex) {
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, std::nullopt, 10, 1000);
   expect_as_alone(MapKind::kMirror, 1.0, 0.0, std::nullopt, 10, 1000);
   expect_as_alone(MapKind::kStretch, 99.0, 0.0, std::nullopt, 20, 1000);
   expect_as_alone(MapKind::kShear, 99.0, 0.0, std::nullopt, 20, 1000);
 }
 
-TEST(SharedIndex, IsFeltByASphereAsAnIndexOfItsOwn) {
+TEST(SharedIndex, GivesASphereTheSameForcesAsASeparateIndex) {
   expect_as_alone(MapKind::kUniform, 1.0, 0.02, std::nullopt, 5, 1000);
   expect_as_alone(MapKind::kMirror, 1.0, 0.02, std::nullopt, 5, 1000);
   expect_as_alone(MapKind::kAny, 9.0, 0.01, std::nullopt, 5, 1000);
 }
 
-TEST(SharedIndex, AttractsAsAnIndexOfItsOwn) {
-  const auto magnet = felt_material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
+TEST(SharedIndex, AttractsLikeASeparateIndex) {
+  const auto magnet = declared_material({{"magnetForce", 1.0}, {"magnetRange", 0.5}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, magnet, 5, 400);
   expect_as_alone(MapKind::kAny, 99.0, 0.0, magnet, 20, 400);
 }
 
-TEST(SharedIndex, IsShadedAndRubsAsAnIndexOfItsOwn) {
-  const auto smooth =
-      felt_material({{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
+TEST(SharedIndex, HasShadingAndFrictionLikeASeparateIndex) {
+  const auto smooth = declared_material(
+      {{"creaseAngle", 180.0}, {"staticFriction", 0.2}, {"dynamicFriction", 0.1}});
   expect_as_alone(MapKind::kUniform, 1.0, 0.0, smooth, 5, 400);
   expect_as_alone(MapKind::kAny, 20.0, 0.0, smooth, 20, 400);
 }
 
-// Slopes are those of the relief in the scene, however the map is stretched over the surface.
-TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
+// Slopes are those of the relief in the scene, for every stretch of the map over the surface.
+TEST(SharedIndex, HasTextureLikeASeparateIndex) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     SceneDescription description =
         pebbles(seed % 4 ? MapKind::kAny : MapKind::kUniform, 20.0, random);
-    description.materials = {felt_material({{"textureHeight", 0.002}})};
+    description.materials = {declared_material({{"textureHeight", 0.002}})};
     description.meshes[0].material_runs = {{0, 0u}};
     ImageDescription image{16, 16, {}};
     for (int i = 0; i < 3 * 16 * 16; ++i) {
@@ -540,15 +542,15 @@ TEST(SharedIndex, IsTexturedAsAnIndexOfItsOwn) {
   }
 }
 
-TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
-  MaterialDescription medium = felt_material({{"viscosity", 2.0}});
+TEST(SharedIndex, BoundsAMediumLikeASeparateIndex) {
+  MaterialDescription medium = declared_material({{"viscosity", 2.0}});
   medium.parameters.push_back({"solid", false, "/materials/0/extras/palpate/solid"});
   std::sort(medium.parameters.begin(), medium.parameters.end(),
             [](const auto& a, const auto& b) { return a.key < b.key; });
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
     SceneDescription description = pebbles(MapKind::kAny, 99.0, random);
-    description.meshes.push_back(pebble(random));  // one that can be touched, far away
+    description.meshes.push_back(pebble(random));  // a solid body, far away
     description.materials = {medium};
     description.meshes[0].material_runs = {{0, 0u}};
     description.nodes.push_back(node_of_mesh(1, 0.01 * Mat3::Identity(), Vec3(9, 9, 9)));
@@ -561,8 +563,8 @@ TEST(SharedIndex, HoldsAMediumAsAnIndexOfItsOwn) {
   }
 }
 
-// As loaded, and then with every body somewhere else from tick to tick.
-TEST(SharedIndex, MovesAsAnIndexOfItsOwn) {
+// First with the poses of the file, then with new poses of all bodies in every tick.
+TEST(SharedIndex, MovesLikeASeparateIndex) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
     SceneDescription description = pebbles(MapKind::kAny, 50.0, random);
@@ -586,7 +588,8 @@ TEST(SharedIndex, MovesAsAnIndexOfItsOwn) {
   }
 }
 
-// The nearest point in the scene, not that of the index: compared with all triangles, as they are.
+// The point must be nearest in the scene, not in the index: compared with all triangles in the
+// scene.
 TEST(SharedIndex, FindsTheNearestPointOfAStretchedSurface) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Random random(seed);
@@ -611,13 +614,13 @@ TEST(SharedIndex, FindsTheNearestPointOfAStretchedSurface) {
   }
 }
 
-// ---- what is built -----------------------------------------------------------------------------
+// ---- number and frame of indices ---------------------------------------------------------------
 
 std::size_t indices_of(const SceneDescription& description, double radius_m = 0.0) {
   return compiled_for_proxy(description, radius_m).statistics().indices;
 }
 
-TEST(SharedIndex, IsOneForAMeshWhateverItsScales) {
+TEST(SharedIndex, IsTheSameForAllScalesOfAMesh) {
   Random random(1);
   SceneDescription description;
   description.meshes.push_back(pebble(random));
@@ -633,7 +636,7 @@ TEST(SharedIndex, IsOneForAMeshWhateverItsScales) {
   EXPECT_EQ(indices_of(description), 1u);
 }
 
-TEST(SharedIndex, LeavesStretchesOfMoreThanAHundredToIndicesOfTheirOwn) {
+TEST(SharedIndex, IsNotUsedForStretchesOfMoreThanAHundred) {
   Random random(2);
   SceneDescription description;
   description.meshes.push_back(pebble(random));
@@ -646,7 +649,7 @@ TEST(SharedIndex, LeavesStretchesOfMoreThanAHundredToIndicesOfTheirOwn) {
   EXPECT_EQ(indices_of(description), 2u) << "the same, mirrored and larger";
 }
 
-TEST(SharedIndex, OfASphereIsSharedWithinAFactorOfTwo) {
+TEST(SharedIndex, IsSharedWithinAFactorOfTwoForASphere) {
   Random random(3);
   SceneDescription description;
   description.meshes.push_back(pebble(random));
@@ -663,9 +666,9 @@ TEST(SharedIndex, OfASphereIsSharedWithinAFactorOfTwo) {
   EXPECT_EQ(indices_of(description, 1e-3), 3u);
 }
 
-// Next to nothing beside the scene, or as large as it may be: nothing overflows, and what can be
-// felt is felt.
-TEST(SharedIndex, TakesScalesOfAnySize) {
+// Bodies much smaller than the scene, and bodies of the largest size: nothing overflows, and the
+// proxy finds contact with bodies of normal size.
+TEST(SharedIndex, AcceptsScalesOfAnySize) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     Random random(seed);
     SceneDescription description;
@@ -689,13 +692,13 @@ TEST(SharedIndex, TakesScalesOfAnySize) {
     EXPECT_NEAR((state.proxy - goal).norm() / size, 1.0 + radius_m / size, 0.2);
     for (std::size_t n = 1; n < description.nodes.size(); ++n) {
       const Vec3 at = scene.objects()[n].T_scene_body.translation_m;
-      const ProxyState felt = god_object.move_to(scene.world().to_solver(at));
-      EXPECT_TRUE(felt.proxy.allFinite() && felt.normal.allFinite());
+      const ProxyState other = god_object.move_to(scene.world().to_solver(at));
+      EXPECT_TRUE(other.proxy.allFinite() && other.normal.allFinite());
     }
   }
 }
 
-// A unit of size 1 in every index: the same digits in single precision whatever the file's unit.
+// Every index has size 1: equal digits in single precision for every unit of the file.
 TEST(SharedIndex, IsOfSizeOneAboutItsMiddle) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);

@@ -528,7 +528,7 @@ TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
   test::Wander wander(random, 0.044, 0.08);
   const std::vector<std::byte>& parameters = hand.world().effects->parameters;
   Census census;
-  std::uint32_t felt = 0;
+  std::uint32_t active_effects = 0;
   for (int n = 0; n < 10000; ++n) {
     const Vec3 p = n % 500 == 7 ? Vec3(kNan, 0, 0) : wander.next();
     if (n % 100 == 50) hand.loop().move_body(0, hand.pose());
@@ -537,11 +537,11 @@ TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
         call, std::span(parameters)
                   .subspan(calls[call].parameters,
                            compiled_effects()[calls[call].effect].parameter_bytes));
-    felt |= hand.go_to(p, n % 700 == 9 ? -1.0 : 1e-3).effects;
+    active_effects |= hand.go_to(p, n % 700 == 9 ? -1.0 : 1e-3).effects;
   }
   census.stop();
   census.expect_nothing();
-  EXPECT_EQ(felt, (1u << compiled_effects().size()) - 1);
+  EXPECT_EQ(active_effects, (1u << compiled_effects().size()) - 1);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

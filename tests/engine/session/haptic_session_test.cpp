@@ -36,7 +36,7 @@ using test::kTick_s;
 
 constexpr double kHalf_m = 0.1;
 
-// What a device was told, in memory that a child process shares with its parent.
+// The calls that a device received, in memory that a child process shares with its parent.
 struct Log {
   std::atomic<int> starts{0};
   std::atomic<int> stops{0};
@@ -124,28 +124,28 @@ struct SessionRig {
   HapticSession session;
 };
 
-class Teller final : public TickObserver {
+class CallLogger final : public TickObserver {
  public:
-  explicit Teller(std::vector<std::string>& told, std::string name)
-      : told_(told), name_(std::move(name)) {}
+  explicit CallLogger(std::vector<std::string>& calls, std::string name)
+      : calls_(calls), name_(std::move(name)) {}
   void on_tick(const TickRecord& record) noexcept override {
-    told_.push_back(name_);
+    calls_.push_back(name_);
     last = record;
   }
   TickRecord last;
 
  private:
-  std::vector<std::string>& told_;
+  std::vector<std::string>& calls_;
   std::string name_;
 };
 
 class Changer final : public BeforeTick {
  public:
-  explicit Changer(std::vector<std::string>& told) : told_(told) {}
-  void before_tick(double, HapticLoop&) noexcept override { told_.push_back("change"); }
+  explicit Changer(std::vector<std::string>& calls) : calls_(calls) {}
+  void before_tick(double, HapticLoop&) noexcept override { calls_.push_back("change"); }
 
  private:
-  std::vector<std::string>& told_;
+  std::vector<std::string>& calls_;
 };
 
 // Lets through what `make` makes of a force.
@@ -165,10 +165,10 @@ class Governor final : public ForceGovernor {
 };
 
 TEST(HapticSession, GoesTheRoadInItsOrder) {
-  std::vector<std::string> told;
-  Changer change(told);
-  Teller first(told, "first");
-  Teller second(told, "second");
+  std::vector<std::string> calls;
+  Changer change(calls);
+  CallLogger first(calls, "first");
+  CallLogger second(calls, "second");
   SharedLog log;
   SessionRig rig(*log, {.changes = {&change}, .observers = {&first, &second}});
   ASSERT_FALSE(rig.session.start());
@@ -176,7 +176,7 @@ TEST(HapticSession, GoesTheRoadInItsOrder) {
   const std::vector<std::string> once{"change", "first", "second"};
   std::vector<std::string> expected;
   for (int n = 0; n < 3; ++n) expected.insert(expected.end(), once.begin(), once.end());
-  EXPECT_EQ(told, expected);
+  EXPECT_EQ(calls, expected);
   EXPECT_EQ(first.last.tick, 2u);
   EXPECT_GT(first.last.step_ns, 0);
   EXPECT_EQ(first.last.late_ns, 0);

@@ -62,9 +62,9 @@ class HardCase15_StiffnessAtItsLimit : public testing::TestWithParam<double> {
     for (int window = 0; window < 6; ++window) {
       double amplitude = 0.0;
       for (int n = 0; n < 100; ++n) {
-        const TickRecord& felt = loop.tick(plant.position_m(), kTick_s);
-        EXPECT_TRUE(felt.contact);
-        plant.advance(vec3(felt.force_device_N) + hand_N, kTick_s);
+        const TickRecord& record = loop.tick(plant.position_m(), kTick_s);
+        EXPECT_TRUE(record.contact);
+        plant.advance(vec3(record.force_device_N) + hand_N, kTick_s);
         amplitude = std::max(amplitude, std::abs(normal.dot(plant.position_m() - rest_m)));
       }
       if (window > 0) amplitudes.push_back(amplitude);
@@ -186,10 +186,10 @@ TEST_P(HardCase17_UnevenTicks, KeepTheSideAndTheCertificate) {
       // As far as a hand at 0.5 m/s gets in that time.
       const Vec3 way = aim_m - at_m;
       at_m += way * std::min(1.0, 0.5 * dt_s / std::max(way.norm(), 1e-12));
-      const TickRecord& felt = loop.tick(at_m, dt_s);
-      ASSERT_EQ(felt.faults & ~kFaultSolverCapped, 0u);
+      const TickRecord& record = loop.tick(at_m, dt_s);
+      ASSERT_EQ(record.faults & ~kFaultSolverCapped, 0u);
       ASSERT_EQ(loop.verdict(), "") << object.name << " tick " << n;
-      contact_ticks += felt.contact;
+      contact_ticks += record.contact;
     }
     EXPECT_GT(contact_ticks, 1000);
   }
@@ -365,10 +365,10 @@ TEST(HardCaseBadInputExtremes, AreTakenAndTheSideIsKept) {
     for (int n = 0; n < trials(2000); ++n) {
       const double reach_m = std::pow(10.0, random.uniform(-3.0, n % 10 == 0 ? farthest : 0.0));
       const double dt_s = std::pow(10.0, random.uniform(-12.0, 1.0));
-      const TickRecord& felt = loop.tick(reach_m * random.unit_vector(), dt_s);
-      refused += (felt.faults & ~kFaultSolverCapped) != 0;
-      if (felt.faults & ~kFaultSolverCapped) {
-        ASSERT_EQ(vec3(felt.force_device_N), Vec3::Zero()) << "tick " << n;
+      const TickRecord& record = loop.tick(reach_m * random.unit_vector(), dt_s);
+      refused += (record.faults & ~kFaultSolverCapped) != 0;
+      if (record.faults & ~kFaultSolverCapped) {
+        ASSERT_EQ(vec3(record.force_device_N), Vec3::Zero()) << "tick " << n;
       }
       ASSERT_EQ(loop.verdict(), "") << object.name << " tick " << n << " reach " << reach_m;
     }
@@ -384,8 +384,8 @@ TEST(HardCaseBadInputExtremes, DoNoHarmHoweverLarge) {
   HapticLoop loop(world.world(), device(3, 1), settings(1000.0, 2.0, true));
   for (int n = 0; n < trials(20000); ++n) {
     const double reach_m = std::pow(10.0, random.uniform(-3.0, 150.0));
-    const TickRecord& felt = loop.tick(reach_m * random.unit_vector(), kTick_s);
-    ASSERT_TRUE(vec3(felt.proxy_scene_m).allFinite() && vec3(felt.force_device_N).allFinite())
+    const TickRecord& record = loop.tick(reach_m * random.unit_vector(), kTick_s);
+    ASSERT_TRUE(vec3(record.proxy_scene_m).allFinite() && vec3(record.force_device_N).allFinite())
         << "tick " << n;
     const TickRecord& out = loop.tick({0.0, 0.0, 0.3}, kTick_s);
     ASSERT_TRUE(vec3(out.proxy_scene_m).allFinite() && vec3(out.force_device_N).allFinite())

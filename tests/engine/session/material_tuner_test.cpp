@@ -77,12 +77,12 @@ void expect_not_added(MaterialTuner& tuner, const char* material, const char* ke
 TEST(MaterialTuner, RefusesWhatCannotChange) {
   const Scene scene = compiled_boxes();
   MaterialTuner tuner(scene);
-  expect_not_added(tuner, "glass", "stiffness", {"glass.stiffness", "no surface"});
-  expect_not_added(tuner, "wood", "hardness", {"wood.hardness", "no key"});
-  expect_not_added(tuner, "wood", "viscosity", {"wood.viscosity", "no viscosity"});
-  expect_not_added(tuner, "ice", "staticFriction", {"no friction"});
-  expect_not_added(tuner, "wood", "creaseAngle", {"built in"});
-  expect_not_added(tuner, "wood", "solid", {"built in"});
+  expect_not_added(tuner, "glass", "stiffness", {"glass.stiffness", "no surface has"});
+  expect_not_added(tuner, "wood", "hardness", {"wood.hardness", "not a key"});
+  expect_not_added(tuner, "wood", "viscosity", {"wood.viscosity", "the effect viscosity"});
+  expect_not_added(tuner, "ice", "staticFriction", {"the effect friction"});
+  expect_not_added(tuner, "wood", "creaseAngle", {"fixed when the scene is compiled"});
+  expect_not_added(tuner, "wood", "solid", {"fixed when the scene is compiled"});
   EXPECT_TRUE(tuner.add("wood", "magnetRange"));
   EXPECT_TRUE(tuner.add("wood", "stiffness"));
 }
@@ -179,8 +179,8 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
     std::this_thread::yield();
   }
   EXPECT_FALSE(tuner.set(*stiffness, 2000.0));
-  const std::uint64_t told = thread.ticks();
-  while (thread.ticks() < told + 3) std::this_thread::yield();
+  const std::uint64_t seen = thread.ticks();
+  while (thread.ticks() < seen + 3) std::this_thread::yield();
   TickRecord snapshot;
   ASSERT_TRUE(session.latest(snapshot));
   thread.stop();

@@ -309,8 +309,8 @@ TEST(NodeMotions, ReachARunningHapticThread) {
     std::this_thread::yield();
   }
   motions.set(*floor, shifted({0, 0, 0.03}));
-  const std::uint64_t told = thread.ticks();
-  while (thread.ticks() < told + 3) std::this_thread::yield();
+  const std::uint64_t seen = thread.ticks();
+  while (thread.ticks() < seen + 3) std::this_thread::yield();
   TickRecord snapshot;
   ASSERT_TRUE(session.latest(snapshot));
   thread.stop();
