@@ -254,8 +254,8 @@ class Compiler {
                           [&](const Value& v) { return v.key == &key; });
     };
     const bool has_switch =
-        std::any_of(type.keys.begin(), type.keys.end(), has_role(Role::kCallsFor));
-    const Role switching = has_switch ? Role::kCallsFor : Role::kRequired;
+        std::any_of(type.keys.begin(), type.keys.end(), has_role(Role::kDeclares));
+    const Role switching = has_switch ? Role::kDeclares : Role::kRequired;
     const bool is_switch_given = std::any_of(
         values.begin(), values.end(), [&](const Value& v) { return v.key->role == switching; });
     const bool is_active = std::any_of(values.begin(), values.end(), [&](const Value& v) {

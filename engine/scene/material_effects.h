@@ -72,7 +72,7 @@ struct MaterialEffects {
 
 // Values of the material take precedence over values of the physics material; both take precedence
 // over the defaults. (io has already replaced values of the material by their overrides.) An effect
-// is active if one of its keys with the role kCallsFor is given and not zero. An effect without
+// is active if one of its keys with the role kDeclares is given and not zero. An effect without
 // such a key is active if its key with the role kRequired is given.
 //
 // Defaults:

@@ -112,8 +112,8 @@ struct ParameterKey {
     kChoice,  // a text; the value is its index in choices
   };
   enum class Role : std::uint8_t {
-    kCallsFor,  // a value other than zero declares the effect
-    kRequired,  // must be given with the effect; declares an effect without a kCallsFor key
+    kDeclares,  // a value other than zero declares the effect
+    kRequired,  // must be given with the effect; declares an effect without a kDeclares key
     kOptional,  // its default is the value in a default-constructed Parameters
   };
   std::string_view key;   // "staticFriction"

@@ -31,10 +31,10 @@ struct FrictionEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"staticFriction", "", 0.0, 1000.0, offsetof(Parameters, static_friction),
-       ParameterKey::Role::kCallsFor,
+       ParameterKey::Role::kDeclares,
        "ratio of tangential to normal force at which sliding begins"},
       {"dynamicFriction", "", 0.0, 1000.0, offsetof(Parameters, dynamic_friction),
-       ParameterKey::Role::kCallsFor, "ratio of tangential to normal force while sliding"}};
+       ParameterKey::Role::kDeclares, "ratio of tangential to normal force while sliding"}};
 
   static const char* contradiction(const Parameters& p) noexcept {
     return p.dynamic_friction > p.static_friction ? "dynamicFriction is larger than staticFriction"

@@ -40,7 +40,7 @@ struct MagnetEffect {
   };
   struct State {};
   static constexpr ParameterKey kKeys[] = {
-      {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kCallsFor,
+      {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kDeclares,
        "attraction at the surface"},
       {"magnetRange", "m", 0.0, 1000.0, offsetof(Parameters, range_m),
        ParameterKey::Role::kRequired, "distance from the surface at which the attraction ends",

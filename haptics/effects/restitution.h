@@ -39,7 +39,7 @@ struct RestitutionEffect {
   };
   static constexpr ParameterKey kKeys[] = {
       {"restitution", "", 0.0, 1.0, offsetof(Parameters, restitution),
-       ParameterKey::Role::kCallsFor, "ratio of the speed after an impact to the speed before it"},
+       ParameterKey::Role::kDeclares, "ratio of the speed after an impact to the speed before it"},
       {"impactMass", "kg", 0.0, 10.0, offsetof(Parameters, mass_kg), ParameterKey::Role::kOptional,
        "mass that hits the surface; at most the mass of the moving parts of the device", false,
        true},

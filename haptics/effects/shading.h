@@ -31,7 +31,7 @@ struct ShadingEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"creaseAngle", "deg", 0.0, 180.0, offsetof(Parameters, crease_angle_deg),
-       ParameterKey::Role::kCallsFor, "edges sharper than this angle remain creases"}};
+       ParameterKey::Role::kDeclares, "edges sharper than this angle remain creases"}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 

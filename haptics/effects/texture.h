@@ -38,7 +38,7 @@ struct TextureEffect {
   struct State {};
   static constexpr ParameterKey kKeys[] = {
       {"textureHeight", "m", 0.0, 1.0, offsetof(Parameters, height_m),
-       ParameterKey::Role::kCallsFor,
+       ParameterKey::Role::kDeclares,
        "height difference between the lowest and the highest value of the map", true}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }

@@ -35,7 +35,7 @@ struct VibrationEffect {
       {"vibrationFrequency", "Hz", 0.0, 5000.0, offsetof(Parameters, frequency_Hz),
        ParameterKey::Role::kRequired, "frequency of the vibration", false, true},
       {"vibrationAmplitude", "N", 0.0, 100.0, offsetof(Parameters, amplitude_N),
-       ParameterKey::Role::kCallsFor, "amplitude of the vibration force"},
+       ParameterKey::Role::kDeclares, "amplitude of the vibration force"},
       {"vibrationWhen",
        "",
        0.0,

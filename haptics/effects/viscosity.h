@@ -51,7 +51,7 @@ struct ViscosityEffect {
   };
   static constexpr ParameterKey kKeys[] = {
       {"viscosity", "N s/m", 0.0, 1e4, offsetof(Parameters, viscosity_Ns_per_m),
-       ParameterKey::Role::kCallsFor, "drag of the medium inside"}};
+       ParameterKey::Role::kDeclares, "drag of the medium inside"}};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 

@@ -104,7 +104,7 @@ TEST(ExtrasSchema, RequiresTheKeysThatEffectsRequire) {
   std::vector<json> demands;
   for (const EffectType& type : compiled_effects()) {
     for (const ParameterKey& switching : type.keys) {
-      if (switching.role != ParameterKey::Role::kCallsFor) continue;
+      if (switching.role != ParameterKey::Role::kDeclares) continue;
       for (const ParameterKey& key : type.keys) {
         if (key.role != ParameterKey::Role::kRequired) continue;
         demands.push_back(demand(std::string(switching.key), above_zero, std::string(key.key)));

@@ -170,7 +170,7 @@ TEST(MaterialEffects, AreActiveIfTheirKeyIsNotZero) {
             (Texts{"magnetForce=0 extras.palpate off", "magnetRange=0.1 extras.palpate off",
                    "restitution=0 extras.palpate off", "viscosity=-0 extras.palpate off"}));
   EXPECT_TRUE(off.report.defaulted.empty());
-  // An effect without a key of the role kCallsFor is active if its required key is given.
+  // An effect without a key of the role kDeclares is active if its required key is given.
   EXPECT_EQ(compiled_material({given("stiffness", 0.0), given("damping", 0.0)}).effect_names(),
             (Texts{"damping", "stiffness"}));
   EXPECT_EQ(
