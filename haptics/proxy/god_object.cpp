@@ -45,7 +45,7 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
       tracer_(*world_, settings_.radius_m, settings_.accuracy),
       around_(std::make_unique<Surroundings>()) {
   step_tolerance_m_ = settings_.accuracy.tolerance * scale().stand_off_m;
-  take_bounds();
+  update_bounds();
   path_.reserve(1 +
                 kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
 }
@@ -63,7 +63,7 @@ ProxyState GodObject::refused() const {
 
 // One size of margin: what lies outside cannot touch anything, and what lies inside has coordinates
 // of the order of the scene, as the stand-off assumes.
-void GodObject::take_bounds() {
+void GodObject::update_bounds() {
   bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
 }
 

@@ -178,7 +178,7 @@ class GodObject {
   }
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
   ProxyState refused() const;
-  void take_bounds();
+  void update_bounds();
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
   bool push_all(std::span<const BodyMotion> motions,
                 const std::optional<Vec3>& motion_plane_normal) noexcept;

@@ -28,10 +28,10 @@ bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_bod
 bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
   if (!is_motion(body, T_solver_body)) return false;
   if (!world_->place(body, unit_pose(T_solver_body))) return false;
-  world_->take_bounds(body);
+  world_->extend_bounds(body);
   tracer_.forget_candidates();
   around_->of.reset();
-  take_bounds();
+  update_bounds();
   return true;
 }
 
@@ -44,7 +44,7 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
   const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
   const bool are_done = has_turn && push_all(motions, motion_plane_normal);
-  take_bounds();
+  update_bounds();
   if (are_done) first_motion_ = 0;
   return count_not_there(motions);
 }
@@ -107,7 +107,7 @@ bool GodObject::move_body(const BodyMotion& motion,
   const Vec3 proxy_before = proxy_;
   const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
   if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
-  world_->take_bounds(motion.body);
+  world_->extend_bounds(motion.body);
   tracer_.forget_moving();
   around_->of.reset();
   if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;

@@ -24,7 +24,7 @@ bool LiveWorld::place(std::uint32_t b, const RigidTransform& T_solver_body) noex
   return true;
 }
 
-void LiveWorld::take_bounds(std::uint32_t b) noexcept {
+void LiveWorld::extend_bounds(std::uint32_t b) noexcept {
   bounds_solver_ = bounds_solver_.united(bodies_[b].box_solver());
 }
 

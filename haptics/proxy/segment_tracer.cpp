@@ -192,7 +192,7 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
 }
 
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
-  if (!accuracy_.reuse_candidates || asks_memory()) [[unlikely]]
+  if (!accuracy_.reuse_candidates || must_consult_memory()) [[unlikely]]
     return answer({p, q});
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find_among_candidates(p, q, TraceKey::kNoBody);
@@ -214,7 +214,7 @@ std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const V
 std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
   if (doubtful_.have_overflowed) [[unlikely]]
     return answer({p, q});
-  if (asks_memory()) [[unlikely]]
+  if (must_consult_memory()) [[unlikely]]
     return recall_or_find({p, q}, true);
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find_part(p, q);
@@ -225,7 +225,7 @@ std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) 
 
 // What has been found before, or else is found now; if the budget suffices for it.
 std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
-  if (asks_memory()) [[unlikely]]
+  if (must_consult_memory()) [[unlikely]]
     return recall_or_find(key, false);
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find(key);
