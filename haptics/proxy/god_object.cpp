@@ -191,7 +191,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     return std::nullopt;
   }
   Vec3 stop = proxy_ + hit->fraction.value() * (target - proxy_);
-  const auto moves = [&] { return !is_none(stop - proxy_); };
+  const auto moves = [&] { return !has_converged(stop - proxy_); };
   // The face it is stopped by may not be the only one that is close there. What is committed has
   // been traced to its very end.
   int shortened = 0;
@@ -242,7 +242,7 @@ bool GodObject::touches_planes() const {
 }
 
 // The part of the way to the goal that leads to the first of them.
-Vec3 GodObject::way_to_planes() const {
+Vec3 GodObject::step_to_planes() const {
   const Vec3 way = goal_ - proxy_;
   double part = 1.0;
   for (int i = 0; i < projection_.active_count; ++i) {

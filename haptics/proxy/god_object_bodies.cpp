@@ -40,13 +40,13 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
   tracer_.begin_tick();
   bodies_have_moved_ = true;
-  if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
+  if (std::exchange(move_has_turn_, false)) return count_not_arrived(motions);
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
   const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
   const bool are_done = has_turn && push_all(motions, motion_plane_normal);
   update_bounds();
   if (are_done) first_motion_ = 0;
-  return count_not_there(motions);
+  return count_not_arrived(motions);
 }
 
 // False if there is no work left for all of them: then the next one that is to move is the first in
@@ -89,7 +89,7 @@ bool GodObject::finishes_push(std::span<const BodyMotion> motions,
 }
 
 // How many bodies are not where they are to be.
-std::size_t GodObject::count_not_there(std::span<const BodyMotion> motions) const {
+std::size_t GodObject::count_not_arrived(std::span<const BodyMotion> motions) const {
   const auto is_there = [&](const BodyMotion& motion) {
     return is_motion(motion.body, motion.T_solver_body) &&
            is_same_pose(world_->body(motion.body).T_solver_body, unit_pose(motion.T_solver_body));
