@@ -17,7 +17,7 @@ namespace {
 constexpr int kMaxShortenings = 8;
 
 // The least cosine of the angle between two successive slides that count as the same direction.
-constexpr double kSameWay = 0.9;
+constexpr double kSameDirection = 0.9;
 
 // The largest growth of an extrapolation from one slide to the next: a change of curvature farther
 // on is approached in small steps.
@@ -243,14 +243,14 @@ bool GodObject::touches_planes() const {
 
 // The part of the segment to the goal that ends at the first active plane.
 Vec3 GodObject::step_to_planes() const {
-  const Vec3 way = goal_ - proxy_;
+  const Vec3 lag = goal_ - proxy_;
   double part = 1.0;
   for (int i = 0; i < projection_.active_count; ++i) {
     const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
-    const double approach_m = plane.normal.dot(way);
+    const double approach_m = plane.normal.dot(lag);
     if (approach_m < 0.0) part = std::min(part, plane.offset_m / approach_m);
   }
-  return part * way;
+  return part * lag;
 }
 
 // Moves a proxy that is outside of the world's bounds straight to the bounds. False if the segment
@@ -352,16 +352,16 @@ void GodObject::become_slow() {
 // they have since the last one (a secant).
 double GodObject::reach_of(const Vec3& slide) {
   const Vec3 from = proxy_ - slide;
-  const Vec3 way = from - std::exchange(last_slide_from_, from);
+  const Vec3 path = from - std::exchange(last_slide_from_, from);
   const double last_m = std::exchange(last_slide_m_, slide.norm());
-  const double way_m = way.norm();
-  if (last_m == 0.0 || slide.dot(way) < kSameWay * last_slide_m_ * way_m) {
+  const double path_m = path.norm();
+  if (last_m == 0.0 || slide.dot(path) < kSameDirection * last_slide_m_ * path_m) {
     overreach_ = 1.0;
     return overreach_;
   }
   const double shrinks_m = last_m - last_slide_m_;
   if (shrinks_m > 0.0) {
-    overreach_ = std::min(way_m / shrinks_m, kMostGrowth * overreach_);
+    overreach_ = std::min(path_m / shrinks_m, kMostGrowth * overreach_);
   } else {
     // The proxy leaves a maximum of the lag. The least reach makes the gain larger than the amount
     // by which its distance to a face may differ before and after.

@@ -56,12 +56,15 @@ struct BodyMotion {
 // in metres.
 //
 // Local minimum: at the end of a tick that is not capped, no improving segment exists. An improving
-// segment is a straight segment from the proxy with four properties: it crosses no triangle; except
-// for rounding, it approaches no triangle to less than the smaller of its distance at the start and
-// one stand-off (SolverScale; for a sphere, distances are those of its surface); it keeps to the
-// plane of motion, if one is given; and its end is nearer to the goal by more than 1e-9 of the
-// scene's size. Under friction, a slide along a touched surface counts only for the part of its
-// lag that exceeds what friction holds. Accuracy::fast() gives no such guarantee.
+// segment is a straight segment from the proxy with these properties:
+//   - It crosses no triangle.
+//   - Its distance from each triangle stays at least the smaller of the distance at its start and
+//     one stand-off (SolverScale), except for rounding. For a sphere, the distance is that of the
+//     sphere's surface.
+//   - It lies in the plane of motion, if one is given.
+//   - Its end is nearer to the goal than its start by more than 1e-9 of the scene's size.
+// Under friction, a slide along a touched surface counts only for the part of its lag that exceeds
+// the friction limit. Accuracy::fast() gives no such guarantee.
 //
 // Capped: a tick is capped if it runs out of steps or work (below). It is also capped if a point is
 // between nearly parallel faces, where rounding decides whether a segment is free, or if the face
@@ -89,7 +92,7 @@ struct BodyMotion {
 //
 // Invalid input changes nothing and is reported by the return value: numbers that are not finite,
 // and positions so far away that squares of lengths overflow. With settings that check_settings()
-// reports an Error for, the god-object refuses every call in this way and does not query the world.
+// reports an Error for, the god-object refuses every call and does not query the world.
 //
 // Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
 // one thread owns an instance.
@@ -112,12 +115,12 @@ class GodObject {
   // pose (is_pose), or if `body` does not exist.
   bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
 
-  // Moves at most LiveWorld::kMostMoving bodies to new poses. Each body pushes the proxy out of its
-  // way (push_proxy), within the plane of motion if its unit normal is given. Seen from a body, the
-  // proxy moves along a straight segment. Returns the number of bodies that are not at their new
-  // poses: because the proxy had no space, because too little work was left, or because the motion
-  // was invalid. If the normal is not a unit vector, no body moves. The next move_to() belongs to
-  // the same tick.
+  // Moves at most LiveWorld::kMostMoving bodies to new poses. Each body pushes the proxy ahead of
+  // it (push_proxy), within the plane of motion if its unit normal is given. Seen from the body,
+  // the proxy moves along a straight segment. Returns the number of bodies that are not at their
+  // new poses: because the proxy had no space, because too little work was left, or because the
+  // motion was invalid. If the normal is not a unit vector, no body moves. The next move_to()
+  // belongs to the same tick.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
@@ -260,7 +263,7 @@ class GodObject {
     bool is_nearer = false;
   };
   template <typename Friction>
-  Attempt fall_from_beyond(const Vec3& way, int most_steps, Friction& friction);
+  Attempt fall_from_beyond(const Vec3& displacement, int most_steps, Friction& friction);
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
   bool goes_round(const FaceContact& from, FaceContact& to, double reach);

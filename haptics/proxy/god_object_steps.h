@@ -265,8 +265,8 @@ template <typename Friction>
 template <typename Friction>
 [[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
   if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;
-  const Vec3 way = leap_reach_ * (proxy_ - leap_from_);
-  const Attempt attempt = fall_from_beyond(way, most_steps, friction);
+  const Vec3 displacement = leap_reach_ * (proxy_ - leap_from_);
+  const Attempt attempt = fall_from_beyond(displacement, most_steps, friction);
   if (attempt.steps == 0) return 0;
   leap_reach_ = attempt.is_nearer ? kFasterEachTime * leap_reach_ : 1.0;
   leap_from_ = proxy_;
@@ -274,15 +274,16 @@ template <typename Friction>
   return attempt.steps;
 }
 
-// Moves the proxy by `way`, even away from the goal, and then lets it fall back to the surface by
-// ordinary steps. Undoes the attempt unless the proxy ends nearer to the goal. The result has 0
-// steps if too few steps are left or if `way` is not possible.
+// Moves the proxy along `displacement`, even away from the goal, as far as the limit of detours
+// (most_lag_m_) permits, and then lets it fall back to the surface by ordinary steps. Undoes the
+// attempt unless the proxy ends nearer to the goal. The result has 0 steps if too few steps are
+// left or if the displacement is zero, out of the plane of motion or out of bounds.
 template <typename Friction>
-GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
+GodObject::Attempt GodObject::fall_from_beyond(const Vec3& displacement, int most_steps,
                                                Friction& friction) {
-  const double way_m = way.norm();
-  if (way_m == 0.0 || most_steps < kStepsToFall) return {};
-  const std::optional<Vec3> along = in_motion_plane(way / way_m);
+  const double length_m = displacement.norm();
+  if (length_m == 0.0 || most_steps < kStepsToFall) return {};
+  const std::optional<Vec3> along = in_motion_plane(displacement / length_m);
   if (!along) return {};
   limit_detours();
   const Vec3 lag = proxy_ - goal_;
@@ -290,7 +291,7 @@ GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
   const double leads_m = -lag.dot(*along);
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
-  const double beyond_m = std::min(way_m, farthest_m);
+  const double beyond_m = std::min(length_m, farthest_m);
   const Vec3 target = proxy_ + beyond_m * *along;
   if (!bounds_.contains(target)) return {};
   const ProxyPlace before = place_now();

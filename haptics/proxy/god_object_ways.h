@@ -39,7 +39,7 @@ constexpr std::size_t kMostAround = 256;
 constexpr int kMostBends = 8;
 
 // Number of halvings of the angle between a blocked and a free direction: to 1/4096.
-constexpr int kMostWayHalvings = 12;
+constexpr int kMostDirectionHalvings = 12;
 
 // Up to three faces.
 struct GodObject::Faces {
@@ -199,7 +199,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
 }
 
 // Tries to slide along all near faces, each represented by the plane of its nearest point, and
-// along the faces met on the way.
+// along the faces met then.
 template <typename Friction>
 bool GodObject::slides_past(Friction& friction) {
   hold_by_most_violated(around_->all_nearest());
@@ -222,8 +222,8 @@ bool GodObject::slides_between(Friction& friction) {
     if (tracer_.is_cut_short()) return false;
     if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
-    const Vec3 way = projection_.displacement_m;  // the step, shortened by friction
-    if (may_gain_by(way) && is_stopped_by_rounding(way)) rounding_decides_ = true;
+    const Vec3 shortened = projection_.displacement_m;  // the step, shortened by friction
+    if (may_gain_by(shortened) && is_stopped_by_rounding(shortened)) rounding_decides_ = true;
     return false;
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
@@ -333,7 +333,7 @@ bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
 // Tries directions between a blocked one and one that is free or gains too little, by bisection.
 template <typename Friction>
 bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
-  for (int i = 0; i < kMostWayHalvings; ++i) {
+  for (int i = 0; i < kMostDirectionHalvings; ++i) {
     const Vec3 direction = (blocked + free).normalized();
     const Vec3 middle = direction.dot(goal_ - proxy_) * direction;
     if (!may_gain_by(middle)) {

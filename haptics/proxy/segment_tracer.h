@@ -25,6 +25,7 @@ namespace palpate {
 // A step is the segment between two points given in double; the caller commits exactly these
 // points. A step without a hit is certified: no triangle touches the swept proxy. For a point the
 // certificate is exact; for a sphere it holds up to rounding bounds that err on the side of a hit.
+// NarrowPhase::kFloat gives no certificate (float_trace.h).
 // A point is tested against a triangle in the frame of the triangle's body, or in the solver frame
 // if the body has corners there (solver_corners.h).
 //
@@ -61,6 +62,7 @@ class SegmentTracer {
   bool is_cut_short() const { return is_cut_short_; }
   const WorkMeter& work() const { return work_; }
 
+  // Begins the searches for another purpose.
   void begin_errand(Errand errand) noexcept {
     memory_ = memories_[static_cast<std::size_t>(errand)].get();
   }
@@ -75,6 +77,7 @@ class SegmentTracer {
   const TraceKey* unfinished() const {
     return memory_->progress ? &memory_->progress->key : nullptr;
   }
+  // Whether a trace was cut short while it searched the moving bodies.
   bool is_unfinished_among_moving() const {
     return memory_->progress && memory_->progress->cursor.is_among_moving;
   }
