@@ -1,6 +1,6 @@
 #pragma once
 
-// What accuracy costs: every cap, tolerance and short cut of the god-object in one place.
+// The accuracy settings of the god-object: all caps, tolerances and shortcuts in one place.
 
 #include <cstdint>
 #include <optional>
@@ -10,37 +10,39 @@
 
 namespace palpate {
 
-// The arithmetic that decides where a point proxy meets a triangle; a sphere's is always double.
+// The arithmetic that decides where a point proxy meets a triangle. A sphere proxy always uses
+// double precision.
 enum class NarrowPhase : std::uint8_t {
-  kFloat,  // coordinates relative to the pack of triangles, rounded to float: a larger stand-off
-  kDouble  // and exact signs where double cannot tell
+  kFloat,  // single precision relative to the pack's centre; requires a larger stand-off
+  kDouble  // double precision, with exact signs where double rounding leaves them uncertain
 };
 
+// Plain numbers; check_settings() (check_god_object_settings.h) reports values out of range.
 struct Accuracy {
-  // Steps of the solver a tick, not counting those that look for a way out at a vertex. A capped
-  // proxy is feasible and no farther from the goal than before, but could have come nearer; the
-  // tick has kFaultSolverCapped. 1 to kMostIterations.
+  // Largest number of solver steps per tick, 1 to kMostIterations. Attempts to leave a vertex or an
+  // edge are not counted. A capped proxy is feasible and no farther from the goal than before, but
+  // more steps could have moved it nearer; the tick reports kFaultSolverCapped.
   int iterations = 64;
-  // A step shorter than this has converged. In stand-offs (SolverScale), finite, > 0.
+  // A solver step shorter than this has converged. In stand-offs (SolverScale), finite, > 0.
   double tolerance = 0.01;
   NarrowPhase narrow_phase = NarrowPhase::kDouble;
-  // Candidate triangles of one tick serve the next while the proxy stays in their safe zone. The
-  // answer is the same to the bit.
+  // Keep candidate triangles from tick to tick while the proxy stays in their safe zone. The
+  // results are the same bit for bit with and without this.
   bool reuse_candidates = true;
-  // What is committed of a step that was stopped is traced again to its very end, and a proxy ends
-  // a step no closer than the clearance to any triangle. Without it a proxy can be put closer than
-  // rounding to a second face, and lose its side there.
+  // Trace the committed part of a stopped step again, up to its end point. The proxy then ends each
+  // step at least SolverScale::clearance_m from every triangle. Without this check a proxy can end
+  // so close to a second face that rounding loses the side it is on.
   bool certify = true;
 
-  // What a tick may do, counted (work.h): >= 1. A tick that runs out of it is capped; the next one
-  // goes on with what it has examined.
+  // Largest work of one tick in the units of work.h, >= 1. A tick that exceeds it is capped, and
+  // the next tick continues the interrupted search.
   WorkUnits work_budget = 20000;
 
-  // The corners of a tick's way have room from the start, however many steps it takes: 28 MB for so
-  // many.
+  // Limit of `iterations`. The path of a tick is allocated in advance: 28 MB at this limit.
   static constexpr int kMostIterations = 1 << 16;
 
-  // Not in float: measured, its larger stand-off costs more steps than its arithmetic saves.
+  // The preset uses double precision: in measurements, the larger stand-off of kFloat cost more
+  // steps than its arithmetic saved.
   static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false, 5000}; }
   static constexpr Accuracy balanced() { return {}; }
   static constexpr Accuracy exact() {
@@ -48,7 +50,7 @@ struct Accuracy {
   }
 };
 
-// "fast", "balanced" or "exact".
+// The preset named "fast", "balanced" or "exact"; nullopt for any other name.
 constexpr std::optional<Accuracy> accuracy_preset(std::string_view name) {
   if (name == "fast") return Accuracy::fast();
   if (name == "balanced") return Accuracy::balanced();

@@ -8,15 +8,15 @@
 namespace palpate {
 namespace {
 
-// A push that is stopped is shortened at most so often; then the proxy keeps its very place on the
-// body.
+// A stopped push is shortened at most this many times; then the proxy keeps exactly its position on
+// the body.
 constexpr int kMostShortenedPushes = 8;
 
-// The push may be so many times as long as the way of the body where it meets the proxy: planes
-// that close at less than a degree, about, hold the proxy.
+// Largest length of a push, relative to the body's motion at the proxy. Planes that close at less
+// than about one degree therefore hold the proxy.
 constexpr double kFarthestPerMotion = 64.0;
 
-// One body that moves, and what the proxy has met of it and of others.
+// The search for a new position of the proxy while one body moves, with the contact planes met.
 class PushedProxy {
  public:
   PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed,
@@ -29,7 +29,7 @@ class PushedProxy {
         proxy_(proxy),
         motion_plane_normal_(motion_plane_normal) {}
 
-  // The nearest place from which neither the body nor any other keeps the proxy.
+  // The nearest position that neither the moving body nor another body blocks.
   std::optional<Vec3> to_nearest_place() {
     Vec3 target = proxy_;
     for (int met = 0; met <= kMaxContactPlanes; ++met) {
@@ -50,7 +50,7 @@ class PushedProxy {
     return std::nullopt;
   }
 
-  // The place that the proxy had on the body, if it is free.
+  // The position that the proxy had relative to the body, if the proxy can reach it.
   std::optional<Vec3> kept_place() {
     Vec3 target = placed_.to_solver(start_body_);
     if (motion_plane_normal_) {
@@ -61,7 +61,7 @@ class PushedProxy {
     return target;
   }
 
-  // Where the proxy gets when it sticks to the body from where it is met.
+  // The position that the proxy reaches if it sticks to the body from the point where they meet.
   std::optional<Vec3> carried() {
     Vec3 along_body = placed_.to_body(proxy_) - start_body_;
     double fraction = 1.0;
@@ -78,7 +78,7 @@ class PushedProxy {
   }
 
  private:
-  // As a plane for displacements from where the proxy is.
+  // The first obstacle of the proxy, as a contact plane for displacements from its position.
   std::optional<ContactPlane> first_obstacle(const Vec3& target) {
     const double stop_m = tracer_.scale().stop_m;
     const Vec3 target_body = placed_.to_body(target);
@@ -98,8 +98,8 @@ class PushedProxy {
     return std::nullopt;
   }
 
-  // Two planes that close on the proxy at a narrow angle drive it out like a cherry stone, without
-  // bounds as the angle goes to zero. That is no push any more: there is no room.
+  // Whether the push is too long. Two planes that close on the proxy squeeze it out, the farther
+  // the smaller the angle between them, and without limit. Beyond the limit the proxy has no space.
   bool is_far(const Vec3& target) const {
     const Vec3 stuck = placed_.to_solver(start_body_);
     const double moved_m = (stuck - proxy_).norm() + 4 * tracer_.scale().stand_off_m;
@@ -107,7 +107,7 @@ class PushedProxy {
     return (target - proxy_).squaredNorm() > farthest_m * farthest_m;
   }
 
-  // False if the plane cannot push the proxy within its plane.
+  // Adds a plane. False if the plane cannot push the proxy within the plane of motion.
   bool add_plane(const ContactPlane& plane) {
     std::optional<ContactPlane> pushing = plane;
     if (motion_plane_normal_) pushing = within_plane(plane, *motion_plane_normal_);
@@ -117,8 +117,8 @@ class PushedProxy {
 
   SegmentTracer& tracer_;
   std::uint32_t body_;
-  const ContactBody& placed_;  // where it is to be
-  Vec3 start_body_;            // the proxy, in the frame of the body before it moved
+  const ContactBody& placed_;  // the body at its target pose
+  Vec3 start_body_;            // proxy relative to the body before the motion, body frame
   Vec3 proxy_;                 // solver frame
   std::optional<Vec3> motion_plane_normal_;
   std::array<ContactPlane, kMaxContactPlanes> planes_{};

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a moving body does to the proxy: it pushes it, and never passes it.
+// The push of the proxy by a moving body, which never passes through the proxy.
 
 #include <optional>
 
@@ -9,25 +9,26 @@
 
 namespace palpate {
 
+// The motion of one body in one tick.
 struct Push {
   std::uint32_t body = 0;
-  RigidTransform T_solver_body;                  // where it is to be
+  RigidTransform T_solver_body;                  // target pose
   std::optional<Vec3> motion_plane_normal = {};  // as for GodObject::move_to()
-  bool carries = false;  // the proxy sticks to it, and is taken along as far as there is room
+  bool carries = false;  // friction holds the proxy on the body, which carries it if it can
 };
 
-// Moves a body from where it is in the world to T_solver_body, and the proxy out of its way, if
-// need be, by the least that will do. Seen from the body, the proxy goes straight from where it was
-// to where it ends, and touches nothing of the body on that way: the body may turn and move as far
-// as it likes in one tick and cannot end up with the proxy on its other side. Nor is the proxy
-// pushed through any other body.
+// Moves a body from its present pose in the world to push.T_solver_body. If the body would hit the
+// proxy, the proxy is displaced by the smallest distance that avoids this. Seen from the body, the
+// proxy moves along a straight segment that is free of the body's triangles. The body may therefore
+// move and turn arbitrarily far in one tick without passing through the proxy. The proxy is not
+// pushed through any other body either. With a plane of motion, the proxy is pushed within that
+// plane. proxy: solver frame, m.
 //
-// Where there is no room for the proxy (between a moving body and one that is in the way) the body
-// is held back: it stays where it was, and so does the proxy. Then, or if too many bodies move, the
-// result is false.
+// Returns false if there is no space for the proxy, for example between the moving body and an
+// obstacle, or if too many bodies move (LiveWorld::place). The body and the proxy then stay where
+// they were.
 //
-// Given a plane of motion, the proxy is pushed within it.
-// No allocation, lock or exception.
+// Safe on the haptic thread: no allocation, lock or exception. Not thread-safe.
 bool push_proxy(LiveWorld& world, SegmentTracer& tracer, const Push& push, Vec3& proxy) noexcept;
 
 }  // namespace palpate

@@ -14,18 +14,18 @@ constexpr std::uint32_t kLanes = TrianglePack::kLanes;
 // Radius of the ball, in mean pack diagonals.
 constexpr double kBallPerPackDiagonal = 0.6;
 
-// How far the centre of the ball is ahead of the proxy, in radii: the proxy then has 1.5 of them
-// before it, and half of one to turn round in.
+// Distance from the proxy to the centre of the ball ahead of it, in radii. The proxy then has 1.5
+// radii in front of it and half a radius behind it.
 constexpr double kLead = 0.5;
 
-// Bodies whose boxes a ball may come near to, whether they have packs there or not.
+// Largest number of bodies whose boxes are near a ball, whether they have packs there or not.
 constexpr std::size_t kMostBodies = 256;
 
-// A refill that finds more packs than there is room for tries half the ball, so often.
+// A refill that finds too many packs halves the radius of the ball at most this many times.
 constexpr int kMostRadiusHalvings = 4;
 
-// Rounding to float, away from the inside of a box. Two ulp, of which the conversion takes one
-// half; what underflows is pushed beyond the smallest number that did not.
+// Rounding to float, outwards from a box. The margin is two ulp, of which the conversion uses half
+// an ulp; values that underflow are moved beyond the smallest normal number.
 constexpr float kTwoUlp = 0x1p-22f;
 constexpr float kSmallest = std::numeric_limits<float>::min();
 float round_low(double x) {
@@ -78,7 +78,7 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
   squared_radius_m2_ = radius_m * radius_m;
   body_count_ = 0;
   std::size_t used = 0;
-  // Of few bodies, each is asked whether it is near; of very many, the boxes tell.
+  // Few bodies are all queried; many bodies are first excluded by their boxes.
   const bool are_many = world_->bodies().size() > kMostBodies;
   std::size_t entered = 0;
   bool fits = true;
@@ -100,17 +100,17 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
   return fits;
 }
 
-// Adds the packs of one body that are near the ball; false if there is no room for them.
+// Adds the packs of one body that are near the ball. False if they exceed the capacity.
 bool CandidateCache::add_body(std::uint32_t b, NearSearch search, std::size_t& used) noexcept {
   const ContactBody& body = world_->body(b);
   const Vec3 centre_body = body.to_body(centre_);
   const Vec3 centre = body.to_index(centre_body);
   const StretchedBall ball = ball_in_index(body, centre_body);
-  const std::span<std::uint32_t> room = std::span(packs_).subspan(used);
+  const std::span<std::uint32_t> unused = std::span(packs_).subspan(used);
   const std::size_t count = body.stretch
-                                ? body.index->packs_near(centre, ball, room, search)
-                                : body.index->packs_near(centre, ball.radius_m, room, search);
-  if (count > room.size()) return false;
+                                ? body.index->packs_near(centre, ball, unused, search)
+                                : body.index->packs_near(centre, ball.radius_m, unused, search);
+  if (count > unused.size()) return false;
   if (count == 0) return true;
   BodyCandidates& candidates = bodies_[body_count_];
   candidates.body = b;

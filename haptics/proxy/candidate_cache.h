@@ -1,6 +1,6 @@
 #pragma once
 
-// Triangles near the proxy, kept from tick to tick.
+// The candidate packs near the proxy, kept from tick to tick.
 
 #include <array>
 #include <cstdint>
@@ -13,18 +13,22 @@
 
 namespace palpate {
 
-// Packs, of bodies at rest, that come within a reach of a ball around the proxy: the safe zone.
-// Whatever moves inside the ball can only meet triangles of those packs, so a tick need not search
-// for them: exact, as long as both ends of a step are inside.
+// Keeps a ball around the proxy, the safe zone, and all packs of bodies at rest that come within
+// reach_m of the ball. A step with both ends inside the ball can meet only triangles of these
+// packs, so a tick needs no search of the index for it. Nothing is approximated.
 //
-// The ball's size goes by the density of the surface, not by the speed of the proxy: a ball that
-// grew with the speed would find half the mesh after a leap.
+// The size of the ball depends on the density of the surface and not on the speed of the proxy: a
+// ball that grew with the speed would contain half the mesh after a large step.
+//
+// Points are in the solver frame in metres, except where a name ends in _index. Safe on the haptic
+// thread: no allocation, lock or exception. Not thread-safe: one thread owns a cache.
 class CandidateCache {
  public:
-  // An apex of 1000 triangles is in some 65 packs; room for four times as many.
+  // Capacity in packs: four times the 65 packs or so that an apex of 1000 triangles occupies.
   static constexpr std::size_t kCapacity = 256;
 
-  // reach_m: how far from the proxy a triangle can matter: its radius and the margins.
+  // reach_m: the distance from the proxy's centre within which a triangle can matter: the radius
+  // and the margins. The world must outlive the cache.
   CandidateCache(const LiveWorld& world, double reach_m);
 
   // Whether both points are inside the ball.
@@ -33,32 +37,34 @@ class CandidateCache {
     return (p - centre_).squaredNorm() <= squared_radius_m2_;
   }
 
-  // Whether a refill may cover such a step.
+  // Whether a refilled ball may contain a step of this length.
   bool may_cover_step(const Vec3& d) const noexcept {
     return d.squaredNorm() <= 4.0 * usual_ball_m_ * usual_ball_m_;
   }
 
-  // Whether a refill at p may succeed: none has failed near by.
+  // Whether a refill at p may succeed, because the last failed refill was not nearby.
   bool may_refill(const Vec3& p) const noexcept {
     return !failed_at_ || (p - *failed_at_).squaredNorm() > 0.25 * usual_ball_m_ * usual_ball_m_;
   }
 
-  // Whether nothing is near the ball, if there is one.
+  // Whether the cache holds no packs. With covers(), this means that nothing is near the ball.
   bool is_empty() const { return body_count_ == 0; }
 
-  // Searches anew, with a ball that holds p and extends in the direction `ahead`, where the proxy
-  // is going. False, with nothing cached, if there are too many packs, or bodies that have none.
+  // Searches for the packs of a new ball that contains p and extends in the direction `ahead` of
+  // the proxy's motion. Adds its work to `work`. Returns false and leaves the cache empty if too
+  // many packs, or too many bodies, are near.
   bool refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) noexcept;
 
-  // Nothing is covered any more: one of the bodies has begun to move.
+  // Empties the cache. To be called when a body moves for the first time.
   void forget() noexcept {
     squared_radius_m2_ = -1.0;
     body_count_ = 0;
     failed_at_.reset();
   }
 
-  // The cached packs of the n-th body whose boxes come within the reach of the part of the segment
-  // p to p + d that is inside the ball, index frame. Returns how many were written.
+  // Writes the cached packs of the n-th body whose boxes come within the reach of the segment p to
+  // p + d, as far as the segment is inside the ball. Index frame of the body. Returns the number of
+  // packs written.
   std::size_t packs_along(std::size_t n, const Vec3& p_index, const Vec3& d_index,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 
@@ -66,12 +72,12 @@ class CandidateCache {
   std::uint32_t body(std::size_t n) const { return bodies_[n].body; }
 
  private:
-  // Each body begins a box pack of its own.
+  // The packs of each body begin at a new box pack.
   static constexpr std::size_t kBoxPacks = kCapacity / TrianglePack::kLanes;
 
   struct BodyCandidates {
     std::uint32_t body;
-    std::uint32_t first;  // of packs_, at the first lane of a box pack
+    std::uint32_t first;  // position in packs_, the first lane of a box pack
     std::uint32_t count;
     double reach;     // index frame
     FloatBox around;  // the ball and the reach, rounded outwards; index frame
@@ -89,7 +95,7 @@ class CandidateCache {
   Vec3 centre_ = Vec3::Zero();
   double radius_m_ = 0.0;
   double squared_radius_m2_ = -1.0;  // < 0: nothing cached, nothing covered
-  std::optional<Vec3> failed_at_;    // where the last refill found too many packs, if it did
+  std::optional<Vec3> failed_at_;    // proxy position of the last refill, if it failed
   std::size_t body_count_ = 0;
   std::array<BodyCandidates, kBoxPacks> bodies_{};
   std::array<std::uint32_t, kCapacity> packs_{};

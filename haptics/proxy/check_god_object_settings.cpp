@@ -9,13 +9,14 @@
 namespace palpate {
 namespace {
 
-// radius_m: finite, > 0. Neither too small to be told from a point, nor larger than indices allow.
+// Tests that the sphere is large enough to differ from a point and small enough for the indices.
+// radius_m: finite, > 0.
 std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   const double stand_off_m = SolverScale::of(world.size_m, radius_m).stand_off_m;
   if (radius_m < stand_off_m) {
     return invalid_argument(
         "radius_m", digits_of(radius_m) + " m given, expected 0 for a point, or at least the " +
-                        digits_of(stand_off_m) + " m that a proxy stays off what it touches");
+                        digits_of(stand_off_m) + " m of the solver's stand-off");
   }
   const double sweep_m = radius_m + stand_off_m;
   double built_for_m = SurfaceIndex::kLargestSweep_m;
@@ -26,10 +27,10 @@ std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   }
   if (sweep_m <= built_for_m) return std::nullopt;
   return invalid_argument("radius_m",
-                          digits_of(radius_m) + " m given, with its stand-off " +
-                              digits_of(sweep_m) + " m; expected at most the " +
-                              digits_of(built_for_m) + " m that the scene's indices were built for",
-                          "load the scene for this radius");
+                          digits_of(radius_m) + " m given, " + digits_of(sweep_m) +
+                              " m with the stand-off; expected at most " + digits_of(built_for_m) +
+                              " m with the stand-off, the limit of the scene's indices",
+                          "load the scene with this radius");
 }
 
 }  // namespace

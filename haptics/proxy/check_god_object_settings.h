@@ -1,6 +1,6 @@
 #pragma once
 
-// Which settings a god-object accepts, told before it is made.
+// Validation of a god-object's settings before its construction.
 
 #include <optional>
 
@@ -11,18 +11,19 @@ namespace palpate {
 struct ContactWorld;
 struct GodObjectSettings;
 
-// The first setting that is out of range, or nothing. Error::element is the name of the field, such
-// as "accuracy.tolerance". In range are:
+// Reports the first setting that is out of range, or nullopt. Error::element is the name of the
+// field, such as "accuracy.tolerance". The valid ranges are:
 //
-//   radius_m              finite; 0, a point, or at least a stand-off (SolverScale): a smaller
-//                         sphere has no digits. No larger than what each index of the world and its
-//                         tree were built for: SurfaceIndex::sweep_radius_m() >= radius_m + a
-//                         stand-off, kLargestSweep_m at most
-//   accuracy.iterations   1 to Accuracy::kMostIterations
-//   accuracy.tolerance    finite, > 0
+//   radius_m               finite; 0 for a point, or at least one stand-off (SolverScale), since
+//                          rounding would hide a smaller sphere. radius_m plus a stand-off must not
+//                          exceed SurfaceIndex::kLargestSweep_m nor the sweep radius of the world's
+//                          tree and of any of its indices
+//   accuracy.iterations    1 to Accuracy::kMostIterations
+//   accuracy.work_budget   >= 1
+//   accuracy.tolerance     finite, > 0
 //
-// A god-object that is made in spite of an error moves nothing (ProxyState::is_refused).
-// Not for the haptic thread: it allocates. Thread-safe.
+// A god-object constructed with invalid settings refuses every move (ProxyState::is_refused).
+// Not for the haptic thread: allocates. Thread-safe.
 std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the proxy can touch: rigid bodies, each with the index of its surface.
+// The rigid bodies that the proxy can touch, each with the index of its surface.
 
 #include <algorithm>
 #include <cmath>
@@ -21,28 +21,33 @@ struct EffectProgram;
 
 // A rigid surface placed in the solver frame.
 //
-// Its index is in a frame and a unit of its own, so that bodies share one whatever their scale. The
-// body frame is the one in which triangles are decided on:
+// The index has its own frame and unit, so that bodies of different scales share one index. The
+// body frame is the frame in which the exact tests of triangles are made:
 //
 //     p_body = units_per_metre R^-1 (p_solver - t),   R and t of T_solver_body
 //
-// Of most bodies it is that of the index, and its unit is that of the index. All that decides there
-// is as good as in metres: bounds on rounding are relative to the lengths that they are about, and
-// a point takes one rounding more on its way, none where units are powers of two. A mirrored body
-// has negative units: a mirror is minus a rotation, and minus one takes a direction to its
-// opposite, so that a front stays a front.
+// For most bodies the body frame and its unit are those of the index. Tests in these units are as
+// accurate as tests in metres: rounding bounds are relative to the lengths in question, and the
+// change of unit adds one rounding to a point, or none if the unit is a power of two. A mirrored
+// body has negative units: a mirror is minus a rotation, and the factor -1 also reverses
+// directions, so that the front of a face stays its front.
 //
-// A stretched body is decided on in metres, and its index sorts out (Stretch).
+// The body frame of a stretched body has metres as its unit; its index then serves only to exclude
+// triangles that are too far away (Stretch).
+//
+// The member functions are safe on the haptic thread: no allocation, lock or exception.
 struct ContactBody {
   const SurfaceIndex* index;     // outlives the world
-  RigidTransform T_solver_body;  // but for the unit
-  bool is_identity;              // the transform changes nothing, not even a bit
-  // Of a body that meets others along seams, as long as it is where it was at first: what decides
-  // there whether a point passes. Null for all others. Outlives the world, as the index.
+  RigidTransform T_solver_body;  // rotation and translation; the unit is separate
+  bool is_identity;              // T_solver_body is exactly the identity
+  // The body's triangles in the solver frame, which decide whether a point crosses a triangle. Set
+  // only for a body that meets others along seams and has not moved since it was loaded; otherwise
+  // null. Outlives the world.
   const SolverCorners* corners = nullptr;
   double units_per_metre = 1.0;
   double metres_per_unit = 1.0;
-  // Null where the body frame is that of the index. Outlives the world.
+  // The stretch from the index frame to the body frame; null if the two are the same. Outlives the
+  // world.
   const Stretch* stretch = nullptr;
 
   void place(const RigidTransform& T) {
@@ -50,7 +55,7 @@ struct ContactBody {
     is_identity = T.rotation.coeffs() == Quat::Identity().coeffs() && T.translation_m.isZero(0.0);
   }
 
-  // Around the surface, where the body is: what its own box needs when it is turned. Solver frame.
+  // The axis-aligned box around the body's transformed box_body(). Solver frame, m.
   Box box_solver() const {
     const Box box = box_body();
     const Vec3 centre = to_solver(0.5 * (box.low + box.high));
@@ -67,7 +72,7 @@ struct ContactBody {
     const Vec3 p_m = metres_per_unit * p_body;
     return is_identity ? p_m : T_solver_body.point(p_m);
   }
-  // Unit vectors, and what keeps its length.
+  // Transform a direction and keep its length.
   Vec3 direction_to_body(const Vec3& d_solver) const {
     return front() * (is_identity ? d_solver : T_solver_body.inverse_direction(d_solver));
   }
@@ -75,11 +80,11 @@ struct ContactBody {
     const Vec3 d = front() * d_body;
     return is_identity ? d : T_solver_body.direction(d);
   }
-  // The way between two points.
+  // The difference of two points, in units of the body frame.
   Vec3 way_to_body(const Vec3& d_solver) const {
     return length_to_body(1.0) * direction_to_body(d_solver);
   }
-  // What a quantity of the body frame gains in a unit of length there is, solver frame, a metre.
+  // Converts a gradient per unit of the body frame to a gradient per metre in the solver frame.
   Vec3 gradient_to_solver(const Vec3& g_body) const {
     return length_to_body(1.0) * direction_to_solver(g_body);
   }
@@ -88,59 +93,63 @@ struct ContactBody {
     return std::abs(metres_per_unit) * length_body;
   }
 
-  // Where what sorts out looks for a point of the body frame, and how far around it.
+  // The index query for the surroundings of a point of the body frame: the point or vector in the
+  // index frame, and the radius there that contains reach_m around the point p_body.
   Vec3 to_index(const Vec3& v_body) const { return stretch ? stretch->to_index(v_body) : v_body; }
   double reach_index(double reach_m, const Vec3& p_body) const {
     return stretch ? stretch->reach_index(reach_m, p_body) : length_to_body(reach_m);
   }
 
-  // A triangle of the index, body frame: where it is, or made in `room`.
-  const TriangleGeometry& triangle(std::uint32_t slot, TriangleGeometry& room) const {
+  // The triangle of a slot in the body frame. The triangle of a stretched body is computed and
+  // stored in `buffer`.
+  const TriangleGeometry& triangle(std::uint32_t slot, TriangleGeometry& buffer) const {
     if (!stretch) [[likely]]
       return index->triangle(slot);
-    room = stretch->triangle(index->triangle(slot));
-    return room;
+    buffer = stretch->triangle(index->triangle(slot));
+    return buffer;
   }
 
  private:
   double front() const { return std::copysign(1.0, units_per_metre); }
 };
 
-// Immutable while a haptic loop uses it.
+// The bodies of a scene where they are at first. Immutable while a haptic loop uses it, so that
+// threads may share it.
 //
 // The solver frame has the axes of the scene frame and its origin at anchor_scene_m, the middle of
-// the scene: a scene 1 km from the origin loses no digits in the solver.
+// the scene. A scene 1 km from the scene frame's origin therefore loses no digits in the solver.
 struct ContactWorld {
   std::vector<ContactBody> bodies;
-  Box bounds_solver;  // around all surfaces
+  Box bounds_solver;  // around all surfaces, m
   Vec3 anchor_scene_m = Vec3::Zero();
   double size_m = 0.0;  // largest extent of the scene
-  // Over the boxes of the bodies, in their order, solver frame, for sweeps of the largest proxy.
-  // Null in small worlds: all bodies are asked.
+  // Tree over the boxes of the bodies, in their order, solver frame, built for sweeps of the
+  // largest proxy. Null in a small world, where every body is tested.
   std::shared_ptr<const BoxTree> tree;
-  // What the bodies' stretches point to. Null in a world without stretched bodies.
+  // Owns the stretches of the bodies. Null in a world without stretched bodies.
   std::shared_ptr<const std::vector<Stretch>> stretches;
-  // What the bodies' corners point to. Null in a world without seams.
+  // Owns the corners of the bodies. Null in a world without seams.
   std::shared_ptr<const SeamedBodies> seams;
-  // What the surfaces are felt like, solver frame. Null in a world without effects.
+  // The haptic effects of the surfaces, solver frame. Null in a world without effects.
   std::shared_ptr<const EffectProgram> effects;
 
   Vec3 to_solver(const Vec3& p_scene) const { return p_scene - anchor_scene_m; }
   Vec3 to_scene(const Vec3& p_solver) const { return p_solver + anchor_scene_m; }
 };
 
-// Lengths the solver decides by, all derived from the scene's size and the format of double.
+// The length thresholds of the solver. All derive from the scene's size and the format of double.
 struct SolverScale {
-  // A proxy touches what is this near: far enough that rounding can never put it on the other side.
-  // Rounding of a height is at most 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff); 1e-11
-  // leaves three orders of magnitude for the millions of ticks over which heights wander.
+  // A proxy touches a surface if it is nearer than this. The stand-off is large enough that
+  // rounding can never put the proxy on the other side: the rounding of a height is at most
+  // 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff), and 1e-11 sizes leave three orders of
+  // magnitude for the drift of heights over millions of ticks.
   double stand_off_m;
-  // The proxy is stopped this far from a surface. A little less than a stand-off, so that it still
-  // touches what it has been stopped at when rounding has turned its slide away by a part in ten
-  // thousand of its length.
+  // A step is stopped this far from a surface. The distance is a little less than a stand-off: the
+  // proxy still touches the surface after a slide that rounding has turned away from it by a
+  // ten-thousandth of the slide's length.
   double stop_m;
-  // Where a point proxy ends a step, it is at least this far from every triangle, crossed or not: a
-  // proxy that came to rest closer than rounding beside an edge would have lost its side.
+  // A point proxy ends a step at least this far from every triangle, crossed or not. A proxy at
+  // rest beside an edge and closer than rounding would lose the side it is on.
   double clearance_m;
 
   static constexpr double kStandOffPerSize = 1e-11;
@@ -148,7 +157,8 @@ struct SolverScale {
   static constexpr double kClearancePerStandOff = 0.25;
   static_assert(kMostApartPerStandOff < kClearancePerStandOff);
 
-  // radius_m: of the proxy; positions are then exact to the radius' rounding, too.
+  // The thresholds for a scene of size_m and a proxy of radius_m. They grow with the larger of the
+  // two, since the rounding of positions does.
   static SolverScale of(double size_m, double radius_m) {
     const double stand_off =
         kStandOffPerSize * std::max({size_m, radius_m, std::numeric_limits<double>::min()});

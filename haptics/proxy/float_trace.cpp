@@ -25,7 +25,7 @@ float triple_product(const Vec3f& u, const Vec3f& v, const Vec3f& w) {
          u.z() * (v.x() * w.y() - v.y() * w.x());
 }
 
-// Whether the line from p to q certainly passes the triangle by.
+// Whether the line through p and q certainly misses the triangle.
 bool passes_by(const TrianglePack& pack, int lane, const Vec3f& p, const Vec3f& q) {
   const Vec3f d = q - p;
   const Vec3f a = lane_of(pack.a, lane) - p;
@@ -63,7 +63,7 @@ bool trace_point_in_float(const TrianglePack& pack, int lane, const Vec3& p, con
   if (passes_by(pack, lane, p_local, q_local)) return false;
   const float side = start < 0.0f ? -1.0f : 1.0f;
   const float approach = side * (start - end);
-  if (approach <= 0.0f) return false;  // leaves it, or keeps its height
+  if (approach <= 0.0f) return false;  // the step leaves the plane or keeps its height
   const double scale_m = 1.0 / pack.per_metre;
   const double meet = std::clamp(static_cast<double>(side * start / approach), 0.0, 1.0);
   hit.meet_fraction = StepFraction(meet);

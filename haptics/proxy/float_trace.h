@@ -7,16 +7,21 @@
 
 namespace palpate {
 
-// As trace_point() for one lane of a pack, with its local coordinates in single precision and
-// without exact signs or a look at the end of the step: a proxy that comes to rest beside an edge,
-// within rounding of a plane, may lose its side of it there. Not for those who need the
-// certificate. The stand-off must be at least float_stand_off_m() of the pack.
+// As trace_point() for the triangle in one lane of a pack, in single precision and in the local
+// coordinates of the pack. p and q are in the frame of the index; stand_off_m is the distance at
+// which the step is stopped, at least float_stand_off_m() of the pack.
+//
+// The function uses no exact signs and does not test the end of a step that misses the triangle. A
+// proxy that rests beside an edge, within rounding of a plane, may therefore lose its side of the
+// plane. Not for callers that need the certificate of a free step. Safe on the haptic thread;
+// thread-safe.
 bool trace_point_in_float(const TrianglePack& pack, int lane, const Vec3& p, const Vec3& q,
                           double stand_off_m, TriangleHit& hit) noexcept;
 
-// Four times the rounding of a height over a triangle of a pack whose coordinates reach
-// `pack_reach_m` from its centre, for a proxy that is no farther from there than twice that: 16
-// roundings of 2^-24 for each component of the two, as in the bounds of pack_kernels.inl.
+// The smallest stand-off for trace_point_in_float(): four times the rounding of a height over a
+// triangle. pack_reach_m: the largest coordinate of the pack relative to its centre; the proxy may
+// be up to twice as far away. The bound counts 16 roundings of 2^-24 for each component of the two,
+// as the bounds of pack_kernels.inl do.
 constexpr double float_stand_off_m(double pack_reach_m) {
   return 4 * 16 * 0x1p-24 * (3 * 2 + 2) * pack_reach_m;
 }

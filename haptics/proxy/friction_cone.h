@@ -1,17 +1,20 @@
 #pragma once
 
-// How much of its depth a contact can hold sideways, and whether it does.
+// The coefficients of Coulomb friction at a contact.
 
 #include "palpate/record.h"  // FrictionState
 
 namespace palpate {
 
-// Coulomb's friction. No unit, finite, 0 <= dynamic <= static.
+// The coefficients of Coulomb friction: no unit, finite, 0 <= dynamic <= static.
 struct FrictionCone {
-  double static_friction = 0.0;   // a proxy that sticks keeps its place while its tangential lag is
-                                  // at most so many times its depth
-  double dynamic_friction = 0.0;  // one that slides has a lag of so many times its depth
+  // A sticking proxy keeps its position while its tangential lag is at most this multiple of the
+  // penetration depth.
+  double static_friction = 0.0;
+  // A sliding proxy has a tangential lag of this multiple of the penetration depth.
+  double dynamic_friction = 0.0;
 
+  // Whether the contact has friction.
   bool holds() const { return static_friction > 0.0; }
 };
 

@@ -11,28 +11,29 @@
 namespace palpate {
 namespace {
 
-// A step that is stopped is shortened at most so often, then by half, and then the proxy stays
-// where it is. Each time is a triangle within a stand-off of the last stop: faces of one vertex, as
-// a rule.
+// A stopped step is shortened at most this many times, to the stop of each next triangle; then once
+// more by half; then the proxy keeps its position. Each shortening is caused by another triangle
+// within a stand-off of the last stop, usually a face of the same vertex.
 constexpr int kMaxShortenings = 8;
 
-// The cosine of the angle between two slides that lead on in one direction.
-constexpr double kSameWay = 0.9;
+// The least cosine of the angle between two successive slides that count as the same direction.
+constexpr double kSameDirection = 0.9;
 
-// By how much farther a proxy that goes on as its slides say goes than the last time, at most: a
-// surface that curves otherwise farther on is found out in small steps.
+// The largest growth of an extrapolation from one slide to the next: a change of curvature farther
+// on is approached in small steps.
 constexpr double kMostGrowth = 16.0;
 
-// A step goes into the world's bounds and then straight on or round a feature; an iteration takes
-// one, and one more if it is a way out.
+// A step enters the world's bounds and then moves straight or round a feature. An iteration takes
+// one step, and one more if it improves a rest.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
 
-// The height of a point over a plane through another, of the distance between the two: 1 rounding
-// for their difference, 3 for the product and 4 for the length of the normal.
+// Rounding of the height of a point over a plane through another point, relative to the distance
+// between the two points: 1 rounding for their difference, 3 for the product and 4 for the length
+// of the normal.
 constexpr double kInPlaneRoundoff = 8 * kUnitRoundoff;
 
-// Normals of two contacts with one face count as the same plane where a cosine cannot tell them
-// apart; those of two faces where they differ by rounding.
+// Two contacts with the same face have the same plane if a cosine cannot distinguish their normals;
+// contacts with different faces, if their normals differ by rounding only.
 constexpr double kSameNormal = 0x1p-25;
 constexpr double kSameNormalOfOther = 32 * kUnitRoundoff;
 
@@ -45,7 +46,7 @@ GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& setting
       tracer_(*world_, settings_.radius_m, settings_.accuracy),
       around_(std::make_unique<Surroundings>()) {
   step_tolerance_m_ = settings_.accuracy.tolerance * scale().stand_off_m;
-  take_bounds();
+  update_bounds();
   path_.reserve(1 +
                 kMostCornersPerIteration * static_cast<std::size_t>(settings_.accuracy.iterations));
 }
@@ -61,9 +62,9 @@ ProxyState GodObject::refused() const {
   return state;
 }
 
-// One size of margin: what lies outside cannot touch anything, and what lies inside has coordinates
-// of the order of the scene, as the stand-off assumes.
-void GodObject::take_bounds() {
+// The bounds have a margin of one scene size. A proxy outside cannot touch anything; a proxy inside
+// has coordinates of the order of the scene, as the stand-off assumes.
+void GodObject::update_bounds() {
   bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
 }
 
@@ -101,9 +102,9 @@ ProxyState GodObject::move_to(const Vec3& goal,
   return move(goal, motion_plane_normal, none);
 }
 
-// Notes for what the step that has been cut short was begun.
+// Stores the goal and the target of the interrupted step.
 [[gnu::cold]] void GodObject::keep_step_for_next_tick() {
-  // A search among bodies that move is of no use any more once they have.
+  // The results of a search among moving bodies are lost when the bodies move.
   const bool had_little = 2 * work_of_bodies_ > tracer_.work().budget();
   move_has_turn_ = had_little || tracer_.is_unfinished_among_moving();
   const TraceKey* unfinished = tracer_.unfinished();
@@ -112,7 +113,7 @@ ProxyState GodObject::move_to(const Vec3& goal,
   if (unfinished) step_target_ = unfinished->q;
 }
 
-// There is nothing to touch on the way.
+// Moves straight to the goal. Nothing can be touched on this segment.
 ProxyState GodObject::move_freely() {
   const Vec3 step = goal_ - proxy_;
   commit(goal_);
@@ -134,7 +135,7 @@ void GodObject::seed_from_last_tick() {
   planes_are_current_ = is_over_next_ = false;
   for (int i = 0; i < last_count_; ++i) {
     const FaceContact& last = last_contacts_[i];
-    // A point that ended the last tick at its minimum is over its face: nothing has moved since.
+    // A point that ended the last tick at a minimum is still over its face.
     if (settled_ && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
       add_plane(tracer_.contact_over(last.face, proxy_, last.normal));
     } else {
@@ -144,24 +145,24 @@ void GodObject::seed_from_last_tick() {
   planes_are_current_ = true;
 }
 
-// Takes up what the proxy touches of a face that it has met. A point is held by the edge of a face
-// only where it has just been stopped there: see leaves_edges().
+// Adds the contact plane of a face that the proxy has met, if the proxy touches the face now. The
+// edge of a face holds a point only directly after it stopped the point: see leaves_edges().
 void GodObject::add_if_touched(const FaceContact& met) {
   const double near_m = kNearPerStandOff * scale().stand_off_m;
   const bool is_point = tracer_.radius_m() == 0.0;
   if (is_point && tracer_.is_far_beside_face(met.face, proxy_, near_m)) return;
   const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
   if (now.clearance_m > near_m) return;
-  // The plane of the face, though the proxy is a little beside it.
+  // The contact may be with the plane of the face although the proxy is slightly beside the face.
   const bool is_over = (now.normal - met.normal).norm() <= kSameNormal;
   if (!is_point || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
 }
 
-// Replaces each plane by that of the place of its face which is nearest to the proxy, and leaves
-// out those of faces that it does not touch any more. The distance to a triangle is convex along a
-// segment, so the way that such a plane allows never comes nearer to its face than the proxy is,
-// and a way that it forbids does. A proxy that these planes hold is therefore at a local minimum,
-// whatever else is near.
+// Replaces each plane by the plane across the direction from the nearest point of its face to the
+// proxy, and drops the planes of faces that the proxy no longer touches. The distance to a triangle
+// is convex along a segment. A segment that such a plane allows therefore never comes nearer to the
+// face than the proxy is now, and a segment that the plane forbids does. A proxy that these planes
+// hold is therefore at a local minimum, whatever other faces are near.
 void GodObject::update_planes() {
   const int count = plane_count_;
   plane_count_ = 0;
@@ -173,8 +174,8 @@ void GodObject::update_planes() {
   planes_are_current_ = true;
 }
 
-// Where a step to a target that is outside of the world's bounds leaves them. One that starts
-// outside goes all the way.
+// The point where a step to a target outside of the world's bounds leaves them; the target, if the
+// step does not meet the bounds.
 Vec3 GodObject::leave_bounds(const Vec3& target) const {
   const Vec3 step = target - proxy_;
   double enter = 0.0;
@@ -182,7 +183,8 @@ Vec3 GodObject::leave_bounds(const Vec3& target) const {
   return bounds_.clip(proxy_, step, enter, leave) ? Vec3(proxy_ + leave * step) : target;
 }
 
-// Goes to the target as far as the way is free. Nothing if all of it is.
+// Moves towards the target up to the first obstacle, and adds the plane of the obstacle. Nullopt if
+// the proxy reached the target.
 std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& target) {
   std::optional<TraceHit> hit = tracer_.trace(proxy_, target);
   if (tracer_.is_cut_short()) return Progress::kStuck;
@@ -191,9 +193,9 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     return std::nullopt;
   }
   Vec3 stop = proxy_ + hit->fraction.value() * (target - proxy_);
-  const auto moves = [&] { return !is_none(stop - proxy_); };
-  // The face it is stopped by may not be the only one that is close there. What is committed has
-  // been traced to its very end.
+  const auto moves = [&] { return !has_converged(stop - proxy_); };
+  // Another face may be close to the stopping point. The committed part of the step is therefore
+  // traced again, up to its end.
   int shortened = 0;
   for (; settings_.accuracy.certify && moves(); ++shortened) {
     const std::optional<TraceHit> nearer = tracer_.trace_part(proxy_, stop);
@@ -214,8 +216,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
     contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
   }
   bool is_new = add_plane(contact);
-  // Among many faces that a sphere touches, the one that is met first is not the one that says
-  // most.
+  // If a sphere touches many faces, the face that is met first may not restrict the step most.
   if (!moved && tracer_.radius_m() > 0.0) {
     const auto steepest = tracer_.steepest_contact(proxy_, target - proxy_);
     if (steepest && add_plane(*steepest)) is_new = true;
@@ -223,8 +224,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
 }
 
-// Whether the proxy touches none of the planes that are to hold it. Friction holds by what is
-// touched.
+// Whether the proxy touches none of the active planes. Friction acts only at touched planes.
 bool GodObject::is_off_planes() const {
   const double near_m = kNearPerStandOff * scale().stand_off_m;
   for (int i = 0; i < projection_.active_count; ++i) {
@@ -241,20 +241,20 @@ bool GodObject::touches_planes() const {
   return true;
 }
 
-// The part of the way to the goal that leads to the first of them.
-Vec3 GodObject::way_to_planes() const {
-  const Vec3 way = goal_ - proxy_;
+// The part of the segment to the goal that ends at the first active plane.
+Vec3 GodObject::step_to_planes() const {
+  const Vec3 lag = goal_ - proxy_;
   double part = 1.0;
   for (int i = 0; i < projection_.active_count; ++i) {
     const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
-    const double approach_m = plane.normal.dot(way);
+    const double approach_m = plane.normal.dot(lag);
     if (approach_m < 0.0) part = std::min(part, plane.offset_m / approach_m);
   }
-  return part * way;
+  return part * lag;
 }
 
-// Takes a proxy that is outside everything straight to where things begin. False if it has reached
-// the goal without meeting anything.
+// Moves a proxy that is outside of the world's bounds straight to the bounds. False if the segment
+// to the goal misses the bounds and the proxy has moved to the goal.
 bool GodObject::enter_bounds() {
   if (bounds_.contains(proxy_)) return true;
   const Vec3 step = goal_ - proxy_;
@@ -270,8 +270,8 @@ bool GodObject::enter_bounds() {
   return true;
 }
 
-// Whether there is such a plane already: of the same face, or, where faces share an edge or a
-// vertex that is touched or lie in one plane, of another one.
+// Whether a plane is already present, from the same face or from another one; faces that share a
+// touched edge or vertex, or lie in one plane, have the same contact plane.
 bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const {
   for (known = 0; known < plane_count_; ++known) {
     const double difference = (planes_of_contact_[known].normal - plane.normal).squaredNorm();
@@ -282,9 +282,9 @@ bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, 
   return false;
 }
 
-// False if that changes nothing.
+// Adds the contact plane of a contact. False if the planes are unchanged.
 bool GodObject::add_plane(const FaceContact& contact) {
-  // Never negative room: the proxy is where it is, and must stay feasible.
+  // The offset is at most 0, so that the present position stays feasible.
   ContactPlane plane{contact.normal, scale().stop_m - contact.clearance_m};
   if (motion_plane_normal_) {
     const auto in_plane = within_plane(plane, *motion_plane_normal_);
@@ -335,7 +335,8 @@ void GodObject::advance_to(const Vec3& target) {
   }
 }
 
-// A tick that becomes slow has learnt nothing yet; one that goes on with the last has.
+// Marks the tick as slow and resets the extrapolation. A tick that continues the last one keeps its
+// extrapolation.
 void GodObject::become_slow() {
   if (is_slow_) return;
   is_slow_ = true;
@@ -346,23 +347,24 @@ void GodObject::become_slow() {
   steps_to_leap_ = kStepsPerLeap;
 }
 
-// By what a slide is to be multiplied to lead to where it and all that follow lead: where slides
-// vanish, if they shrink along the way as they have from the last one on (a secant).
+// The factor by which a slide must be multiplied to end where it and all later slides together
+// would end. It extrapolates to where slides vanish if they continue to shrink along the path as
+// they have since the last one (a secant).
 double GodObject::reach_of(const Vec3& slide) {
   const Vec3 from = proxy_ - slide;
-  const Vec3 way = from - std::exchange(last_slide_from_, from);
+  const Vec3 path = from - std::exchange(last_slide_from_, from);
   const double last_m = std::exchange(last_slide_m_, slide.norm());
-  const double way_m = way.norm();
-  if (last_m == 0.0 || slide.dot(way) < kSameWay * last_slide_m_ * way_m) {
+  const double path_m = path.norm();
+  if (last_m == 0.0 || slide.dot(path) < kSameDirection * last_slide_m_ * path_m) {
     overreach_ = 1.0;
     return overreach_;
   }
   const double shrinks_m = last_m - last_slide_m_;
   if (shrinks_m > 0.0) {
-    overreach_ = std::min(way_m / shrinks_m, kMostGrowth * overreach_);
+    overreach_ = std::min(path_m / shrinks_m, kMostGrowth * overreach_);
   } else {
-    // The proxy leaves a place where the lag is greatest: so far at least that what it gains is
-    // more than by what it may be nearer to a face before than after.
+    // The proxy leaves a maximum of the lag. The least reach makes the gain larger than the amount
+    // by which its distance to a face may differ before and after.
     const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / last_slide_m_;
     overreach_ = std::max(kFasterEachTime * overreach_, least_m / last_slide_m_);
   }
@@ -384,21 +386,22 @@ void GodObject::return_to(const ProxyPlace& place) {
   planes_are_current_ = place.planes_are_current;
 }
 
-// Whether that is nearer to the goal by more than little.
+// Whether `to` is nearer to the goal than `from` by more than little_m().
 bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
   return (from - goal_).norm() - (to - goal_).norm() > little_m();
 }
 
-// A direction within the plane of motion, if there is one: nothing if it has no part there.
+// The unit component of a direction in the plane of motion, or the direction itself without such a
+// plane. Nullopt if the direction has no component there.
 std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
   if (!motion_plane_normal_) return direction;
   const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
   return plane ? std::optional(plane->normal) : std::nullopt;
 }
 
-// A step that ends in the plane of motion. Where two planes meet at a small angle, the rounding of
-// their normals leads out of it. Once the proxy is in it, but for rounding, it keeps its place
-// there: that of a goal far away is rounded more.
+// Corrects a step to end in the plane of motion: where two planes cross at a small angle, the
+// rounding of their normals leads out of it. A proxy that is in the plane to within rounding keeps
+// its height, since the height of a distant goal has a larger rounding error.
 Vec3 GodObject::onto_motion_plane(const Vec3& step) const {
   const Vec3& n = *motion_plane_normal_;
   const Vec3 lag = goal_ - proxy_;
@@ -407,17 +410,17 @@ Vec3 GodObject::onto_motion_plane(const Vec3& step) const {
   return step + ((is_in_plane ? 0.0 : height_m) - step.dot(n)) * n;
 }
 
-// Whether a point is no longer held by a face that it has been stopped by. What is rounded far away
-// comes back on the plane of motion, and off a face that is hardly inclined to it.
+// Whether a point has left the face that stopped it. The correction to the plane of motion can move
+// a point off a face that is nearly parallel to that plane.
 bool GodObject::is_above(const FaceContact& contact) const {
   if (tracer_.radius_m() > 0.0) return false;
   const FaceContact now = tracer_.contact_over(contact.face, proxy_, contact.normal);
   return now.clearance_m > scale().stand_off_m;
 }
 
-// True iff the face that pushes is really there, under the proxy, and not only its plane. Of two or
-// three planes one can hold where its face has ended, and no test of one face can tell: they have
-// to be met again from where the proxy is.
+// Whether the face of the one active plane is under the proxy, and not only its plane. With two or
+// three active planes, one can hold the proxy beyond the end of its face. No test of a single face
+// detects this, so the planes must be found again at the present position.
 bool GodObject::settled() const {
   if (projection_.active_count > 1) return false;
   for (int i = 0; i < projection_.active_count; ++i) {
@@ -432,7 +435,7 @@ bool GodObject::settled() const {
   return true;
 }
 
-// The faces that hold the proxy, and after them, if it was cut short, the others that it has met.
+// Stores the faces that hold the proxy and, after a capped tick, the other faces that it has met.
 void GodObject::keep_contacts_for_next_tick(bool capped) {
   last_active_count_ = projection_.active_count;
   last_count_ = last_active_count_;
@@ -466,7 +469,7 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   }
   if (projection_.active_count == 1) return state;
   if (projection_.active_count == 0) {
-    state.normal = lag.normalized();  // cut short by the cap before a plane was reached
+    state.normal = lag.normalized();  // the tick was capped before it reached a plane
   } else if (state.normal.norm() <= kCancelledNormal) {
     state.normal.setZero();
   } else {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The god-object: the proxy that stays on the surface while the device point goes into it.
+// The god-object: a proxy that stays on the surface while the device point penetrates it.
 
 #include <array>
 #include <cmath>
@@ -24,9 +24,11 @@ struct GodObjectSettings {
   Accuracy accuracy = {};
 };
 
-// What a god-object under friction asks at the faces that it touches.
+// Provides the friction coefficients of the faces that a god-object touches.
 class FrictionCones {
  public:
+  // The coefficients at a contact of a proxy at `proxy` (solver frame, m). Called on the haptic
+  // thread: must not allocate, lock or throw.
   virtual FrictionCone at(const FaceContact& contact, const Vec3& proxy) noexcept = 0;
 
  protected:
@@ -35,128 +37,144 @@ class FrictionCones {
 
 struct FrictionSource {
   FrictionCones& cones;
-  // The size of the coordinates that the goal was made from, if larger than its own: it is rounded
-  // as they are. Finite, >= 0: no move is made otherwise (ProxyState::is_refused).
+  // The size of the coordinates that the goal was computed from, if larger than that of the goal:
+  // the rounding of the goal depends on it. Finite, >= 0; otherwise the move is refused
+  // (ProxyState::is_refused).
   double coordinates_m = 0.0;
 };
 
-// Where a body is to be. Solver frame.
+// The target pose of a body. Solver frame.
 struct BodyMotion {
   std::uint32_t body = 0;
   RigidTransform T_solver_body;
 };
 
-// The constraint-based proxy of Zilles & Salisbury (1995) for triangle soup, two-sided, converged
-// within the tick: it moves to a local minimum of the distance to the goal along a path that it
-// collides along continuously with every triangle (SegmentTracer). Each piece of the path that it
-// commits is certified free, and so is the place where it rests.
+// The constraint-based proxy of Zilles & Salisbury (1995) for a soup of two-sided triangles. In
+// each tick the proxy moves to a local minimum of the distance to the goal. Every straight piece of
+// its path is tested against all triangles by continuous collision detection (SegmentTracer) and
+// certified free, and so is the position where the proxy rests. All points are in the solver frame
+// in metres.
 //
-// A local minimum: a tick that is not capped leaves no way on. A way is a straight segment from the
-// proxy that crosses no triangle, that never comes nearer to one, but for rounding, than the
-// smaller of its distance at the start and one stand-off (SolverScale; of a sphere, the distance
-// less the radius), that keeps to the plane of motion if there is one, and that ends nearer to the
-// goal by more than 1e-9 of the scene's size. Under friction, slides along what is touched count as
-// far as the lag along them exceeds what friction holds. Not for Accuracy::fast().
+// Local minimum: at the end of a tick that is not capped, no improving segment exists. An improving
+// segment is a straight segment from the proxy with these properties:
+//   - It crosses no triangle.
+//   - Its distance from each triangle stays at least the smaller of the distance at its start and
+//     one stand-off (SolverScale), except for rounding. For a sphere, the distance is that of the
+//     sphere's surface.
+//   - It lies in the plane of motion, if one is given.
+//   - Its end is nearer to the goal than its start by more than 1e-9 of the scene's size.
+// Under friction, a slide along a touched surface counts only for the part of its lag that exceeds
+// the friction limit. Accuracy::fast() gives no such guarantee.
 //
-// Capped: the tick ran out of steps, or of work (below); or a point is between faces that are
-// nearly parallel, where rounding decides whether a way leads on; or what a point has met last
-// tells nothing new, and no way that is tried leads on. The proxy is where a longer tick would have
-// come through, free and no farther from the goal than before; the faces that it has met are known
-// to the next tick, which goes on from there.
+// Capped: a tick is capped if it runs out of steps or work (below). It is also capped if a point is
+// between nearly parallel faces, where rounding decides whether a segment is free, or if the face
+// that a point met last yields no new contact plane and no attempted segment improves the position.
+// The proxy is then at a position on the path of a longer tick, free and no farther from the goal
+// than before. The next tick knows all faces that were met and continues from there.
 //
-// Work: a tick is a call of move_to() with the one of move_bodies() before it, if any. What it does
-// is counted (work.h), and ends where Accuracy::work_budget does. The proxy is where the last step
-// that was finished has led, no farther from the goal than it was; a body whose push is not
-// finished is where it was. The next tick goes on with the search that was cut short, and with all
-// that was found: for the goal of then, or, as long as the step is of use for it, for the one that
-// it was begun for. Pushes begin as long as half of the budget is left, and a move that was cut
-// short for the other half has the next tick for itself.
+// Work: a tick is a call of move_to() and the preceding call of move_bodies(), if any. Its work is
+// counted (work.h) and limited by Accuracy::work_budget. When the budget is spent, the proxy is at
+// the end of its last completed step, no farther from the goal than before, and a body whose push
+// is incomplete is at its old pose. The next tick continues the interrupted search with all results
+// so far. If the goal has moved by less than half of the distance from the proxy to it, the
+// interrupted step is completed for the goal it was begun for. A push begins only while half of the
+// budget is left. If pushes have used more than half of the budget and the move is then cut short,
+// the next tick moves no bodies.
 //
-// A proxy that starts within a stand-off of a triangle, or as a sphere overlaps one, may leave it
-// or keep its distance, and comes no nearer: place() lifts a point off what it is put on.
+// A proxy that starts within a stand-off of a triangle, or a sphere that overlaps one, may leave
+// the triangle or keep its distance, but does not move nearer. place() lifts a point off a surface
+// that it is placed on.
 //
-// Monotone: no tick increases the distance to the goal by more than rounding, capped or not; with a
-// fixed mesh this gives the energy certificate of a passive spring. Within a tick no piece of a
-// point's path does; a sphere's may on its way round something, by less than 1 % of the radius.
+// Monotone: no tick increases the distance to the goal by more than rounding, whether capped or
+// not. For a fixed mesh, this is the energy certificate of a passive spring. Within a tick, no
+// piece of a point's path increases the distance. The path of a sphere may increase it by less than
+// 1 % of the radius while the sphere moves round an obstacle.
 //
-// Whatever it is given that is not finite, or so far away that squares of lengths overflow, changes
-// nothing, and is told by what the call returns. With settings that check_settings() has an Error
-// for, it refuses every call so, and asks nothing of the world.
+// Invalid input changes nothing and is reported by the return value: numbers that are not finite,
+// and positions so far away that squares of lengths overflow. With settings that check_settings()
+// reports an Error for, the god-object refuses every call and does not query the world.
 //
-// No allocation, lock or exception after construction. Not thread-safe: one thread owns it.
+// Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
+// one thread owns an instance.
 class GodObject {
  public:
-  // The surfaces of the world must outlive the god-object, which has poses of its own for them.
+  // Copies the poses of the bodies. The surfaces of the world must outlive the god-object.
   GodObject(const ContactWorld& world, const GodObjectSettings& settings);
-  // What has been moved from is only to be destroyed.
+  // A moved-from god-object may only be destroyed.
   GodObject(GodObject&&) noexcept;
   GodObject& operator=(GodObject&&) noexcept;
   ~GodObject();
 
-  // Puts the proxy at p. If that is within a stand-off of the surface, where sides cannot be told,
-  // it is lifted to the front of the faces there by as much. False if p is refused.
+  // Places the proxy at p. If p is within a stand-off of a surface, where the side is undecided,
+  // the proxy is lifted to a stand-off in front of the faces there. Returns false and changes
+  // nothing if p is invalid.
   bool place(const Vec3& p) noexcept;
 
-  // Moves a body wherever the proxy is: for a proxy that has not been placed yet. False if too many
-  // bodies move already, or if it is refused: what is no pose (is_pose), or no body of the world.
+  // Moves a body regardless of the proxy; for a proxy that has not been placed yet. Returns false
+  // and changes nothing if kMostMoving bodies have moved already, if T_solver_body is not a rigid
+  // pose (is_pose), or if `body` does not exist.
   bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
 
-  // Moves bodies, at most LiveWorld::kMostMoving, each straight to its new pose as far as the proxy
-  // is concerned, which they push out of their way (push_proxy): within a plane of motion, if its
-  // normal (unit) is given. Returns how many were held back because there was no room for it, or
-  // not enough work left, or refused; with a normal that is none, all are. The next move_to() goes
-  // on from there, in the same tick.
+  // Moves at most LiveWorld::kMostMoving bodies to new poses. Each body pushes the proxy ahead of
+  // it (push_proxy), within the plane of motion if its unit normal is given. Seen from the body,
+  // the proxy moves along a straight segment. Returns the number of bodies that are not at their
+  // new poses: because the proxy had no space, because too little work was left, or because the
+  // motion was invalid. If the normal is not a unit vector, no body moves. The next move_to()
+  // belongs to the same tick.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
-  // Moves the proxy towards goal. Given motion_plane_normal (unit), proxy and goal both keep to the
-  // plane through the goal with that normal, and contact normals are the in-plane ones. A goal that
-  // is refused changes nothing, not even contacts() and path(): ProxyState::is_refused.
+  // Moves the proxy towards the goal. If motion_plane_normal (unit) is given, the proxy keeps to
+  // the plane through the goal with that normal, and contact normals lie in that plane. An invalid
+  // goal or normal changes nothing, not even contacts() and path(); it is reported by
+  // ProxyState::is_refused.
   ProxyState move_to(const Vec3& goal,
                      const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
-  // The same under Coulomb's friction (Harwin and Melder 2002): of each step along what it touches,
-  // the proxy takes only what the cone does not hold. With s where it would go, d = |s - goal| the
-  // depth and t = s - proxy, a contact sticks or slides:
+  // As move_to(), with Coulomb friction (Harwin and Melder 2002): the proxy takes only the part of
+  // each step along touched faces that the friction cone does not hold. Let s be the position that
+  // the proxy would reach without friction, d = |s - goal| the penetration depth and t = s - proxy
+  // the tangential lag. The contact sticks or slides:
   //
-  //   sticking   while |t| <= mu_s d, the proxy keeps its place; otherwise it moves along t until
-  //              |t| = mu_k d, and slides
-  //   sliding    while |t| > mu_k d, it moves along t until |t| = mu_k d, and slides on; where they
-  //              are equal it keeps its place, and slides on; where |t| is less it keeps its place,
-  //              and sticks
+  //   sticking   |t| <= mu_s d: the proxy keeps its position and sticks
+  //              |t| >  mu_s d: it moves along t until |t| = mu_k d, and slides
+  //   sliding    |t| >  mu_k d: it moves along t until |t| = mu_k d, and slides
+  //              |t| =  mu_k d: it keeps its position and slides
+  //              |t| <  mu_k d: it keeps its position and sticks
   //
-  // all within rounding (kConeRoundoff). Places are kept to the bit. A new contact sticks. The
-  // state goes with the contact over edges, from face to face and from body to body; it ends with
-  // the contact, with place() and move_to(), and with end_friction(). So a hand that goes on at one
-  // depth feels mu_k in every tick, however slowly and whether the hand moves or what it touches;
-  // one that turns back, or presses deeper faster than its lag grows, sticks.
+  // Comparisons are made to within rounding (kConeRoundoff). A kept position stays the same bit for
+  // bit. A new contact sticks. The state persists across edges, from face to face and from body to
+  // body. It ends with the contact, with place() and move_to(), and with end_friction(). Therefore
+  // a hand that moves on at constant depth is subject to mu_k in every tick, at any speed and
+  // whether the hand or the touched body moves. If the hand reverses, or presses deeper faster than
+  // its lag grows, the contact sticks.
   //
-  // Part of a step is as free as the whole, and no farther from the goal than its start: the
-  // certificates hold as they do without friction.
+  // A part of a free step is free and ends no farther from the goal than its start. The
+  // certificates therefore hold as without friction.
   //
-  // Of several faces, each holds by what it bears: mu_1 d_1 + mu_2 d_2 + ... . A sphere goes round
-  // edges along tangents.
+  // Several faces together hold mu_1 d_1 + mu_2 d_2 + ..., where d_i is the part of the depth that
+  // face i bears (bearing_parts). A sphere moves round edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 
-  // Whatever is touched is touched anew, as far as friction goes: it sticks. For a tick that gave
-  // no force.
+  // Makes the present contact stick like a new one. For a tick that commanded no force.
   void end_friction() noexcept { slides_ = false; }
 
   const Vec3& proxy() const { return proxy_; }
-  // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
-  // in the plane of motion if there is one. Valid until the next move.
+  // The faces that hold the proxy, at most three. Valid until the next move.
   std::span<const FaceContact> contacts() const {
     return std::span(last_contacts_).first(static_cast<std::size_t>(last_active_count_));
   }
+  // The unit normal of the contact plane of the i-th contact; under a plane of motion it lies in
+  // that plane. Valid until the next move.
   const Vec3& plane_normal(std::size_t i) const {
     return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
   }
   ContactView contact() const {
     return {*world_, contacts(), planes_of_contact_, projection_.active};
   }
-  // The corners of the polyline that the last move_to() committed, from where the proxy was to
-  // where it is. Solver frame, metres. Valid until the next call.
+  // The corners of the path of the last move, from the proxy's old position to its new one. Valid
+  // until the next call.
   std::span<const Vec3> path() const { return path_; }
   const SolverScale& scale() const { return tracer_.scale(); }
   const LiveWorld& world() const { return *world_; }
@@ -165,26 +183,26 @@ class GodObject {
 
  private:
   enum class Progress : std::uint8_t {
-    kMoved,    // as near as the present planes allow
-    kHeld,     // it is there already
-    kStopped,  // met another face on the way
-    kStuck     // no use going on with these planes
+    kMoved,    // the proxy reached the nearest point that the planes allow
+    kHeld,     // the proxy was at that point already
+    kStopped,  // another face stopped the step
+    kStuck     // the present planes allow no progress
   };
 
-  // Finite, and so near that squares of lengths are.
+  // Whether the goal is valid: its squared distance from the proxy is finite.
   bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
     return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
            (!motion_plane_normal || is_unit(*motion_plane_normal));
   }
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
   ProxyState refused() const;
-  void take_bounds();
+  void update_bounds();
   bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
   bool push_all(std::span<const BodyMotion> motions,
                 const std::optional<Vec3>& motion_plane_normal) noexcept;
   bool finishes_push(std::span<const BodyMotion> motions,
                      const std::optional<Vec3>& motion_plane_normal) noexcept;
-  std::size_t count_not_there(std::span<const BodyMotion> motions) const;
+  std::size_t count_not_arrived(std::span<const BodyMotion> motions) const;
   void begin_tick() {
     if (!bodies_have_moved_) tracer_.begin_tick();
     bodies_have_moved_ = false;
@@ -198,30 +216,30 @@ class GodObject {
   void keep_step_for_next_tick();
   ProxyState move_freely();
   void seed_from_last_tick();
-  // Friction is a policy: NoFriction, or what move_with_friction() makes of its source. Defined in
-  // god_object_steps.h.
+  // Friction is a policy: NoFriction or CoulombFriction. Defined in god_object_steps.h.
   template <typename Friction>
   ProxyState move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                   Friction& friction);
   template <typename Friction>
-  void name_what_holds(Friction& friction);
+  void find_holding_planes(Friction& friction);
   template <typename Friction>
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool is_off_planes() const;
   bool touches_planes() const;
-  Vec3 way_to_planes() const;
+  Vec3 step_to_planes() const;
   bool roll_to_answer();
-  // A tenth of what a way has to gain: a way that gains so little is none, and neither is a step of
-  // a slow proxy, nor a turn of a sphere.
+  // The gain below which a segment, a step of a slow proxy or a turn of a sphere counts as no
+  // progress: a tenth of the gain of an improving segment (class comment).
   static constexpr double kLittlePerStandOff = 10.0;
   double little_m() const { return kLittlePerStandOff * scale().stand_off_m; }
-  // In one tick a proxy comes to where it stays; over several ones, to where a way gains little: in
-  // a flat valley that is far away.
+  // Whether a step is too small to continue. In the first tick of a goal, the length of the step
+  // decides, so that the proxy ends where it will stay. In later ticks with the same goal, the gain
+  // decides: in a flat valley, short steps that gain almost nothing would lead far.
   bool is_little(const Vec3& step) const {
     return goal_waits_ ? !may_gain_by(step) : step.norm() <= little_m();
   }
-  bool is_none(const Vec3& step) const {
+  bool has_converged(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
   template <typename Friction>
@@ -245,7 +263,7 @@ class GodObject {
     bool is_nearer = false;
   };
   template <typename Friction>
-  Attempt fall_from_beyond(const Vec3& way, int most_steps, Friction& friction);
+  Attempt fall_from_beyond(const Vec3& displacement, int most_steps, Friction& friction);
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
   bool goes_round(const FaceContact& from, FaceContact& to, double reach);
@@ -255,7 +273,7 @@ class GodObject {
   struct ProxyPlace;
   ProxyPlace place_now() const;
   void return_to(const ProxyPlace& place);
-  // Defined in god_object_ways.h.
+  // Attempts to improve the position of a proxy at rest. Defined in god_object_ways.h.
   struct Faces;
   struct Surroundings;
   template <typename Friction>
@@ -265,7 +283,7 @@ class GodObject {
   template <typename Friction>
   bool slides_without_edges(const Faces& holding, Friction& friction);
   template <typename Friction>
-  bool slides_up_to_what_holds(Friction& friction);
+  bool slides_up_to_untouched_face(Friction& friction);
   template <typename Friction>
   bool slides_by(const Vec3& along, const FaceContact& face, Friction& friction);
   template <typename Friction>
@@ -317,7 +335,8 @@ class GodObject {
   Vec3 onto_motion_plane(const Vec3& step) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  // The target of a step, or where it leaves the world's bounds: there is nothing to touch beyond.
+  // The target of a step, or the point where the step leaves the world's bounds: nothing can be
+  // touched beyond them.
   Vec3 within_bounds(const Vec3& target) const {
     return bounds_.contains(target) ? target : leave_bounds(target);
   }
@@ -333,64 +352,64 @@ class GodObject {
   ProxyState report(int iterations, bool capped) const;
 
   bool has_bad_settings_;
-  GodObjectSettings settings_;        // the default ones instead of bad ones
-  std::unique_ptr<LiveWorld> world_;  // its address is what the tracer keeps
-  Box bounds_;                        // nothing is to be touched outside
+  GodObjectSettings settings_;        // the defaults if the given settings are invalid
+  std::unique_ptr<LiveWorld> world_;  // on the heap, since the tracer keeps its address
+  Box bounds_;                        // no surface can be touched outside
   SegmentTracer tracer_;
-  double step_tolerance_m_;  // a step shorter than this is none: the iteration has converged
+  double step_tolerance_m_;  // a step shorter than this has converged
   Vec3 proxy_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();
-  std::vector<Vec3> path_;  // never grows: its capacity is what the iterations can fill
+  std::vector<Vec3> path_;  // reserved for the largest number of corners
   std::optional<Vec3> motion_plane_normal_;
 
-  // The planes met, and the contacts they come from.
+  // The contact planes met, and the contacts that they belong to.
   std::array<ContactPlane, kMaxContactPlanes> planes_of_contact_{};
   std::array<FaceContact, kMaxContactPlanes> contacts_{};
   int plane_count_ = 0;
   PlaneProjection projection_;
-  // Each plane is that of what the proxy touches where it is now.
+  // Whether every plane was computed at the present position from a face that the proxy touches.
   bool planes_are_current_ = false;
-  bool is_over_next_ = false;  // the plane is that of a face which is not touched yet
+  bool is_over_next_ = false;  // the plane belongs to a face that is not touched yet
 
   std::span<const ContactPlane> planes() const {
     return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
   }
 
-  std::unique_ptr<Surroundings> around_;  // of the proxy where it was when it last looked around
+  std::unique_ptr<Surroundings> around_;  // faces around the proxy, from the last look_around()
 
-  // Of the present tick.
-  double most_lag_m_ = 0.0;              // that a sphere's path may have
-  bool is_slow_ = false;                 // more than kPatience steps, or goes on
-  bool goal_waits_ = false;              // the last one had this goal, and did not reach it at once
-  double last_slide_m_ = 0.0;            // length of the last whole slide along planes
-  Vec3 last_slide_from_ = Vec3::Zero();  // where it began
-  double overreach_ = 1.0;               // by how much the last one was extended
-  Vec3 leap_from_ = Vec3::Zero();        // where the way of the next leap begins
-  double leap_reach_ = 1.0;              // of that way, how much farther it goes
-  int steps_to_leap_ = 0;
-  std::optional<FaceContact> last_round_;  // the feature that a sphere went round last
+  // State of the present tick.
+  double most_lag_m_ = 0.0;    // largest distance to the goal allowed on a sphere's path
+  bool is_slow_ = false;       // after more than kPatience steps, or if this tick continues another
+  bool goal_waits_ = false;    // the last tick had the same goal and did not reach it at once
+  double last_slide_m_ = 0.0;  // length of the last complete slide along planes
+  Vec3 last_slide_from_ = Vec3::Zero();    // start of that slide
+  double overreach_ = 1.0;                 // factor by which the last slide was extended
+  Vec3 leap_from_ = Vec3::Zero();          // start of the path that the next leap extrapolates
+  double leap_reach_ = 1.0;                // length of the next leap, relative to that path
+  int steps_to_leap_ = 0;                  // steps left until the next leap
+  std::optional<FaceContact> last_round_;  // feature that a sphere moved round last
 
-  bool rounding_decides_ = false;  // whether a way leads on
+  bool rounding_decides_ = false;  // rounding decides whether an improving segment exists
 
   bool settled_ = false;    // the last tick ended at a local minimum
-  bool confirmed_ = false;  // it was not cut short, and no body has pushed the proxy since
-  bool goes_on_ = false;  // it was cut short, or its goal had waited, and this one goes on with it
-  // Those that held the proxy first, then others that are worth knowing.
+  bool confirmed_ = false;  // the last tick was not capped, and no body pushed the proxy since
+  bool goes_on_ = false;    // the last tick was capped or its goal waited; the next continues it
+  // The faces that held the proxy, and after them other faces that the next tick should know.
   std::array<FaceContact, kMaxContactPlanes> last_contacts_{};
   int last_count_ = 0;
-  std::array<bool, 3> last_holds_{};  // those of them that held the proxy sideways, too
+  std::array<bool, 3> last_holds_{};  // which of the faces that held the proxy have friction
   int last_active_count_ = 0;
-  bool slides_ = false;  // the contact of the last tick, under friction
+  bool slides_ = false;  // under friction: the contact of the last tick slides
 
-  // Of a tick that was cut short.
-  bool repeats_step_ = false;            // the next one begins with the planes of this one
-  Vec3 step_from_ = Vec3::Zero();        // where the proxy was when the present step began
-  Vec3 step_goal_ = Vec3::Zero();        // what the step was taken for
-  Vec3 step_target_ = Vec3::Zero();      // where the trace was to end
-  std::optional<BodyMotion> last_push_;  // that was cut short
-  std::size_t first_motion_ = 0;         // of the bodies that move, the next to be pushed
-  bool bodies_have_moved_ = false;       // in this tick
-  WorkUnits work_of_bodies_ = 0;         // in this tick, before the move
+  // State of a tick that was cut short.
+  bool repeats_step_ = false;            // the next tick begins with the planes of this one
+  Vec3 step_from_ = Vec3::Zero();        // position of the proxy at the start of the present step
+  Vec3 step_goal_ = Vec3::Zero();        // goal for which the step was begun
+  Vec3 step_target_ = Vec3::Zero();      // end point of the interrupted trace
+  std::optional<BodyMotion> last_push_;  // push that was cut short
+  std::size_t first_motion_ = 0;         // position in `motions` of the next body to be pushed
+  bool bodies_have_moved_ = false;       // move_bodies() was called in this tick
+  WorkUnits work_of_bodies_ = 0;         // work of move_bodies() in this tick
   bool move_has_turn_ = false;           // the next tick moves no bodies
 };
 

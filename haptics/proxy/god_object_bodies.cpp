@@ -1,4 +1,4 @@
-// How bodies move, and push the proxy: see god_object.h.
+// The motion of bodies and their pushes of the proxy: see god_object.h.
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-// How often bodies that are held back try again in one tick: a chain of so many, each in the way of
-// the next, moves as one.
+// Number of passes over the bodies in one tick. Bodies that were held back try again, so that a
+// chain of this many bodies, each blocked by the next, moves in one tick.
 constexpr int kMostPushPasses = 4;
 
 bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
@@ -28,10 +28,10 @@ bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_bod
 bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept {
   if (!is_motion(body, T_solver_body)) return false;
   if (!world_->place(body, unit_pose(T_solver_body))) return false;
-  world_->take_bounds(body);
+  world_->extend_bounds(body);
   tracer_.forget_candidates();
   around_->of.reset();
-  take_bounds();
+  update_bounds();
   return true;
 }
 
@@ -40,21 +40,21 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
   tracer_.begin_tick();
   bodies_have_moved_ = true;
-  if (std::exchange(move_has_turn_, false)) return count_not_there(motions);
+  if (std::exchange(move_has_turn_, false)) return count_not_arrived(motions);
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
   const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
   const bool are_done = has_turn && push_all(motions, motion_plane_normal);
-  take_bounds();
+  update_bounds();
   if (are_done) first_motion_ = 0;
-  return count_not_there(motions);
+  return count_not_arrived(motions);
 }
 
-// False if there is no work left for all of them: then the next one that is to move is the first in
-// the next tick.
+// Pushes all bodies. False if the work does not suffice for all of them; the next tick then begins
+// with the next body that was due.
 bool GodObject::push_all(std::span<const BodyMotion> motions,
                          const std::optional<Vec3>& motion_plane_normal) noexcept {
   std::size_t held = motions.size();
-  // One that another was in the way of may get on once that one has moved.
+  // A body that another one blocked may be free to move once the other one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
     const std::size_t held_before = std::exchange(held, std::size_t{0});
     const std::size_t first = first_motion_;
@@ -73,8 +73,8 @@ bool GodObject::push_all(std::span<const BodyMotion> motions,
   return true;
 }
 
-// Goes on with the push that the last tick was cut short in: to where the body was to be then. True
-// if it has done anything.
+// Continues the push in which the last tick was cut short, to the pose that was the target then.
+// False if that body no longer moves.
 bool GodObject::finishes_push(std::span<const BodyMotion> motions,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
   const BodyMotion push = *last_push_;
@@ -88,8 +88,8 @@ bool GodObject::finishes_push(std::span<const BodyMotion> motions,
   return true;
 }
 
-// How many bodies are not where they are to be.
-std::size_t GodObject::count_not_there(std::span<const BodyMotion> motions) const {
+// The number of bodies that are not at their target poses.
+std::size_t GodObject::count_not_arrived(std::span<const BodyMotion> motions) const {
   const auto is_there = [&](const BodyMotion& motion) {
     return is_motion(motion.body, motion.T_solver_body) &&
            is_same_pose(world_->body(motion.body).T_solver_body, unit_pose(motion.T_solver_body));
@@ -107,7 +107,7 @@ bool GodObject::move_body(const BodyMotion& motion,
   const Vec3 proxy_before = proxy_;
   const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
   if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
-  world_->take_bounds(motion.body);
+  world_->extend_bounds(motion.body);
   tracer_.forget_moving();
   around_->of.reset();
   if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;
@@ -120,8 +120,9 @@ bool GodObject::move_body(const BodyMotion& motion,
   return true;
 }
 
-// A face that holds the proxy sideways takes it along, also one that it slides on: seen from the
-// face, the hand moves, and what friction leaves of that is for the next step.
+// Whether a body carries the proxy because one of its faces holds the proxy by friction. A face on
+// which the proxy slides carries it as well: seen from the face, the hand moves, and the next step
+// applies the friction to that motion.
 bool GodObject::is_carried_by(std::uint32_t body) const {
   for (std::size_t i = 0; i < contacts().size(); ++i) {
     if (last_holds_[i] && contacts()[i].face.body == body) return true;

@@ -9,43 +9,45 @@
 namespace palpate {
 namespace {
 
-// How far a tangential lag may be from mu times the depth and count as equal: (1 + mu) times this,
-// for coordinates of size 1. Lag and depth are differences of coordinates, each rounded by half an
-// ulp at a time: the sample, which somebody made from others (8 times), the goal, which the loop
-// makes of it by a turn and two shifts (8), both likewise in the tick that put the proxy where it
-// is (16), the proxy itself (2), a height above a face (kHeightRoundoff, 60), a frame to which the
-// proxy is brought and from which it is brought back (16), a projection (8). 118 of a coordinate
-// are 205 of a vector; with what lengths and products lose, no more than 256.
+// Largest difference, (1 + mu) times this for coordinates of size 1, between a tangential lag and
+// mu times the depth that count as equal. Lag and depth are differences of coordinates. Each
+// coordinate is rounded several times by half an ulp: in the device sample, which its source
+// computed from other numbers (8 times); in the goal, which the loop computes from the sample by a
+// rotation and two translations (8); in the sample and goal of the tick that determined the proxy
+// (16); in the proxy (2); in a height above a face (kHeightRoundoff, 60); in the transformation of
+// the proxy to a frame and back (16); and in a projection (8). These 118 roundings of a coordinate
+// are 205 of a vector; with the rounding of lengths and products, at most 256.
 constexpr double kConeRoundoff = 128 * std::numeric_limits<double>::epsilon();
 
-// What the steps of one tick have met.
+// The friction policy of GodObject::move_with_friction(): the state of friction in one tick.
 struct CoulombFriction {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
-  double coordinates_m;    // the size of all that a tick goes by
-  bool slides;             // the contact: from an earlier tick, or since a step of this one
-  FrictionCone cone = {};  // of the last step's planes
-  std::array<bool, 3> holds_by = {};  // which of these planes do
-  double rounding_m = 0.0;            // of lags and depths in the last step
-  bool is_below_cone = false;         // its lag
-  bool wants_to_slide = false;        // the step that was shortened last
-  bool slid = false;                  // a step of this tick
+  double coordinates_m;    // size of the coordinates that this tick computes with
+  bool slides;             // the contact slides, from an earlier tick or a step of this tick
+  FrictionCone cone = {};  // weighted sum over the planes of the last step
+  std::array<bool, 3> holds_by = {};  // which of these planes have friction
+  double rounding_m = 0.0;            // rounding of lag and depth in the last step
+  bool is_below_cone = false;         // the lag of the last step was below the dynamic cone
+  bool wants_to_slide = false;        // the last step exceeded the cone
+  bool slid = false;                  // a step of this tick slid
 
-  // What the last step touched, and what the proxy may touch there.
+  // Whether the faces of the last step have friction, and whether a given face has.
   bool holds() const { return cone.holds(); }
   bool may_hold_at(const FaceContact& contact, const Vec3& proxy) const {
     return source->cones.at(contact, proxy).holds();
   }
 
-  // moved: the step led anywhere. A proxy that was to slide and cannot keeps its state.
+  // moved: the step changed the position. A proxy that exceeded the cone but could not move keeps
+  // its state.
   void end_step(bool moved) {
     slides = slides || (wants_to_slide && moved);
     slid = slid || (wants_to_slide && moved);
     wants_to_slide = false;
   }
 
-  // Before planes are asked for their cones.
+  // Resets the state before the cones of a step are queried.
   void begin_step() {
     cone = {};
     holds_by = {};
@@ -53,12 +55,12 @@ struct CoulombFriction {
     wants_to_slide = false;
   }
 
-  // Of the contact, after the tick. One that has slid goes on, though planes that it met on the way
-  // may hold it now: whether it sticks there is for the next tick.
+  // Whether the contact slides after the tick. A contact that has slid continues to slide even if
+  // planes met on the path would hold it now; the next tick decides whether it sticks there.
   bool slides_on() const { return slides && (slid || !is_below_cone); }
 
   ProxyState complete(ProxyState state) const {
-    // Cut short between two faces, it has its state from before.
+    // A proxy whose tick was capped between two faces keeps its earlier state.
     if (state.in_contact && state.active_planes == 0 && slides) {
       state.friction = FrictionState::kSlides;
     }
@@ -70,8 +72,8 @@ struct CoulombFriction {
     return state;
   }
 
-  // The part of a step that friction leaves, [0, 1]. lag_m: the length of the step. depth_m: from
-  // its end to the goal.
+  // The fraction of a step that friction permits, in [0, 1]. lag_m: length of the step. depth_m:
+  // distance from its end to the goal.
   double part_left(double lag_m, double depth_m) {
     const double dynamic_m = cone.dynamic_friction * depth_m;
     const double mu = slides ? cone.dynamic_friction : cone.static_friction;
@@ -83,7 +85,7 @@ struct CoulombFriction {
 
 }  // namespace
 
-// Shortens the step to what friction leaves of it. False if what is touched has none.
+// Shortens the step to the part that friction permits. False if the active planes have no friction.
 template <typename Friction>
 bool GodObject::hold_by(Friction& friction) {
   friction.begin_step();
@@ -115,8 +117,8 @@ bool GodObject::hold_by(Friction& friction) {
   return true;
 }
 
-// Whether friction holds a proxy where the last tick left it: then there is nothing more to look
-// for, and it keeps its place to the bit.
+// Whether friction holds the proxy at its position after the last tick. If so, no search is needed,
+// and the position stays the same bit for bit.
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
   if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;
@@ -124,7 +126,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
   if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;
-  if (tracer_.is_cut_short()) return false;  // not all ways have been tried
+  if (tracer_.is_cut_short()) return false;  // not all attempts have been made
   goes_on_ = goal_waits_;
   keep_contacts_for_next_tick(false);
   return true;

@@ -1,4 +1,4 @@
-// How a sphere goes round edges and vertices.
+// The motion of a sphere round edges and vertices.
 
 #include <algorithm>
 #include <array>
@@ -10,24 +10,24 @@
 namespace palpate {
 namespace {
 
-// A sphere on a feature is so far from where it is to be, of the scene's size: its place, and that
-// of the feature, are rounded.
+// Error of a sphere's position on a feature, relative to the scene's size: the positions of sphere
+// and feature are rounded.
 constexpr double kTurnRoundoff = 8 * std::numeric_limits<double>::epsilon();
 
-// A sphere goes round a feature along tangents that turn by so much at a time at most: their
+// A sphere moves round a feature along tangents. Each turns by at most this angle, so that the
 // corners are 0.8 % of the radius off the arc.
 constexpr double kRollTurn_rad = 0.25;
 
-// A slow proxy halves a turn that is not free so often, if there is any use in it: if so much of it
-// is free.
+// A slow proxy halves a blocked turn at most this many times, and only while at least this part of
+// the turn is free.
 constexpr int kMostHalvedTurns = 4;
 constexpr double kLeastTurn = 1.0 / 32;
 
-// A contact normal with a larger part than this out of the plane of motion does not belong to it.
+// A contact normal lies in the plane of motion if its component out of the plane is at most this.
 constexpr double kOutOfPlane = 64 * std::numeric_limits<double>::epsilon();
 
-// The corners of the tangents from one contact of a sphere round to another with the same face, for
-// a centre that keeps `reach` from the feature. Returns how many there are.
+// Writes the corners of the tangents from one contact of a sphere to another contact with the same
+// face, for a centre at the distance `reach` from the feature. Returns their number.
 std::size_t tangents_round(const FaceContact& from, const FaceContact& to, double reach,
                            std::array<Vec3, kMostRollCorners + 1>& corners) {
   const Vec3 across = (to.normal - to.normal.dot(from.normal) * from.normal).normalized();
@@ -45,11 +45,11 @@ std::size_t tangents_round(const FaceContact& from, const FaceContact& to, doubl
 
 }  // namespace
 
-// A sphere held by an edge or vertex alone is held by a curved surface, and a slide along its
-// tangent plane that drops back converges step by step, the slower the nearer the goal is to the
-// feature. Instead, the sphere goes round to the answer, which is straight out from the feature
-// through the goal. False if there is nothing to roll over, or something in the way, or no use in
-// it: round a feature that is the goal, all places are as near.
+// Moves a sphere that only an edge or vertex holds round the feature to its final position, which
+// lies straight out from the feature through the goal. The centre is held by a curved surface, so
+// that slides along tangent planes would need many steps, the more the nearer the goal is to the
+// feature. False if no feature holds the sphere, if an obstacle blocks the path, or if the gain is
+// too small: if the goal is on the feature, all positions round it are equally near.
 bool GodObject::roll_to_answer() {
   if (projection_.active_count != 1) return false;
   if (goal_waits_ && !may_gain_by(projection_.displacement_m)) return false;
@@ -70,11 +70,11 @@ bool GodObject::roll_to_answer() {
   return true;
 }
 
-// Goes round from one contact to another, for a centre that keeps `reach` from the feature: by a
-// right angle at most, and a slow proxy only a part of that if something is in the way of the rest.
-// The distance to the goal falls all the way round; the tangents that are followed for it have
-// corners a little farther out, so they are taken together or not at all. Tells in `to` where it
-// ends.
+// Moves the proxy round a feature from one contact to another, for a centre at the distance `reach`
+// from the feature, by a right angle at most. A slow proxy moves round a part of the angle if an
+// obstacle blocks the rest. The distance to the goal falls along the whole arc. The tangents have
+// corners a little farther out, so all of them are committed or none. Writes the final contact to
+// `to`.
 bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach) {
   if (to.normal.dot(from.normal) <= 0.0) {
     const Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
@@ -101,7 +101,7 @@ bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reac
   return false;
 }
 
-// The part of the way along these corners that is free, and not too far from the goal.
+// The part of the path along these corners that is free. 0 if the path gets too far from the goal.
 double GodObject::part_free(std::span<const Vec3> corners) {
   const auto count = static_cast<double>(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -113,8 +113,8 @@ double GodObject::part_free(std::span<const Vec3> corners) {
   return 1.0;
 }
 
-// A sphere between two edges or vertices goes round one and then the other, to and fro, or slides
-// along the line of their planes, which it leaves at once.
+// Moves a sphere round the two features that it touched last. Otherwise it would move round one and
+// the other in turn, or slide along the line of their planes and leave the features at once.
 bool GodObject::roll_between_last_two() {
   if (projection_.active_count == 0 || motion_plane_normal_) return false;
   const FaceContact now = contacts_[projection_.active[0]];
@@ -125,8 +125,8 @@ bool GodObject::roll_between_last_two() {
   return projection_.active_count == 1 && last && roll_between(*last, now);
 }
 
-// The places where it touches two points are a circle about the line through them. Goes round on
-// it, towards what is nearest to the goal.
+// Moves a sphere that touches two points. Its centre stays on a circle about the line through the
+// points; it moves along the circle towards the position nearest to the goal.
 bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
   const Vec3 axis = 0.5 * (other.feature_point - one.feature_point);
   const double reach = tracer_.radius_m() + scale().stop_m;
@@ -151,8 +151,8 @@ bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
   return true;
 }
 
-// Whether a sphere touches the same place of a curved feature in both contacts, and what a tangent
-// gains on the way from one to the other, a turn's square of the lag, is little.
+// Whether two contacts of a sphere count as the same: they touch the same point of a feature to
+// within a stand-off, and the gain of a turn from one to the other, lag * angle^2, is negligible.
 bool GodObject::is_same_place(const FaceContact& a, const FaceContact& b) const {
   const double turn = (a.normal - b.normal).norm();
   const double turned_m = turn * tracer_.radius_m();

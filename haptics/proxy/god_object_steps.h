@@ -1,7 +1,8 @@
 #pragma once
 
-// How the god-object moves in one tick, for the files that do it with and without friction. Each
-// compiles its own copy: a world without friction runs no line of the other.
+// The solver steps of one tick of the god-object, as templates over the friction policy. The files
+// with and without friction each compile their own instance, so that a world without friction runs
+// no friction code. Private to the files god_object*.cpp.
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +14,17 @@
 
 namespace palpate {
 
+// The friction policy of GodObject::move_to(): nothing holds.
 struct NoFriction {
   static constexpr bool kHolds = false;
   static bool holds() { return false; }
   static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
 };
 
-// Where the proxy was, to come back to.
+// The state of the solver at one position of the proxy, to return to.
 struct GodObject::ProxyPlace {
   Vec3 proxy;
-  std::size_t corners;
+  std::size_t corners;  // number of corners of the path
   std::array<ContactPlane, kMaxContactPlanes> planes;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   int plane_count;
@@ -30,35 +32,37 @@ struct GodObject::ProxyPlace {
   bool planes_are_current;
 };
 
-// Corners of the tangents along which a sphere goes round a right angle, the most that it turns.
+// Number of corners of the tangents along which a sphere moves round a right angle, its largest
+// turn.
 constexpr std::size_t kMostRollCorners = 7;
 
-// Unit normals that sum to less than their rounding cancel.
+// Unit normals cancel if the length of their sum is within rounding.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
 
-// What is farther than so many stand-offs is forgotten; what is nearer may hold the proxy again
-// soon.
+// Distance, in stand-offs, within which a face is kept, since it may soon hold the proxy again.
+// Faces farther away are dropped.
 constexpr double kNearPerStandOff = 2.0;
 
-// Steps after which a tick is slow, and is helped on.
+// Number of steps after which a tick counts as slow, and overreaching and leaps begin.
 constexpr int kPatience = 8;
 
-// Steps in which a proxy that has gone too far must have come nearer.
+// Number of steps in which a proxy that was moved too far must have come nearer to the goal.
 constexpr int kStepsToFall = 5;
 
-// Steps from one leap of a slow sphere to the next.
+// Number of steps from one leap of a slow sphere to the next.
 constexpr int kStepsPerLeap = 8;
 
-// By how much farther a proxy goes each time, as long as that leads on.
+// Growth of an extrapolation after each success.
 constexpr double kFasterEachTime = 4.0;
 
-// Of how far it went too far, what it begins with the next time.
+// Initial length of the next extrapolation after a failure, relative to the length that failed.
 constexpr double kLessAfterFailure = 1.0 / 64;
 
-// How much farther from the goal a sphere may get on its way, of the radius.
+// Largest increase of the distance to the goal on a sphere's path, relative to the radius.
 constexpr double kDetourPerRadius = 0.008;
 
-// How far from the goal a sphere may get on its way from where it is now.
+// Sets the largest distance to the goal that is allowed on a sphere's path from its present
+// position.
 inline void GodObject::limit_detours() {
   const double radius_m = tracer_.radius_m();
   if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
@@ -69,7 +73,8 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
                            Friction& friction) {
   begin_tick();
   const bool keeps_planes = repeats_step_ && motion_plane_normal == motion_plane_normal_;
-  // As it was begun, to the bit: then what has been found is asked for again.
+  // If the interrupted step is repeated from identical input, it makes the same queries, and the
+  // trace log answers them.
   const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
   if (!repeats) goal_waits_ = goes_on_ && goal == goal_;
   goal_ = goal;
@@ -102,8 +107,9 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
     if (progress == Progress::kStopped) continue;
     if (tracer_.is_cut_short()) break;
-    // A point that went to where one plane lets it go, and has its face under it, is at rest. So is
-    // a proxy that planes hold which are all those of what it touches here (update_planes).
+    // A point is at rest if one plane stopped it and the face of that plane is under it. A proxy is
+    // also at rest if the planes that hold it were computed at its present position
+    // (update_planes).
     settled_ = progress != Progress::kStuck && settled();
     if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
       if (leaves_edges(progress, friction)) {
@@ -129,7 +135,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   }
   repeats_step_ = tracer_.is_cut_short();
   if (repeats_step_) keep_step_for_next_tick();
-  if (capped) name_what_holds(friction);
+  if (capped) find_holding_planes(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
   confirmed_ = !capped;
@@ -138,19 +144,19 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   return report(iteration, capped);
 }
 
-// Bodies have taken all the work of this tick: the proxy is held as it was.
+// The tick in which the bodies have used the whole budget: the proxy keeps its position.
 template <typename Friction>
 [[gnu::cold]] ProxyState GodObject::stay(Friction& friction) {
   projection_ = {};
-  name_what_holds(friction);
+  find_holding_planes(friction);
   keep_contacts_for_next_tick(true);
   if constexpr (Friction::kHolds) return friction.complete(report(0, true));
   return report(0, true);
 }
 
-// Goes on with the step that the last tick was cut short in, for an earlier goal, as long as the
-// goal has moved by less than half of the way to it. Where the step leads away from the present
-// goal, it is taken back.
+// Completes the step in which the last tick was cut short, for the goal of that step, if the goal
+// has since moved by less than half of its distance from the proxy. If the completed step increases
+// the distance to the present goal, it is undone.
 template <typename Friction>
 [[gnu::cold]] void GodObject::finish_last_step(Friction& friction) {
   const TraceKey* unfinished = tracer_.unfinished();
@@ -170,9 +176,9 @@ template <typename Friction>
   }
 }
 
-// A tick that was cut short when the proxy had just met a face tells that face, too.
+// Determines the active planes of a capped tick, including a face that the proxy met last.
 template <typename Friction>
-[[gnu::cold]] void GodObject::name_what_holds(Friction& friction) {
+[[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
   if (projection_.active_count > 0) return;
   projection_ = project_onto_planes(planes(), goal_ - proxy_);
   if (!projection_.solved) projection_ = {};
@@ -193,21 +199,21 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
     flies = !is_over_next_ && is_off_planes();
     if (flies) {
       friction.begin_step();
-      projection_.displacement_m = way_to_planes();
+      projection_.displacement_m = step_to_planes();
     } else if (!hold_by(friction) && is_sphere && roll_to_answer()) {
       return Progress::kStopped;
     }
   } else {
     if (is_sphere && roll_to_answer()) return Progress::kStopped;
   }
-  // Free, the proxy goes to the goal, to the bit and however near it is; held by planes, it has
-  // converged when it hardly moves.
+  // A free proxy moves to exactly the goal, however near the goal is. A proxy that planes hold has
+  // converged when its step is shorter than the tolerance.
   const bool is_free = projection_.active_count == 0;
   Vec3& step = projection_.displacement_m;
   if (motion_plane_normal_ && !is_free) step = onto_motion_plane(step);
-  if (!is_free && is_none(step)) return Progress::kHeld;
-  // To a slow one, little is none, but not from farther off than it touches: it could pass by an
-  // edge that it has right in front.
+  if (!is_free && has_converged(step)) return Progress::kHeld;
+  // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
+  // it could miss an edge directly in front of it.
   const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
   if (may_rest && is_little(step) && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
@@ -218,8 +224,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   return flies ? Progress::kStopped : Progress::kMoved;
 }
 
-// A point that has slid off the face that held it is over the next one as a rule. That is not
-// touched yet, but what friction it has does not count before it is.
+// A point that has slid off the face that held it is usually over the next face. This function adds
+// the plane of that face before the point touches it. Not if that face may have friction, which
+// must not act before the contact.
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
   if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;
@@ -233,9 +240,10 @@ void GodObject::go_on_over_next_face(const Friction& friction) {
   is_over_next_ = true;
 }
 
-// Where the surface curves about as sharply as the goal is deep, a slide along its tangent plane
-// leads only a small part of the way, and so does each one after it: of a slide y, the next ones
-// are k y, k^2 y, ... Goes on as far as they will lead together. Returns how many steps that took.
+// Extends a slide by the sum of the slides that will follow. Where the surface curves about as
+// sharply as the goal is deep, a slide along the tangent plane covers only a small part of the
+// path, and so does each slide after it: after a slide y, the next ones are k y, k^2 y, ... Returns
+// the number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
   const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
@@ -251,13 +259,14 @@ template <typename Friction>
   return attempt.steps;
 }
 
-// Slides that go to and fro between features say little of the way that they lead together. Every
-// few steps, goes on that way, the farther the more often that has led on.
+// Every few steps, extends the path of these steps by a straight segment in its mean direction. A
+// single slide between features, to and fro, predicts that direction poorly. Each success
+// multiplies the length of the next leap. Returns the number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
   if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;
-  const Vec3 way = leap_reach_ * (proxy_ - leap_from_);
-  const Attempt attempt = fall_from_beyond(way, most_steps, friction);
+  const Vec3 displacement = leap_reach_ * (proxy_ - leap_from_);
+  const Attempt attempt = fall_from_beyond(displacement, most_steps, friction);
   if (attempt.steps == 0) return 0;
   leap_reach_ = attempt.is_nearer ? kFasterEachTime * leap_reach_ : 1.0;
   leap_from_ = proxy_;
@@ -265,15 +274,16 @@ template <typename Friction>
   return attempt.steps;
 }
 
-// Goes on by so much, though that leads away from the goal at first, and lets the proxy fall back
-// on the surface. Takes all of it back unless it comes nearer. No steps: there are too few, or
-// there is no such way.
+// Moves the proxy along `displacement`, even away from the goal, as far as the limit of detours
+// (most_lag_m_) permits, and then lets it fall back to the surface by ordinary steps. Undoes the
+// attempt unless the proxy ends nearer to the goal. The result has 0 steps if too few steps are
+// left or if the displacement is zero, out of the plane of motion or out of bounds.
 template <typename Friction>
-GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
+GodObject::Attempt GodObject::fall_from_beyond(const Vec3& displacement, int most_steps,
                                                Friction& friction) {
-  const double way_m = way.norm();
-  if (way_m == 0.0 || most_steps < kStepsToFall) return {};
-  const std::optional<Vec3> along = in_motion_plane(way / way_m);
+  const double length_m = displacement.norm();
+  if (length_m == 0.0 || most_steps < kStepsToFall) return {};
+  const std::optional<Vec3> along = in_motion_plane(displacement / length_m);
   if (!along) return {};
   limit_detours();
   const Vec3 lag = proxy_ - goal_;
@@ -281,7 +291,7 @@ GodObject::Attempt GodObject::fall_from_beyond(const Vec3& way, int most_steps,
   const double leads_m = -lag.dot(*along);
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
-  const double beyond_m = std::min(way_m, farthest_m);
+  const double beyond_m = std::min(length_m, farthest_m);
   const Vec3 target = proxy_ + beyond_m * *along;
   if (!bounds_.contains(target)) return {};
   const ProxyPlace before = place_now();

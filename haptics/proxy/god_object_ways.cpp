@@ -1,4 +1,4 @@
-// What is around a proxy that may have a way on: see god_object_ways.h.
+// The faces around a proxy at rest, and tests of whether they hold it: see god_object_ways.h.
 
 #include "haptics/proxy/god_object_ways.h"
 
@@ -10,17 +10,18 @@
 namespace palpate {
 namespace {
 
-// A point held by planes at a vertex is within a few stand-offs of it, by the angles between them.
+// Distance in stand-offs within which a point counts as being at a vertex. A point that planes hold
+// at a vertex is a few stand-offs away from it, depending on the angles between the planes.
 constexpr double kAtVertexPerStandOff = 64.0;
 
-// Planes taken in, one after the other, of many that may hold a proxy.
+// Number of planes added one after the other when many may hold the proxy.
 constexpr int kMostExchanges = 64;
 
-// How far the place of a proxy is rounded, and what it is brought to a body by, of the scene's
+// Rounding of a proxy's position, including its transformation to a body, relative to the scene's
 // size.
 constexpr double kPlaceRoundoff = 32 * std::numeric_limits<double>::epsilon();
 
-// A unit vector, and its product with another.
+// Rounding of a unit vector and of its product with another.
 constexpr double kDirectionRoundoff = 8 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -35,8 +36,8 @@ GodObject::Faces GodObject::holding_faces() const {
   return holding;
 }
 
-// Of any number of contacts takes the planes that hold the proxy: while one of them is violated,
-// the most violated one comes in.
+// Determines the planes that hold the proxy among any number of contacts: while planes are
+// violated, the most violated plane is added.
 void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
   plane_count_ = 0;
   projection_ = project_onto_planes({}, goal_ - proxy_);
@@ -56,8 +57,8 @@ void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
   }
 }
 
-// Of much that is around, only so many can be tried: the nearest are the first. A step that is
-// taken again knows them.
+// Finds the faces around the proxy, up to kMostAround, sorted by distance. The result is kept for
+// the position, so that a repeated step does not search again.
 void GodObject::look_around() {
   Surroundings& around = *around_;
   if (around.of == proxy_) return;
@@ -87,7 +88,8 @@ void GodObject::look_around() {
   around.touched_count = static_cast<std::size_t>(end - all.begin());
 }
 
-// So near to an edge, the direction to it has few digits. Its own has them all.
+// The contact with the nearest point of a face. The direction from a very near edge to the proxy
+// has few exact digits, so its component along the edge is removed.
 FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
   FaceContact nearest = tracer_.nearest_contact(face, proxy_);
   if (nearest.feature == TriangleFeature::kEdge) {
@@ -97,16 +99,17 @@ FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
   return nearest;
 }
 
-// Whether a face is where its contact says, under a point that touches it: a step that falls to it
-// comes nearer to it then. Corners in the solver frame are not quite where the contact is.
+// Whether the face of a contact is exactly under a point that touches it, so that every step
+// against its normal approaches the face. False for bodies with corners in the solver frame, which
+// differ slightly from the contact.
 bool GodObject::is_touched_face(const FaceContact& contact) const {
   return !is_beside_face(contact) && contact.clearance_m <= scale().stand_off_m &&
          !tracer_.decides_by_corners(world_->body(contact.face.body));
 }
 
-// Whether the faces that hold a point prove that nothing leads on: the steepest descent that falls
-// to none of them gains little. To come nearer to a face by rounding is not to fall: between faces
-// that are nearly parallel that leads far.
+// Whether the faces that hold a point prove that it is at rest: the steepest descent that
+// approaches none of them gains too little. The test permits approaches within rounding, since such
+// steps can lead far between nearly parallel faces.
 bool GodObject::is_held_by(std::span<const FaceContact> holding) const {
   std::array<ContactPlane, 3> planes;
   for (std::size_t i = 0; i < holding.size(); ++i) {
@@ -118,8 +121,8 @@ bool GodObject::is_held_by(std::span<const FaceContact> holding) const {
   return descent.solved && !may_gain_by(descent.displacement_m);
 }
 
-// The same of all faces that it touches. The search for those that hold may end with some of them,
-// which leave more to gain.
+// As is_held_by(), for all touched faces. The search for the holding faces may end with a subset,
+// which permits a larger gain.
 bool GodObject::is_held_by_faces() {
   auto& faces = around_->scratch;
   std::size_t count = 0;
@@ -132,9 +135,9 @@ bool GodObject::is_held_by_faces() {
   return projection_.solved && !may_gain_by(projection_.displacement_m);
 }
 
-// Whether a step in this direction falls towards none of what is touched, but for the rounding of
-// the directions from there to the proxy. The distance to a triangle is convex, so then it comes
-// nearer to none of it however long it is.
+// Whether a step in this direction approaches none of the touched faces, except for the rounding of
+// their contact normals. The distance to a triangle is convex, so such a step approaches none of
+// them at any length.
 bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const {
   const double slope =
       kDirectionRoundoff + place_roundoff_m() / (tracer_.radius_m() + scale().stop_m);
@@ -143,8 +146,8 @@ bool GodObject::falls_to_none(const Vec3& step, std::span<const FaceContact> tou
                      [&](const FaceContact& contact) { return contact.normal.dot(step) >= least; });
 }
 
-// Whether a step is stopped by a face that it touches, though all of it comes nearer to none of
-// those by more than rounding.
+// Whether a touched face stops a step although the whole step approaches no touched face by more
+// than rounding.
 bool GodObject::is_stopped_by_rounding(const Vec3& step) {
   const auto touched = around_->all_touched();
   const bool falls = std::any_of(touched.begin(), touched.end(), [&](const FaceContact& contact) {
@@ -157,13 +160,13 @@ bool GodObject::is_stopped_by_rounding(const Vec3& step) {
          });
 }
 
-// Whether a point rests at a corner of one of the faces that hold it.
+// Whether the proxy is at a corner of one of the faces of these contacts.
 bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
   const double near_m = kAtVertexPerStandOff * scale().stand_off_m;
   return std::any_of(contacts.begin(), contacts.end(), [&](const FaceContact& contact) {
     const ContactBody& body = world_->body(contact.face.body);
-    TriangleGeometry room;
-    const TriangleGeometry& t = body.triangle(contact.face.slot, room);
+    TriangleGeometry buffer;
+    const TriangleGeometry& t = body.triangle(contact.face.slot, buffer);
     const Vec3 p_body = body.to_body(proxy_);
     const double near = body.length_to_body(near_m);
     const auto is_near = [&](const Vec3& corner) {
@@ -173,8 +176,8 @@ bool GodObject::is_at_vertex(std::span<const FaceContact> contacts) const {
   });
 }
 
-// The least displacement that puts the proxy a stop above the planes of these faces and brings it
-// nearer to none around. Zero if there is none near by.
+// The least displacement that lifts the proxy to SolverScale::stop_m above the planes of these
+// faces without approaching any face around it. Zero if that displacement is too long.
 Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
                            std::span<const FaceContact> nearest) const {
   std::array<ContactPlane, kMaxContactPlanes> planes;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Whether anything leads on from where planes hold the proxy, for the files that move it with and
-// without friction.
+// Attempts to improve the position of a proxy that planes hold, as templates over the friction
+// policy. An attempt succeeds if it brings the proxy nearer to the goal by more than
+// GodObject::little_m(); otherwise it is undone. Private to the files god_object*.cpp.
 
 #include <algorithm>
 #include <array>
@@ -13,33 +14,34 @@
 
 namespace palpate {
 
-// Creases beside a vertex are tried between so many faces.
+// Number of faces around a vertex that are tried singly and in pairs.
 constexpr std::size_t kMostAtVertex = 12;
 
-// How far from what holds a proxy faces are looked at: flat ones that meet at a vertex come apart
-// only many stand-offs from it.
+// Distance from the proxy, in stand-offs, within which faces are examined. Nearly coplanar faces
+// that meet at a vertex separate only many stand-offs from the vertex.
 constexpr double kAroundPerStandOff = 64.0;
 
-// So many of them have the lines tried in which their planes cross.
+// Number of faces whose planes are intersected in pairs.
 constexpr std::size_t kMostCrossing = 32;
 
-// The planes that they have: of faces, and of what is nearest of each. Any two may cross.
+// Number of planes that are intersected: each face has its own plane and the plane across the
+// direction from its nearest point. Any two may cross.
 constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
 constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes - 1) / 2;
 
-// How far such a line may turn by rounding: half the digits of double.
+// Largest turn of such a line by rounding: half the digits of double.
 constexpr double kLineRoundoff = 1e-8;
 
-// Faces near a proxy that are looked at.
+// Number of faces near the proxy that are examined.
 constexpr std::size_t kMostAround = 256;
 
-// How often a way past them may bend.
+// Number of bends of a path past these faces.
 constexpr int kMostBends = 8;
 
-// How often a way between one that is blocked and one that is not is halved: to a 4,000th.
-constexpr int kMostWayHalvings = 12;
+// Number of halvings of the angle between a blocked and a free direction: to 1/4096.
+constexpr int kMostDirectionHalvings = 12;
 
-// A few faces.
+// Up to three faces.
 struct GodObject::Faces {
   std::array<FaceContact, 3> contacts;
   std::size_t count = 0;
@@ -49,21 +51,21 @@ struct GodObject::Faces {
   std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
 };
 
-// The lag's part along the line in which two planes cross.
+// The component of the lag along the line in which two planes cross. Solver frame, m.
 struct LineStep {
   Vec3 step;
   double length_m;
-  std::size_t order;  // among all of them
+  std::size_t order;  // position in the order in which the lines were found
 };
 
-// What is around a proxy that planes hold, the nearest first. Large, so it is made once.
+// The faces around a proxy that planes hold, sorted by distance. Allocated once, since it is large.
 struct GodObject::Surroundings {
-  std::array<FaceContact, kMostAround> faces;    // as planes
-  std::array<FaceContact, kMostAround> nearest;  // as the plane of what is nearest of each
+  std::array<FaceContact, kMostAround> faces;    // contact with the plane of each face
+  std::array<FaceContact, kMostAround> nearest;  // contact with the nearest point of each face
   std::array<FaceContact, kMostAround> scratch;
-  std::optional<Vec3> of;  // where the proxy was
+  std::optional<Vec3> of;  // proxy position that these faces belong to
   std::size_t count = 0;
-  std::size_t touched_count = 0;  // the first so many
+  std::size_t touched_count = 0;  // the first touched_count faces touch the proxy
   std::array<LineStep, kMostLines> lines;
 
   std::span<const FaceContact> all_faces() const { return std::span(faces).first(count); }
@@ -73,18 +75,21 @@ struct GodObject::Surroundings {
   }
 };
 
-// A point beside a triangle is held by its plane, or by its edge or vertex, also where another
-// triangle goes on beyond and is what the point is over. Before it is said to rest there, it tries
-// without each such contact. At a vertex the room is not convex, and other faces can leave a way on
-// between them: it tries to go along all that is near, along each one and each two, and past what
-// it meets then. True if any of that led on. Between faces that are nearly parallel, and nearer to
-// each other than a proxy may come, rounding decides whether anything would. One that is stuck may
-// be lower over its face than it may come to be over the next one, the edge of which is in its way.
+// Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.
+//
+// A point beside a triangle is held by the plane, an edge or a vertex of the triangle. If an
+// adjacent triangle continues the surface and lies under the point, that contact must not hold the
+// point: before the point counts as resting, it tries to move without each such contact. At a
+// vertex, the free space is not convex and other faces can leave a gap: the point tries to slide
+// along all near faces, along each face and each pair, and past the obstacle that it meets then.
+// Between nearly parallel faces that are closer to each other than the proxy may come to either,
+// rounding decides whether an attempt succeeds (rounding_decides_). A stuck point can be lower over
+// its face than it may be over the next face, so that the edge of the next face blocks it.
 template <typename Friction>
 [[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
   rounding_decides_ = false;
   if constexpr (Friction::kHolds) {
-    if (slides_up_to_what_holds(friction)) return true;
+    if (slides_up_to_untouched_face(friction)) return true;
   }
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
@@ -111,8 +116,8 @@ template <typename Friction>
   return false;
 }
 
-// Friction may wedge a sphere between faces that bear it together, though along one of them, or
-// two, it would slide.
+// Tries to free a sphere that friction wedges between several faces, by sliding along one or two of
+// them.
 template <typename Friction>
 bool GodObject::leaves_wedge(Friction& friction) {
   if constexpr (Friction::kHolds) {
@@ -125,8 +130,8 @@ bool GodObject::leaves_wedge(Friction& friction) {
   return false;
 }
 
-// Takes each contact beside a face for what is nearest of the face, and then leaves them out, each
-// alone and all.
+// Tries to slide with each contact beside a face replaced by the contact with the face's nearest
+// point; then without each of these contacts; then without all of them.
 template <typename Friction>
 bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
   Faces nearest = holding;
@@ -151,10 +156,10 @@ bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
   return slides_along(over.all(), friction);
 }
 
-// Of the faces that friction would wedge the proxy between, one may not be touched yet: as far as
-// to there, only the others hold.
+// Tries to slide as far as a face that the proxy does not touch yet. Until then, only the touched
+// faces hold it by friction.
 template <typename Friction>
-bool GodObject::slides_up_to_what_holds(Friction& friction) {
+bool GodObject::slides_up_to_untouched_face(Friction& friction) {
   Faces touched;
   std::array<Vec3, 3> normals;  // in the plane of motion, if there is one
   const auto count = static_cast<std::size_t>(projection_.active_count);
@@ -167,7 +172,7 @@ bool GodObject::slides_up_to_what_holds(Friction& friction) {
   if (touched.count == 0 || touched.count == count) return false;
   const ProxyPlace here = place_now();
   if (slides_along(touched.all(), friction)) return true;
-  // Those that are touched, and not pressed, lead along them to the other.
+  // Touched faces that bear no load still guide the proxy towards the other face.
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < touched.count; ++i) {
     const Vec3 along = lag - lag.dot(normals[i]) * normals[i];
@@ -181,7 +186,7 @@ bool GodObject::slides_up_to_what_holds(Friction& friction) {
   return false;
 }
 
-// Goes along a part of the lag as far as the friction of this face leaves it.
+// Tries a slide along one component of the lag, shortened by the friction of this face.
 template <typename Friction>
 bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& friction) {
   if (!may_gain_by(along)) return false;
@@ -193,8 +198,8 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
   });
 }
 
-// Goes on along all that is near, each as the plane of what is nearest of it, and along what it
-// meets then.
+// Tries to slide along all near faces, each represented by the plane of its nearest point, and
+// along the faces met then.
 template <typename Friction>
 bool GodObject::slides_past(Friction& friction) {
   hold_by_most_violated(around_->all_nearest());
@@ -205,8 +210,9 @@ bool GodObject::slides_past(Friction& friction) {
   });
 }
 
-// Goes on along one or two of those that it touches, or an edge of one, where that falls towards no
-// other. What holds the proxy may be two faces that bear more, wedged between them by friction.
+// Tries to slide along one or two touched faces, or along an edge of one, in directions that
+// approach no other touched face. The faces that hold the proxy may be two others, between which
+// friction wedges it.
 template <typename Friction>
 bool GodObject::slides_between(Friction& friction) {
   const auto all_touched = around_->all_touched();
@@ -216,8 +222,8 @@ bool GodObject::slides_between(Friction& friction) {
     if (tracer_.is_cut_short()) return false;
     if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
-    const Vec3 way = projection_.displacement_m;  // what friction leaves of the step
-    if (may_gain_by(way) && is_stopped_by_rounding(way)) rounding_decides_ = true;
+    const Vec3 shortened = projection_.displacement_m;  // the step, shortened by friction
+    if (may_gain_by(shortened) && is_stopped_by_rounding(shortened)) rounding_decides_ = true;
     return false;
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
@@ -238,7 +244,7 @@ bool GodObject::slides_between(Friction& friction) {
   return false;
 }
 
-// Takes a step along these contacts, wherever else their planes would lead.
+// Tries this step, held by these contacts, instead of the step that their planes would give.
 template <typename Friction>
 bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
                         Friction& friction) {
@@ -251,8 +257,8 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
   });
 }
 
-// Goes down as steeply as what it touches leaves it, and where an obstacle is met at once, as what
-// that leaves, too: or between the two ways, past the obstacle.
+// Tries the steepest descent that the touched faces allow. If an obstacle is met at once, its plane
+// is added, and directions between the blocked one and the new one are tried, past the obstacle.
 template <typename Friction>
 bool GodObject::goes_past_obstacles(Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
@@ -275,9 +281,10 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
   return false;
 }
 
-// Goes along the line in which two planes around a vertex meet, touched or not: of faces, and of
-// what is nearest of them. The longest step first, which gains most: at a hub of hundreds of
-// triangles the one that is free may be late among them.
+// Tries to slide along the lines in which any two planes around a vertex cross, touched or not. The
+// planes are those of the faces and those of their nearest points. The longest step comes first,
+// since it gains most: around a hub of hundreds of triangles, the free line may be late in the
+// original order.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
@@ -310,8 +317,8 @@ bool GodObject::goes_along_lines(Friction& friction) {
                      [&](const LineStep& line) { return goes_along_line(line.step, friction); });
 }
 
-// The line of two planes that are nearly parallel is rounded, and may run into what it should pass:
-// goes on along that.
+// Tries a step along a line. The line of two nearly parallel planes is rounded, and may run into a
+// face that it should pass; then a step along that face is tried.
 template <typename Friction>
 bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
   std::optional<TraceHit> hit;
@@ -323,10 +330,10 @@ bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
   return falls_to_none(beside, around_->all_touched()) && goes_straight(beside, friction);
 }
 
-// Between a way that is blocked and one that is not, or does not lead on.
+// Tries directions between a blocked one and one that is free or gains too little, by bisection.
 template <typename Friction>
 bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
-  for (int i = 0; i < kMostWayHalvings; ++i) {
+  for (int i = 0; i < kMostDirectionHalvings; ++i) {
     const Vec3 direction = (blocked + free).normalized();
     const Vec3 middle = direction.dot(goal_ - proxy_) * direction;
     if (!may_gain_by(middle)) {
@@ -340,7 +347,8 @@ bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
   return false;
 }
 
-// Tells what is in the way, if anything is. Most such ways are blocked at once.
+// Tries one straight step. Writes the first obstacle of the step, or nullopt, to `obstacle`. The
+// trace before the attempt saves time, since most such steps are blocked at once.
 template <typename Friction>
 bool GodObject::goes_straight(const Vec3& step, Friction& friction,
                               std::optional<TraceHit>* obstacle) {
@@ -352,8 +360,9 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction,
   return tries(friction, [&] { stop_at_first_hit(target); });
 }
 
-// Tries the faces around a vertex: each alone, each two, and each two from above both, where the
-// proxy is beside a crease that it could follow and lower than it may be over one of its sides.
+// Tries to slide along each face around a vertex and along each pair of faces. If the proxy is
+// lower over one face of a pair than it may be, it is also lifted above both faces first: it may be
+// beside a crease between them that it can follow.
 template <typename Friction>
 bool GodObject::slides_at_vertex(Friction& friction) {
   const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };
@@ -372,7 +381,8 @@ bool GodObject::slides_at_vertex(Friction& friction) {
   return false;
 }
 
-// Lifts the proxy above both faces, nearer to none of those around, and lets it slide along them.
+// Tries to lift the proxy above both faces, without approaching any face around it, and to slide
+// along the two faces.
 template <typename Friction>
 bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
                                  std::span<const FaceContact> nearest, Friction& friction) {
@@ -389,7 +399,7 @@ bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
   });
 }
 
-// Takes a step held by these planes alone.
+// Tries a step that only these contacts hold.
 template <typename Friction>
 bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
   plane_count_ = 0;
@@ -397,8 +407,8 @@ bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& fr
   return tries(friction, [&] { take_step(friction); });
 }
 
-// True if what is done leads nearer to the goal by more than little; takes it back otherwise, but
-// for planes.
+// Executes `step`. Returns true if it brought the proxy nearer to the goal by more than little_m().
+// Otherwise restores position, path and friction state, but not the planes.
 template <typename Friction, typename Step>
 bool GodObject::tries(Friction& friction, Step step) {
   if (tracer_.is_cut_short()) return false;

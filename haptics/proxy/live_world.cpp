@@ -20,11 +20,11 @@ bool LiveWorld::place(std::uint32_t b, const RigidTransform& T_solver_body) noex
     is_moving_[b] = true;
   }
   bodies_[b].place(T_solver_body);
-  bodies_[b].corners = nullptr;  // they are where it was
+  bodies_[b].corners = nullptr;  // the corners belong to the initial pose
   return true;
 }
 
-void LiveWorld::take_bounds(std::uint32_t b) noexcept {
+void LiveWorld::extend_bounds(std::uint32_t b) noexcept {
   bounds_solver_ = bounds_solver_.united(bodies_[b].box_solver());
 }
 

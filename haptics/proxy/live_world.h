@@ -1,6 +1,6 @@
 #pragma once
 
-// The world as one haptic loop has it now: bodies may move from tick to tick.
+// The current poses of a world's bodies in one haptic loop. Bodies may move from tick to tick.
 
 #include <cstdint>
 #include <span>
@@ -10,34 +10,39 @@
 
 namespace palpate {
 
-// A copy of the poses of a ContactWorld, whose surfaces it shares. Bodies that have once been moved
-// are kept apart: what is remembered or sorted in advance is about those at rest.
+// A copy of the poses of a ContactWorld; the surfaces are shared. Bodies that have ever moved are
+// listed separately, since the tree over the bodies and the candidate cache cover only bodies at
+// rest.
 //
-// No allocation, lock or exception after construction. One thread owns it.
+// Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
+// one thread owns an instance.
 class LiveWorld {
  public:
-  // Bodies that may move: each of them is asked at every step of the proxy.
+  // Largest number of bodies that may move. Every step of the proxy tests each of them.
   static constexpr std::size_t kMostMoving = 256;
 
+  // Shares the surfaces, stretches and corners of the world, which must outlive this object.
   explicit LiveWorld(const ContactWorld& world);
 
   const ContactBody& body(std::uint32_t b) const { return bodies_[b]; }
   std::span<const ContactBody> bodies() const { return bodies_; }
-  // Those that have been moved, in the order in which they first were.
+  // The bodies that have moved, in the order of their first moves.
   std::span<const std::uint32_t> moving() const { return moving_; }
   bool is_moving(std::uint32_t b) const { return is_moving_[b]; }
 
   double size_m() const { return size_m_; }
-  // Around all surfaces, wherever they have been so far, as told by take_bounds(). Solver frame.
+  // A box around all initial surfaces and around every body passed to extend_bounds() as it was
+  // placed then. Solver frame, m.
   const Box& bounds_solver() const { return bounds_solver_; }
 
-  // Moves a body. False, and nothing done, if too many move already.
+  // Moves a body. Returns false and changes nothing if kMostMoving bodies have moved already.
   bool place(std::uint32_t b, const RigidTransform& T_solver_body) noexcept;
-  // Makes the bounds hold a body where it is. Apart from place(), whose move may be taken back.
-  void take_bounds(std::uint32_t b) noexcept;
+  // Extends the bounds to contain a body at its current pose. A separate function, because a move
+  // by place() may be undone.
+  void extend_bounds(std::uint32_t b) noexcept;
 
-  // Calls visit(b) for every body at rest that comes within radius_m of p, in ascending order,
-  // until it returns false.
+  // Calls visit(b) for every body at rest whose box comes within radius_m of p, in ascending order,
+  // until visit returns false. In a small world without a tree, for every body at rest.
   template <typename Visit>
   void visit_resting_near(const Vec3& p, double radius_m, NearSearch search,
                           Visit visit) const noexcept {
@@ -46,9 +51,10 @@ class LiveWorld {
     tree_->visit_near(p, radius_m, search, Visitor<Visit>::visit_if_resting, &visitor);
   }
 
-  // Calls visit(b) for every body at rest, from number `first` on, that comes within radius_m of
-  // the segment p to p + d, in ascending order, until it returns false. radius_m: of the proxy, and
-  // what the world's tree was built for.
+  // Calls visit(b) for every body at rest, from number `first` on, whose box comes within radius_m
+  // of the segment p to p + d, in ascending order, until visit returns false. In a small world
+  // without a tree, for every body at rest from `first` on. radius_m: at most the sweep radius that
+  // the world's tree was built for.
   template <typename Visit>
   void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
                            Visit visit) const noexcept {
@@ -77,7 +83,7 @@ class LiveWorld {
   }
 
   std::vector<ContactBody> bodies_;
-  std::shared_ptr<const BoxTree> tree_;  // of the bodies where they were at first; may be null
+  std::shared_ptr<const BoxTree> tree_;  // over the bodies at their initial poses; may be null
   std::vector<std::uint32_t> moving_;
   std::vector<bool> is_moving_;
   Box bounds_solver_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The triangles that a proxy is about, as they are decided on.
+// The triangles near a proxy in the body frame, in which the exact tests are made.
 
 #include <array>
 #include <cstddef>
@@ -11,12 +11,15 @@
 
 namespace palpate {
 
-// Triangles of a world's bodies, body frame. Those of stretched bodies are made when they are asked
-// for; a tick asks for the same few many times, so the last ones are kept. How a body is stretched
-// never changes, so none is out of date. No allocation; one thread owns it.
+// Provides the triangles of a world's bodies in the body frame. The triangles of a stretched body
+// are computed on request. A tick requests the same few triangles many times, so the last ones are
+// kept. A body's stretch never changes, so they stay valid.
+//
+// Safe on the haptic thread: no allocation, lock or exception. Not thread-safe: one thread owns an
+// instance.
 class MadeTriangles {
  public:
-  // Valid until another face is asked for.
+  // The triangle of a face, in units of the body frame. The reference is valid until the next call.
   const TriangleGeometry& of(const ContactBody& body, const FaceRef& face) const {
     if (!body.stretch) [[likely]]
       return body.index->triangle(face.slot);

@@ -9,25 +9,26 @@
 namespace palpate {
 namespace {
 
-// Normals whose cross product is smaller than their own rounding are parallel: no edge to solve on.
+// Two normals are parallel if the length of their cross product is within its rounding. Their
+// planes then have no common line.
 constexpr double kParallelSine = 16 * kUnitRoundoff;
 
-// Likewise for three normals in one plane.
+// Three normals lie in one plane if their triple product is within its rounding.
 constexpr double kCoplanarVolume = 128 * kUnitRoundoff;
 
-// The rounding of what is left of a target along a plane, of the target: 3 for the product with the
-// normal, 2 for what is taken away, by axis.
+// Rounding of the component of a target along a plane, relative to the target: for each axis, 3 for
+// the product with the normal and 2 for the subtraction.
 constexpr double kCancelled = 16 * kUnitRoundoff;
 
-// A plane is violated only by more than the rounding of evaluating it.
+// A plane counts as violated only beyond the rounding of its evaluation.
 constexpr double kViolationRoundoff = 32 * kUnitRoundoff;
 
-// Rounding of the difference of two squared distances, relative to either: 4 for each norm, 8 for
-// normals of which the length is 1 to within 2 ulp and counts to the fourth power, doubled.
+// Rounding of the difference of two squared distances, relative to either: 4 for each norm, and 8
+// for normals whose length is 1 to within 2 ulp and enters with the fourth power; all doubled.
 constexpr double kMonotoneRoundoff = 64 * kUnitRoundoff;
 
-// A face that makes a smaller angle than this (sine) with the plane of motion is parallel to it:
-// its in-plane normal would have lost half its digits.
+// A face counts as parallel to the plane of motion if the sine of the angle between them is smaller
+// than this: its normal in that plane would have lost half of its digits.
 constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
 
 using Candidate = std::optional<Vec3>;
@@ -67,14 +68,14 @@ Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPl
   return y;
 }
 
-// By how much a displacement violates a plane, beyond the rounding of evaluating it; > 0 if it
-// does.
+// The amount by which a displacement violates a plane beyond the rounding of its evaluation;
+// positive if it does.
 double violation_m(const ContactPlane& plane, const Vec3& y_m) {
   const double roundoff_m = kViolationRoundoff * (y_m.lpNorm<1>() + std::abs(plane.offset_m));
   return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
 }
 
-// A basis: the planes that are active, in ascending order, and the displacement on all of them.
+// A basis: the active planes in ascending order and the displacement that lies on all of them.
 using Basis = PlaneProjection;
 
 bool has(const Basis& basis, int plane) {
@@ -82,7 +83,8 @@ bool has(const Basis& basis, int plane) {
   return std::find(basis.active.begin(), end, plane) != end;
 }
 
-// The point of the basis' planes nearest to the target, if every one of them pushes.
+// Computes the point on all planes of the basis that is nearest to the target. True if every plane
+// pushes.
 bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basis) {
   const auto plane = [&](std::size_t i) -> const ContactPlane& {
     return planes[static_cast<std::size_t>(basis.active[i])];
@@ -94,7 +96,7 @@ bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basi
   return y.has_value();
 }
 
-// The plane that is violated most, or -1.
+// The index of the most violated plane, or -1.
 int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
   int most = -1;
   double by_m = 0.0;
@@ -108,8 +110,8 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
   return most;
 }
 
-// The basis that holds for the planes of `basis`, but for slack_m, and the one added, which it
-// violates.
+// The basis for the planes of `basis` and the plane `added`, which `basis` violates. Planes of
+// `basis` that are not in the new basis are satisfied to within slack_m.
 std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
                               const Basis& basis, int added, double slack_m) {
   const auto holds_for_all = [&](const Basis& next) {
@@ -122,7 +124,7 @@ std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& 
     }
     return true;
   };
-  // The plane added with none, one or two of the others: bits of `chosen`.
+  // Bases of the added plane and zero, one or two others, whose bits are set in `chosen`.
   constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
   for (const int chosen : kSubsetsBySize) {
     if (chosen >> basis.active_count != 0) continue;
@@ -140,8 +142,9 @@ std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& 
   return std::nullopt;
 }
 
-// The answer is never farther from the target than the feasible y = 0. Where rounding says so, the
-// proxy stays; where more than rounding does, the planes were too ill-conditioned.
+// Rejects a solution that is farther from the target than the feasible y = 0. If the difference is
+// within rounding, the solution is y = 0; if it is larger, the planes were ill-conditioned and the
+// problem is not solved.
 inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
   const double gain = start == Feasibility::kMustMove
                           ? 0.0
@@ -154,20 +157,22 @@ inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
   basis.solved = true;
 }
 
-// Normals that are less than this from lying in a plane or line bear a force in any shares.
+// Normals count as linearly dependent if their triple product is smaller than this; the shares in
+// which they bear a force are then undetermined.
 constexpr double kDependentNormals = 1e-8;  // half the digits of double
 
 }  // namespace
 
-// The distance to the target rises with every exchange, so no basis comes twice, and few are needed
-// as a rule. So many a plane are needed by no set of planes that is not made for it.
+// Largest number of exchanges per plane. The distance to the target increases with every exchange,
+// so no basis occurs twice, and few exchanges are usually needed. Only sets of planes constructed
+// for the purpose need more than this.
 constexpr int kMostExchangesPerPlane = 4;
 
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start) noexcept {
   Basis basis;
   basis.displacement_m = target;
-  if (planes.size() == 1) {  // as a rule
+  if (planes.size() == 1) {  // the most frequent case
     const bool is_violated = violation_m(planes[0], target) > 0.0;
     const Candidate y = is_violated ? on_one(planes[0], target) : target;
     if (!y) return {};
@@ -189,7 +194,7 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
     }
     auto next = exchange(planes, target, basis, added, 0.0);
     if (!next) {
-      // Of planes that are nearly one, each answer may violate the others, by its own rounding.
+      // If planes nearly coincide, each solution may violate the others by its own rounding.
       const double rounding_m = kCancelled * target.norm();
       const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
       if (violation_m(violated, basis.displacement_m) <= rounding_m) break;

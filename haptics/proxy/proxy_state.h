@@ -1,6 +1,7 @@
 #pragma once
 
-// What a god-object has found in a tick, and what it touches: all that effects see of it.
+// The result of a god-object's tick and its contacts: the interface between the god-object and
+// haptic effects.
 
 #include <array>
 #include <span>
@@ -13,26 +14,28 @@
 
 namespace palpate {
 
-// What one step found. Solver frame, metres.
+// The result of one tick of a god-object. Solver frame, metres.
 struct ProxyState {
   Vec3 proxy = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // normalised average of the active planes; 0 if they cancel or none
-  bool in_contact = false;     // |proxy - goal| exceeds the step tolerance
-  int active_planes = 0;       // that push
-  // The unit direction in which two planes leave the proxy free; zero for any other number.
+  // Normalised average of the active planes' normals; 0 without contact or if they cancel. If a
+  // capped tick has no active plane, the direction from the goal to the proxy.
+  Vec3 normal = Vec3::Zero();
+  bool in_contact = false;  // |proxy - goal| exceeds the step tolerance
+  int active_planes = 0;    // number of active planes, at most 3
+  // The unit direction of the line that two active planes leave free; 0 for any other number.
   Vec3 free_direction = Vec3::Zero();
-  bool slid = false;     // moved along what it touches, in this step
-  bool is_held = false;  // by friction: what it touches has some
+  bool slid = false;     // the proxy moved along the surface in this tick
+  bool is_held = false;  // the touched surface has friction
   FrictionState friction = FrictionState::kNone;
-  FrictionCone cone;  // of what it touches
+  FrictionCone cone;  // friction coefficients of the contact
   int iterations = 0;
-  bool capped = false;  // ended before it converged: GodObject says what that means
-  // The goal was no goal, or the settings are none: nothing has moved, and the rest of this, but
-  // for where the proxy is, is as without contact.
+  bool capped = false;  // the tick ended before it converged; see GodObject
+  // The goal or the settings were invalid. Nothing has moved, and all fields except `proxy` have
+  // their values without contact.
   bool is_refused = false;
-  WorkUnits work = 0;  // of the tick, with what its moving bodies took
+  WorkUnits work = 0;  // work of the tick, including that of moving bodies
 
-  // The part of a vector that lies along the planes' normals: what the proxy cannot follow.
+  // The component of a vector along the active planes' normals, which the proxy cannot follow.
   Vec3 pressed_part(const Vec3& v) const {
     if (active_planes > 2 || normal.isZero(0.0)) return v;
     if (active_planes == 2) return v - v.dot(free_direction) * free_direction;
@@ -40,7 +43,8 @@ struct ProxyState {
   }
 };
 
-// What a god-object touches, for whoever makes forces of it. Solver frame. Valid until it moves.
+// The contacts of a god-object, for code that computes forces. Solver frame, metres. Valid until
+// the god-object moves.
 class ContactView {
  public:
   ContactView(const LiveWorld& world, std::span<const FaceContact> contacts,
@@ -48,9 +52,10 @@ class ContactView {
       : world_(world), contacts_(contacts), planes_(planes), plane_of_contact_(plane_of_contact) {}
 
   const LiveWorld& world() const { return world_; }
-  // The faces that hold the proxy, at most three, and the unit normals of their planes, which lie
-  // in the plane of motion if there is one.
+  // The faces that hold the proxy, at most three.
   std::span<const FaceContact> contacts() const { return contacts_; }
+  // The unit normal of the contact plane of the i-th contact. Under a plane of motion it lies in
+  // that plane.
   const Vec3& plane_normal(std::size_t i) const {
     return planes_[static_cast<std::size_t>(plane_of_contact_[i])].normal;
   }

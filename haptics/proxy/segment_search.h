@@ -1,6 +1,6 @@
 #pragma once
 
-// One query of a SegmentTracer in flight, for the file that traces.
+// The state of one query of a SegmentTracer. Private to segment_tracer.cpp.
 
 #include <algorithm>
 #include <array>
@@ -16,37 +16,38 @@
 
 namespace palpate {
 
-// Packs that are asked in one go.
+// Number of packs that are tested in one call.
 constexpr std::size_t kPacksAtOnce = 16;
 
-// Of a segment that is searched for something before a hit, at least so much is searched: what is
-// at the very start counts, too.
+// The smallest fraction of a segment that is searched after a hit was found, so that obstacles at
+// the very start are not missed.
 constexpr double kLeastPart = 0x1p-20;
 
-// One query in flight.
+// The state of one query.
 struct SegmentTracer::Search {
   SegmentTracer& tracer;
   Vec3 p, q;  // solver frame
-  // Hits beyond do not count. What is searched is the part of the step up to here.
+  // The search covers the step up to this fraction; hits beyond it do not count.
   StepFraction limit;
   std::optional<TraceHit> best;
 
-  // Of the body entered.
+  // The body being searched.
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
-  const SolverCorners* corners = nullptr;  // if they are what decides
-  Vec3 p_body, q_body;
-  Vec3 p_index, d_index;  // the part searched, rounded: for what only sorts out
-  double sorted_within;   // of that, index frame: what is farther from the step does not matter
+  const SolverCorners* corners = nullptr;  // set if they decide about crossings
+  Vec3 p_body, q_body;                     // the step in the body frame
+  Vec3 p_index, d_index;  // the part of the step searched, index frame, rounded: for exclusion only
+  double sorted_within;   // triangles farther than this from that part are excluded, index frame
 
   bool is_resumed = false;
-  bool has_begun = false;  // something has been examined for good, so that it can be cut short
+  bool has_begun = false;  // a batch of packs is complete, so the search may be cut short
 
-  // No aggregate: that would be cleared as a whole first, which takes as long as a pack.
+  // The constructor keeps this class from being an aggregate: clearing an aggregate first would
+  // take as long as testing a pack.
   Search(SegmentTracer& by, const Vec3& from, const Vec3& to, StepFraction up_to)
       : tracer(by), p(from), q(to), limit(up_to) {}
 
-  // Searches only what is before the best hit so far.
+  // Limits the search to the part of the step before the best hit so far.
   void shorten() {
     if (!best) return;
     limit = std::min(limit, StepFraction(std::max(best->meet_fraction.value(), kLeastPart)));
@@ -59,11 +60,11 @@ struct SegmentTracer::Search {
     corners = tracer.decides_by_corners(*placed) ? placed->corners : nullptr;
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
-    // A step that is shorter than the rounding of its ends in the body is a step all the same.
+    // A step shorter than the rounding of its transformed end points must not vanish.
     enter_index(corners ? placed->way_to_body(q - p) : Vec3(q_body - p_body));
   }
 
-  // Enters a body with a step given in its own frame.
+  // Enters a body with a step given in the frame of that body.
   void enter_body_at(std::uint32_t id, const Vec3& from_body, const Vec3& to_body) {
     body = id;
     placed = &tracer.world_->body(id);
@@ -75,7 +76,7 @@ struct SegmentTracer::Search {
 
   void enter_index(const Vec3& d_body) {
     double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
-    // As much farther as the body's corners and its index may be apart.
+    // Extended by the largest distance between the body's corners and its index.
     if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
     p_index = p_body;
     d_index = limit.value() * d_body;
@@ -87,7 +88,8 @@ struct SegmentTracer::Search {
     sorted_within = placed->reach_index(within_m, p_body);
   }
 
-  // For queries of whole segments, whose float margins cover a point's clearance.
+  // The sweep radius of index queries. It is 0 if the float margins of these queries cover the
+  // point's clearance.
   double sweep_radius() const {
     const bool is_covered = tracer.radius_m_ == 0.0 && !corners && !placed->stretch;
     return is_covered ? 0.0 : sorted_within;
@@ -97,7 +99,8 @@ struct SegmentTracer::Search {
 
   bool must_stop() const { return has_begun && tracer.work_.is_spent(); }
 
-  // Packs of the body entered. False if it has to stop before the last of them, in `unexamined`.
+  // Tests packs of the entered body. Returns false if the budget ends before the last pack; the
+  // first untested pack is then in `unexamined`.
   bool consider_packs(std::span<const std::uint32_t> packs, std::uint32_t& unexamined) {
     while (!packs.empty()) {
       unexamined = packs.front();
@@ -112,7 +115,7 @@ struct SegmentTracer::Search {
     return true;
   }
 
-  // One where a search goes on: so that it gets on however little it may do.
+  // A resumed search tests single packs, so that it progresses with the smallest budget.
   std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
 
   bool consider_for_point(std::span<const std::uint32_t> packs) {
@@ -121,7 +124,7 @@ struct SegmentTracer::Search {
     const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_index, d_index,
                                                sorted_within, doubtful.data());
     for (std::size_t i = 0; i < count; ++i) {
-      if (i > 0 && tracer.work_.is_spent()) return false;  // never where there is one
+      if (i > 0 && tracer.work_.is_spent()) return false;  // a single pack is always completed
       for (std::uint32_t lanes = doubtful[i].lanes; lanes != 0;) {
         consider_lane(doubtful[i].pack, take_lane(lanes));
       }
@@ -129,7 +132,8 @@ struct SegmentTracer::Search {
     return true;
   }
 
-  // First what the sphere touches where it is: as a rule that stops it, and tells the rest apart.
+  // Tests first the triangles that the sphere touches at the start: usually one of them stops the
+  // step, which excludes most other triangles.
   bool consider_for_sphere(std::span<const std::uint32_t> packs) {
     tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackApproach, kPacksAtOnce> doubtful;
@@ -165,7 +169,7 @@ struct SegmentTracer::Search {
     consider(face);
   }
 
-  // A triangle of the body entered.
+  // Tests a triangle of the entered body in double precision and counts the work.
   void consider(const FaceRef& face) {
     TriangleHit hit;
     TriangleWork work;
@@ -198,8 +202,8 @@ struct SegmentTracer::Search {
                         best ? std::min(best->meet_fraction, limit) : limit, hit, work);
   }
 
-  // Of equal fractions the lowest slot wins, so that the order of the visits, which belongs to
-  // Embree, does not show.
+  // Keeps the earlier of two hits. Among hits at the same fraction the lowest FaceRef wins, so that
+  // the result does not depend on Embree's order of visits.
   void keep_earlier(const TriangleHit& hit, const FaceRef& face) {
     if (hit.meet_fraction > limit) return;
     if (best && hit.meet_fraction > best->meet_fraction) return;
@@ -217,7 +221,7 @@ struct SegmentTracer::Search {
         {face, normal, clearance_m, hit.feature, feature_point}, hit.fraction, hit.meet_fraction};
   }
 
-  // How far along the part searched a triangle can still matter.
+  // The fraction of the searched part up to which a triangle can still be the first hit.
   double needed() const {
     return best ? std::max(best->meet_fraction.value() / limit.value(), kLeastPart) : 1.0;
   }

@@ -9,28 +9,28 @@
 namespace palpate {
 namespace {
 
-// A cheap tick searches for new candidates if the present ones will not last this many ticks more.
+// A cheap tick refills the candidate cache if the present ball will not last this many more ticks.
 constexpr double kTicksAhead = 3.0;
 
-// Searches for new candidates in one tick. A proxy that needs more is on a long way, and searches
-// along its steps for the rest of it.
+// Number of cache refills in one tick. A proxy that needs more is on a long path, and the rest of
+// its steps use segment queries.
 constexpr int kMostRefills = 4;
 
-// How far a sphere looks for a hit first, in radii, if the step is not short, and how much farther
-// each time after.
+// The first part of a sphere's step that is searched, in radii, if the step is longer than
+// kShortStep radii; and the growth of that part for each further search.
 constexpr double kShortStep = 0.125;
 constexpr double kFirstLook = 0.01;
 constexpr double kFartherLook = 16.0;
 
-// A tick notes its traces when it has done so much of its work: most never do, and what they did
-// before is soon done again.
+// A tick logs its traces after this fraction (1/16) of its budget is used. Most ticks never reach
+// it, and repeating the work before it is cheap.
 constexpr WorkUnits kNotedAfterPart = 16;
 
-// Traces that are noted: of a move, all ways out at a vertex; of a push, as far as it is shortened.
+// Capacity of the trace log: for a move, all attempts at a vertex; for a push, all shortenings.
 constexpr std::size_t kMostNotedOfMove = 4096;
 constexpr std::size_t kMostNotedOfPush = 256;
 
-// What a search that was cut short answers: the step is stopped where it starts.
+// The result of a search that was cut short: the step is stopped at its start.
 TraceHit nothing_known() {
   TraceHit hit{};
   hit.contact.normal.setZero();
@@ -39,7 +39,7 @@ TraceHit nothing_known() {
   return hit;
 }
 
-// A sphere's narrow phase is always in double: its stand-off is what its index was built for.
+// The narrow phase of a sphere is always double: the index was built for that stand-off.
 bool is_in_float(double radius_m, const Accuracy& accuracy) {
   return radius_m == 0.0 && accuracy.narrow_phase == NarrowPhase::kFloat;
 }
@@ -66,7 +66,7 @@ SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accu
       accuracy_(accuracy),
       is_in_float_(is_in_float(radius_m, accuracy)),
       scale_(scale_for(world, radius_m, accuracy)),
-      // Half a stand-off is what hits need beyond the radius; two cover rounding as well.
+      // Hits need half a stand-off beyond the radius; two stand-offs also cover rounding.
       cache_(world, radius_m + 2 * scale_.stand_off_m),
       work_(accuracy.work_budget),
       noted_from_(accuracy.work_budget / kNotedAfterPart),
@@ -109,7 +109,7 @@ void SegmentTracer::forget_moving_searches() noexcept {
   return true;
 }
 
-// False if the budget did not suffice for all of it.
+// Searches all bodies from the cursor on. False if the budget did not suffice.
 bool SegmentTracer::search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
                                std::optional<TraceHit>* best_at_rest) noexcept {
   if (key.only != TraceKey::kNoBody) {
@@ -135,7 +135,7 @@ bool SegmentTracer::search_resting(Search& search, TraceCursor& cursor) noexcept
     }
     search.shorten();
     search.enter_body(b);
-    // Without a tree, all bodies come here.
+    // Without a tree, the visit includes bodies that are far away.
     if (search.misses_body()) return true;
     is_complete = search_body(search, cursor);
     return is_complete;
@@ -155,7 +155,7 @@ bool SegmentTracer::search_moving(Search& search, TraceCursor& cursor,
   return true;
 }
 
-// The body that has been entered. False if the budget did not suffice for all of it.
+// Searches the entered body. False if the budget did not suffice.
 bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
   if (search.must_stop()) return false;
   work_.add(work::kBody);
@@ -165,10 +165,10 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
     bool is_complete;
   } state{&search, &cursor, true};
   auto first = cursor.is_resumed ? std::optional(cursor.pack) : std::nullopt;
-  // Embree's boxes may be too small for a point that is far from a stretched body.
+  // Embree's boxes were not enlarged enough for a point far away from a stretched body.
   const double sweep_radius = search.sweep_radius();
   if (!first && sweep_radius > search.placed->index->sweep_radius_m()) first = 0;
-  const std::size_t in_vain = search.placed->index->visit_packs_along(
+  const std::size_t unvisited = search.placed->index->visit_packs_along(
       search.p_index, search.d_index, sweep_radius, first,
       [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
         State& in = *static_cast<State*>(s);
@@ -178,13 +178,14 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
         return in.is_complete ? QueryFraction(in.search->needed()) : kNothingMore;
       },
       &state);
-  work_.add(static_cast<WorkUnits>(in_vain) * work::kPackNamed);
+  work_.add(static_cast<WorkUnits>(unvisited) * work::kPackNamed);
   search.has_begun = search.has_begun || state.is_complete;
   return state.is_complete;
 }
 
-// The less far a sphere looks, the fewer of the triangles about it are in doubt, and one that falls
-// back on the surface is stopped at once as a rule. A fraction of the step.
+// The fraction of the step that is searched first. For a sphere, a shorter search leaves fewer
+// nearby triangles in doubt, and a sphere that falls back to the surface is usually stopped at
+// once.
 double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
   if (radius_m_ == 0.0) return 1.0;
   const double length_m = (q - p).lpNorm<Eigen::Infinity>();
@@ -192,7 +193,7 @@ double SegmentTracer::first_look(const Vec3& p, const Vec3& q) const {
 }
 
 std::optional<TraceHit> SegmentTracer::trace(const Vec3& p, const Vec3& q) noexcept {
-  if (!accuracy_.reuse_candidates || asks_memory()) [[unlikely]]
+  if (!accuracy_.reuse_candidates || must_consult_memory()) [[unlikely]]
     return answer({p, q});
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find_among_candidates(p, q, TraceKey::kNoBody);
@@ -214,7 +215,7 @@ std::optional<TraceHit> SegmentTracer::trace_in_body(std::uint32_t body, const V
 std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) noexcept {
   if (doubtful_.have_overflowed) [[unlikely]]
     return answer({p, q});
-  if (asks_memory()) [[unlikely]]
+  if (must_consult_memory()) [[unlikely]]
     return recall_or_find({p, q}, true);
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find_part(p, q);
@@ -223,9 +224,9 @@ std::optional<TraceHit> SegmentTracer::trace_part(const Vec3& p, const Vec3& q) 
   return hit;
 }
 
-// What has been found before, or else is found now; if the budget suffices for it.
+// The logged result, or else the result of a new search if the budget suffices.
 std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
-  if (asks_memory()) [[unlikely]]
+  if (must_consult_memory()) [[unlikely]]
     return recall_or_find(key, false);
   last_entry_ = nullptr;
   std::optional<TraceHit> hit = find(key);
@@ -241,7 +242,7 @@ std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
   last_entry_ = memory_->log.recall(key);
   if (last_entry_) {
     doubtful_.clear();
-    doubtful_.have_overflowed = true;  // nobody knows any more which they were
+    doubtful_.have_overflowed = true;  // the doubtful triangles of a logged trace are unknown
     return last_entry_->hit;
   }
   auto& unfinished = memory_->progress;
@@ -265,7 +266,7 @@ std::optional<TraceHit> SegmentTracer::answer(const TraceKey& key) noexcept {
   return hit;
 }
 
-// Notes the answer of a tick that has done much, or of a trace that it has not done alone.
+// Logs the result if the tick has used much work, or if the trace was begun by an earlier tick.
 [[gnu::cold]] void SegmentTracer::finish(const TraceKey& key, std::optional<TraceHit>& hit,
                                          bool was_cut_short) noexcept {
   if (is_cut_short_) {
@@ -304,12 +305,12 @@ std::optional<TraceHit> SegmentTracer::find_among_candidates(const Vec3& p, cons
         cut_short({{p, q, left_out}, first_look(p, q)});
         return std::nullopt;
       }
-      // Whatever happens inside the ball is known; the first of it counts.
+      // All obstacles inside the ball are known, so that the first hit there is the result.
       is_inside =
           cache_.covers(p + (search.best ? search.best->meet_fraction.value() : look) * (q - p));
       if (is_inside && (search.best || look == 1.0)) return search.best;
     }
-    // A step that is too long for any ball is searched along.
+    // A step too long for any ball needs a segment query.
     if (attempt == 0 && !cache_.may_cover_step(q - p) && cache_.covers(p)) break;
     if (attempt > 0 || refills_ >= kMostRefills) break;
     refills_ = cache_.refill(p, motion_, work_) ? refills_ + 1 : kMostRefills;
@@ -328,14 +329,14 @@ std::optional<TraceHit> SegmentTracer::find_among_candidates(const Vec3& p, cons
   TraceCursor cursor;
   std::optional<TraceHit> best_at_rest;
   if (search_all(search, cursor, key, &best_at_rest)) return search.best;
-  // From now on in parts, the nearest first.
+  // The next tick continues by parts of the step, beginning at its start.
   TraceProgress progress{key, first_look(p, q), cursor, search.best, best_at_rest, doubtful_};
   if (progress.look < 1.0) progress.cursor.begin();
   cut_short(progress);
   return std::nullopt;
 }
 
-// Goes on from where an earlier tick was cut short.
+// Continues the search of an earlier tick that was cut short.
 [[gnu::cold]] std::optional<TraceHit> SegmentTracer::go_on(TraceProgress& progress) noexcept {
   const TraceKey& key = progress.key;
   const ContactBody* body = key.only == TraceKey::kNoBody ? nullptr : &world_->body(key.only);
@@ -349,7 +350,8 @@ std::optional<TraceHit> SegmentTracer::find_among_candidates(const Vec3& p, cons
     if (!is_complete) break;
     const bool is_met = progress.best && progress.best->meet_fraction.value() <= progress.look;
     if (is_met || progress.look == 1.0) return progress.best;
-    // Where very many triangles are near the start, each look asks them all.
+    // The searched part grows by a factor: if many triangles are near the start, each search tests
+    // all of them again.
     const double most = progress.best ? progress.best->meet_fraction.value() : 1.0;
     progress.look = std::min(most, kFartherLook * progress.look);
     progress.cursor.begin();
@@ -376,7 +378,7 @@ void SegmentTracer::look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) 
 }
 
 std::optional<FaceContact> SegmentTracer::steepest_contact(const Vec3& p, const Vec3& d) noexcept {
-  // What was recalled may have been asked for this, too.
+  // The log may also contain the result of this query.
   const bool is_recalled = doubtful_.have_overflowed && doubtful_.count == 0;
   if (is_recalled) return last_entry_ ? last_entry_->steepest : std::nullopt;
   const auto steepest = find_steepest_contact(p, d);
@@ -392,7 +394,7 @@ std::optional<FaceContact> SegmentTracer::find_steepest_contact(const Vec3& p,
     const FaceContact contact = nearest_contact(face, p);
     const double approach = contact.normal.dot(d);
     if (contact.clearance_m > scale_.stop_m || approach >= 0.0 || approach > least) continue;
-    // Those that share what is touched lead as steeply: the first of them counts.
+    // Faces that share the touched feature are equally steep: the lowest FaceRef counts.
     if (steepest && approach == least && steepest->face < face) continue;
     least = approach;
     steepest = contact;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Continuous collision of the proxy along a straight step.
+// Continuous collision of the proxy with all triangles of the world along a straight step.
 
 #include <array>
 #include <cstdint>
@@ -19,95 +19,107 @@
 
 namespace palpate {
 
-// Answers "how far can the proxy go" against every triangle of a world. Points and spheres.
+// Finds the first triangle of a world that stops a point or sphere proxy on a straight step. Points
+// are in the solver frame in metres unless a function states another frame.
 //
-// A step is the segment between two points given in double, the very ones that will be committed. A
-// step without a hit is certified: no triangle touches the swept proxy, exactly for a point, up to
-// rounding bounds that err on the side of a hit for a sphere. A point and a triangle are taken in
-// the frame of the body, or in the solver frame where the body has corners there
-// (solver_corners.h).
+// A step is the segment between two points given in double; the caller commits exactly these
+// points. A step without a hit is certified: no triangle touches the swept proxy. For a point the
+// certificate is exact; for a sphere it holds up to rounding bounds that err on the side of a hit.
+// NarrowPhase::kFloat gives no certificate (float_trace.h).
+// A point is tested against a triangle in the frame of the triangle's body, or in the solver frame
+// if the body has corners there (solver_corners.h).
 //
-// Triangles are taken from the cached packs around the proxy while the step stays in their safe
-// zone, and from a segment query otherwise; of bodies that move, always from one. Packs are asked
-// sixteen triangles at a time in single precision; what that cannot rule out is decided in double.
+// Candidate triangles are read from the cached packs around the proxy while the step stays in their
+// safe zone, and from a segment query otherwise. Bodies that move are always searched by a segment
+// query. The 16 triangles of a pack are tested together in single precision; triangles that this
+// test cannot rule out are tested in double precision.
 //
-// A tick's work is counted (work.h). A search that its budget does not suffice for is cut short: it
-// answers that the step is stopped where it starts, by nothing that has a name, and so does each
-// one after it. Asked for the same again in the next tick, it goes on from there.
+// The work of a tick is counted (work.h). A search that exceeds the budget is cut short: its result
+// is a hit at the start of the step without a valid face, and so is the result of every later
+// search in the tick. If the next tick makes the same query, the search continues where it stopped.
 //
-// No allocation, lock or exception. One instance serves one thread.
+// Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
+// one thread owns an instance.
 class SegmentTracer {
  public:
   // The world must outlive the tracer. radius_m >= 0; the world's indices must have been built for
   // sweeps of at least radius_m + the stand-off.
   SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy = {});
 
-  // What a search is for. What was cut short is kept for each of them.
+  // The purpose of a search: a move of the proxy or the push by a body. Each errand keeps its own
+  // interrupted search.
   enum class Errand : std::uint8_t { kMove, kPush };
 
-  // A new tick, with all of its budget.
+  // Begins a new tick with its whole budget.
   void begin_tick() noexcept {
     if (has_memory_) [[unlikely]]
       has_memory_ = remembers();
     work_.begin_tick();
     is_cut_short_ = false;
   }
-  // Whether a search of this tick has been cut short. It knows nothing of what it was asked.
+  // Whether a search of this tick was cut short. The results of that search and of all searches
+  // after it are then unknown.
   bool is_cut_short() const { return is_cut_short_; }
   const WorkMeter& work() const { return work_; }
 
+  // Begins the searches for another purpose.
   void begin_errand(Errand errand) noexcept {
     memory_ = memories_[static_cast<std::size_t>(errand)].get();
   }
-  // The traces from now on are of another step.
+  // Begins another step: clears the log of traces.
   void begin_step() noexcept {
     if (has_memory_) [[unlikely]]
       memory_->log.clear();
   }
-  // The traces from now on are those of the step that was cut short, from its beginning.
+  // Repeats the step that was cut short, from its first trace.
   void repeat_step() noexcept { memory_->log.rewind(); }
-  // The trace that was cut short, or null.
+  // The key of the trace that was cut short, or null.
   const TraceKey* unfinished() const {
     return memory_->progress ? &memory_->progress->key : nullptr;
   }
+  // Whether a trace was cut short while it searched the moving bodies.
   bool is_unfinished_among_moving() const {
     return memory_->progress && memory_->progress->cursor.is_among_moving;
   }
-  // A body has been put elsewhere, or the proxy has: what was asked before will not be asked again.
+  // Clears all logged and interrupted searches. To be called after a body or the proxy was placed
+  // elsewhere: earlier queries will not be repeated.
   void forget_steps() noexcept;
-  // A body that moves already has moved on.
+  // Clears the logged searches and the part of an interrupted search that concerns moving bodies.
+  // To be called after a body that is already among the moving ones has moved again.
   void forget_moving() noexcept {
     if (has_memory_) forget_moving_searches();
   }
 
-  // The first obstacle of the proxy on its way from p to q.
+  // The first obstacle of the proxy on the step from p to q, or nullopt if the step is free.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
 
-  // The same for a shorter step along the last one traced, from the same p.
+  // The same for a shorter step from the same p along the last step that was traced.
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
-  // The first obstacle in one body alone, of a proxy that goes from p to q in the body frame,
-  // whatever moves.
+  // The first obstacle in one body, for a proxy that moves from p_body to q_body in the frame of
+  // that body. All other bodies are ignored.
   std::optional<TraceHit> trace_in_body(std::uint32_t body, const Vec3& p_body,
                                         const Vec3& q_body) noexcept;
 
-  // The first obstacle on the way from p to q in all bodies but one, which moves.
+  // The first obstacle on the step from p to q in all bodies except `body`, which is a moving one.
   std::optional<TraceHit> trace_others(std::uint32_t body, const Vec3& p, const Vec3& q) noexcept;
 
-  // To be told when a body moves for the first time.
+  // Clears the cached candidates and all searches. To be called when a body moves for the first
+  // time.
   void forget_candidates() noexcept {
     cache_.forget();
     forget_steps();
   }
 
-  // Whether there is certainly nothing on the way from p to q.
+  // Whether the step from p to q is free according to the cache alone. False does not mean that an
+  // obstacle exists.
   bool is_free(const Vec3& p, const Vec3& q) const noexcept {
     return accuracy_.reuse_candidates && cache_.is_empty() && cache_.covers(p, q) &&
            world_->moving().empty();
   }
 
-  // Told at the end of a tick that moved the proxy by `step` to p. A tick that was cheap is a good
-  // moment to look for the candidates that the next ones will need.
+  // To be called at the end of a tick that moved the proxy by `step` to p. If the tick was cheap,
+  // the tracer refills the cache for the next ticks.
   void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
   // Whether a point is beside a face by more than reach_m (is_far_beside). Not for a sphere.
@@ -116,45 +128,51 @@ class SegmentTracer {
     return is_far_beside(made_.of(body, face), body.to_body(p), body.length_to_body(reach_m));
   }
 
-  // The contact of a proxy at p with the place of a face that is nearest to it.
+  // The contact of a proxy at p with the point of the face that is nearest to p. Its normal is the
+  // direction from that point to p.
   FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
 
-  // The unit direction of the edge that is touched, of a contact with one.
+  // The unit direction of the edge that the contact touches. Only for contacts with an edge.
   Vec3 edge_direction(const FaceContact& contact) const noexcept;
 
-  // The same, but for a point that is rather over the face than beside it (is_rather_over), which
-  // is held by its plane. On the side given by the earlier normal where p cannot tell.
+  // The contact of a proxy at p with a face. The result is nearest_contact(), except for a point
+  // that is rather over the face than beside it (is_rather_over): the plane of the face holds such
+  // a point, on the side of `side`, an earlier normal, if p is too close to the plane to decide.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
-  // The same of a point that is known to be over the face.
+  // The contact of a point at p with the plane of a face that the point is known to be over. The
+  // normal is on the side of `side`.
   FaceContact contact_over(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
-  // A point at p has slid off a face, on its way to the goal q. The contact with a face of the same
-  // pack that it is over now, and q behind, if there is one: nothing says that the way there is
-  // free. Not for a sphere.
+  // The contact of a point at p, which has slid off the face `left` towards the goal q, with the
+  // nearest face of the same pack that lies between p and q and has p over it. Nullopt if no such
+  // face exists. The step to that face is not traced. Not for a sphere.
   std::optional<FaceContact> contact_over_next(const FaceRef& left, const Vec3& p,
                                                const Vec3& q) noexcept;
 
-  // Point: true iff p lies over the face, in its prism. Sphere: true iff it is still touching.
+  // Point: whether p lies over the face, in its prism. Sphere: whether the sphere still touches the
+  // face.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Contacts of a point at p with the faces closer than reach_m, the nearest if there is not room
-  // for all, in no order: seen from their fronts, or from where p is. Return how many were written.
+  // Write the contacts of a point at p with the planes of the faces closer than reach_m, in no
+  // particular order; only the nearest if `contacts` is too short for all. contacts_in_front() uses
+  // the normals of the faces, so that a clearance is negative behind a face; contacts_around() uses
+  // normals on the side of p. Return the number of contacts written.
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
                                 std::span<FaceContact> contacts) noexcept;
   std::size_t contacts_around(const Vec3& p, double reach_m,
                               std::span<FaceContact> contacts) noexcept;
 
-  // Of the faces that the last step traced came near to, the contact that the proxy at p has
-  // already and that a step along d leads against most steeply. Nothing if there is none.
+  // Among the faces that the last traced step came near to and that the proxy at p already touches,
+  // the contact that a step along d approaches most steeply. Nullopt if d approaches none of them.
   std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
 
-  // Whether a point is stopped by the corners that a body has in the solver frame
-  // (solver_corners.h). Contacts are taken in the frame of the body all the same, which may be
-  // kMostApartPerStandOff apart.
+  // Whether the body's corners in the solver frame decide where a point is stopped
+  // (solver_corners.h). Contacts are still computed in the body frame, which may differ from these
+  // corners by kMostApartPerStandOff.
   bool decides_by_corners(const ContactBody& body) const {
     return body.corners && radius_m_ == 0.0 && !is_in_float_;
   }
@@ -164,12 +182,12 @@ class SegmentTracer {
 
   void forget_moving_searches() noexcept;
 
-  // What one errand has found out so far.
+  // The stored results of one errand.
   struct Memory {
     explicit Memory(std::size_t capacity) : log(capacity) {}
 
     TraceLog log;
-    std::optional<TraceProgress> progress;  // of the trace that was cut short last
+    std::optional<TraceProgress> progress;  // state of the trace that was cut short last
   };
 
   std::optional<TraceHit> answer(const TraceKey& key) noexcept;
@@ -183,8 +201,9 @@ class SegmentTracer {
   std::optional<TraceHit> go_on(TraceProgress& progress) noexcept;
   void cut_short(const TraceProgress& progress) noexcept;
   bool remembers() const noexcept;
-  // Whether there may be an answer, or no work left to find one.
-  bool asks_memory() const { return has_memory_ || work_.is_spent(); }
+  // Whether a trace must consult the stored results: they may have its answer, or the budget is
+  // spent.
+  bool must_consult_memory() const { return has_memory_ || work_.is_spent(); }
   double first_look(const Vec3& p, const Vec3& q) const;
   bool search_candidates(Search& search) noexcept;
   bool search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
@@ -197,7 +216,8 @@ class SegmentTracer {
                       const Visitor& visit) noexcept;
   std::optional<FaceContact> find_steepest_contact(const Vec3& p, const Vec3& d) const;
   double reach_m() const { return radius_m_ + scale_.stand_off_m; }
-  // For queries of the world's tree, whose float margins cover a point's clearance.
+  // The sweep radius for queries of the world's tree. It is 0 for a point, since the tree's float
+  // margins cover a point's clearance.
   double sweep_radius_m() const { return radius_m_ == 0.0 ? 0.0 : reach_m(); }
 
   const LiveWorld* world_;
@@ -207,19 +227,19 @@ class SegmentTracer {
   SolverScale scale_;
   MadeTriangles made_;
   CandidateCache cache_;
-  Vec3 motion_ = Vec3::Zero();  // of the proxy in the last tick
-  int refills_ = 0;             // of the cache, in this tick
+  Vec3 motion_ = Vec3::Zero();  // motion of the proxy in the last tick
+  int refills_ = 0;             // refills of the cache in this tick
   WorkMeter work_;
-  WorkUnits noted_from_;  // traces are noted when a tick has done so much
+  WorkUnits noted_from_;  // traces are logged once a tick has done this much work
   bool is_cut_short_ = false;
-  bool may_stop_around_ = false;  // the search for contacts around a point
+  bool may_stop_around_ = false;  // whether a search for contacts around a point may be cut short
 
-  bool has_memory_ = false;                          // there may be something in one of these
-  std::array<std::unique_ptr<Memory>, 2> memories_;  // of each errand
-  Memory* memory_;                                   // of the present one
-  TraceLog::Entry* last_entry_ = nullptr;            // of the last trace, if the log has it
+  bool has_memory_ = false;                          // whether memories_ may hold anything
+  std::array<std::unique_ptr<Memory>, 2> memories_;  // one for each errand
+  Memory* memory_;                                   // that of the present errand
+  TraceLog::Entry* last_entry_ = nullptr;            // entry of the last trace, if it is logged
 
-  // Of the last trace(), for trace_part().
+  // The candidates of the last trace() that single precision could not rule out, for trace_part().
   DoubtfulTriangles doubtful_;
 };
 

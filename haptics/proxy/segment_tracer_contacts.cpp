@@ -1,4 +1,4 @@
-// What a proxy touches where it is: see segment_tracer.h.
+// The contacts of a proxy at a position: see segment_tracer.h.
 
 #include <algorithm>
 #include <array>
@@ -12,40 +12,40 @@
 namespace palpate {
 namespace {
 
-// Bodies at rest that contacts around a point are looked for in, and the packs of all bodies that
-// are looked at for that: those with the lowest numbers.
+// Limits of a search for contacts around a point: the number of bodies at rest, and the number of
+// packs of all bodies. The search considers those with the lowest numbers.
 constexpr std::size_t kMostBodiesAround = 64;
 constexpr std::size_t kMostPacksAround = 256;
 
-// A search for contacts around a point that begins with less than this part of the budget used is
-// not cut short: it is bounded, and what follows may go on in the next tick.
+// A search for contacts around a point is never cut short if it begins before this fraction (1/4)
+// of the budget is used: its work is limited, and the next tick can continue after it.
 constexpr WorkUnits kBeginsAroundPart = 4;
 
-// Of the contacts of a point at p that it is given, the nearest that there is room for.
+// Keeps the contacts nearest to a point p, as many as `storage` can hold.
 class NearestContacts {
  public:
-  NearestContacts(const Vec3& p, std::span<FaceContact> room) : p_(p), room_(room) {}
+  NearestContacts(const Vec3& p, std::span<FaceContact> storage) : p_(p), storage_(storage) {}
 
   void add(const FaceContact& contact) {
     const auto is_nearer = [this](const FaceContact& a, const FaceContact& b) {
       return (a.feature_point - p_).squaredNorm() < (b.feature_point - p_).squaredNorm();
     };
-    if (count_ < room_.size()) {
-      room_[count_++] = contact;
-      if (count_ == room_.size()) std::make_heap(room_.begin(), room_.end(), is_nearer);
+    if (count_ < storage_.size()) {
+      storage_[count_++] = contact;
+      if (count_ == storage_.size()) std::make_heap(storage_.begin(), storage_.end(), is_nearer);
       return;
     }
-    if (!is_nearer(contact, room_.front())) return;
-    std::pop_heap(room_.begin(), room_.end(), is_nearer);
-    room_.back() = contact;
-    std::push_heap(room_.begin(), room_.end(), is_nearer);
+    if (!is_nearer(contact, storage_.front())) return;
+    std::pop_heap(storage_.begin(), storage_.end(), is_nearer);
+    storage_.back() = contact;
+    std::push_heap(storage_.begin(), storage_.end(), is_nearer);
   }
 
   std::size_t count() const { return count_; }
 
  private:
   Vec3 p_;
-  std::span<FaceContact> room_;
+  std::span<FaceContact> storage_;
   std::size_t count_ = 0;
 };
 
@@ -130,7 +130,8 @@ std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left,
 
 bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noexcept {
   if (radius_m_ > 0.0) {
-    // Still touching: the tangent plane it was stopped by supports the sphere here as well.
+    // A sphere that still touches the face is held here as well by the tangent plane that stopped
+    // it.
     return contact_at(contact.face, p, contact.normal).clearance_m <= scale_.stand_off_m;
   }
   if (contact.feature != TriangleFeature::kFace) return false;
@@ -141,7 +142,7 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
                                              std::span<FaceContact> contacts) noexcept {
   NearestContacts nearest(p, contacts);
-  // One that begins with most of the budget left is completed all the same.
+  // A search that begins with most of the budget left is completed even if it exceeds the budget.
   may_stop_around_ = kBeginsAroundPart * work_.used() > work_.budget();
   std::size_t packs_left = kMostPacksAround;
   std::size_t bodies_left = kMostBodiesAround;
@@ -169,15 +170,15 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   const auto consider_pack = [&](std::uint32_t pack) {
     const int count = body.index->pack(pack).count;
     if (may_stop_around_ && work_.is_spent()) {
-      memory_->progress.reset();  // no trace has been cut short
+      memory_->progress.reset();  // this search is not a trace that can be resumed
       is_cut_short_ = true;
       return false;
     }
     work_.add(work::kPack + count * work::kNearestPoint);
     for (int lane = 0; lane < count; ++lane) {
       const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
-      TriangleGeometry room;
-      const TriangleGeometry& t = body.triangle(slot, room);
+      TriangleGeometry buffer;
+      const TriangleGeometry& t = body.triangle(slot, buffer);
       const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
       if (nearest.distance > reach) continue;
       visit({{b, slot},

@@ -1,6 +1,7 @@
 #pragma once
 
-// Errors of settings, by the name of the field.
+// Helpers that report invalid settings by the name of the field. They allocate; not for the haptic
+// thread.
 
 #include <cmath>
 #include <optional>
@@ -11,6 +12,7 @@
 
 namespace palpate {
 
+// The value with 17 significant digits.
 inline std::string digits_of(double value) {
   std::ostringstream text;
   text.precision(17);
@@ -18,6 +20,7 @@ inline std::string digits_of(double value) {
   return text.str();
 }
 
+// Reports an Error unless the value is finite and positive, or 0 if zero_allowed.
 inline std::optional<Error> check_number(const char* field, double value, bool zero_allowed) {
   if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
   return invalid_argument(field, digits_of(value) + " given, expected a finite number " +

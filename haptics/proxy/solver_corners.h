@@ -1,13 +1,13 @@
 #pragma once
 
-// The corners of a body's triangles as doubles of the solver frame, for bodies that meet others
+// The corners of a body's triangles as doubles in the solver frame, for bodies that meet others
 // along a seam.
 //
-// Each body's index has a frame of its own, and a point is rounded on its way into each. So two
-// bodies whose edges coincide in the file do not agree on which side of the edge a step passes, and
-// a step may pass between them. In the solver frame there is one step and, for vertices that meet,
-// one position: the signs about an edge that two bodies share are those of the same four points, as
-// within one mesh.
+// Each body has its own index frame, and the transformation of a point into it rounds the point.
+// Two bodies whose edges coincide in the file may therefore disagree on which side of the edge a
+// step passes, and the step may slip between them. In the solver frame the step has one pair of end
+// points, and vertices that meet have one position. Both bodies then compute the signs about a
+// shared edge from the same four points, like the triangles of one mesh.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,17 +21,17 @@
 
 namespace palpate {
 
-// A corner is at most so many stand-offs from where the index, moved by the body's pose, has it,
-// with the rounding of a point on its way to the index. What sorts out for the exact stage looks so
-// much farther, and never leaves out a triangle that the exact stage would meet. It is less than
-// SolverScale::kClearancePerStandOff, from farther than which a proxy comes: one whose body is
-// judged by its corners in this tick, and by its index in the next because it moves, keeps its
-// side.
+// The largest distance, in stand-offs, between a corner in the solver frame and the same corner of
+// the index under the body's pose, including the rounding of a point that is transformed to the
+// index. The stages before the exact test extend their search by this distance, so that they never
+// exclude a triangle that the exact test would hit. The distance is less than
+// SolverScale::kClearancePerStandOff, the least clearance of a proxy. A proxy therefore keeps its
+// side when a body begins to move and its index replaces its corners from one tick to the next.
 inline constexpr double kMostApartPerStandOff = 0.2;
 
-// Where the vertex of a mesh is, solver frame: its position in the mesh frame under the whole
-// transform of its node, in one order of operations. It depends on nothing else, not on how the
-// index is scaled or shared.
+// The position of a mesh vertex in the solver frame, m: its position in the mesh frame under the
+// complete transform of its node, computed in a fixed order of operations. The result does not
+// depend on the scale or the sharing of the index.
 inline Vec3 solver_vertex(const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
                           const Vec3& v_mesh) {
   const Mat3& m = linear_solver_mesh;
@@ -43,26 +43,29 @@ inline Vec3 solver_vertex(const Mat3& linear_solver_mesh, const Vec3& translatio
   return p;
 }
 
-// A vertex that was made one with that of another body, and where that is. Solver frame, metres.
+// A vertex that was joined with a vertex of another body, and their common position.
 struct JoinedVertex {
-  std::uint32_t vertex;  // welded, of the mesh
-  Vec3 position_m;
+  std::uint32_t vertex;  // number of the welded vertex in the mesh
+  Vec3 position_m;       // solver frame
 };
 
-// The corners of one body at rest. Immutable. Queries: no allocation, lock or exception;
-// logarithmic in the joined vertices. What it is made from must outlive it.
+// The corners of one body at rest. Immutable, therefore thread-safe. Queries are safe on the haptic
+// thread (no allocation, lock or exception) and take logarithmic time in the number of joined
+// vertices. The positions and slots given must outlive the object.
 class SolverCorners {
  public:
-  // slots: the welded vertices of the triangles of the index, by slot, in their order in the mesh.
-  // joined: in rising order of their vertices.
+  // slots: for each slot of the index, the welded vertices of its triangle in mesh order.
+  // joined: sorted by vertex in ascending order.
   SolverCorners(std::span<const Vec3> positions_mesh, std::span<const Triangle> slots,
                 const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
                 std::vector<JoinedVertex> joined);
 
+  // The position of a welded vertex, solver frame, m.
   Vec3 vertex(std::uint32_t v) const noexcept;
 
-  // The triangle of a slot, solver frame. normal_solver: is taken where the corners lie on one line
-  // in double, as where the map of the node squeezes a thin triangle.
+  // The triangle of a slot, solver frame, m. normal_solver (unit) replaces the computed normal if
+  // the corners are collinear in double, for example a thin triangle that the node's transform
+  // squeezes.
   TriangleGeometry triangle(std::uint32_t slot, const Vec3& normal_solver) const noexcept;
 
   std::span<const JoinedVertex> joined() const { return joined_; }
@@ -79,15 +82,16 @@ class SolverCorners {
   std::vector<JoinedVertex> joined_;
 };
 
-// The corners of all bodies of a world that have them.
+// Owns the corners of all bodies of a world that have seams.
 struct SeamedBodies {
-  std::vector<std::vector<Triangle>> slots;  // of each index that they have
+  std::vector<std::vector<Triangle>> slots;  // vertices_of_slots() of each index
   std::vector<std::unique_ptr<SolverCorners>> bodies;
 
   std::size_t memory_bytes() const;
 };
 
-// The welded vertices of every slot of an index over a mesh, in their order there.
+// The welded vertices of the triangle in every slot of an index over a mesh, in mesh order.
+// Allocates; not for the haptic thread.
 std::vector<Triangle> vertices_of_slots(const SurfaceIndex& index, const SurfaceMesh& mesh);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a search that was cut short has found out, for the tick that goes on with it.
+// The intermediate results of a search that ran out of work, kept for the next tick.
 
 #include <array>
 #include <cstddef>
@@ -12,20 +12,21 @@
 
 namespace palpate {
 
-// What was asked: the first obstacle between two points.
+// Identifies a query for the first obstacle between two points. Two keys are equal only if their
+// points are equal bit for bit.
 struct TraceKey {
   static constexpr std::uint32_t kNoBody = ~std::uint32_t{0};
 
-  Vec3 p, q;  // solver frame, or that of the one body
-  std::uint32_t left_out = kNoBody;
-  std::uint32_t only = kNoBody;
+  Vec3 p, q;                         // solver frame, m; body frame of `only` if that is set
+  std::uint32_t left_out = kNoBody;  // moving body that the query ignores
+  std::uint32_t only = kNoBody;      // the only body that the query tests
 
   friend bool operator==(const TraceKey& a, const TraceKey& b) {
     return a.p == b.p && a.q == b.q && a.left_out == b.left_out && a.only == b.only;
   }
 };
 
-// The triangles that a trace could not rule out, as far as there is room.
+// The triangles that a trace could not rule out in single precision, up to kMost of them.
 struct DoubtfulTriangles {
   static constexpr std::size_t kMost = 64;
 
@@ -46,42 +47,43 @@ struct DoubtfulTriangles {
   }
 };
 
-// How far a search has come. Bodies at rest come first, then those that move, each in ascending
-// order, and the packs of each, too.
+// The position of a search in its fixed order: first the bodies at rest in ascending order, then
+// the moving bodies in the order in which they first moved; within a body, its packs in ascending
+// order.
 struct TraceCursor {
   bool is_among_moving = false;
   bool is_resumed = false;
-  std::uint32_t body = 0;  // of those at rest; of those that move, its place among them
-  std::uint32_t pack = 0;  // of that body: all before have been examined
+  std::uint32_t body = 0;  // body number; if is_among_moving, position in LiveWorld::moving()
+  std::uint32_t pack = 0;  // first pack of that body that has not been tested
 
-  // To the first of the bodies.
+  // Moves the cursor to the first body.
   void begin() {
     is_among_moving = false;
     body = pack = 0;
   }
 };
 
-// What a trace that was cut short has found.
+// The state of a trace that was cut short.
 struct TraceProgress {
   TraceKey key;
-  double look = 1.0;  // the part of the step that is searched, before the rest is
+  double look = 1.0;  // fraction of the step being searched; then extended up to 1
   TraceCursor cursor{};
-  std::optional<TraceHit> best{};
-  std::optional<TraceHit> best_at_rest{};  // of the bodies at rest, once they are all examined
+  std::optional<TraceHit> best{};          // earliest hit so far
+  std::optional<TraceHit> best_at_rest{};  // earliest hit of all bodies at rest, once complete
   DoubtfulTriangles doubtful{};
 };
 
-// The traces of one step of the god-object, in the order in which they were asked for. A step that
-// was cut short is taken anew from its beginning by the next tick, which asks for the same again:
-// to the bit, or it gets no answer from here.
+// The traces of one step of the god-object with their results, in the order of the queries. If a
+// step is cut short, the next tick repeats it from its beginning and makes the same queries; the
+// log answers a query only if its key equals the logged key bit for bit.
 //
-// No allocation, lock or exception after construction.
+// No allocation, lock or exception after construction. Not thread-safe: one thread owns a log.
 class TraceLog {
  public:
   struct Entry {
     TraceKey key;
     std::optional<TraceHit> hit;
-    std::optional<FaceContact> steepest;  // as SegmentTracer::steepest_contact() found it then
+    std::optional<FaceContact> steepest;  // result of SegmentTracer::steepest_contact()
   };
 
   explicit TraceLog(std::size_t capacity) { entries_.reserve(capacity); }
@@ -93,17 +95,18 @@ class TraceLog {
     entries_.clear();
     next_ = 0;
   }
-  // From the beginning again. What the last time did not ask for is forgotten: it will not, either.
+  // Returns to the first entry. If the previous repetition did not use all entries, the log is
+  // cleared: this repetition would not use them either.
   void rewind() {
     if (has_answers()) entries_.clear();
     next_ = 0;
   }
-  // The next answer, if that is to what is asked now.
+  // The next entry, or null if its key differs.
   Entry* recall(const TraceKey& key) {
     if (!has_answers() || !(entries_[next_].key == key)) return nullptr;
     return &entries_[next_++];
   }
-  // Null if there is no room, or if answers of the last time are still to come.
+  // Appends an entry. Null if the log is full or if entries of the previous run are still unused.
   Entry* note(const TraceKey& key, const std::optional<TraceHit>& hit) {
     if (has_answers() || entries_.size() == entries_.capacity()) return nullptr;
     entries_.push_back({key, hit, std::nullopt});

@@ -8,15 +8,16 @@
 namespace palpate {
 namespace {
 
-// Newton doubles its digits except where the sphere grazes the triangle, where it gains one bit a
-// step; a step not decided after 53 of them is stopped where it is, which is safe.
+// Newton's iteration doubles the number of exact digits in each step, except where the sphere
+// grazes the triangle: there it gains one bit per step. If 53 iterations do not decide, the proxy
+// is stopped at the last iterate, which is safe.
 constexpr int kMaxNewtonSteps = 53;
 
-// A point beside a triangle is stopped within so much more of the distance at which it is to stop.
+// Tolerance of the stopping distance of a point beside a triangle, relative to that distance.
 constexpr double kMetPerStop = 1.0 / 64;
 
-// Stops back_off_m before the meeting, measured along the normal; where the step hardly approaches
-// the triangle, that is where it is.
+// Sets the stop back_off_m before the meeting, measured along the normal. A step that hardly
+// approaches the triangle is stopped at its start.
 void stop_before(double meet_fraction, double approach_per_step, double back_off_m,
                  TriangleHit& hit) {
   hit.meet_fraction = StepFraction(meet_fraction);
@@ -27,10 +28,10 @@ void stop_before(double meet_fraction, double approach_per_step, double back_off
                                   : 0.0);
 }
 
-// A step that crosses the triangle, but comes to it past an edge: a height says nothing about how
-// far the triangle is there. Stops where the distance is stop_m, or at the start if that is nearer,
-// by Newton's iteration as in trace_sphere(). False if the distance does not fall, to within
-// rounding.
+// Stops a step that crosses the triangle but reaches it past an edge, where the height over the
+// plane is not the distance from the triangle. The step is stopped where the distance is stop_m, or
+// at its start if that is nearer, by Newton's iteration as in trace_sphere(). False if the distance
+// does not decrease.
 bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double stop_m,
                  TriangleHit& hit, TriangleWork& work) {
   const Vec3 d = q - p;
@@ -55,7 +56,7 @@ bool stop_beside(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double
   }
 }
 
-// A step that passes the triangle by: is its end too close?
+// Stops a step that misses the triangle if its end is closer than the clearance.
 bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double height_end,
                    const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) {
   if (std::abs(height_end) >= margins.clearance_m) return false;
@@ -63,8 +64,8 @@ bool stop_near_end(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doub
   ++work.nearest_points;
   if (nearest.distance >= margins.clearance_m) return false;
   if (stop_beside(t, p, q, margins.stop_m, hit, work)) return true;
-  // So close to an edge, directions have few digits, and Newton may have been led past the contact.
-  // The end is too close all the same: a little less is tried.
+  // Very near an edge, directions have few exact digits, and Newton's iteration may have passed the
+  // contact. The end is still too close, so the step is shortened by the stopping distance.
   hit.normal = nearest.direction;
   hit.clearance_m = nearest.distance;
   hit.meet_fraction = StepFraction::end();
@@ -86,7 +87,7 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
     case SegmentCrossing::Kind::kMiss:
       return stop_near_end(t, p, q, crossing.height_end, margins, hit, work);
     case SegmentCrossing::Kind::kWithin:
-      return false;  // it was put there: it may leave to either side
+      return false;  // a point placed on the triangle may leave to either side
     case SegmentCrossing::Kind::kThrough:
       hit.normal = crossing.side < 0 ? Vec3(-t.normal) : t.normal;
       hit.feature = TriangleFeature::kFace;
@@ -100,7 +101,7 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
       approach = -hit.normal.dot(q - p);
       break;
   }
-  // A crossing is certain, even where rounding hides that the step comes nearer.
+  // The crossing is certain, even if rounding hides that the step approaches the triangle.
   hit.feature_point = p + crossing.fraction * (q - p);
   stop_before(crossing.fraction, approach, margins.stop_m, hit);
   hit.clearance_m = height - hit.fraction.value() * approach;
@@ -121,8 +122,8 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
                   double stop_m, StepFraction limit, TriangleHit& hit,
                   TriangleWork& work) noexcept {
   const Vec3 d = q - p;
-  // A hit is coming within half the distance: a sphere that was stopped at the full one can slide
-  // along without being stopped again by rounding.
+  // A hit is an approach to within half of the stopping distance: a sphere stopped at the full
+  // distance can then slide along without rounding stopping it again.
   double target = radius_m + 0.5 * stop_m;
   const double height_start = t.normal.dot(p - t.a);
   const double height_end = t.normal.dot(q - t.a);
@@ -138,17 +139,17 @@ bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, doubl
     if (step == 0) target = std::min(target, nearest.distance);
     const double room = nearest.distance - target;
     const double approach = -nearest.direction.dot(d);
-    // What the direction's rounding can hide.
+    // The largest approach that the rounding of the direction can hide.
     const double doubt =
         nearest.direction_error_rad * length + kHeightRoundoff * (nearest.distance + length);
-    // Where it overlaps already, keeping the distance to within rounding is allowed.
+    // A sphere that already overlaps may keep its distance to within rounding.
     if (approach <= (room <= 0.0 ? doubt : -doubt)) return false;
     const double ahead = room / (approach + doubt);
     if (fraction + ahead > 1.0) return false;
     const bool met = room <= 0.125 * stop_m;
     if (!met && step < kMaxNewtonSteps) {
       fraction += ahead;
-      // Only where it has not met yet: of two that meet at once neither may hide the other.
+      // Tested only before the meeting: of two triangles met at once, neither may hide the other.
       if (fraction > limit.value()) return false;
       continue;
     }

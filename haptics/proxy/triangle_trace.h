@@ -1,6 +1,7 @@
 #pragma once
 
-// How far a proxy can move before it meets one triangle. Frame of the triangle, metres.
+// Continuous collision of a proxy with one triangle: how far the proxy can move before it meets the
+// triangle. All points, normals and lengths are in the frame and unit of the triangle given.
 
 #include <cmath>
 
@@ -11,55 +12,57 @@
 
 namespace palpate {
 
-// Of the whole step of a proxy that is traced, from p to q.
+// A fraction of the step from p to q that is traced.
 using StepFraction = FractionOf<struct TracedStep>;
 
-// Where a step of the proxy is stopped by one triangle.
+// The point at which one triangle stops a step of the proxy.
 struct TriangleHit {
   Vec3 normal;         // unit, from the triangle to the proxy
-  double clearance_m;  // between the proxy's surface and the triangle at the stopping point
+  double clearance_m;  // from the triangle to the proxy's surface at the stopping point
   StepFraction fraction = StepFraction::start();       // up to the stopping point
   StepFraction meet_fraction = StepFraction::start();  // up to the meeting
   TriangleFeature feature;
   Vec3 feature_point;  // the point of the triangle that is met
 };
 
-// What a trace of one triangle has cost, counted for WorkMeter.
+// The operations that the trace of one triangle took, counted for WorkMeter.
 struct TriangleWork {
   SignWork signs;
   int nearest_points = 0;
 };
 
-// Distances that keep a proxy on its side. See SolverScale.
+// The distances that keep a proxy on its side: SolverScale's, in the unit of the triangle.
 struct TraceMargins {
   double stop_m;
   double clearance_m;
 };
 
-// Beside a triangle, but rather over it than beside: the direction from its nearest point to p is
-// less than 60 degrees from its normal. Such a point is held by the plane of the triangle.
+// Whether a point beside a triangle is rather over it: the direction from the triangle's nearest
+// point to the point is less than 60 degrees from the normal or its opposite. The plane of the
+// triangle holds such a point. direction: unit.
 inline bool is_rather_over(const TriangleGeometry& t, const Vec3& direction) noexcept {
   return std::abs(t.normal.dot(direction)) >= 0.5;
 }
 
-// Point proxy from p to q; it is stopped at stop_m from the triangle, or where it is if that is
-// nearer. A step that passes the triangle by but ends within the clearance of it is stopped, too.
-// Returns false if neither is so. Adds to `work` what that took. Whether it crosses, and from which
-// side, is exact for the very doubles p and q.
+// Traces a point proxy from p to q against one triangle. Returns true if the triangle stops the
+// step, either because the step crosses the triangle or because it passes by and ends within
+// margins.clearance_m of the triangle. The step is stopped margins.stop_m before the triangle, or
+// at p if p is already nearer. Whether the step crosses, and from which side, is exact for the
+// doubles p and q. Adds the operations to `work`. Safe on the haptic thread; thread-safe.
 bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) noexcept;
 
-// Sphere of radius_m > 0 whose centre goes from p to q; stopped when radius_m + stop_m
-// from the triangle. A sphere that already overlaps the triangle may leave it or keep its distance,
-// but not come nearer.
+// Traces a sphere of radius_m > 0 whose centre moves from p to q. Returns true if the triangle
+// stops the step, which it does at a distance of radius_m + stop_m from the centre. A sphere that
+// already overlaps the triangle may leave it or keep its distance, but may not move nearer. Hits
+// beyond `limit` need not be found. Adds the operations to `work`. Safe on the haptic thread;
+// thread-safe.
 //
-// The distance to a triangle is convex along the step, so Newton's iteration from the start never
-// passes the first contact: each tangent lies below the distance, and a tangent that stays above
-// the target to the end of the step proves that there is no contact. Tangents are taken as much
-// steeper as the rounding of their direction could have hidden: for spheres next to nothing in
-// size, that is what counts.
-//
-// Contacts beyond `limit` are of no interest and need not be found.
+// Method: Newton's iteration for the distance along the step. The distance to a triangle is convex
+// along the step, so the iteration from the start never passes the first contact: each tangent lies
+// below the distance. A tangent that stays above the target distance until the end of the step
+// proves that there is no contact. Each tangent is made steeper by the largest slope that the
+// rounding of its direction can have hidden; for very small spheres this term decides.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
                   double stop_m, StepFraction limit, TriangleHit& hit, TriangleWork& work) noexcept;
 

@@ -1,30 +1,32 @@
 #pragma once
 
-// How much a tick does, counted: what bounds it in time, and is the same on every machine.
+// The work of a tick in counted units: a bound on its time that is the same on every machine.
 
 #include <cstdint>
 
 namespace palpate {
 
-// What is counted is all whose number the scene decides, each weighed by what it takes. A unit is
-// 10 to 20 ns of a processor at 2 to 3 GHz that has nothing of the scene in its first two caches;
-// the weights are such that it is about the same on all inputs of benchmarks/worst_benchmark.cpp.
-// Not a clock: load, threads and the instruction set change nothing.
+// The meter counts every operation whose number depends on the scene, weighted by its cost. One
+// unit takes 10 to 20 ns on a processor at 2 to 3 GHz with no scene data in its first two cache
+// levels. The weights make this time about the same for all inputs of
+// benchmarks/worst_benchmark.cpp. The count is not a clock: processor load, other threads and the
+// instruction set do not change it.
 using WorkUnits = std::int64_t;
 
 namespace work {
 
-inline constexpr WorkUnits kBody = 6;          // entered: a transform, a query that finds little
-inline constexpr WorkUnits kPack = 10;         // asked whether one of its triangles is in the way
-inline constexpr WorkUnits kTriangle = 6;      // examined in double
-inline constexpr WorkUnits kNearestPoint = 2;  // of a triangle to a point
-inline constexpr WorkUnits kSignByPairs = 4;   // that double could not tell
-inline constexpr WorkUnits kSignByExpansions = 18;  // that pairs of doubles could not tell either
-inline constexpr WorkUnits kPackNamed = 1;          // found near a point, and kept
+inline constexpr WorkUnits kBody = 6;          // search of a body: transform and index query
+inline constexpr WorkUnits kPack = 10;         // visit of a pack and its tests in single precision
+inline constexpr WorkUnits kTriangle = 6;      // test of a triangle in double precision
+inline constexpr WorkUnits kNearestPoint = 2;  // nearest point of a triangle to a point
+inline constexpr WorkUnits kSignByPairs = 4;   // sign by pairs of doubles, after double failed
+inline constexpr WorkUnits kSignByExpansions = 18;  // sign by expansions, after pairs failed
+inline constexpr WorkUnits kPackNamed = 1;          // pack listed by a query but not yet tested
 
 }  // namespace work
 
-// Counts the work of a tick against its budget. One thread owns it.
+// Counts the work of a tick against its budget. Safe on the haptic thread: no allocation, lock or
+// exception. Not thread-safe: one thread owns a meter.
 class WorkMeter {
  public:
   explicit WorkMeter(WorkUnits budget) : budget_(budget) {}

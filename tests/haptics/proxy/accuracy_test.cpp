@@ -1,4 +1,4 @@
-// What the settings of Accuracy change, and what none of them may.
+// The effects of the settings of Accuracy, and the properties that no setting may change.
 
 #include "haptics/proxy/accuracy.h"
 
@@ -25,7 +25,7 @@ using test::Soup;
 
 const Vec3 kHalf_m(0.08, 0.06, 0.05);
 
-// Device points about and in the box, some of them far apart.
+// Device points around and inside the box, some of them far apart.
 std::vector<Vec3> wander(Random& random, int count) {
   std::vector<Vec3> goals_m{{0.0, 0.0, 0.2}};
   while (static_cast<int>(goals_m.size()) < count) {
@@ -73,7 +73,7 @@ Accuracy named(const std::string& name) {
   return in_float;
 }
 
-TEST_P(EveryPreset, StaysOutsideTheBoxAndComesNoFarther) {
+TEST_P(EveryPreset, StaysOutsideTheBoxAndNeverMovesAwayFromTheGoal) {
   Random random(81);
   const OwnedWorld world(box_soup(kHalf_m));
   const std::vector<Vec3> goals_m = wander(random, 20000);
@@ -92,8 +92,9 @@ INSTANTIATE_TEST_SUITE_P(Named, EveryPreset,
                          testing::Values("fast", "balanced", "exact", "in_float"),
                          [](const auto& preset) { return std::string(preset.param); });
 
-// Over one face, where no edge decides: the float answer is its own stand-off away and no more.
-TEST(NarrowPhaseInFloat, IsAStandOffFromTheExactAnswer) {
+// Over one face, where no edge affects the result, the float result differs from the exact one by
+// its own stand-off at most.
+TEST(NarrowPhaseInFloat, DiffersByAStandOffFromTheExactResult) {
   Random random(82);
   const OwnedWorld world(box_soup(kHalf_m));
   Accuracy in_float;
@@ -114,14 +115,15 @@ TEST(NarrowPhaseInFloat, IsAStandOffFromTheExactAnswer) {
   }
 }
 
-// The stand-off goes with the packs, not with the scene: a fine mesh has a small one.
-TEST(NarrowPhaseInFloat, LosesLittleOnAFineMesh) {
+// The float stand-off depends on the size of the packs and not of the scene, so that a fine mesh
+// has a small stand-off.
+TEST(NarrowPhaseInFloat, LosesLittleAccuracyOnAFineMesh) {
   const TriangleMesh sphere = icosphere(6, 0.1);
   const OwnedWorld world({sphere.positions_m, sphere.triangles});
   EXPECT_LT(float_stand_off_m(world.index().largest_pack_reach_m()), 1e-5 * 0.1);
 }
 
-TEST(Iterations, CutShortAreFeasibleMonotoneAndSaidToBe) {
+TEST(Iterations, AtTheLimitGiveAFeasibleMonotoneResultReportedAsCapped) {
   Random random(83);
   const OwnedWorld world(box_soup(kHalf_m));
   for (const int iterations : {1, 2, 3}) {
@@ -143,8 +145,9 @@ TEST(Iterations, CutShortAreFeasibleMonotoneAndSaidToBe) {
   }
 }
 
-// Candidates of the last tick, a search each tick: the same answers.
-TEST(Candidates, KeptOrNotGiveTheSameBits) {
+// Ticks that reuse the candidates of the last tick and ticks that search anew give the same
+// results.
+TEST(Candidates, GiveTheSameBitsWhetherKeptOrNot) {
   Random random(84);
   const TriangleMesh sphere = icosphere(4, 0.1);
   for (const double radius_m : {0.0, 3e-3}) {

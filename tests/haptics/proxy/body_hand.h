@@ -1,6 +1,6 @@
 #pragma once
 
-// A hand that feels one body, or a few, and is told where to go in a frame of the test's own.
+// A hand that touches one or more bodies and moves to positions in a frame of the test.
 
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ namespace palpate::test {
 
 inline constexpr double kStiffness_N_per_m = 1000.0;
 
-// A spring and a damper, in a scene that does not turn.
+// Settings with a spring and a damper and without rotation of the scene.
 inline HapticSettings hand_settings(double stiffness = kStiffness_N_per_m, double damping = 0.0) {
   HapticSettings s;
   s.coupling = {stiffness, damping};
@@ -29,7 +29,7 @@ inline HapticSettings hand_settings(double stiffness = kStiffness_N_per_m, doubl
   return s;
 }
 
-// In the plane z = 0, facing up.
+// A square in the plane z = 0 that faces up.
 inline Soup square_soup(double half_m) {
   Soup soup;
   soup.add_quad({-half_m, -half_m, 0}, {half_m, -half_m, 0}, {half_m, half_m, 0},
@@ -37,7 +37,7 @@ inline Soup square_soup(double half_m) {
   return soup;
 }
 
-// One side of a groove along y, of which both rise at this angle: that where x > 0, or the other.
+// One side of a groove along y whose sides rise at rise_rad: the side with x > 0 or the other one.
 inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
   const double x = half_m * std::cos(rise_rad);
   const double z = half_m * std::sin(rise_rad);
@@ -50,11 +50,11 @@ inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
   return soup;
 }
 
-// Bodies that are all in one pose, the frame of the test; "local" below.
+// A hand and bodies that all have the same pose. That pose defines the local frame of the test.
 class BodyHand {
  public:
-  // What the bodies are made felt by, one for each: to be filled before begin(). Bodies are bare
-  // unless something is added.
+  // The effects of the bodies, one entry for each. To be filled before begin(); bodies without an
+  // entry have no effects.
   EffectBodies effects;
 
   BodyHand(const std::vector<Soup>& soups, const RigidTransform& pose) : pose_(pose) {
@@ -67,7 +67,7 @@ class BodyHand {
     if (!effects.builder.program.bodies.empty()) bodies_->set_effects(effects.finish());
     loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, actuators).value(), settings);
   }
-  // Without any effect.
+  // Begins with bodies that have no effects.
   void begin_without_effects(const HapticSettings& settings) {
     loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, 3).value(), settings);
   }
@@ -78,7 +78,7 @@ class BodyHand {
   }
 
   const TickRecord& record() const { return record_; }
-  // Local; of the last tick.
+  // Results of the last tick in the local frame.
   Vec3 goal() const { return pose_.inverse_point(vec3(record_.goal_scene_m)); }
   Vec3 proxy() const { return pose_.inverse_point(vec3(record_.proxy_scene_m)); }
   Vec3 normal() const { return pose_.inverse_direction(vec3(record_.normal_scene)); }
@@ -90,7 +90,8 @@ class BodyHand {
   const ContactWorld& world() const { return bodies_->world(); }
   const SurfaceIndex& index(std::size_t body = 0) const { return *world().bodies[body].index; }
 
-  // Of positions read back from the scene: the solver's stand-off, and rounding in the pose.
+  // Tolerance of positions read back from the scene: the solver's stand-off and the rounding in the
+  // pose.
   double tolerance_m() const {
     constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
     return 4 * SolverScale::of(world().size_m, 0.0).stand_off_m +
@@ -104,15 +105,15 @@ class BodyHand {
   TickRecord record_;
 };
 
-// Calls f(slot) for every slot of an index that holds a triangle, and for those that repeat one.
+// Calls f(slot) for every slot of an index, including those that repeat a triangle.
 template <typename F>
 void for_each_slot(const SurfaceIndex& index, F f) {
   const std::size_t slots = index.pack_count() * TrianglePack::kLanes;
   for (std::uint32_t slot = 0; slot < slots; ++slot) f(slot);
 }
 
-// A smooth closed curve: a few harmonics with random amplitudes, within the half extents about a
-// centre. At(0) is at(1), and so are all its derivatives.
+// A smooth closed curve: the sum of a few harmonics with random amplitudes, within the half extents
+// about a centre. The curve and all its derivatives are equal at turn 0 and 1.
 class SmoothLoop {
  public:
   static constexpr int kHarmonics = 3;

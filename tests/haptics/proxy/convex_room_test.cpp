@@ -1,6 +1,7 @@
-// In a convex room there is one place nearest to a goal outside: its projection onto the room moved
-// in by what the proxy keeps from walls. Every rest is there, by a quadratic program that shares no
-// code with the solver. PALPATE_SEED=N runs room N alone, PALPATE_REST_TICKS=N so many ticks.
+// In a convex room, the position nearest to a goal outside is unique: the projection of the goal
+// onto the room with its walls moved inwards by the proxy's distance from walls. The tests compare
+// every rest with this projection, computed by a quadratic program that shares no code with the
+// solver. PALPATE_SEED=N runs only room N; PALPATE_REST_TICKS=N sets the number of ticks.
 
 #include <algorithm>
 #include <cmath>
@@ -29,13 +30,13 @@ using test::RestHand;
 using Wide = long double;
 using Wide3 = Eigen::Matrix<Wide, 3, 1>;
 
-// Half-space normal . x <= reach_m.
+// The half-space normal . x <= reach_m.
 struct Wall {
   Wide3 normal;
   Wide reach_m;
 };
 
-// The walls of a room whose faces look inwards, moved in by keep_m.
+// The walls of a room whose faces point inwards, moved inwards by keep_m.
 std::vector<Wall> walls_of(const std::vector<Corners>& triangles, Wide keep_m) {
   std::vector<Wall> walls;
   for (const Corners& t : triangles) {
@@ -46,14 +47,15 @@ std::vector<Wall> walls_of(const std::vector<Corners>& triangles, Wide keep_m) {
   return walls;
 }
 
-// Rounding of the heights of a point that was put on a wall.
+// Rounding of the height of a point on a wall.
 constexpr Wide kOnWall = 1e-16L;
 
-// Of the sine of an angle: planes that meet in no line or point to speak of.
+// Planes count as parallel if the sine of their angle is smaller than this.
 constexpr Wide kParallel = 1e-9L;
 
-// The point of the room nearest to the goal: among the goal's projections onto no wall, one, the
-// line of two and the corner of three, the nearest of those that are in the room.
+// The point of the room nearest to the goal. The candidates are the goal itself and its projections
+// onto one wall, the line of two walls and the corner of three; the nearest one inside the room is
+// the result.
 Wide3 nearest_in_room(const std::vector<Wall>& walls, const Wide3& goal) {
   Wide3 best = goal;
   Wide best_m = std::numeric_limits<Wide>::infinity();
@@ -71,7 +73,7 @@ Wide3 nearest_in_room(const std::vector<Wall>& walls, const Wide3& goal) {
   for (std::size_t i = 0; i < count; ++i) {
     const Wall& u = walls[i];
     const Wide over_u = u.normal.dot(goal) - u.reach_m;
-    if (over_u <= 0) continue;  // a wall that holds is one that the goal is beyond, or a corner's
+    if (over_u <= 0) continue;  // a wall can hold only if the goal is beyond it
     offer(goal - over_u * u.normal);
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -80,7 +82,7 @@ Wide3 nearest_in_room(const std::vector<Wall>& walls, const Wide3& goal) {
       const Wall& v = walls[j];
       const Wide3 uv = u.normal.cross(v.normal);
       if (uv.norm() < kParallel) continue;
-      // By Cramer's rule; the line through the goal's projection, then the corners on it.
+      // Cramer's rule gives the line through the goal's projection, and then the corners on it.
       const auto meet = [&](const Wide3& n, Wide reach_m) -> Wide3 {
         const Wide3 sum = u.reach_m * v.normal.cross(n) + v.reach_m * n.cross(u.normal);
         return (sum + reach_m * uv) / uv.dot(n);
@@ -132,25 +134,25 @@ TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
     const auto walls = walls_of(triangles, static_cast<Wide>(radius_m + stand_off_m));
     const Vec3 start = world.world().to_solver(Vec3::Zero());
     god_object.place(start);
-    ProxyState felt;
-    felt.proxy = start;
+    ProxyState state;
+    state.proxy = start;
     RestHand hand(triangles, {}, radius_m, stand_off_m, 0.0, start, random);
     for (int tick = 0; tick < kTicksPerRoom; ++tick) {
-      const Vec3 goal = hand.next_goal(felt);
-      felt = god_object.move_to(goal);
-      contacts += felt.in_contact;
-      capped += felt.capped;
-      if (felt.capped) continue;
+      const Vec3 goal = hand.next_goal(state);
+      state = god_object.move_to(goal);
+      contacts += state.in_contact;
+      capped += state.capped;
+      if (state.capped) continue;
       const Wide3 nearest = nearest_in_room(walls, goal.cast<Wide>());
-      const auto off = static_cast<double>((felt.proxy.cast<Wide>() - nearest).norm()) / size_m;
+      const auto off = static_cast<double>((state.proxy.cast<Wide>() - nearest).norm()) / size_m;
       worst = std::max(worst, off);
       if (off <= test::RestJudge::kGainPerSize) continue;
       ++misses;
       ADD_FAILURE() << "PALPATE_SEED=" << random.seed() << ", tick " << tick << ", radius "
                     << radius_m << ": " << off << " sizes off\ngoal " << test::hex(goal)
-                    << "\nproxy " << test::hex(felt.proxy) << "\nnearest "
+                    << "\nproxy " << test::hex(state.proxy) << "\nnearest "
                     << test::hex(nearest.cast<double>()) << "\n"
-                    << felt.iterations << " iterations, " << felt.active_planes << " planes";
+                    << state.iterations << " iterations, " << state.active_planes << " planes";
       break;
     }
     if (std::getenv("PALPATE_SEED")) break;

@@ -1,4 +1,4 @@
-// Meshes that approximate curved shapes: the proxy converges to the exact answers of the shapes.
+// On meshes that approximate curved shapes, the proxy converges to the exact result for the shape.
 
 #include <cmath>
 #include <functional>
@@ -23,7 +23,7 @@ using test::soup_of;
 
 constexpr double kOrderTolerance = 0.15;
 
-// Slope of log error against log h by least squares.
+// The slope of log error against log h, by least squares.
 double fitted_order(const std::vector<double>& h, const std::vector<double>& error) {
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   const auto n = static_cast<double>(h.size());
@@ -49,8 +49,7 @@ double longest_edge(const TriangleMesh& mesh) {
   return longest;
 }
 
-// Largest error of the depth over random straight presses onto the shape.
-// surface_point: a random point of the exact shape and its outward normal.
+// A random point of the exact shape and its outward normal.
 struct ExactPoint {
   Vec3 point;
   Vec3 normal;

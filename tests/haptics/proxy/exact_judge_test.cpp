@@ -22,7 +22,8 @@ using test::Soup;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// In the plane z = 0.1, whose double is not a tenth: only exact arithmetic calls it flat.
+// A triangle in the plane z = 0.1. The double nearest to 0.1 is not exactly a tenth, so only exact
+// arithmetic finds that points lie in this plane.
 const Corners kFlat{{0.0, 0.0, 0.1}, {1.0, 0.0, 0.1}, {0.0, 1.0, 0.1}};
 
 std::vector<Corners> corners_of(const Soup& soup) {
@@ -33,7 +34,7 @@ std::vector<Corners> corners_of(const Soup& soup) {
   return triangles;
 }
 
-// Every order of the corners and of the ends must say the same.
+// Tests a segment in every order of the corners and of the ends; all results must be equal.
 bool meets(const Vec3& p, const Vec3& q, const Corners& t) {
   const bool answer = segment_meets_triangle(p, q, t);
   for (const Corners& turned : {t, Corners{t.b, t.c, t.a}, Corners{t.a, t.c, t.b}}) {
@@ -50,13 +51,13 @@ double below(double x) {
   return std::nextafter(x, -kInfinity);
 }
 
-TEST(ExactJudge, SeesACrossingAndAMiss) {
+TEST(ExactJudge, DetectsACrossingAndAMiss) {
   EXPECT_TRUE(meets({0.2, 0.2, 1.0}, {0.3, 0.2, -1.0}, kFlat));
   EXPECT_FALSE(meets({0.2, 0.2, 1.0}, {0.3, 0.2, 0.5}, kFlat));
   EXPECT_FALSE(meets({0.7, 0.7, 1.0}, {0.7, 0.7, -1.0}, kFlat));
 }
 
-TEST(ExactJudge, TellsATouchFromAMissByOneUlp) {
+TEST(ExactJudge, DistinguishesATouchFromAMissByOneUlp) {
   EXPECT_TRUE(meets({0.2, 0.2, 1.0}, {0.2, 0.3, 0.1}, kFlat));
   EXPECT_FALSE(meets({0.2, 0.2, 1.0}, {0.2, 0.3, above(0.1)}, kFlat));
   EXPECT_TRUE(meets({0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}, kFlat)) << "through a vertex";
@@ -66,7 +67,7 @@ TEST(ExactJudge, TellsATouchFromAMissByOneUlp) {
   EXPECT_FALSE(meets({0.5, -5e-324, 1.0}, {0.5, -5e-324, -1.0}, kFlat));
 }
 
-TEST(ExactJudge, DecidesInThePlaneOfTheTriangle) {
+TEST(ExactJudge, JudgesSegmentsInThePlaneOfTheTriangle) {
   EXPECT_TRUE(meets({-1.0, 0.5, 0.1}, {1.0, 0.5, 0.1}, kFlat)) << "across";
   EXPECT_TRUE(meets({0.2, 0.2, 0.1}, {0.3, 0.3, 0.1}, kFlat)) << "within";
   EXPECT_TRUE(meets({-1.0, 0.0, 0.1}, {2.0, 0.0, 0.1}, kFlat)) << "along an edge";
@@ -77,15 +78,16 @@ TEST(ExactJudge, DecidesInThePlaneOfTheTriangle) {
   EXPECT_FALSE(meets({1.0, 1.0, 0.1}, {0.5, above(0.5), 0.1}, kFlat));
 }
 
-TEST(ExactJudge, TakesAPointForASegmentOfNoLength) {
+TEST(ExactJudge, TreatsAPointAsASegmentOfLengthZero) {
   EXPECT_TRUE(meets({0.2, 0.2, 0.1}, {0.2, 0.2, 0.1}, kFlat));
   EXPECT_TRUE(meets({1.0, 0.0, 0.1}, {1.0, 0.0, 0.1}, kFlat));
   EXPECT_FALSE(meets({0.2, 0.2, below(0.1)}, {0.2, 0.2, below(0.1)}, kFlat));
   EXPECT_FALSE(meets({above(1.0), 0.0, 0.1}, {above(1.0), 0.0, 0.1}, kFlat));
 }
 
-// Points on a plane x + y + z = const of short integers times 2^-60: exactly coplanar, and a step
-// of one unit decides, while the double filter sees nothing but rounding.
+// Points on a plane x + y + z = const with short integers times 2^-60 as coordinates. The points
+// are exactly coplanar, and a step of one unit decides the sign, which is within the rounding of
+// the double filter.
 TEST(ExactJudge, OrientsExactlyWhereDoubleCannot) {
   Random random(61);
   const auto integer = [&] { return static_cast<double>(random.index(1u << 20)); };
@@ -108,7 +110,7 @@ TEST(ExactJudge, OrientsExactlyWhereDoubleCannot) {
 
 TEST(ExactJudge, FindsThePieceAndTheTriangleThatTouch) {
   const ExactJudge judge({{{5, 5, 5}, {6, 6, 6}, {7, 7, 7}}, kFlat});
-  ASSERT_EQ(judge.triangles().size(), 1u) << "no area is no obstacle";
+  ASSERT_EQ(judge.triangles().size(), 1u) << "a triangle without area is no obstacle";
   EXPECT_TRUE(has_no_area({{5, 5, 5}, {6, 6, 6}, {7, 7, 7}}));
   const std::vector<Vec3> free = {{0.2, 0.2, 1.0}, {0.2, 0.2, 0.2}, {5.0, 0.2, 0.2}};
   EXPECT_FALSE(judge.touch_of_point(free));
@@ -120,17 +122,17 @@ TEST(ExactJudge, FindsThePieceAndTheTriangleThatTouch) {
   EXPECT_EQ(violation->triangle, 0u);
 }
 
-TEST(ExactJudge, MeasuresWhatASphereComesNear) {
+TEST(ExactJudge, MeasuresTheDistanceOfASphereFromATriangle) {
   const ExactJudge judge({kFlat});
   const double z = 0.1 + 0x1p-10;
   const std::vector<Vec3> grazing = {{-1.0, 0.2, z}, {1.0, 0.2, z}};
   EXPECT_FALSE(judge.touch_of_sphere(grazing, z - 0.1));
   EXPECT_TRUE(judge.touch_of_sphere(grazing, above(z - 0.1)));
-  // Past the vertex at (1, 0, 0.1): nearest in the middle of the piece.
+  // A piece past the vertex at (1, 0, 0.1), nearest in its middle.
   const std::vector<Vec3> past = {{1.25, -1.0, 0.1}, {1.25, 1.0, 0.1}};
   EXPECT_FALSE(judge.touch_of_sphere(past, 0.25));
   EXPECT_TRUE(judge.touch_of_sphere(past, above(0.25)));
-  // Crossing over an edge, skew: z apart only.
+  // A piece skew to an edge, separated from it only in z.
   const std::vector<Vec3> over = {{0.25, -0.5, 0.6}, {0.75, 0.5, 0.6}};
   EXPECT_FALSE(judge.touch_of_sphere(over, 0.5));
   EXPECT_TRUE(judge.touch_of_sphere(over, above(0.5)));
@@ -140,8 +142,8 @@ TEST(ExactJudge, MeasuresWhatASphereComesNear) {
   EXPECT_EQ(violation->distance_m, 0.0);
 }
 
-// The distance to a random triangle, needles among them, against a search by nested sections: the
-// distance between two convex sets has no other minimum.
+// The distance to random triangles, including needles, equals the result of a search by nested
+// sections: the distance between two convex sets has a single minimum.
 TEST(ExactJudge, MeasuresDistancesOfSegmentsToThinTriangles) {
   Random random(62);
   for (int trial = 0; trial < 300; ++trial) {
@@ -168,7 +170,7 @@ TEST(ExactJudge, MeasuresDistancesOfSegmentsToThinTriangles) {
   }
 }
 
-TEST(ExactJudge, KnowsInsideFromOutside) {
+TEST(ExactJudge, DistinguishesInsideFromOutside) {
   Random random(63);
   const Vec3 half_extent(0.1, 0.2, 0.05);
   const ExactJudge judge(corners_of(box_soup(half_extent)));

@@ -18,9 +18,9 @@ using test::OwnedWorld;
 using test::Random;
 using test::Soup;
 
-constexpr double kRelativeAccuracy = 1e-9;  // of the scene's size, asked for by the specification
+constexpr double kRelativeAccuracy = 1e-9;  // required by the specification; of the scene's size
 
-// A proxy that lives in the scene frame of its world.
+// A proxy with positions in the scene frame of its world.
 class SceneProxy {
  public:
   explicit SceneProxy(const OwnedWorld& world, double radius_m = 0.0, const Accuracy& accuracy = {})
@@ -45,7 +45,7 @@ Soup square_plane() {
   return soup;
 }
 
-// Two half planes that meet along x with a solid angle below them; angle measured in the solid.
+// Two half planes that meet along x, with the solid below them; the angle is measured in the solid.
 Soup wedge(double solid_angle_rad) {
   const double half = 0.5 * solid_angle_rad;
   const Vec3 right(0.0, std::sin(half), -std::cos(half));
@@ -86,7 +86,7 @@ TEST_P(GodObjectOfRadius, FollowsTheOutsideOfABoxInRandomPoses) {
     const RigidTransform pose = random.pose(10.0);
     const OwnedWorld world(box_soup(half), pose, radius);
     SceneProxy proxy(world, radius);
-    // From far outside towards a face: the proxy ends on that face, under the goal.
+    // A proxy that moves from far outside towards a face ends on that face, over the goal.
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 goal = 0.9 * random.in_box(1.0).cwiseProduct(half);
       Vec3 start = goal;
@@ -122,9 +122,9 @@ TEST_P(GodObjectOfRadius, StaysInsideABoxItStartedIn) {
   }
 }
 
-// Each tick has one step. What stops the last one of a tick does not hold the proxy yet; without it
-// the next tick would run into it again, and again.
-TEST_P(GodObjectOfRadius, GoesOnWithWhatACappedTickHasMet) {
+// Each tick has one step. The face that stops the step does not hold the proxy yet. The next tick
+// must know this face, or the same face would stop it again.
+TEST_P(GodObjectOfRadius, KeepsTheFacesThatACappedTickHasMet) {
   const double radius = GetParam();
   constexpr int kMostTicks = 10;
   Accuracy one_step;
@@ -174,8 +174,8 @@ TEST_P(GodObjectOfRadius, SolvesConcaveWedgesOfAnyAngleInOneTick) {
 
 INSTANTIATE_TEST_SUITE_P(PointAndSphere, GodObjectOfRadius, testing::Values(0.0, 0.05));
 
-// Goals outside the box but nearer than the radius: the proxy rests on the rounded offset of the
-// nearest edge or vertex, straight out from it, in one tick.
+// For goals outside the box but nearer than the radius, the proxy rests on the rounded offset of
+// the nearest edge or vertex, straight out from it, after one tick.
 TEST(GodObject, RollsOverEdgesAndVerticesToTheExactPoint) {
   Random random(18);
   const double radius = 0.05;
@@ -192,8 +192,8 @@ TEST(GodObject, RollsOverEdgesAndVerticesToTheExactPoint) {
       Vec3 out = random.unit_vector().cwiseAbs() + Vec3::Constant(0.05);
       if (!at_vertex) out.y() = 0.0;
       out.normalize();
-      // At less than a third of the radius the offset is almost flat for the goal, and the way
-      // along it takes more than one tick.
+      // If the goal is nearer than a third of the radius, the path along the offset surface takes
+      // more than one tick.
       const Vec3 goal = corner + random.uniform(0.35, 0.95) * radius * out;
       const ProxyState state = proxy.move_to(pose.point(goal));
       ASSERT_LE((state.proxy - pose.point(corner + radius * out)).norm(),
@@ -204,16 +204,16 @@ TEST(GodObject, RollsOverEdgesAndVerticesToTheExactPoint) {
   }
 }
 
-// What is beyond a convex edge is known before it is touched: a slide, and a way down to it. Deep
-// goals and goals next to the surface.
-TEST(GodObject, GoesOnOverTheNextFaceOfAConvexEdge) {
+// The face beyond a convex edge is known before it is touched, so that the proxy needs only a slide
+// and a step down to that face, for deep goals and for goals next to the surface.
+TEST(GodObject, ContinuesOverTheNextFaceOfAConvexEdge) {
   Random random(61);
   for (int trial = 0; trial < 300; ++trial) {
     const double half = random.uniform(0.9, 1.55);
     const RigidTransform pose = random.pose(1.0);
     const Vec3 left(0.0, -std::sin(half), -std::cos(half));
     const Vec3 right(0.0, std::sin(half), -std::cos(half));
-    Soup ridge;  // a triangle on either side
+    Soup ridge;  // one triangle on each side
     ridge.add(-2.0 * Vec3::UnitX(), 2.0 * left, 2.0 * Vec3::UnitX());
     ridge.add(-2.0 * Vec3::UnitX(), 2.0 * Vec3::UnitX(), 2.0 * right);
     const OwnedWorld world(ridge, pose);
@@ -225,7 +225,8 @@ TEST(GodObject, GoesOnOverTheNextFaceOfAConvexEdge) {
       const Vec3 out(0.0, down.y() < 0.0 ? -std::cos(half) : std::cos(half), std::sin(half));
       return Vec3(-depth * out);
     };
-    // So that the goals are under their own faces, and the right one beyond the end of the left.
+    // This limit keeps each goal under its own face, and the right goal beyond the end of the left
+    // face.
     const double most = 0.5 * std::min(1.0, -1.0 / std::tan(2.0 * half));
     const double along_left = random.uniform(0.05, 0.5);
     const double along_right = random.uniform(0.05, 0.5);
@@ -297,7 +298,7 @@ TEST(GodObject, LiftsAStartExactlyOnTheSurfaceToTheFront) {
   }
 }
 
-// Far out there is nothing to touch, however fast the proxy gets there.
+// Nothing can be touched far outside, at any speed of the proxy.
 TEST(GodObject, IsFreeBeyondTheBoundsOfTheWorld) {
   for (const double radius : {0.0, 0.05}) {
     const OwnedWorld world(box_soup(Vec3::Constant(0.5)), {}, radius);
@@ -311,7 +312,7 @@ TEST(GodObject, IsFreeBeyondTheBoundsOfTheWorld) {
   }
 }
 
-// A device with two sensors: the solver works in a plane.
+// With two sensors, the solver works in a plane.
 TEST(GodObject, KeepsToThePlaneOfMotion) {
   Random random(17);
   for (int trial = 0; trial < 20; ++trial) {
@@ -333,7 +334,7 @@ TEST(GodObject, KeepsToThePlaneOfMotion) {
   }
 }
 
-// Where the edges of a box around the origin cross a plane through the origin.
+// The points where the edges of a box around the origin cross a plane through the origin.
 std::vector<Vec3> corners_in_plane(const Vec3& half_extent, const Vec3& normal) {
   std::vector<Vec3> corners;
   for (int axis = 0; axis < 3; ++axis) {
@@ -351,7 +352,8 @@ std::vector<Vec3> corners_in_plane(const Vec3& half_extent, const Vec3& normal) 
   return corners;
 }
 
-// Faces make any angle with the plane of motion, and the goal is rounded far more than they are.
+// Faces make any angle with the plane of motion, and the rounding of the goal is much larger than
+// that of the faces.
 TEST(GodObject, RestsInThePlaneOfMotionHoweverFarTheGoalIs) {
   constexpr double kSize = 1.0;
   constexpr double kLeastGain = 1e-9 * kSize;
@@ -382,7 +384,7 @@ TEST(GodObject, RestsInThePlaneOfMotionHoweverFarTheGoalIs) {
   }
 }
 
-// A bowl of 9 to 256 squares, 1 across, of a depth from next to nothing to 1 %.
+// A bowl of 9 to 256 squares with a width of 1 and a depth from almost 0 to 1 %.
 Soup shallow_bowl(Random& random) {
   const int n = 3 + static_cast<int>(random.index(14));
   const double depth = 1e-6 * std::pow(1e4, random.uniform(0.0, 1.0));
@@ -408,8 +410,8 @@ Soup shallow_bowl(Random& random) {
   return soup;
 }
 
-// A point that has come down over a face as far as it may is held back by the edge of the next one,
-// if that is higher by rounding: as if there were a groove.
+// A point that has descended over a face as far as it may is blocked by the edge of the next face
+// if rounding makes that edge higher, as if it were in a groove.
 TEST(GodObject, IsNotStuckAtCreasesThatAreAlmostFlat) {
   Random random(31);
   for (int trial = 0; trial < 1000; ++trial) {
@@ -441,7 +443,7 @@ TEST(GodObject, IsNotStuckAtCreasesThatAreAlmostFlat) {
   }
 }
 
-// A groove along x, 1 long and 0.3 deep, between two flat banks.
+// A groove along x between two flat banks, 1 long and 0.3 deep.
 Soup groove(double half_width) {
   Soup soup;
   for (const double side : {-1.0, 1.0}) {
@@ -452,9 +454,9 @@ Soup groove(double half_width) {
   return soup;
 }
 
-// Its walls may be as good as parallel: what holds the point there is not taken for rounding, nor
-// does the point creep on by it.
-TEST(GodObject, RestsInGroovesHoweverNarrowAndKeepsItsPlace) {
+// The walls may be nearly parallel. The solver must not mistake the walls that hold the point for
+// rounding, and rounding must not make the point creep.
+TEST(GodObject, RestsInGroovesHoweverNarrowAndKeepsItsPosition) {
   Random random(47);
   for (int trial = 0; trial < 400; ++trial) {
     const double half_width = 1e-8 * std::pow(3e7, random.uniform(0.0, 1.0));

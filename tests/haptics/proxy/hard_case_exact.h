@@ -1,8 +1,9 @@
 #pragma once
 
-// Whether a segment touches a triangle, in exact arithmetic, so that a test of crossings does not
-// depend on the predicates it tests: sums of doubles without rounding (J. R. Shewchuk, "Adaptive
-// Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
+// Tests in exact arithmetic whether a segment touches a triangle, so that tests of crossings do not
+// depend on the predicates under test. The arithmetic uses sums of doubles without rounding
+// (J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates", 1997).
 
 #include <array>
 #include <cmath>
@@ -13,7 +14,7 @@
 
 namespace palpate::test {
 
-// An exact number: a sum of doubles of which none overlaps another, the largest last.
+// An exact number: a sum of non-overlapping doubles in ascending order of magnitude.
 class ExactSum {
  public:
   static ExactSum difference(double a, double b) {
@@ -80,9 +81,9 @@ inline int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return volume.sign();
 }
 
-// Sign of the volume (a - d) . ((b - d) x (c - d)). Its rounding in double is below 8 half-ulps of
-// the sum of the magnitudes of its products (Shewchuk: 7 + 56 eps); twice that is left to exact
-// arithmetic.
+// The sign of the volume (a - d) . ((b - d) x (c - d)). Its rounding in double is below 8 half-ulps
+// of the sum of the magnitudes of its products (Shewchuk: 7 + 56 eps). Volumes below twice that
+// bound are computed in exact arithmetic.
 inline int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = a - d;
   const Vec3 v = b - d;
@@ -107,7 +108,8 @@ inline bool none_opposed(std::initializer_list<int> signs) {
   return !(positive && negative);
 }
 
-// Both in one plane: they touch if an end lies in the triangle or the segment meets an edge of it.
+// A segment in the plane of a triangle touches the triangle if one of its ends lies in the triangle
+// or if it meets an edge of the triangle.
 inline bool touch_in_plane(const std::array<Vec3, 3>& t, const Vec3& p, const Vec3& q) {
   Vec3 off_plane = t[0];
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,9 +128,9 @@ inline bool touch_in_plane(const std::array<Vec3, 3>& t, const Vec3& p, const Ve
   for (std::size_t e = 0; e < 3; ++e) {
     const Vec3& a = t[e];
     const Vec3& b = t[(e + 1) % 3];
-    // Strictly on either side of one line, not strictly on one side of the other. An end that lies
-    // on the edge was found above, and an edge along the segment shares its corners with the
-    // others.
+    // The segment's ends lie strictly on different sides of the edge's line, and the edge's ends do
+    // not lie strictly on one side of the segment's line. An end on the edge was found above, and
+    // an edge along the segment shares its corners with the other edges.
     const bool parts_edge = side(p, q, a) * side(p, q, b) <= 0;
     const bool parts_segment = side(a, b, p) * side(a, b, q) < 0;
     if (parts_edge && parts_segment) return true;
@@ -136,8 +138,8 @@ inline bool touch_in_plane(const std::array<Vec3, 3>& t, const Vec3& p, const Ve
   return false;
 }
 
-// True iff the closed segment from p to q and the closed triangle have a point in common, exactly.
-// The triangle has area, and p is not q.
+// Whether the closed segment from p to q and the closed triangle have a common point; exact. The
+// triangle must have an area, and p must differ from q.
 inline bool exactly_touch(const std::array<Vec3, 3>& t, const Vec3& p, const Vec3& q) {
   const Vec3 low = p.cwiseMin(q);
   const Vec3 high = p.cwiseMax(q);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A god-object of which every tick is judged: finite, monotone, certified, on its side.
+// A god-object whose ticks are all judged: finite, monotone, certified and on its side.
 
 #include <algorithm>
 #include <array>
@@ -19,8 +19,8 @@
 
 namespace palpate::test {
 
-// AddressSanitizer makes a tick about eight times slower; the trials of the heavy cases are divided
-// by this there.
+// AddressSanitizer makes a tick about eight times slower. The number of trials of the heavy cases
+// is divided by this there.
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr int kSanitizerDivisor = 20;
 #else
@@ -30,7 +30,7 @@ constexpr int trials(int in_release) {
   return std::max(1, in_release / kSanitizerDivisor);
 }
 
-// Of the scene's size, asked for by the specification.
+// The accuracy that the specification requires, relative to the scene's size.
 inline constexpr double kRelativeAccuracy = 1e-9;
 
 inline std::string radius_name(const testing::TestParamInfo<double>& radius_m) {
@@ -38,13 +38,13 @@ inline std::string radius_name(const testing::TestParamInfo<double>& radius_m) {
   return "Sphere" + std::to_string(std::lround(1e6 * radius_m.param)) + "um";
 }
 
-// What a tick may add to the energy for rounding, relative to the energies that are compared.
+// Tolerance of the energy of a tick for rounding, relative to the energies compared.
 inline constexpr double kCertificateTolerance = 1e-12;
 
-// Whether K/2 |p - x|^2 grew by no more than the device put in, for K = 1 N/m: the certificate of a
-// passive spring. x is the device point, p the proxy, in the frame of the solver. Below a
-// thousandth of the coordinates, what rounds p to doubles weighs more than the tolerance: it is
-// allowed for, once where a step ends and once where the proxy is lifted or stopped.
+// The certificate of a passive spring: whether K/2 |p - x|^2 grew by no more than the work of the
+// device, for K = 1 N/m. x is the device point and p the proxy, in the solver frame. If the lag is
+// below a thousandth of the coordinates, the rounding of p exceeds the relative tolerance. That
+// rounding is permitted twice: at the end of a step and where the proxy is lifted or stopped.
 inline bool keeps_energy_certificate(const Vec3& p_before, const Vec3& x_before,
                                      const Vec3& p_after, const Vec3& x_after) {
   const Vec3 moved = x_after - x_before;
@@ -59,15 +59,15 @@ inline bool keeps_energy_certificate(const Vec3& p_before, const Vec3& x_before,
   return after_J - before_J - given_J - leak_J <= allowed_J;
 }
 
-// The soup's corners moved by a pose and rounded: a body that needs no transform, of which the
-// solver's triangles are known to the bit.
+// The soup with its corners transformed by a pose and rounded. The resulting body needs no
+// transform, so that the solver's triangles are known bit for bit.
 inline Soup posed(const Soup& soup, const RigidTransform& pose) {
   Soup moved = soup;
   for (Vec3& p : moved.positions) p = pose.point(p);
   return moved;
 }
 
-// Coordinates rounded to multiples of 2^-20 m: sums, halves and quarters of such are exact.
+// Coordinates rounded to multiples of 2^-20 m, whose sums, halves and quarters are exact.
 inline Vec3 on_lattice(const Vec3& p_m) {
   return (p_m * 0x1p20).array().round().matrix() * 0x1p-20;
 }
@@ -76,16 +76,16 @@ inline Soup on_lattice(Soup soup) {
   return soup;
 }
 
-// A proxy that lives in the scene frame of its world and looks over its own shoulder. verdict() is
-// empty as long as every tick
-//   - was finite, with a normal of length 1 or none,
-//   - kept the energy certificate, and each corner of its path no farther from the goal than the
-//     one before (or, for a sphere that goes round a feature along tangents, than the arc they are
-//     for, within a hundredth of the radius; the tick as a whole leads no farther),
-//   - committed a path that touches no triangle of the world, in exact arithmetic. (A sphere's
-//     centre must keep its radius as well: at the corners of the path.)
-// The paths are judged only where the bodies need no transform: elsewhere the geometry would be
-// known up to rounding only.
+// A proxy in the scene frame of its world that judges each of its ticks. verdict() is empty as long
+// as every tick satisfies these conditions:
+//   - The result is finite, with a normal of length 1 or 0.
+//   - The energy certificate holds. No corner of the path is farther from the goal than the corner
+//     before. A sphere that moves round a feature along tangents may exceed this by a hundredth of
+//     the radius, but not at the end of the tick.
+//   - The committed path touches no triangle of the world, in exact arithmetic. At the corners of
+//     the path, the centre of a sphere also keeps its radius from all triangles.
+// Paths are judged only if the bodies need no transform; otherwise the geometry would be known only
+// up to rounding.
 class JudgedProxy {
  public:
   explicit JudgedProxy(const OwnedWorld& world, double radius_m = 0.0)
@@ -134,7 +134,7 @@ class JudgedProxy {
   void collect(const SurfaceIndex& index, std::uint32_t pack) {
     for (int lane = 0; lane < index.pack(pack).count; ++lane) {
       const TriangleGeometry& t = index.triangle(SurfaceIndex::slot(pack, lane));
-      if (exactly_collinear(t.a, t.b, t.c)) continue;  // part of its neighbours' edges
+      if (exactly_collinear(t.a, t.b, t.c)) continue;  // no area: part of its neighbours' edges
       corners_.push_back({t.a, t.b, t.c});
       triangles_.push_back(t);
     }
@@ -144,28 +144,28 @@ class JudgedProxy {
     const double length = state.normal.norm();
     const bool unit = length == 0.0 || std::abs(length - 1.0) < 1e-15;
     if (!state.proxy.allFinite() || !state.normal.allFinite() || !unit) {
-      verdict_ += "not finite, or a normal that is not unit; ";
+      verdict_ += "the result is not finite or its normal is not a unit vector; ";
     }
   }
 
   void judge_energy(const Vec3& before, const Vec3& goal, const ProxyState& state) {
     if (!keeps_energy_certificate(before, last_goal_, state.proxy, goal)) {
-      verdict_ += "energy from nowhere; ";
+      verdict_ += "the tick created energy; ";
     }
     const auto path = god_object_.path();
     for (std::size_t i = 1; i < path.size(); ++i) {
-      judge_way(path[i - 1], path[i], goal, 0.01 * radius_m_);
+      judge_segment(path[i - 1], path[i], goal, 0.01 * radius_m_);
     }
-    judge_way(path.front(), path.back(), goal, 0.0);
+    judge_segment(path.front(), path.back(), goal, 0.0);
   }
 
-  void judge_way(const Vec3& from, const Vec3& to, const Vec3& goal, double allowed_m) {
+  void judge_segment(const Vec3& from, const Vec3& to, const Vec3& goal, double allowed_m) {
     const double nearer = (from - goal).norm();
-    // A corner is rounded to doubles of the size of its coordinates.
+    // Tolerance for the rounding of a corner's coordinates.
     const double roundoff = 4 * 0x1p-52 * (nearer + to.lpNorm<Eigen::Infinity>());
     const double excess = (to - goal).norm() - nearer;
     if (!(excess <= allowed_m + roundoff))
-      verdict_ += "path leads away by " + number(excess) + "; ";
+      verdict_ += "the path increases the distance to the goal by " + number(excess) + "; ";
   }
 
   void judge_path() {
@@ -179,7 +179,7 @@ class JudgedProxy {
       }
       if (radius_m_ > 0.0) judge_clearance(path[i]);
     }
-    if (path.back() != god_object_.proxy()) verdict_ += "the path ends elsewhere; ";
+    if (path.back() != god_object_.proxy()) verdict_ += "the path does not end at the proxy; ";
   }
 
   void judge_clearance(const Vec3& centre) {
@@ -187,14 +187,14 @@ class JudgedProxy {
       const Box box{t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)};
       if (box.squared_distance(centre) > 2 * radius_m_ * radius_m_) continue;
       const double clearance = closest_point_on_triangle(t, centre).distance - radius_m_;
-      if (!(clearance >= 0.0)) verdict_ += "sphere in a triangle by " + number(-clearance) + "; ";
+      if (!(clearance >= 0.0)) verdict_ += "the sphere overlaps by " + number(-clearance) + "; ";
     }
   }
 
   void describe(const Vec3& before, const Vec3& goal, const ProxyState& state) {
     std::ostringstream text;
     text << std::hexfloat << "at tick " << ticks_ << " (solver frame) from (" << before.transpose()
-         << ") to goal (" << goal.transpose() << "), goal before (" << last_goal_.transpose()
+         << ") to goal (" << goal.transpose() << "), last goal (" << last_goal_.transpose()
          << "), ended at (" << state.proxy.transpose() << ") after " << state.iterations
          << " iterations";
     verdict_ += text.str();

@@ -1,5 +1,5 @@
-// The hard cases of A4: corners, contact lost, and the work that a force gives when only a part of
-// it is pushed. Each tick is judged by JudgedLoop.
+// The hard cases of A4: corners, loss of contact, and the work of a force of which the device can
+// apply only a component. JudgedLoop judges each tick.
 
 #include <cmath>
 #include <string>
@@ -27,18 +27,18 @@ using test::Random;
 using test::settings;
 using test::trials;
 
-// ---- 18 A4 where it is least at ease -----------------------------------------------------------
+// ---- 18 A4 in corners and at the loss of contact -----------------------------------------------
 
 class HardCase18_A4 : public testing::TestWithParam<HardDevice> {
  protected:
-  // Presses and holds still: the spring must not gain a thing while the scene turns.
+  // Presses and holds still. The spring must not gain energy while the scene turns.
   static void hold(JudgedLoop& loop, const Vec3& at_m, int ticks) {
     TickRecord last = loop.tick(at_m, kTick_s);
     for (int n = 0; n < ticks; ++n) {
       const TickRecord now = loop.tick(at_m, kTick_s);
       const double lag_m = (vec3(now.proxy_scene_m) - vec3(now.goal_scene_m)).norm();
       const double lag_before_m = (vec3(last.proxy_scene_m) - vec3(last.goal_scene_m)).norm();
-      // The pivot stays in place to 2 ulp of the coordinates.
+      // The pivot keeps its position to 2 ulp of the coordinates.
       const double rounding_m =
           8 * 0x1p-52 * (vec3(now.goal_scene_m).norm() + vec3(now.device_m).norm());
       ASSERT_LE(lag_m, lag_before_m * (1 + 1e-12) + rounding_m) << "tick " << n;
@@ -47,7 +47,7 @@ class HardCase18_A4 : public testing::TestWithParam<HardDevice> {
     }
     ASSERT_EQ(loop.verdict(), "");
   }
-  // A device of two sensors stays in its plane, so the corner has to stand in it.
+  // A device with two sensors stays in its plane, so that the corner must lie in that plane.
   static RigidTransform pose_for(int sensors, Random& random) {
     if (sensors == 3) return random.pose(0.5);
     const Quat turn(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), Vec3::UnitZ()));
@@ -55,8 +55,9 @@ class HardCase18_A4 : public testing::TestWithParam<HardDevice> {
   }
 };
 
-// Into a concave corner of two or three walls, of which A4 sees the mean normal, and held.
-TEST_P(HardCase18_A4, GivesTheSpringNothingInACorner) {
+// The hand presses into a concave corner of two or three walls and holds. A4 receives the mean
+// normal of the walls.
+TEST_P(HardCase18_A4, AddsNoEnergyToTheSpringInACorner) {
   const auto [sensors, actuators, radius] = GetParam();
   Random random(307);
   for (int n = 0; n < trials(20); ++n) {
@@ -69,7 +70,7 @@ TEST_P(HardCase18_A4, GivesTheSpringNothingInACorner) {
   }
 }
 
-TEST_P(HardCase18_A4, GivesTheSpringNothingInThePapersCorners) {
+TEST_P(HardCase18_A4, AddsNoEnergyToTheSpringInThePapersCorners) {
   const auto [sensors, actuators, radius] = GetParam();
   Random random(308);
   for (const PaperObject& object : paper_objects()) {
@@ -96,8 +97,8 @@ TEST_P(HardCase18_A4, GivesTheSpringNothingInThePapersCorners) {
   }
 }
 
-// While contact lasts the scene turns; from the tick that loses it the pose keeps its bits, and the
-// next contact begins to turn it afresh.
+// The scene turns while contact lasts. From the tick that loses contact on, the pose keeps its
+// bits; the next contact turns it again.
 TEST_P(HardCase18_A4, StopsTurningWithTheContact) {
   const auto [sensors, actuators, radius] = GetParam();
   Random random(309);
@@ -112,12 +113,12 @@ TEST_P(HardCase18_A4, StopsTurningWithTheContact) {
   for (int n = 0; n < 2000; ++n) {
     const ScenePose before = loop.T_device_scene();
     const double height = radius + 4e-3 * std::sin(0.05 * n);
-    const TickRecord felt = loop.tick(height * normal, kTick_s);
+    const TickRecord record = loop.tick(height * normal, kTick_s);
     const bool same = before.rotation.coeffs() == loop.T_device_scene().rotation.coeffs() &&
                       before.translation_m == loop.T_device_scene().translation_m;
-    ASSERT_EQ(same, !felt.contact || felt.alpha_rad == 0.0) << "tick " << n;
-    losses += was_in_contact && !felt.contact;
-    was_in_contact = felt.contact;
+    ASSERT_EQ(same, !record.contact || record.alpha_rad == 0.0) << "tick " << n;
+    losses += was_in_contact && !record.contact;
+    was_in_contact = record.contact;
   }
   EXPECT_GT(losses, 5);
   EXPECT_EQ(loop.verdict(), "");
@@ -129,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, HardCase18_A4,
                                          HardDevice{3, 2, 2e-3}, HardDevice{2, 1, 2e-3}),
                          device_name);
 
-// ---- 19 work round a loop ----------------------------------------------------------------------
+// ---- 19 work along a closed loop ---------------------------------------------------------------
 
 class HardCase19_UnderActuatedLoop : public testing::TestWithParam<double> {
  protected:
@@ -138,7 +139,7 @@ class HardCase19_UnderActuatedLoop : public testing::TestWithParam<double> {
   static constexpr double kSide_m = 5e-3;
   static constexpr int kSteps = 4000;
 
-  // What the port gives round a square of two directions, each force held for a step.
+  // The work of the port along a square in two directions, with each force held for one step.
   static double work_J(JudgedLoop& loop, const Vec3& at_m, const Vec3& u, const Vec3& v) {
     const Vec3 corners[5] = {at_m, at_m + kSide_m * u, at_m + kSide_m * (u + v), at_m + kSide_m * v,
                              at_m};
@@ -158,9 +159,9 @@ class HardCase19_UnderActuatedLoop : public testing::TestWithParam<double> {
   }
 };
 
-// A wall of a box in a random pose, pressed at 75 deg to the one actuator. W = K A sin a cos a all
-// the way of the scene to its alignment, where it vanishes.
-TEST_P(HardCase19_UnderActuatedLoop, DoesTheWorkOfTheAngleThatIsLeft) {
+// The wall of a box in a random pose is pressed at 75 deg to the single actuator. The work is
+// W = K A sin a cos a for every contact angle a, until the scene is aligned and the work vanishes.
+TEST_P(HardCase19_UnderActuatedLoop, DoesTheWorkOfTheRemainingAngle) {
   const double radius = GetParam();
   Random random(310);
   for (int n = 0; n < 4; ++n) {
@@ -180,14 +181,14 @@ TEST_P(HardCase19_UnderActuatedLoop, DoesTheWorkOfTheAngleThatIsLeft) {
     const double whole_J = kStiffness * kSide_m * kSide_m;
     double left_rad = 0.0;
     for (int hold = 0; hold < 8; ++hold) {
-      const TickRecord felt = loop.tick(at_m, kQuick_s);
-      const double angle = felt.alpha_rad;
-      // In the plane of the actuator and of the normal as it is now.
-      const Vec3 now = loop.T_device_scene().direction(vec3(felt.normal_scene));
+      const TickRecord record = loop.tick(at_m, kQuick_s);
+      const double angle = record.alpha_rad;
+      // A loop in the plane of the actuator and the present normal.
+      const Vec3 now = loop.T_device_scene().direction(vec3(record.normal_scene));
       const Vec3 across = now - now.dot(a1) * a1;
       const Vec3 v = across.norm() > 1e-9 ? Vec3(across.normalized()) : tangent;
       const double expected_J = whole_J * std::sin(angle) * std::cos(angle);
-      // What a held force gives beyond the integral: K/2 dx^2 a step.
+      // The extra work of a held force beyond the integral: K/2 dx^2 per step.
       const double held_J = 0.5 * 4 * whole_J / kSteps;
       ASSERT_NEAR(work_J(loop, at_m, a1, v), expected_J, 0.01 * std::abs(expected_J) + held_J)
           << angle / kDeg << " deg";

@@ -1,5 +1,5 @@
-// The hard cases of god-object rendering that lie in the surface: thin and sharp. Each tick is
-// judged by JudgedProxy: finite, passive, and a path that touches nothing in exact arithmetic.
+// The hard cases of god-object rendering with thin and sharp surfaces. JudgedProxy judges each
+// tick: finite, passive, and with a path that touches no triangle in exact arithmetic.
 
 #include <cmath>
 #include <numbers>
@@ -30,8 +30,8 @@ using test::trials;
 
 class HardCase01_PlungeThroughASheet : public testing::TestWithParam<double> {
  protected:
-  // Along `velocity` for as many ticks as it takes to be 5 cm beyond the sheet, starting 2 cm in
-  // front of it. Every tick, the proxy is on top of the sheet under the goal.
+  // Moves the hand along `velocity` from 2 cm in front of the sheet to 5 cm behind it. In every
+  // tick, the proxy must be on top of the sheet.
   static void plunge(JudgedProxy& proxy, const RigidTransform& pose, double top_m, double radius_m,
                      const Vec3& velocity_m_per_s, const Vec3& aim_m) {
     const double front = 0.02 + radius_m + top_m;
@@ -92,13 +92,13 @@ TEST_P(HardCase01_PlungeThroughASheet, StopsInFrontOfThePapersObjects) {
 INSTANTIATE_TEST_SUITE_P(Radius, HardCase01_PlungeThroughASheet, testing::Values(0.0, 2e-4, 5e-3),
                          radius_name);
 
-// ---- 2 exactly through edges and vertices ------------------------------------------------------
+// ---- 2 steps exactly through edges and vertices ------------------------------------------------
 
 class HardCase02_RayThroughAnEdgeOrVertex : public testing::TestWithParam<double> {
  protected:
-  // Corners, aims, starts and goals are multiples of small powers of two, so that each ray goes
-  // through a vertex or a point of an edge in exact arithmetic, whatever pose the surface was
-  // rounded in. Returns how many rays were stopped.
+  // Corners, aims, starts and goals are multiples of small powers of two, so that each ray passes
+  // exactly through a vertex or a point of an edge, in any pose in which the surface was rounded.
+  // Returns the number of rays that were stopped.
   static int aim_exactly(const Soup& soup, double radius_m, double longest_m, int rays,
                          Random& random) {
     const OwnedWorld world(soup, {}, radius_m);
@@ -116,7 +116,7 @@ class HardCase02_RayThroughAnEdgeOrVertex : public testing::TestWithParam<double
       const Vec3 start = aim + on_lattice(length * way + 2 * radius_m * front);
       if (radius_m > 0.0 &&
           world.index().closest_point(world.world().to_solver(start), 1.01 * radius_m)) {
-        continue;  // in touch with something else
+        continue;  // the start touches another face
       }
       proxy.place(start);
       const ProxyState state = proxy.move_to(2 * aim - start);
@@ -139,7 +139,7 @@ TEST_P(HardCase02_RayThroughAnEdgeOrVertex, FindsNoGap) {
     const Soup soup = on_lattice(posed(test::soup_of(icosphere(1, 0.1)), random.pose(0.5)));
     stopped += aim_exactly(soup, radius, 0.05, per_pose, random);
   }
-  // The others slid round the sphere to a goal that is out of it again.
+  // The other rays slid round the sphere to a goal on its far side.
   EXPECT_GT(stopped, poses * per_pose / 2);
 }
 
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(Radius, HardCase02_RayThroughAnEdgeOrVertex, testing::V
 
 class HardCase03_ThreePlaneCorner : public testing::TestWithParam<double> {};
 
-// Three edges out of the origin that are not nearly in one plane; faces between them.
+// Three edges from the origin that are far from coplanar, and the faces between them.
 struct Corner {
   Mat3 edges;    // columns: unit, right-handed
   Mat3 normals;  // rows: unit, into the corner; row i faces column i
@@ -192,8 +192,8 @@ Soup soup_of(const Corner& corner, double length) {
   return soup;
 }
 
-// The point nearest to g of { s : N s >= d }: of the projections on every set of planes, the one
-// whose multipliers G^-1 (d - N g), G = N N^T, are not negative and that violates no plane.
+// The point of { s : N s >= d } nearest to g. Among the projections on all sets of planes, it is
+// the one that violates no plane and whose multipliers G^-1 (d - N g), G = N N^T, are not negative.
 Vec3 nearest_in(const Mat3& normals, const Vec3& offsets, const Vec3& g) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   Vec3 best = Vec3::Zero();
@@ -236,11 +236,12 @@ TEST_P(HardCase03_ThreePlaneCorner, IsSolvedInOneTick) {
     const OwnedWorld world(posed(soup_of(corner, 20.0), pose), {}, radius);
     JudgedProxy proxy(world, radius);
     const Vec3 offsets = Vec3::Constant(radius);
-    const Vec3 apex = corner.normals.inverse() * offsets;  // where the centre meets all three
+    const Vec3 apex =
+        corner.normals.inverse() * offsets;  // centre of a proxy that touches all three
     const Vec3 start = apex + 0.5 * corner.edges.rowwise().sum().normalized();
     for (int trial = 0; trial < 20; ++trial) {
       proxy.place(pose.point(start));
-      // Half of the goals within the cone of the normals, where the answer is the corner itself.
+      // Half of the goals are within the cone of the normals, where the solution is the corner.
       Vec3 goal = apex + random.in_box(0.3);
       const bool beyond_apex = trial % 2 == 0;
       if (beyond_apex) {
@@ -267,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(Radius, HardCase03_ThreePlaneCorner, testing::Values(0.
 // ---- 4 wedges ----------------------------------------------------------------------------------
 
 struct WedgeCase {
-  double solid_deg;  // within the solid; more than 180: a valley
+  double solid_deg;  // angle within the solid; a valley if more than 180
   double radius_m;
 };
 
@@ -278,15 +279,15 @@ void PrintTo(const WedgeCase& c, std::ostream* out) {
 class HardCase04_Wedge : public testing::TestWithParam<WedgeCase> {
  protected:
   double solid_rad() const { return GetParam().solid_deg * kDeg; }
-  // 1e-8 of the size over the sine of the dihedral, as it is asked for.
+  // The required accuracy: 1e-8 of the size divided by the sine of the dihedral angle.
   double allowed_m(const JudgedProxy& proxy) const {
     return 1e-8 / std::abs(std::sin(solid_rad())) * proxy.size_m();
   }
 };
 
-// The height of the centre over the ridge's offset: straight along one side, then round or over the
-// ridge, then along the other. The goal goes at constant depth under the ridge, across it; it is
-// deep compared with the step, and shallow compared with the faces.
+// The exact position of the centre on the offset of the ridge: straight along one side, then round
+// or over the ridge, then along the other side. The goal moves across the ridge at a constant
+// depth, which is large compared with the step and small compared with the faces.
 Vec3 over_the_ridge(double solid_rad, double radius, const Vec3& goal, double from_side) {
   for (const double side : {from_side, -from_side}) {
     const Vec3 normal = test::wedge_normal(solid_rad, side);
@@ -313,13 +314,13 @@ TEST_P(HardCase04_Ridge, IsCrossedOnTheExactOffset) {
     const Vec3 slope = test::wedge_slope(solid_rad(), from_side);
     const Vec3 normal = test::wedge_normal(solid_rad(), from_side);
     const double depth = random.uniform(1e-5, 2e-3);
-    // Half a step off, so that no goal is at the ridge to within rounding.
+    // The start is half a step off, so that no goal is at the ridge to within rounding.
     Vec3 goal = 0.0505 * slope + (radius + 0.01) * normal;
     proxy.place(pose.point(goal));
     goal -= (0.01 + depth) * normal;
     proxy.move_to(pose.point(goal));
     for (int tick = 0; tick < 100; ++tick) {
-      // Along the face, beyond its end, with a component along the ridge.
+      // The goal moves along the face and beyond its end, with a component along the ridge.
       goal += Vec3(1e-4, 0, 0) - 1e-3 * slope;
       const ProxyState state = proxy.move_to(pose.point(goal));
       const Vec3 expected = over_the_ridge(solid_rad(), radius, goal, from_side);

@@ -1,6 +1,6 @@
-// The hard cases of god-object rendering that lie in the mesh: many-sided apexes, saddles, slivers,
-// cracks, and any place and size. Each tick is judged by JudgedProxy: finite, passive, and a path
-// that touches nothing in exact arithmetic.
+// The hard cases of god-object rendering with difficult meshes: many-sided apexes, saddles, slivers
+// and cracks, at any position and size. JudgedProxy judges each tick: finite, passive, and with a
+// path that touches no triangle in exact arithmetic.
 
 #include <cmath>
 #include <numbers>
@@ -27,8 +27,8 @@ using test::Random;
 using test::Soup;
 using test::trials;
 
-// Moves to a goal that is held. A tick that the cap on iterations or its budget of work ended has
-// not converged, but goes on from where it is in the next one.
+// Moves to a constant goal until a tick converges. A tick that ran out of iterations or work has
+// not converged; the next tick continues from its position.
 ProxyState settle(JudgedProxy& proxy, const Vec3& goal_scene, int most_ticks) {
   ProxyState state = proxy.move_to(goal_scene);
   for (int tick = 1; tick < most_ticks && state.capped; ++tick) state = proxy.move_to(goal_scene);
@@ -51,10 +51,10 @@ class HardCase05_Apex : public testing::TestWithParam<ApexCase> {
   static constexpr double kSlope = 0.75;
 };
 
-// How far a point proxy outside a convex shape is from a local minimum of the distance to the goal:
-// it must be where the goal projects on the plane of some face.
+// The distance of a point proxy outside a convex shape from a local minimum of the distance to the
+// goal. The local minima are the projections of the goal onto the planes of faces.
 double distance_to_a_projection(const Soup& soup, const Vec3& proxy, const Vec3& goal) {
-  double least = (proxy - goal).norm();  // free
+  double least = (proxy - goal).norm();  // without contact
   for (const Triangle& t : soup.triangles) {
     const Vec3& a = soup.positions[t[0]];
     const Vec3 normal = (soup.positions[t[1]] - a).cross(soup.positions[t[2]] - a).normalized();
@@ -65,7 +65,7 @@ double distance_to_a_projection(const Soup& soup, const Vec3& proxy, const Vec3&
   return least;
 }
 
-TEST_P(HardCase05_Apex, IsFeltFromOutside) {
+TEST_P(HardCase05_Apex, StopsTheProxyFromOutside) {
   const auto [valence, radius] = GetParam();
   Random random(107);
   for (int n = 0; n < (valence > 100 ? 2 : 10); ++n) {
@@ -90,12 +90,12 @@ TEST_P(HardCase05_Apex, IsFeltFromOutside) {
   }
 }
 
-// From inside, goals in the cone of the outward normals are held by the apex itself.
-TEST_P(HardCase05_Apex, HoldsFromInside) {
+// From inside, the apex itself holds the proxy for goals in the cone of the outward normals.
+TEST_P(HardCase05_Apex, HoldsTheProxyFromInside) {
   const auto [valence, radius] = GetParam();
-  constexpr int kTicksAtAnApex = 1000;  // 1000 triangles take the work of some hundred
+  constexpr int kTicksAtAnApex = 1000;  // 1000 triangles need the work of about a hundred ticks
   Random random(108);
-  // Of a face of the fan: its distance to a point on the axis is cosine * depth below the apex.
+  // The distance of a face of the fan from a point on the axis is cosine * depth below the apex.
   const double cosine = 1.0 / std::hypot(1.0, kSlope / std::cos(std::numbers::pi / valence));
   for (int n = 0; n < (valence > 100 ? 2 : 10); ++n) {
     const RigidTransform pose = random.pose(1.0);
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Valence, HardCase05_Apex,
 
 class HardCase06_Saddle : public testing::TestWithParam<double> {};
 
-// A fan of 4 * waves triangles with its middle at the first position.
+// A fan of 4 * waves triangles; the first position is its centre.
 Soup random_saddle(int waves, Random& random) {
   const double steepness = random.uniform(0.01, 1.0);
   const double turn = 0.5 * std::numbers::pi;  // per triangle: up, level, down, level
@@ -151,8 +151,8 @@ Vec3 axis_of(const Soup& saddle) {
   return sum.normalized();
 }
 
-// More than three faces are active or nearly so at the middle of a saddle. Every piece of every
-// path must be nearer to the goal than the one before: JudgedProxy sees to it.
+// At the centre of a saddle, more than three faces are active or nearly active. Every piece of
+// every path must reduce the distance to the goal; JudgedProxy tests this.
 TEST_P(HardCase06_Saddle, IsMonotone) {
   const double radius = GetParam();
   Random random(109);
@@ -170,7 +170,7 @@ TEST_P(HardCase06_Saddle, IsMonotone) {
   }
 }
 
-TEST_P(HardCase06_Saddle, LetsAProxyRestThatIsSaidToHaveConverged) {
+TEST_P(HardCase06_Saddle, KeepsAConvergedProxyAtRest) {
   const double radius = GetParam();
   Random random(115);
   for (int n = 0; n < trials(400); ++n) {
@@ -193,7 +193,7 @@ TEST_P(HardCase06_Saddle, LetsAProxyRestThatIsSaidToHaveConverged) {
 
 INSTANTIATE_TEST_SUITE_P(Radius, HardCase06_Saddle, testing::Values(0.0, 0.02), radius_name);
 
-// ---- 7 slivers, and triangles that should not be there -----------------------------------------
+// ---- 7 slivers and invalid triangles -----------------------------------------------------------
 
 class HardCase07_BadTriangles : public testing::TestWithParam<double> {
  protected:
@@ -201,7 +201,8 @@ class HardCase07_BadTriangles : public testing::TestWithParam<double> {
   static constexpr int kSlivers = 64;
   static constexpr double kSliverWidth = kHalf * 1e-8;
 
-  // A square of two fans of slivers, with triangles of no area, copies, and others in its plane.
+  // A square of two fans of slivers, with additional triangles: without area, duplicate, or
+  // overlapping in its plane.
   static Soup bad_square(Random& random) {
     Soup soup;
     test::add_sliver_fan(soup, kHalf, -kHalf, 0.0, kSlivers);
@@ -222,7 +223,7 @@ class HardCase07_BadTriangles : public testing::TestWithParam<double> {
   static Vec3 in_square(Random& random) { return random.in_box(kHalf).cwiseProduct(Vec3(1, 1, 0)); }
 };
 
-TEST_P(HardCase07_BadTriangles, AreAFlatSquareAllTheSame) {
+TEST_P(HardCase07_BadTriangles, BehaveLikeAFlatSquare) {
   const double radius = GetParam();
   constexpr int kTicksOnASquare = 20;
   Random random(110);
@@ -231,13 +232,13 @@ TEST_P(HardCase07_BadTriangles, AreAFlatSquareAllTheSame) {
     const OwnedWorld world(posed(bad_square(random), pose), {}, radius);
     JudgedProxy proxy(world, radius);
     proxy.place(pose.point({0.0, 0.0, 0.05}));
-    // The rounding of corners at a metre from the origin tilts a sliver by this much.
+    // The rounding of corners one metre from the origin tilts a sliver by up to this angle.
     const double tilt_rad = 8 * 0x1p-52 / kSliverWidth;
     const double stand_off = 2 * proxy.scale().stand_off_m;
     const double allowed = kRelativeAccuracy * proxy.size_m();
     for (int tick = 0; tick < 200; ++tick) {
       Vec3 goal = 0.9 * in_square(random);
-      // Half of the goals are over the slivers.
+      // Half of the goals are within a fan of slivers.
       const double into_fan = random.uniform(0.0, 1.0);
       if (tick % 2 == 0) {
         const Vec3 base(-kHalf + random.uniform(0.0, kSlivers) * kSliverWidth, -kHalf, 0.0);
@@ -247,8 +248,9 @@ TEST_P(HardCase07_BadTriangles, AreAFlatSquareAllTheSame) {
       const ProxyState state = settle(proxy, pose.point(goal), kTicksOnASquare);
       const Vec3 expected(goal.x(), goal.y(), std::max(radius, goal.z()));
       const double depth = std::max(0.0, expected.z() - goal.z());
-      // Tilted faces move the answer by that much, to the side. A sphere's height over each of them
-      // varies by a stand-off, and what lies that much farther from the goal lies so far aside.
+      // Tilted faces move the solution sideways by that angle times the depth. The height of a
+      // sphere over each face varies by a stand-off, and a position that is farther from the goal
+      // by one stand-off is this far aside.
       const double aside = radius == 0.0 ? 0.0 : std::sqrt(2 * depth * stand_off);
       const Vec3 error = pose.inverse_point(state.proxy) - expected;
       ASSERT_LE(error.norm(), allowed + tilt_rad * depth + aside)
@@ -263,8 +265,8 @@ INSTANTIATE_TEST_SUITE_P(Radius, HardCase07_BadTriangles, testing::Values(0.0, 5
 
 // ---- 8 T-junctions and cracks ------------------------------------------------------------------
 
-// A sphere over strips with gaps between them. The widest hole is where a gap of width w ends at
-// another: a circle of radius 5/8 w fits in between.
+// A sphere moves over strips with gaps between them. The widest hole is the end of a gap of width w
+// at another gap: a circle of radius 5/8 w fits in.
 TEST(HardCase08_CracksAndTJunctions, HoldASphereThatIsWiderThanTheCrack) {
   const double radius = 5e-3;
   Random random(111);
@@ -278,7 +280,7 @@ TEST(HardCase08_CracksAndTJunctions, HoldASphereThatIsWiderThanTheCrack) {
         proxy.place(pose.point({0.0, 0.0, 0.02}));
         for (int tick = 0; tick < 20; ++tick) {
           Vec3 goal = random.in_box(0.17);
-          // Onto a gap along x, on average every other time.
+          // Every other goal is over a gap along x.
           if (tick % 2 == 0) goal.y() = 0.05 * std::round(goal.y() / 0.05);
           goal.z() = -std::abs(goal.z());
           const ProxyState state = proxy.move_to(pose.point(goal));
@@ -292,8 +294,8 @@ TEST(HardCase08_CracksAndTJunctions, HoldASphereThatIsWiderThanTheCrack) {
   }
 }
 
-// A point, where the strips touch exactly: sheared by whole numbers, corners stay on the edges that
-// they divide, and each ray aims exactly at such a corner.
+// A point moves over strips that touch exactly. The shear has whole numbers, so that corners stay
+// on the edges that they divide. Each ray aims exactly at such a corner.
 TEST(HardCase08_CracksAndTJunctions, HoldAPointWhereCornersLieExactlyOnEdges) {
   Random random(112);
   for (int n = 0; n < trials(200); ++n) {
@@ -319,12 +321,12 @@ TEST(HardCase08_CracksAndTJunctions, HoldAPointWhereCornersLieExactlyOnEdges) {
   }
 }
 
-// ---- 9 far away, and of any size ---------------------------------------------------------------
+// ---- 9 scenes far away and of any size ---------------------------------------------------------
 
 struct PlacedCase {
   double scale;
-  double distance_m;  // of the middle from the origin
-  double radius;      // of the proxy, relative to the scale
+  double distance_m;  // distance of the scene's middle from the origin
+  double radius;      // radius of the proxy, relative to the scale
 };
 
 void PrintTo(const PlacedCase& c, std::ostream* out) {
@@ -333,9 +335,10 @@ void PrintTo(const PlacedCase& c, std::ostream* out) {
 
 class HardCase09_FarAwayAndScaled : public testing::TestWithParam<PlacedCase> {};
 
-// The same trajectory inside a polyhedron, near the origin in its own size and placed: a projection
-// on a convex set, so that the difference is the stand-off, the rounding of corners, goals and
-// proxies, and what a corner between two faces makes of them.
+// The same trajectory inside a polyhedron, once near the origin at its own size and once scaled and
+// moved. The solution is a projection onto a convex set. Its two results may therefore differ by
+// the stand-off and by the rounding of corners, goals and proxies, magnified at a corner between
+// two faces.
 TEST_P(HardCase09_FarAwayAndScaled, GivesTheSameTrajectoryToTheFloatFloor) {
   const PlacedCase c = GetParam();
   Random random(113);
@@ -349,8 +352,8 @@ TEST_P(HardCase09_FarAwayAndScaled, GivesTheSameTrajectoryToTheFloatFloor) {
   JudgedProxy far_proxy(far_world, c.scale * c.radius);
   near_proxy.place(Vec3::Zero());
   far_proxy.place(middle);
-  // Neighbouring faces of this polyhedron meet at 18 deg or more, a corner of two that are moved by
-  // e moves by e / sin(9 deg) at most, and both ends of the comparison are moved.
+  // Neighbouring faces of this polyhedron meet at 18 deg or more. If two faces move by e, their
+  // common edge moves by e / sin(9 deg) at most, and this applies to both sides of the comparison.
   const double corner_gain = 2.0 / std::sin(9 * kDeg);
   const double coordinate_ulp = 0x1p-52 * (c.distance_m + 2.0 * c.scale) / c.scale;
   const double allowed = corner_gain * (near_proxy.scale().stand_off_m + 4 * coordinate_ulp);
@@ -375,7 +378,8 @@ TEST_P(HardCase09_FarAwayAndScaled, RestsAtALocalMinimumOutside) {
   const OwnedWorld world(soup, {}, c.scale * c.radius);
   JudgedProxy proxy(world, c.scale * c.radius);
   proxy.place(middle + c.scale * Vec3(0, 0, 1.5));
-  // Corners rounded at that distance tilt a face, whose edges are longer than half the radius.
+  // The rounding of corners at that distance tilts a face; its edges are longer than half the
+  // radius.
   const double coordinate_ulp_m = 0x1p-52 * (c.distance_m + 2.0 * c.scale);
   const double allowed_m = 2 * proxy.scale().stand_off_m + 16 * coordinate_ulp_m;
   for (int tick = 0; tick < trials(2000); ++tick) {

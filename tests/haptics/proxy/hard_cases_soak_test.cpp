@@ -1,4 +1,4 @@
-// The hard case of time: what a long run could wear off.
+// The hard case of long runs: quantities that could drift with time.
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,8 @@ using test::trials;
 
 class HardCase20_Soak : public testing::TestWithParam<HardDevice> {};
 
-// A long walk over the star with the scene turning under it. The mirror and its judge would take
-// most of the time; what is looked at here is what could wear off: the quaternion and the
-// clearance.
+// A long random motion over the star while the scene turns. The test examines the two quantities
+// that could drift, the quaternion and the clearance; the exact judge would take most of the time.
 TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   const int ticks = in_soak_or_else(10000000, trials(100000));
   const auto [sensors, actuators, radius] = GetParam();
@@ -38,7 +37,7 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   const OwnedWorld world(test::paper_object_soup(paper_objects().front()), {}, radius);
   HapticLoop loop(world.world(), device(sensors, actuators), settings(1000.0, 2.0, true, radius));
   const SolverScale scale = SolverScale::of(world.world().size_m, radius);
-  // The least that is kept, of a point; a sphere's is half a stand-off.
+  // The least clearance of a point; that of a sphere is half a stand-off.
   const double kept_m = radius + (1 - 1e-3) * scale.clearance_m;
   Vec3 at_m(0.2, 0.0, 0.0);  // in the scene, outside
   loop.tick(at_m, kTick_s);
@@ -50,22 +49,22 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   for (int n = 0; n < ticks; ++n) {
     const Vec3 step =
         random.index(1000) == 0 ? Vec3(0.1 * random.unit_vector()) : Vec3(random.in_box(1e-3));
-    // Mostly within the star, so that it presses from wherever it came; and with the star, which A4
-    // rolls out of the reach of a hand that stays behind.
+    // Most positions are within the star, so that the hand presses from its previous side. The
+    // positions are in the scene frame, since A4 turns the star away from a hand that stays behind.
     at_m = (at_m + step).cwiseMin(reach_m).cwiseMax(-reach_m);
-    const TickRecord& felt = loop.tick(loop.T_device_scene().point(at_m), kTick_s);
+    const TickRecord& record = loop.tick(loop.T_device_scene().point(at_m), kTick_s);
     finite =
-        finite && vec3(felt.force_device_N).allFinite() && vec3(felt.proxy_scene_m).allFinite();
-    contact_ticks += felt.contact;
+        finite && vec3(record.force_device_N).allFinite() && vec3(record.proxy_scene_m).allFinite();
+    contact_ticks += record.contact;
     worst_norm = std::max(worst_norm, std::abs(loop.T_device_scene().rotation.norm() - 1.0));
-    const Vec3 proxy = world.world().to_solver(vec3(felt.proxy_scene_m));
+    const Vec3 proxy = world.world().to_solver(vec3(record.proxy_scene_m));
     const auto nearest = world.index().closest_point(proxy, radius + 2 * scale.stand_off_m);
     if (nearest) least_m = std::min(least_m, nearest->distance_m);
   }
   EXPECT_TRUE(finite);
   EXPECT_LE(worst_norm, 4 * 0x1p-52);
   EXPECT_GT(contact_ticks, static_cast<std::uint64_t>(ticks / 10));
-  // The proxy in the scene frame is rounded once more.
+  // The transformation of the proxy to the scene frame adds one rounding.
   EXPECT_GE(least_m, kept_m - 8 * 0x1p-52 * world.world().size_m);
 }
 

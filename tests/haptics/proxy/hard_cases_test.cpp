@@ -1,6 +1,5 @@
-// The hard cases of god-object rendering that lie in the way the device moves: exactly onto
-// things, across them, over a ridge, through a plate, to and fro. Each tick is judged by
-// JudgedProxy.
+// The hard cases of god-object rendering with difficult device motions: exactly onto objects,
+// across them, over a ridge, through a plate, and to and fro. JudgedProxy judges each tick.
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +37,7 @@ struct NamedSoup {
   Soup soup;
 };
 
-// Closed: the paper's objects and some that are round or plain, about the origin.
+// Closed surfaces around the origin: the paper's objects and some simple or round ones.
 std::vector<NamedSoup> closed_soups() {
   std::vector<NamedSoup> soups;
   for (const PaperObject& object : paper_objects()) {
@@ -59,7 +58,7 @@ Vec3 normal_of(const Soup& soup, const Triangle& t) {
 
 class HardCase10_DeviceExactlyOnTheSurface : public testing::TestWithParam<double> {};
 
-// A point of the surface, exact on a lattice, and the mean of the normals there.
+// A point of the surface that is exact on a lattice, and the mean of the normals there.
 struct ExactAim {
   Vec3 point;
   Vec3 outward;
@@ -79,7 +78,7 @@ ExactAim random_aim(const Soup& soup, Random& random) {
     const TriangleGeometry g{soup.positions[other[0]], soup.positions[other[1]],
                              soup.positions[other[2]], normal_of(soup, other)};
     if (closest_point_on_triangle(g, aim.point).distance > 0x1p-30) continue;
-    // The two halves of a wall that was rounded to the lattice count once.
+    // The two triangles of a wall that was rounded to the lattice count once.
     const auto same = [&](const Vec3& n) { return n.dot(g.normal) > 1 - 1e-6; };
     if (std::none_of(normals.begin(), normals.end(), same)) normals.push_back(g.normal);
   }
@@ -88,7 +87,7 @@ ExactAim random_aim(const Soup& soup, Random& random) {
   return aim;
 }
 
-TEST_P(HardCase10_DeviceExactlyOnTheSurface, KeepsItsSideAndComesWithinAStandOff) {
+TEST_P(HardCase10_DeviceExactlyOnTheSurface, KeepsItsSideAndEndsWithinAStandOff) {
   const double radius = GetParam();
   Random random(201);
   for (const NamedSoup& shape : closed_soups()) {
@@ -99,18 +98,18 @@ TEST_P(HardCase10_DeviceExactlyOnTheSurface, KeepsItsSideAndComesWithinAStandOff
       for (int trial = 0; trial < 50; ++trial) {
         const ExactAim aim = random_aim(soup, random);
         const Vec3 start = aim.point + (2 * radius + 5e-3) * aim.outward;
-        // Beside a wall that stands on this one there is no room for a sphere.
+        // A sphere does not fit beside a wall that stands on this one.
         const Vec3 start_solver = world.world().to_solver(start);
         if (world.index().closest_point(start_solver, 1.01 * radius)) continue;
         proxy.place(start);
         ProxyState state = proxy.move_to(aim.point);
         if (radius == 0.0) {
-          // Walls meet at 36 deg or more, so a corner is within 1/sin(18 deg) stand-offs.
+          // Walls meet at 36 deg or more, so that a corner is within 1/sin(18 deg) stand-offs.
           ASSERT_LE((state.proxy - aim.point).norm(), 4 * proxy.scale().stand_off_m)
               << shape.name << " trial " << trial;
         }
         for (int hold = 0; hold < 3; ++hold) proxy.move_to(aim.point);
-        // On the proxy: it stays, to the bit, and there is nothing to feel.
+        // A goal exactly at the proxy leaves the proxy in place bit for bit, without contact.
         const Vec3 at = proxy.proxy_solver();
         state = proxy.move_to_solver(at);
         ASSERT_EQ(proxy.proxy_solver(), at);
@@ -148,11 +147,12 @@ TEST(HardCase10_DeviceExactlyOnTheSurfaceAtTheStart, IsLiftedToTheFrontAndKeptTh
 INSTANTIATE_TEST_SUITE_P(Radius, HardCase10_DeviceExactlyOnTheSurface, testing::Values(0.0, 2e-3),
                          radius_name);
 
-// ---- 11 teleports ------------------------------------------------------------------------------
+// ---- 11 jumps ----------------------------------------------------------------------------------
 
 class HardCase11_Teleport : public testing::TestWithParam<double> {};
 
-// From anywhere to anywhere in one tick: near, across the object, and a billion sizes away.
+// Jumps between arbitrary positions in one tick: nearby, across the object, and a billion sizes
+// away.
 TEST_P(HardCase11_Teleport, CrossesNothing) {
   const double radius = GetParam();
   Random random(203);
@@ -169,7 +169,7 @@ TEST_P(HardCase11_Teleport, CrossesNothing) {
         proxy.move_to(pose.point(goal));
         ASSERT_EQ(proxy.verdict(), "") << shape.name << " pose " << n << " tick " << tick;
       }
-      // Nothing was lost on the way: far out it is free again, to the bit.
+      // Far outside, the proxy is free again and reaches the goal bit for bit.
       const Vec3 out = pose.point({3.0, 2.0, 5.0});
       for (int tick = 0; tick < 50; ++tick) proxy.move_to(out);
       ASSERT_EQ(proxy.verdict(), "") << shape.name << " pose " << n;
@@ -193,18 +193,19 @@ class HardCase12_RidgeSweep : public testing::TestWithParam<double> {
   }
 };
 
-// Over a ridge of exterior angle delta the proxy changes faces: a force K d turns by delta and
-// keeps the part K d cos(delta), which is a step of K d sin(delta) <= 2 K d sin(delta/2). The
-// device moves by dx in the same tick: that changes the force on either face by K |dx| at most, and
-// the depth at which the ridge is met may be |dx| more than d. Contact that is lost at a ridge is
-// lost from K d, which the bound covers for delta >= 60 deg; below 90 deg it is not lost there.
+// The largest step of the force at a ridge of exterior angle delta, where the proxy changes faces.
+// A force K d turns by delta and keeps the component K d cos(delta), which is a step of K d
+// sin(delta) <= 2 K d sin(delta/2). The device moves by dx in the same tick. This motion changes
+// the force on either face by at most K |dx|, and the depth at the ridge may exceed d by |dx|. A
+// loss of contact at the ridge is a step of K d. The bound covers such a step for delta >= 60 deg,
+// and contact is not lost at a ridge below 90 deg.
 double force_step_bound_N(double depth_m, double dx_m, double exterior_rad) {
   return kStiffness_N_per_m * (2 * (depth_m + dx_m) * std::sin(0.5 * exterior_rad) + dx_m);
 }
 
 struct ForceWatch {
   explicit ForceWatch(double exterior) : exterior_rad(exterior) {}
-  // Largest step of the force relative to its bound.
+  // Records the largest step of the force relative to its bound.
   void see(const TickRecord& now) {
     const double dx_m = (vec3(now.goal_scene_m) - vec3(last.goal_scene_m)).norm();
     const double bound_N = force_step_bound_N(
@@ -218,8 +219,8 @@ struct ForceWatch {
   TickRecord last;
 };
 
-// Heights of the surface above the solver's answer are rounded to a stand-off, of which a 1e-6th of
-// a depth is plenty.
+// Tolerance of the force. The height of the proxy over the surface varies by a stand-off, which is
+// much less than 1e-6 of a depth.
 constexpr double kForceRoundoff = 1e-6;
 
 TEST_P(HardCase12_RidgeSweep, StepsTheForceByNoMoreThanTheRidge) {
@@ -250,12 +251,12 @@ TEST_P(HardCase12_RidgeSweep, StepsTheForceByNoMoreThanTheRidge) {
       ASSERT_LE(watch.worst, 1 + kForceRoundoff) << exterior_deg << " deg, pose " << n;
     }
   }
-  // With both radii, 1e5 sweeps; those count that end in contact.
+  // Both radii together make 1e5 sweeps. Only sweeps that end in contact count.
   EXPECT_GT(crossings, static_cast<std::uint64_t>(sweeps) * poses);
 }
 
-// The same round the paper's objects: each wall at constant depth, beyond its end as a hand must to
-// get round a corner, then onto the next one.
+// The same test round the paper's objects: the hand moves along each wall at constant depth, beyond
+// the end of the wall as is necessary at a corner, and then along the next wall.
 TEST_P(HardCase12_RidgeSweep, HoldsRoundThePapersObjects) {
   const double radius = GetParam();
   const double depth = 1e-3;
@@ -305,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(Radius, HardCase12_RidgeSweep, testing::Values(0.0, 2e-
 
 class HardCase13_MedialAxis : public testing::TestWithParam<double> {};
 
-TEST_P(HardCase13_MedialAxis, LeavesTheProxyOnTheSideItCameFrom) {
+TEST_P(HardCase13_MedialAxis, KeepsTheProxyOnItsOriginalSide) {
   const double radius = GetParam();
   const Vec3 half(0.1, 0.1, 1e-3);
   Random random(206);
@@ -316,7 +317,8 @@ TEST_P(HardCase13_MedialAxis, LeavesTheProxyOnTheSideItCameFrom) {
     const double side = n % 2 ? 1.0 : -1.0;
     Vec3 at(0.0, 0.0, side * (radius + 0.01));
     proxy.place(pose.point(at));
-    // To and fro through the plate and out beyond it: the force knows no middle.
+    // The hand moves to and fro through the plate and beyond it. The force has no change at the
+    // middle.
     for (int tick = 0; tick < 200; ++tick) {
       at += random.in_box(2e-3).cwiseProduct(Vec3(1, 1, 0));
       at.z() = side * 5e-3 * std::cos(0.1 * tick);
@@ -324,7 +326,7 @@ TEST_P(HardCase13_MedialAxis, LeavesTheProxyOnTheSideItCameFrom) {
       const Vec3 expected(at.x(), at.y(), side * std::max(side * at.z(), half.z() + radius));
       ASSERT_LE((state.proxy - pose.point(expected)).norm(), kRelativeAccuracy * proxy.size_m());
     }
-    // Only over the rim it gets to the other side.
+    // The proxy reaches the other side only over the rim.
     at.z() = -side * 0.02;
     for (; at.x() < half.x() + 2 * radius + 5e-3; at.x() += 1e-3) {
       const ProxyState state = proxy.move_to(pose.point(at));
@@ -348,8 +350,8 @@ INSTANTIATE_TEST_SUITE_P(Radius, HardCase13_MedialAxis, testing::Values(0.0, 2e-
 
 class HardCase14_Reversal : public testing::TestWithParam<double> {};
 
-// To and fro a million ticks. There is no friction yet, so this is the case of none: whenever the
-// device is back, so is the proxy. A plane holds it by one face, a valley by two.
+// The hand moves to and fro for a million ticks without friction. Whenever the device returns to a
+// position, so must the proxy. On a plane one face holds the proxy, in a valley two.
 TEST_P(HardCase14_Reversal, DoesNotDriftWithoutFriction) {
   const double radius = GetParam();
   constexpr int kPeriod = 1000;
@@ -366,7 +368,7 @@ TEST_P(HardCase14_Reversal, DoesNotDriftWithoutFriction) {
     double drift_m = 0.0;
     for (int tick = 0; tick < trials(500) * kPeriod; ++tick) {
       const int phase = tick % kPeriod;
-      // A triangle wave: the hand turns round within a tick.
+      // The motion is a triangle wave, so that the hand reverses within a tick.
       const double part = std::abs(4.0 * phase / kPeriod - 2.0) - 1.0;
       const Vec3 goal = part * amplitude + Vec3(0.03, 0.0, bottom - 2e-3);
       const Vec3 at = proxy.move_to(pose.point(goal)).proxy;
@@ -374,7 +376,7 @@ TEST_P(HardCase14_Reversal, DoesNotDriftWithoutFriction) {
       drift_m = std::max(drift_m, (at - first[static_cast<std::size_t>(phase)]).norm());
     }
     ASSERT_EQ(proxy.verdict(), "");
-    // A proxy keeps between a clearance and a stand-off from a face.
+    // The distance of a proxy from a face is between a clearance and a stand-off.
     EXPECT_LE(drift_m, proxy.scale().stand_off_m / std::sin(0.5 * opening_deg * kDeg));
   }
 }

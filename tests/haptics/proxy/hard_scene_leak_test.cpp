@@ -1,11 +1,12 @@
-// No proxy leaks, whatever the scene and the device do. Every piece of the path that a tick commits
-// is judged against every triangle (exact_judge.h): a point must not touch any, a sphere's centre
-// must keep its radius from all. Pieces share their corners and so do ticks, so that is the whole
-// proof; it assumes nothing about what is inside or closed. A slit that the proxy fits through is a
-// hole, and to go through touches nothing. The parity of closed bodies is a second opinion.
+// No proxy leaks, for any scene and any motion of the device. Every piece of the path that a tick
+// commits is judged against every triangle (exact_judge.h): a point must touch no triangle, and the
+// centre of a sphere must keep its radius from all triangles. Consecutive pieces and ticks share
+// their end points, so that these tests prove the whole path free. They do not assume that surfaces
+// are closed. A slit that the proxy fits through is a hole: passing it touches nothing. The parity
+// of closed bodies is an independent second test.
 //
-// A scene is its seed: PALPATE_SEED=N runs scene N alone, as it ran among the others;
-// PALPATE_FIRST_SCENE=N begins with scene N.
+// The seed determines a scene: PALPATE_SEED=N runs only scene N, with the same random numbers as
+// among the others; PALPATE_FIRST_SCENE=N begins with scene N.
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +47,7 @@ using test::SameCone;
 using test::Soup;
 using test::Violation;
 
-// In a soak 1e7 over all kinds.
+// In a soak test, the kinds together have 1e7 ticks.
 int ticks_per_kind() {
   return in_soak_or_else(920'000, 10'000);
 }
@@ -65,14 +66,14 @@ struct LeakTotals {
   int ticks = 0;
   int contacts = 0;
   int capped = 0;
-  int held = 0;    // by friction
-  int rested = 0;  // likewise, without sliding
+  int held = 0;    // contacts with friction
+  int rested = 0;  // contacts with friction that did not slide
   int most_iterations = 0;
   std::size_t scenes = 0;
   std::size_t triangles = 0;
 };
 
-// One proxy and one device in one scene.
+// A run of one proxy and one device in one scene.
 class HardSceneRun {
  public:
   HardSceneRun(HardKind kind, Random& random, bool with_friction = false)
@@ -88,27 +89,27 @@ class HardSceneRun {
     if (random.index(5) == 0) plane_normal_ = pick_plane();
     god_object_.place(start_);
     was_inside_ = scene_.is_closed && judge_.is_inside(start_);
-    felt_.proxy = start_;
+    state_.proxy = start_;
     if (with_friction) cone_.emplace(pick_cone());
   }
 
   const ExactJudge& judge() const { return judge_; }
   const OwnedWorld& world() const { return world_; }
 
-  // True if nothing is wrong.
+  // Simulates and judges a tick. True if no judgement failed.
   bool tick(LeakTotals& totals) {
-    goal_ = motion_.next_goal(felt_);
-    if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - felt_.proxy) * *plane_normal_;
+    goal_ = motion_.next_goal(state_);
+    if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - state_.proxy) * *plane_normal_;
     const Vec3 before = god_object_.proxy();
-    felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
-                  : god_object_.move_to(goal_, plane_normal_);
+    state_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+                   : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
-    totals.held += felt_.is_held;
-    totals.rested += felt_.is_held && !felt_.slid;
-    totals.contacts += felt_.in_contact;
-    totals.capped += felt_.capped;
-    totals.most_iterations = std::max(totals.most_iterations, felt_.iterations);
+    totals.held += state_.is_held;
+    totals.rested += state_.is_held && !state_.slid;
+    totals.contacts += state_.in_contact;
+    totals.capped += state_.capped;
+    totals.most_iterations = std::max(totals.most_iterations, state_.iterations);
     return path_is_whole(before) && does_not_leak() && never_goes_farther() && keeps_side();
   }
 
@@ -119,7 +120,7 @@ class HardSceneRun {
     return solver;
   }
 
-  // Near a face as a rule, with room for the proxy.
+  // A start that the proxy fits in, usually near a face.
   Vec3 pick_start() {
     for (int trial = 0;; ++trial) {
       const std::vector<Corners>& all = judge_.triangles();
@@ -135,7 +136,8 @@ class HardSceneRun {
     return random_.index(2) ? random_.unit_vector() : Vec3(Vec3::Unit(random_.index(3)));
   }
 
-  // From slippery to sticking, with a gap that makes it stick and slip, or none.
+  // Coefficients from low to high friction, with or without a gap between static and dynamic
+  // friction, which causes stick-slip.
   FrictionCone pick_cone() {
     const double mu_s = random_.index(3) ? random_.uniform(0.0, 1.5) : random_.uniform(0.0, 10.0);
     return {mu_s, random_.index(2) ? mu_s : mu_s * random_.uniform(0.0, 1.0)};
@@ -150,7 +152,7 @@ class HardSceneRun {
       message << ", friction " << cone_->cone.static_friction << ", "
               << cone_->cone.dynamic_friction;
     }
-    if (plane_normal_) message << ", in the plane across " << hex(*plane_normal_);
+    if (plane_normal_) message << ", in the plane with normal " << hex(*plane_normal_);
     message << "\npath:";
     for (const Vec3& p : god_object_.path()) message << "\n  " << hex(p);
     return message;
@@ -158,10 +160,10 @@ class HardSceneRun {
 
   bool path_is_whole(const Vec3& before) {
     const auto path = god_object_.path();
-    const bool whole = !path.empty() && path.front() == before && path.back() == felt_.proxy &&
-                       god_object_.proxy() == felt_.proxy && felt_.proxy.allFinite() &&
-                       felt_.normal.allFinite() &&
-                       felt_.iterations <= GodObjectSettings{}.accuracy.iterations;
+    const bool whole = !path.empty() && path.front() == before && path.back() == state_.proxy &&
+                       god_object_.proxy() == state_.proxy && state_.proxy.allFinite() &&
+                       state_.normal.allFinite() &&
+                       state_.iterations <= GodObjectSettings{}.accuracy.iterations;
     EXPECT_TRUE(whole) << where();
     return whole;
   }
@@ -180,22 +182,22 @@ class HardSceneRun {
     return false;
   }
 
-  // No proxy comes farther from the goal with the tick. On its way round something it may.
+  // Tests that the tick did not increase the distance to the goal. Within a tick it may increase.
   bool never_goes_farther() {
     const auto path = god_object_.path();
     const double before = (path.front() - goal_).norm();
     const double after = (path.back() - goal_).norm();
     const double roundoff_m = kFartherRelative * before + kFartherUlps * position_roundoff_m_;
     if (after <= before + roundoff_m) return true;
-    ADD_FAILURE() << "the tick leads " << after - before << " m away from the goal, " << before
-                  << " m off\n"
+    ADD_FAILURE() << "the tick increased the distance to the goal, " << before << " m, by "
+                  << after - before << " m\n"
                   << where();
     return false;
   }
 
   bool keeps_side() {
     if (!scene_.is_closed || tick_ % 64 != 0) return true;
-    const bool is_inside = judge_.is_inside(felt_.proxy);
+    const bool is_inside = judge_.is_inside(state_.proxy);
     EXPECT_EQ(is_inside, was_inside_) << where();
     return is_inside == was_inside_;
   }
@@ -211,7 +213,7 @@ class HardSceneRun {
   DeviceMotion motion_;
   std::optional<Vec3> plane_normal_;
   std::optional<SameCone> cone_;
-  ProxyState felt_;
+  ProxyState state_;
   Vec3 goal_ = Vec3::Zero();
   bool was_inside_ = false;
   int tick_ = 0;
@@ -227,11 +229,11 @@ void expect_no_leak(HardKind kind, bool with_friction) {
   for (std::uint64_t scene = test::from_environment("PALPATE_FIRST_SCENE", kFirstScene);
        totals.ticks < ticks_per_kind(); ++scene) {
     Random random(scene);
-    HardSceneRun feeling(kind, random, with_friction);
-    totals.triangles += feeling.judge().triangles().size();
+    HardSceneRun run(kind, random, with_friction);
+    totals.triangles += run.judge().triangles().size();
     ++totals.scenes;
     for (int tick = 0; tick < ticks; ++tick) {
-      if (feeling.tick(totals)) continue;
+      if (run.tick(totals)) continue;
       ++failures;
       break;
     }
@@ -253,7 +255,7 @@ TEST_P(HardScenes, NeverLetTheProxyThrough) {
   expect_no_leak(GetParam(), false);
 }
 
-// With the same start and device for a scene as without.
+// The start and the device of each scene are the same as without friction.
 TEST_P(HardScenes, NeverLetTheProxyThroughUnderFriction) {
   expect_no_leak(GetParam(), true);
 }
@@ -261,7 +263,7 @@ TEST_P(HardScenes, NeverLetTheProxyThroughUnderFriction) {
 INSTANTIATE_TEST_SUITE_P(Of, HardScenes, testing::ValuesIn(test::kAllHardKinds),
                          [](const auto& kind) { return test::name_of(kind.param); });
 
-// The judge must see what the engine's index holds, to the bit.
+// The judge must use the coordinates of the engine's index bit for bit.
 TEST(HardScene, IsJudgedAtTheCoordinatesOfTheIndex) {
   for (const HardKind kind : test::kAllHardKinds) {
     Random random(71);
@@ -289,13 +291,13 @@ TEST(HardScene, OfAClosedKindHasAnInsideAndAnOutside) {
   }
 }
 
-// What these scenes once found, down to one triangle. Two specks far away make a world whose middle
-// is the origin to the bit, so that the coordinates stay as they are.
+// Leaks that these scenes once found, each reduced to one triangle. Two small triangles far away
+// place the middle of the world exactly at the origin, so that the coordinates keep their bits.
 struct FoundLeak {
   const char* name;
   double radius_m;
   Corners triangle;
-  std::vector<Vec3> way;  // the first is where the proxy is placed
+  std::vector<Vec3> path;  // start of the proxy and the goals
 };
 
 void PrintTo(const FoundLeak& leak, std::ostream* out) {
@@ -304,8 +306,8 @@ void PrintTo(const FoundLeak& leak, std::ostream* out) {
 
 std::vector<FoundLeak> found_leaks() {
   return {
-      // Scene 4 of the wedges: free along the difference of the ends as double has it, not between
-      // the ends themselves.
+      // Scene 4 of the wedges: the step is free along the rounded difference of its ends, but not
+      // between the ends themselves.
       {"PastAnEdge",
        0.0,
        {{0x1.2c0c4988089acp-8, -0x1.85f3160a66e4p-11, 0x1.9080b33174c82p-4},
@@ -313,8 +315,9 @@ std::vector<FoundLeak> found_leaks() {
         {-0x1.2c0c4988089acp-8, -0x1.08c1933642246p-4, -0x1.1ad9d7f40aa67p-4}},
        {{0x1.0189b0eca7d86p-6, 0x1.a420d3ed31a8ep-6, 0x1.b1b53d9e57cacp-4},
         {-0x1.24ae30cf73641p-3, -0x1.6b16bec1bb343p-5, 0x1.08e46ed8a0c84p-5}}},
-      // Scene 1831 of the wedges: in the plane of a face as far as rounding can tell, beside its
-      // corner, and from there under it.
+      // Scene 1831 of the wedges: the proxy is in the plane of a face to within rounding, beside
+      // its
+      // corner, and moves from there under the face.
       {"FromTheRimOfAPlane",
        0.0,
        {{0x1.9045eb5b900fcp-6, 0x1.7996051c5a8p-9, -0x1.992b9e1b722p-9},
@@ -323,8 +326,8 @@ std::vector<FoundLeak> found_leaks() {
        {{-0x1.7p-4, 0x1p-10, 0x1p-8},
         {-0x1.47f2c511ffa8dp-4, 0x1.915c7f6398512p-15, -0x1.54b3aad4a1241p-10},
         {-0x1.4704ea53b3017p-4, -0x1.cf4590a64391p-22, -0x1.6076e3e88c721p-10}}},
-      // Scene 118 of the repeated faces: the vertex and an edge next to it are equally near to the
-      // last bit; which one is taken turns the normal by 1e-9 rad.
+      // Scene 118 of the repeated faces: a vertex and an adjacent edge are equally near to the last
+      // bit; the choice between them turns the normal by 1e-9 rad.
       {"ByAVertexOrItsEdge",
        0x1.4f8b588e368f1p-17,
        {{-0x1.97f0e3856d9e4p-7, 0x1.1030624be30f8p-7, -0x1.21eb02a3a9b65p-5},
@@ -332,8 +335,9 @@ std::vector<FoundLeak> found_leaks() {
         {-0x1.4c8a315fa8de2p-6, -0x1.f9744eb402854p-6, -0x1.5bf538f4d38fp-7}},
        {{-0x1.4c82de3bedc52p-6, -0x1.f98b6cc7d829ap-6, -0x1.5c39aaa4a9122p-7},
         {-0x1.97e24b384253ap-7, 0x1.1001e07f03a4cp-7, -0x1.21fc14067db22p-5}}},
-      // Scene 83 of the coplanar overlaps: along an edge with a radius so small that the normal has
-      // few digits.
+      // Scene 83 of the coplanar overlaps: the proxy moves along an edge, with a radius so small
+      // that
+      // the normal has few exact digits.
       {"AlongAnEdge",
        0x1.ad7f29abcaf48p-22,
        {{-0x1.9ce5a22706f68p-8, 0x1.76a44ed7553fdp-5, 0x0p+0},
@@ -347,7 +351,7 @@ std::vector<FoundLeak> found_leaks() {
 class Found : public testing::TestWithParam<FoundLeak> {};
 
 TEST_P(Found, LeakIsClosed) {
-  const auto& [name, radius_m, t, way] = GetParam();
+  const auto& [name, radius_m, t, path] = GetParam();
   Soup soup;
   soup.add(t.a, t.b, t.c);
   constexpr double kFar_m = 0.125;
@@ -360,13 +364,13 @@ TEST_P(Found, LeakIsClosed) {
   const ExactJudge judge(test::solver_triangles(world));
   const double least_m = radius_m - kNearUlps * kEpsilon * world.world().size_m;
   GodObject god_object(world.world(), {.radius_m = radius_m});
-  god_object.place(way.front());
-  ASSERT_EQ(god_object.proxy(), way.front());
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    god_object.move_to(way[i]);
+  god_object.place(path.front());
+  ASSERT_EQ(god_object.proxy(), path.front());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    god_object.move_to(path[i]);
     const auto violation = radius_m == 0.0 ? judge.touch_of_point(god_object.path())
                                            : judge.touch_of_sphere(god_object.path(), least_m);
-    EXPECT_FALSE(violation) << "on the way to " << i << ", "
+    EXPECT_FALSE(violation) << "on the path to goal " << i << ", "
                             << (violation ? radius_m - violation->distance_m : 0.0)
                             << " m too near";
   }
@@ -375,10 +379,10 @@ TEST_P(Found, LeakIsClosed) {
 INSTANTIATE_TEST_SUITE_P(By, Found, testing::ValuesIn(found_leaks()),
                          [](const auto& leak) { return leak.param.name; });
 
-// A slit of 1 um in a sheet, in random poses; the proxy is sent through the middle of it.
+// A slit of 1 um in a sheet, in random poses. The hand moves through its middle.
 class Slit : public testing::TestWithParam<double> {};
 
-TEST_P(Slit, LetsThroughWhatIsNarrowerAndNothingElse) {
+TEST_P(Slit, LetsOnlyNarrowerProxiesThrough) {
   const double radius_m = GetParam();
   const bool fits = 2 * radius_m < test::kGapWidth_m;
   Random random(73);
@@ -416,8 +420,8 @@ INSTANTIATE_TEST_SUITE_P(Radii, Slit, testing::Values(0.0, 0.4e-6, 0.6e-6, 1e-6,
                            return std::to_string(std::lround(radius.param * 1e9)) + "_nm";
                          });
 
-// Cracks of up to 2 um between the faces of a box: a sphere wider than that stays on its side,
-// which the box itself tells.
+// The faces of a box have cracks of up to 2 um between them. A wider sphere stays on its side of
+// the box.
 TEST(RaggedBox, HoldsASphereThatIsWiderThanItsCracks) {
   constexpr double kRadii_m[] = {2e-6, 1e-5, 1e-4, 1e-3};
   Random random(74);
@@ -430,14 +434,14 @@ TEST(RaggedBox, HoldsASphereThatIsWiderThanItsCracks) {
     std::vector<Vec3> corners;
     for (const Vec3& p : soup.positions) corners.push_back(world.world().to_solver(p));
     const bool starts_inside = random.index(2);
-    ProxyState felt;
-    felt.proxy = starts_inside ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, 0.2);
-    DeviceMotion motion(triangles, corners, felt.proxy, random);
+    ProxyState state;
+    state.proxy = starts_inside ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, 0.2);
+    DeviceMotion motion(triangles, corners, state.proxy, random);
     GodObject god_object(world.world(), {.radius_m = radius_m});
-    god_object.place(felt.proxy);
+    god_object.place(state.proxy);
     for (int tick = 0; tick < 200; ++tick) {
-      felt = god_object.move_to(motion.next_goal(felt));
-      const Vec3 p = world.world().to_scene(felt.proxy);
+      state = god_object.move_to(motion.next_goal(state));
+      const Vec3 p = world.world().to_scene(state.proxy);
       const bool is_inside = (p.cwiseAbs() - half).maxCoeff() < 0.0;
       ASSERT_EQ(is_inside, starts_inside) << "trial " << trial << ", tick " << tick;
     }

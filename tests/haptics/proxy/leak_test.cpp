@@ -1,6 +1,6 @@
-// The proxy never gets through a closed surface, whatever the device does. Whether it did is judged
-// by the winding number of the surface round the proxy (Van Oosterom & Strackee's solid angles over
-// all triangles), not by the code under test.
+// The proxy never passes through a closed surface, for any motion of the device. The test uses the
+// winding number of the surface round the proxy (solid angles of all triangles by Van Oosterom &
+// Strackee), independently of the code under test.
 
 #include <cmath>
 #include <numbers>
@@ -38,8 +38,8 @@ double winding_number(const Soup& soup, const Vec3& p) {
 struct LeakCase {
   const char* name;
   TriangleMesh mesh;
-  Vec3 squeeze;     // per axis: makes slivers and thin sheets
-  double jitter_m;  // of each vertex
+  Vec3 squeeze;     // scale of each axis, to make slivers and thin sheets
+  double jitter_m;  // random displacement of each vertex
 };
 
 void PrintTo(const LeakCase& c, std::ostream* out) {
@@ -62,7 +62,7 @@ Vec3 start_in(const Soup& soup, bool inside, const Vec3& squeeze, Random& random
   }
 }
 
-// Steps from 1 um to 50 mm; sometimes a jump, sometimes exactly onto a vertex.
+// A step from 1 um to 50 mm, sometimes a jump, and sometimes exactly a vertex.
 Vec3 next_goal(const Soup& soup, const Vec3& at, Random& random) {
   if (random.index(1000) == 0) return soup.positions[random.index(soup.positions.size())];
   const double step = random.index(500) == 0 ? 0.3 : std::pow(10.0, random.uniform(-6.0, -1.3));

@@ -1,5 +1,5 @@
-// Bodies that move while the hand feels them: they push the proxy and never pass it, whatever they
-// do. A proxy is judged in the frame of each body, where it must not touch a triangle on its way.
+// Bodies that move while the hand touches them push the proxy and never pass it, for any motion. A
+// proxy is judged in the frame of each body, where its path must touch no triangle.
 
 #include <cmath>
 #include <limits>
@@ -28,7 +28,7 @@ using test::OwnedBodies;
 using test::Random;
 using test::Soup;
 
-// In a soak 1.2 million ticks.
+// Number of random scenes; a soak test has 1.2 million ticks.
 std::uint64_t random_scenes() {
   return test::in_soak_or_else<std::uint64_t>(6000, 100);
 }
@@ -44,8 +44,8 @@ RigidTransform moved(const RigidTransform& T, const Vec3& by_m, const Vec3& turn
   return to;
 }
 
-// A god-object among bodies, with a judge for each. Bodies move one after the other, so that the
-// way of the proxy in the frame of each is known.
+// A god-object among bodies, with a judge for each body. Bodies move one after the other, so that
+// the path of the proxy in the frame of each body is known.
 class JudgedProxy {
  public:
   JudgedProxy(const OwnedBodies& bodies, double radius_m, const Accuracy& accuracy = {})
@@ -53,7 +53,7 @@ class JudgedProxy {
     for (std::size_t b = 0; b < bodies.world().bodies.size(); ++b) {
       judges_.emplace_back(bodies.triangles(b));
     }
-    // As in hard_scene_leak_test: the rounding of positions and distances.
+    // Tolerance for the rounding of positions and distances, as in hard_scene_leak_test.
     nearest_m_ = radius_m - 64 * std::numeric_limits<double>::epsilon() *
                                 (bodies.world().size_m + radius_m) * kFarthest;
   }
@@ -61,7 +61,7 @@ class JudgedProxy {
   GodObject& god_object() { return god_object_; }
   const Vec3& proxy() const { return god_object_.proxy(); }
 
-  // Whether the body got there.
+  // Moves a body and judges the path. True if the body reached the pose.
   bool move(std::uint32_t body, const RigidTransform& T_solver_body) {
     const Vec3 before = proxy();
     std::vector<Vec3> starts;
@@ -90,7 +90,8 @@ class JudgedProxy {
   const ExactJudge& judge(std::uint32_t b) const { return judges_[b]; }
 
  private:
-  // Bodies may go as far as this from the middle, in sizes; coordinates are rounded there.
+  // Largest distance of bodies from the middle, in sizes; it determines the rounding of
+  // coordinates.
   static constexpr double kFarthest = 4.0;
 
   void expect_free(std::uint32_t b, std::span<const Vec3> path) {
@@ -108,7 +109,7 @@ class JudgedProxy {
   std::vector<ExactJudge> judges_;
 };
 
-// Closed: 0.1 x 0.1 x 0.002 m. Open: the sheet in its middle.
+// A closed plate of 0.1 x 0.1 x 0.002 m, or the open sheet in its middle.
 Soup plate(bool is_closed) {
   const Vec3 half(0.05, 0.05, 0.001);
   if (is_closed) return test::box_soup(half);
@@ -119,7 +120,7 @@ Soup plate(bool is_closed) {
 
 struct PlateCase {
   double speed_m_per_s;
-  double turn_rad_per_s;  // about an axis in the plate and about its normal
+  double turn_rad_per_s;  // rotation about an axis in the plate and about its normal
   bool is_closed;
   double radius_m;
 };
@@ -138,14 +139,14 @@ class MovingPlate : public testing::TestWithParam<PlateCase> {
     hand_.god_object().place(goal_);
   }
 
-  // The plate `height_m` above the hand, in a frame in any pose.
+  // The pose of the plate `height_m` above the hand, in a frame with an arbitrary pose.
   RigidTransform at(double height_m) const {
     return {frame_.rotation, frame_.point(Vec3(0, 0, height_m))};
   }
   Vec3 direction(const Vec3& d) const { return frame_.direction(d); }
   double height_over_plate_m() const { return hand_.placed(0).to_body(hand_.proxy()).z(); }
 
-  // Moves the plate for a while; per tick, `check` is given the state of the proxy.
+  // Moves the plate for some ticks; each tick passes the state of the proxy to `check`.
   template <typename Check>
   void move_for(double seconds, const Vec3& velocity, Check check) {
     const Vec3 turn =
@@ -172,7 +173,7 @@ TEST_P(MovingPlate, PushesARestingHandAndNeverPassesIt) {
   bool was_pushed = false;
   move_for(0.12 / speed, direction({0, 0, -speed}), [&](const ProxyState& state) {
     was_pushed |= state.in_contact;
-    // The hand is under the plate: it stays on that side for as long as it is on the plate at all.
+    // The hand is under the plate and stays on that side while it is within the plate's edges.
     const Vec3 p = hand_.placed(0).to_body(hand_.proxy());
     const bool is_beside = std::max(std::abs(p.x()), std::abs(p.y())) > 0.05;
     EXPECT_TRUE(is_beside || p.z() < 0.0);
@@ -186,7 +187,7 @@ TEST_P(MovingPlate, PushesARestingHandAndNeverPassesIt) {
   EXPECT_TRUE(was_pushed);
 }
 
-TEST_P(MovingPlate, LetsGoWhenItMovesAway) {
+TEST_P(MovingPlate, ReleasesTheHandWhenItMovesAway) {
   const double speed = GetParam().speed_m_per_s;
   move_for(0.07 / speed, direction({0, 0, -speed}), [](const ProxyState&) {});
   move_for(0.1 / speed, direction({0, 0, speed}), [](const ProxyState&) {});
@@ -235,8 +236,8 @@ INSTANTIATE_TEST_SUITE_P(Speeds, MovingPlate, testing::ValuesIn(plate_cases()),
                                   (c.radius_m > 0.0 ? "Sphere" : "Point");
                          });
 
-// A floor at rest and a plate over it that comes down on the hand between them.
-TEST(MovingBodies, OneThatWouldCrushTheHandIsHeldUntilThereIsRoom) {
+// A plate descends on the hand, which is between the plate and a floor at rest.
+TEST(MovingBodies, AreHeldBackWhileTheHandHasNoSpace) {
   for (const double radius_m : {0.0, 0.002}) {
     const OwnedBodies bodies({{test::box_soup({0.2, 0.2, 0.01}), {}},
                               {plate(true), {Quat::Identity(), Vec3(0.0, 0.0, 0.05)}}},
@@ -261,7 +262,7 @@ TEST(MovingBodies, OneThatWouldCrushTheHandIsHeldUntilThereIsRoom) {
 }
 
 // A wall that moves along the floor of a wedge pushes the hand up the wedge.
-TEST(MovingBodies, PushTheHandAlongWhatIsInTheWay) {
+TEST(MovingBodies, PushTheHandAlongAnObstacle) {
   Soup ramp;  // rises by 1/2 to the right
   ramp.add_quad({-0.2, -0.2, -0.1}, {0.2, -0.2, 0.1}, {0.2, 0.2, 0.1}, {-0.2, 0.2, -0.1});
   Soup wall;
@@ -276,14 +277,14 @@ TEST(MovingBodies, PushTheHandAlongWhatIsInTheWay) {
     pose.translation_m.x() += 1e-3;
     ASSERT_TRUE(hand.move(1, pose)) << n;
     const Vec3 proxy = hand.follow(goal).proxy;
-    const double nearest_x = 0.8 * (0.0 + 0.5 * -0.05);  // of the ramp to the goal
+    const double nearest_x = 0.8 * (0.0 + 0.5 * -0.05);  // point of the ramp nearest to the goal
     EXPECT_NEAR(proxy.x(), std::max(pose.translation_m.x(), nearest_x), 1e-9);
     EXPECT_NEAR(proxy.z(), 0.5 * proxy.x(), 1e-9);
   }
 }
 
-// Two plates of one node, nearer to each other than they go in a tick.
-TEST(MovingBodies, ThatMoveTogetherTakeTheHandBetweenThemAlong) {
+// Two plates of one node are nearer to each other than the distance that they move in a tick.
+TEST(MovingBodies, MovingTogetherCarryTheHandBetweenThem) {
   const RigidTransform low{Quat::Identity(), Vec3(0, 0, -0.0002)};
   const RigidTransform high{Quat::Identity(), Vec3(0, 0, 0.0003)};
   for (const double speed : {1.0, -1.0}) {
@@ -302,8 +303,8 @@ TEST(MovingBodies, ThatMoveTogetherTakeTheHandBetweenThemAlong) {
   }
 }
 
-// Everything moves anyhow, the hand as well; nothing is ever passed.
-TEST(MovingBodies, NeverPassTheHandWhateverTheyDo) {
+// All bodies and the hand move randomly.
+TEST(MovingBodies, NeverPassTheHandForAnyMotion) {
   int contacts = 0;
   const std::uint64_t scenes = random_scenes();
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
@@ -337,7 +338,7 @@ TEST(MovingBodies, NeverPassTheHandWhateverTheyDo) {
         const Vec3 home = -0.02 * now.translation_m;
         hand.move(b, moved(now, random.in_box(leap) + home, random.in_box(10 * leap)));
       }
-      // Now and then the hand makes for another triangle, of any body, and goes on through it.
+      // From time to time, the hand moves towards another triangle of any body and through it.
       if (n % 25 == 0) {
         aimed_body = static_cast<std::uint32_t>(random.index(3));
         const auto& triangles = hand.judge(aimed_body).triangles();
@@ -352,8 +353,8 @@ TEST(MovingBodies, NeverPassTheHandWhateverTheyDo) {
   EXPECT_GT(contacts, 1000);
 }
 
-// The same motion of everything changes nothing but rounding.
-TEST(MovingBodies, AllTogetherFeelLikeNone) {
+// A common motion of all bodies and the hand changes the proxy by rounding only.
+TEST(MovingBodies, MovingWithTheHandGiveTheSameProxyAsBodiesAtRest) {
   Random random(5);
   const RigidTransform at_first = random.pose(0.05);
   const OwnedBodies bodies({{test::box_soup({0.05, 0.06, 0.07}), at_first}});
@@ -378,7 +379,7 @@ TEST(MovingBodies, AllTogetherFeelLikeNone) {
   }
 }
 
-TEST(MovingBodies, OnesThatHaveStoppedFeelAsIfTheyHadAlwaysBeenThere) {
+TEST(MovingBodies, AfterStoppingGiveTheSameProxyAsBodiesThatNeverMoved) {
   Random random(6);
   const RigidTransform there = random.pose(0.05);
   const Soup box = test::box_soup({0.05, 0.06, 0.07});
@@ -400,8 +401,8 @@ TEST(MovingBodies, OnesThatHaveStoppedFeelAsIfTheyHadAlwaysBeenThere) {
   }
 }
 
-// Bodies found by a tree feel like bodies asked one by one.
-TEST(ManyBodies, FoundByATreeAreTheSame) {
+// Bodies found by a tree give the same results as bodies tested one by one.
+TEST(ManyBodies, GiveTheSameProxyWithAndWithoutATree) {
   for (const double radius_m : {0.0, 0.004}) {
     Random random(8);
     std::vector<OwnedBodies::Placed> placed;
@@ -429,9 +430,9 @@ TEST(ManyBodies, FoundByATreeAreTheSame) {
   }
 }
 
-// More bodies near the proxy than the cache has room for, and rooms around them all, which are near
-// nothing but whose boxes hold everything.
-TEST(ManyBodies, CrowdedInRoomsAreTheSame) {
+// More bodies are near the proxy than the cache can hold. Rooms enclose all of them; the walls of
+// the rooms are far away, but their boxes contain everything.
+TEST(ManyBodies, CrowdedInRoomsGiveTheSameProxyWithAndWithoutATree) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
     std::vector<OwnedBodies::Placed> placed;
@@ -456,16 +457,16 @@ TEST(ManyBodies, CrowdedInRoomsAreTheSame) {
   }
 }
 
-TEST(ManyBodies, AllAroundOnePlaceAreNoMoreThanThereIsRoomFor) {
+TEST(ManyBodies, AtOnePositionDoNotExceedTheCapacityForContacts) {
   const std::vector<OwnedBodies::Placed> placed(2000, {test::box_soup(Vec3::Constant(0.1)), {}});
   const OwnedBodies bodies(placed, 0.0, true);
   GodObject hand(bodies.world(), {});
-  hand.place({0.1, 0.02, 0.03});  // on all of them
+  hand.place({0.1, 0.02, 0.03});  // on the surface of every body
   EXPECT_TRUE(hand.move_to({0.05, 0.02, 0.03}).in_contact);
   EXPECT_NEAR(hand.proxy().x(), 0.1, 1e-9);
 }
 
-// Planes that close at a narrow angle would drive the hand out without bounds.
+// Planes that close at a small angle could push the hand out arbitrarily far.
 TEST(MovingBodies, DoNotThrowTheHand) {
   for (const double angle_rad : {1e-2, 1e-3, 1e-5, 1e-8, 0.0}) {
     const Quat tilt(Eigen::AngleAxisd(angle_rad, Vec3::UnitY()));
@@ -488,7 +489,7 @@ ActuationModel fully_actuated() {
   return *ActuationModel::from_counts(3, 3);
 }
 
-TEST(HapticLoopWithBodies, FeelsAPlateComeAndTellsOfPosesThatAreNone) {
+TEST(HapticLoopWithBodies, RendersAMovingPlateAndReportsInvalidPoses) {
   const RigidTransform at_first{Quat::Identity(), Vec3(0.0, 0.0, 0.02)};
   const OwnedBodies bodies({{plate(true), at_first}});
   HapticLoop loop(bodies.world(), fully_actuated(), {});
@@ -542,9 +543,10 @@ TEST(HapticLoopWithBodies, KeepsThePlaneOfAPlanarDevice) {
   }
 }
 
-// A quaternion in single precision is not of length 1, and is taken as a rotation all the same: a
-// body that is a little larger in each tick would go past a proxy that friction holds.
-TEST(MovingBodies, WhosePosesAreInSinglePrecisionNeverPassTheProxy) {
+// The length of a quaternion in single precision is not exactly 1, but the pose is accepted.
+// Without normalisation, the body would grow slightly in each tick and pass a proxy that friction
+// holds.
+TEST(MovingBodies, WithPosesInSinglePrecisionNeverPassTheProxy) {
   test::SameCone cone({0.5, 0.4});
   const FrictionSource sticky{cone};
   const Vec3 half_m(0.05, 0.04, 0.03);
@@ -569,7 +571,7 @@ TEST(MovingBodies, WhosePosesAreInSinglePrecisionNeverPassTheProxy) {
   }
 }
 
-// A body that is in the way of a bad sample moves on when samples are good again.
+// A body that was held during invalid samples moves again when samples are valid.
 TEST(HapticLoopWithBodies, HoldsBodiesWhileSamplesAreBad) {
   const RigidTransform at_first{Quat::Identity(), Vec3(0.0, 0.0, 0.02)};
   const OwnedBodies bodies({{plate(true), at_first}});

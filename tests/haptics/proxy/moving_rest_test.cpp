@@ -1,10 +1,13 @@
-// Among bodies that move, from 1e-13 m/s to 1 m/s, turning or not, a proxy neither leaks nor
-// overlaps, and where it rests no way leads on. Judged in the frame of each body. Points and
-// spheres, three sensors and two, with friction and without, presets balanced and exact.
+// Among bodies that move at 1e-13 m/s to 1 m/s, with or without rotation, a proxy neither leaks nor
+// overlaps, and no improving segment exists from its rests. The proxy is judged in the frame of
+// each body. The tests cover points and spheres, three sensors and two, with friction and without,
+// and the presets balanced and exact.
 //
-// A scene is its seed: PALPATE_SEED=N runs scene N alone, PALPATE_FIRST_SCENE=N begins with scene
-// N, PALPATE_REST_TICKS=N ticks for each class, PALPATE_REST_SHOWN=N of what is wrong is shown in
-// full.
+// The seed determines a scene:
+//   PALPATE_SEED=N           runs only scene N
+//   PALPATE_FIRST_SCENE=N    begins with scene N
+//   PALPATE_REST_TICKS=N     sets the number of ticks for each class
+//   PALPATE_REST_SHOWN=N     sets the number of failures that are printed in full
 
 #include <algorithm>
 #include <cmath>
@@ -48,10 +51,10 @@ using test::RestScene;
 using test::SameCone;
 using test::Violation;
 
-// Bodies may go as far as this from the middle, in sizes; coordinates are rounded there.
+// Largest distance of bodies from the middle, in sizes; it determines the rounding of coordinates.
 constexpr double kFarthest = 4.0;
 
-// How the bodies of a class move.
+// The motion of the bodies of a class.
 struct Pace {
   const char* name;
   double slowest_m_per_s;
@@ -67,7 +70,7 @@ constexpr Pace kPaces[] = {{"Creeping", 1e-13, 1e-6, true},
 
 struct MovingClass {
   Pace pace;
-  int number;  // other scenes for each class
+  int number;  // gives each class other random scenes
   ProxyKind proxy;
 
   std::string full_name() const {
@@ -83,8 +86,8 @@ struct MovingTotals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
-  int ran_out = 0;  // of work
-  int capped = 0;   // of the others
+  int ran_out = 0;  // ticks that ran out of work
+  int capped = 0;   // other capped ticks in contact
   int held_bodies = 0;
   int judged = 0;
   int leaks = 0;
@@ -95,7 +98,7 @@ struct MovingTotals {
   std::uint64_t shown = 0;
 };
 
-// A body at a steady pace that turns back now and then.
+// The constant velocity of a body, which sometimes reverses.
 struct Motion {
   Vec3 velocity_m_per_s;
   Vec3 turn_rad_per_s;
@@ -117,7 +120,7 @@ double log_uniform(Random& random, double low, double high) {
   return low * std::pow(high / low, random.uniform(0.0, 1.0));
 }
 
-// Two to four bodies, each of a class of its own, brought to one size.
+// Two to four bodies of different classes, scaled to one size.
 struct Scene {
   std::vector<OwnedBodies::Placed> bodies;
   double radius_m = 0.0;
@@ -176,7 +179,7 @@ class MovingScene {
     }
     goal_ = pick_start();
     god_object_.place(goal_);
-    felt_.proxy = god_object_.proxy();
+    state_.proxy = god_object_.proxy();
     if (random.index(2)) {
       hand_.emplace(triangles_at_first(), std::vector<Vec3>(), radius_m_,
                     god_object_.scale().stand_off_m, 0.0, goal_, random);
@@ -184,26 +187,26 @@ class MovingScene {
     aim_at_something();
   }
 
-  // False if nothing more can be said.
+  // Simulates and judges a tick. False if the proxy leaked, so that later ticks cannot be judged.
   bool tick(MovingTotals& totals) {
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       if (!move(b, totals)) return false;
     }
     make_goal();
-    felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
-                  : god_object_.move_to(goal_, plane_normal_);
+    state_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+                   : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
-    totals.contacts += felt_.in_contact;
-    const bool ran_out = felt_.work >= accuracy_.work_budget;
+    totals.contacts += state_.in_contact;
+    const bool ran_out = state_.work >= accuracy_.work_budget;
     totals.ran_out += ran_out;
-    totals.capped += felt_.in_contact && felt_.capped && !ran_out;
+    totals.capped += state_.in_contact && state_.capped && !ran_out;
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       std::vector<Vec3> path_body;
       for (const Vec3& p : god_object_.path()) path_body.push_back(placed(b).to_body(p));
       if (!is_free(b, path_body, "follows the goal", totals)) return false;
     }
-    if (!felt_.capped) judge_rest(totals);
+    if (!state_.capped) judge_rest(totals);
     return true;
   }
 
@@ -233,7 +236,7 @@ class MovingScene {
     }
   }
 
-  // Moves one body; the proxy goes straight in its frame. Away from the middle it turns back.
+  // Moves one body; the proxy moves straight in its frame. A body far from the middle turns back.
   bool move(std::uint32_t b, MovingTotals& totals) {
     const RigidTransform now = placed(b).T_solver_body;
     Motion& motion = motions_[b];
@@ -263,7 +266,7 @@ class MovingScene {
     aim_body_ += random_.index(3) ? random_.in_box(0.02) : Vec3(Vec3::Zero());
   }
 
-  // What a hand that does not know of motions feels for.
+  // The triangles at the initial poses, for a hand that does not follow the motion of bodies.
   const std::vector<test::Corners>& triangles_at_first() {
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       for (const test::Corners& t : judges_[b].triangles()) {
@@ -274,7 +277,7 @@ class MovingScene {
     return at_first_;
   }
 
-  // On towards some place, at times at one go; at rest for a while.
+  // Moves the goal towards a point of a body, sometimes in one tick, or keeps it for some ticks.
   void follow_a_body() {
     if (random_.index(20) == 0) aim_at_something();
     if (random_.index(4) == 0) is_resting_ = !is_resting_;
@@ -285,7 +288,7 @@ class MovingScene {
 
   void make_goal() {
     if (hand_) {
-      goal_ = hand_->next_goal(felt_);
+      goal_ = hand_->next_goal(state_);
     } else {
       follow_a_body();
     }
@@ -303,7 +306,7 @@ class MovingScene {
                 accuracy_.iterations > 64 ? ", exact" : "");
     if (cone_)
       std::printf(", friction %g, %g", cone_->cone.static_friction, cone_->cone.dynamic_friction);
-    if (plane_normal_) std::printf(", in the plane across %s", hex(*plane_normal_).c_str());
+    if (plane_normal_) std::printf(", in the plane with normal %s", hex(*plane_normal_).c_str());
     std::printf("\n    %s\n", what.c_str());
   }
 
@@ -318,7 +321,8 @@ class MovingScene {
     const bool is_overlap = radius_m_ > 0.0 && too_near_m > kOverlapPerSize * size_m_;
     ++(is_overlap ? totals.overlaps : totals.leaks);
     char text[160];
-    std::snprintf(text, sizeof text, "%s: %.4g m too near to triangle %zu of body %u when it %s",
+    std::snprintf(text, sizeof text,
+                  "%s: the proxy is %.4g m too near to triangle %zu of body %u when it %s",
                   is_overlap ? "overlap" : "leak", too_near_m, touch->triangle, b, when);
     show(totals, text);
     return false;
@@ -356,7 +360,7 @@ class MovingScene {
   std::optional<Vec3> plane_normal_;
   std::optional<SameCone> cone_;
   Vec3 goal_ = Vec3::Zero();
-  ProxyState felt_;
+  ProxyState state_;
   std::vector<test::Corners> at_first_;
   std::optional<test::RestHand> hand_;
   Vec3 aim_body_ = Vec3::Zero();
@@ -386,7 +390,7 @@ void print(const MovingClass& moving_class, const MovingTotals& t) {
 
 class MovingRests : public testing::TestWithParam<MovingClass> {};
 
-TEST_P(MovingRests, LeaveNoWayOn) {
+TEST_P(MovingRests, LeaveNoImprovingSegment) {
   constexpr int kTicksPerScene = 200;
   const MovingClass& moving_class = GetParam();
   MovingTotals totals;

@@ -17,15 +17,15 @@ namespace {
 using test::Random;
 using LongVec3 = Eigen::Matrix<long double, 3, 1>;
 
-// What an answer is rounded by, of the target: its digits, and those of products with it.
+// Rounding of a solution relative to the target: that of its coordinates and of products with it.
 constexpr double kRoundoff = 64 * std::numeric_limits<double>::epsilon();
 
 LongVec3 wide(const Vec3& v) {
   return v.cast<long double>();
 }
 
-// The projection onto all points of a few planes, by a linear system: nothing if they are
-// dependent.
+// The projection of the target onto the intersection of a few planes, by a linear system. Nullopt
+// if the planes are dependent.
 std::optional<LongVec3> on_all(std::span<const ContactPlane> planes, const LongVec3& target) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   const auto count = static_cast<Eigen::Index>(planes.size());
@@ -42,8 +42,8 @@ std::optional<LongVec3> on_all(std::span<const ContactPlane> planes, const LongV
   return LongVec3(target + normals.transpose() * solver.solve(residual));
 }
 
-// The least distance from the target to a point that violates no plane, by trying all sets of up to
-// three planes.
+// The least distance from the target to a point that violates no plane, found by trying all sets of
+// up to three planes.
 long double least_distance(std::span<const ContactPlane> planes, const Vec3& target) {
   long double least = std::numeric_limits<long double>::infinity();
   const auto try_point = [&](const LongVec3& y) {
@@ -90,9 +90,9 @@ TEST(PlaneProjection, IsTheNearestPointThatViolatesNoPlane) {
   }
 }
 
-// Faces beside each other, or the edge of one beside the other, give planes that hardly differ, and
-// a goal deep below them is far away. Angles down to the rounding of a normal.
-TEST(PlaneProjection, OfPlanesThatAreNearlyOneViolatesNone) {
+// Adjacent faces, or a face and the edge of its neighbour, give planes that hardly differ, while a
+// deep goal is far below them. The angles go down to the rounding of a normal.
+TEST(PlaneProjection, ViolatesNoneOfNearlyIdenticalPlanes) {
   Random random(42);
   for (int trial = 0; trial < 200000; ++trial) {
     const Vec3 normal = random.unit_vector();

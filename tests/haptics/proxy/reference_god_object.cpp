@@ -10,10 +10,11 @@
 namespace palpate::test {
 namespace {
 
-// 30 roundings of coordinates of the scene's size, and planes that meet at 0.1 deg: 1 / sin = 573.
+// 30 roundings of coordinates of the scene's size, magnified by planes that meet at 0.1 deg:
+// 1 / sin = 573.
 constexpr Wide kRoundoffPerSize = 30 * 573 * std::numeric_limits<Wide>::epsilon();
 
-// A walk that has not come to rest after so many pieces never will.
+// Largest number of pieces of a path; a proxy that has not come to rest by then never does.
 constexpr int kMostPieces = 1000;
 
 ReferenceSurface::Face make_face(const std::array<WideVec3, 3>& corners, Wide sign) {
@@ -26,7 +27,7 @@ ReferenceSurface::Face make_face(const std::array<WideVec3, 3>& corners, Wide si
   return face;
 }
 
-// The point nearest to goal on all the planes at once, if every one of them has to push it there.
+// The point on all planes that is nearest to the goal, if every plane pushes the point.
 std::optional<WideVec3> on_all(const std::vector<const ReferencePlane*>& planes,
                                const WideVec3& goal) {
   using Matrix = Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic>;
@@ -176,7 +177,7 @@ bool ReferenceGodObject::move_to(const WideVec3& goal) {
   return false;
 }
 
-// The first face that the segment from the proxy passes from its side to the other.
+// The first face that the segment from the proxy crosses from the proxy's side.
 std::optional<ReferenceGodObject::Hit> ReferenceGodObject::first_hit(const WideVec3& to) const {
   std::optional<Hit> first;
   for (const std::uint32_t face : surface_->faces_around(proxy_, to)) {
@@ -203,8 +204,8 @@ bool ReferenceGodObject::settled() const {
   });
 }
 
-// One violated plane after the other, the worst first: each makes the answer farther from the goal,
-// so none comes back for ever.
+// Adds violated planes one after the other, the most violated first. Each increases the distance
+// from the goal, so that the search ends.
 NearestFeasible nearest_inside_convex(const ReferenceSurface& surface, const WideVec3& goal,
                                       Wide offset_m, Wide reach_m) {
   const WideVec3 reach = WideVec3::Constant(reach_m);

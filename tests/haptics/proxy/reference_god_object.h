@@ -1,7 +1,7 @@
 #pragma once
 
-// What the god-object should answer, found by other means than the engine's: long double, all faces
-// of a grid, no stand-off, no cache, no index.
+// A reference implementation of the god-object that is independent of the engine: long double, all
+// faces in the cells of a grid, no stand-off, no cache and no index.
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace palpate::test {
 using Wide = long double;
 using WideVec3 = Eigen::Matrix<Wide, 3, 1>;
 
-// A closed, consistently oriented surface, seen from one side. Metres, any frame.
+// A closed, consistently oriented surface that is touched from one side. Metres, any frame.
 class ReferenceSurface {
  public:
   enum class Side : std::uint8_t { kOutside, kInside };  // where the proxy is
@@ -24,15 +24,15 @@ class ReferenceSurface {
   struct Face {
     std::array<WideVec3, 3> corners;
     WideVec3 normal;                 // unit, towards the proxy's side
-    std::array<WideVec3, 3> inward;  // of the edge from corner e: unit, in the face's plane
+    std::array<WideVec3, 3> inward;  // inward normals of the edges from corner e: unit, in plane
   };
 
   ReferenceSurface(const std::vector<Vec3>& positions_m, const std::vector<Triangle>& triangles,
                    Side side);
 
   const std::vector<Face>& faces() const { return faces_; }
-  // Below this, lengths are the rounding of long double: 2^-64 a step, some 30 steps, and planes
-  // that meet at more than 0.1 deg.
+  // Lengths below this are within the rounding of long double: 2^-64 for each of some 30
+  // operations, and planes that meet at more than 0.1 deg.
   Wide roundoff_m() const { return roundoff_m_; }
 
   Wide height_m(std::uint32_t face, const WideVec3& p) const;
@@ -40,8 +40,8 @@ class ReferenceSurface {
   bool is_over(std::uint32_t face, const WideVec3& p) const;
   WideVec3 project(std::uint32_t face, const WideVec3& p, Wide height_m) const;
 
-  // Every face of which the bounding box comes near the box around a and b, and some more.
-  // Ascending. Valid until the next call.
+  // A superset of the faces whose bounding boxes come near the box around a and b, in ascending
+  // order. Valid until the next call.
   const std::vector<std::uint32_t>& faces_around(const WideVec3& a, const WideVec3& b) const;
 
  private:
@@ -55,16 +55,16 @@ class ReferenceSurface {
   mutable std::vector<std::uint32_t> found_;
 };
 
-// Half-space normal . p >= offset_m, made by a face.
+// The half-space normal . p >= offset_m of a face.
 struct ReferencePlane {
   std::uint32_t face;
   WideVec3 normal;
   Wide offset_m;
 };
 
-// The point nearest to goal within all half-spaces, and the planes that hold it: the only one of
-// the subsets of up to three that pushes everywhere and violates nothing. Nothing if no subset
-// does.
+// The point nearest to the goal within all half-spaces, and the planes that hold it. These planes
+// are the only subset of up to three planes that all push and whose solution violates no plane.
+// Nullopt if no such subset exists.
 struct NearestFeasible {
   WideVec3 point;
   std::vector<ReferencePlane> active;
@@ -72,20 +72,20 @@ struct NearestFeasible {
 std::optional<NearestFeasible> nearest_feasible(const std::vector<ReferencePlane>& planes,
                                                 const WideVec3& goal, Wide roundoff_m);
 
-// The point proxy of Zilles & Salisbury as a walk. On the planes of the faces that hold it, the
-// proxy goes straight to the point nearest to the goal, in free space beyond a convex edge as well;
-// the first face in the way joins those planes. Where the faces are no longer under the proxy, it
-// lets go of all of them and falls straight towards the goal.
+// The point proxy of Zilles & Salisbury as a sequence of straight pieces. On the planes of the
+// faces that hold it, the proxy moves straight to the point nearest to the goal, also through free
+// space beyond a convex edge. The first face on the segment joins those planes. If the faces are no
+// longer under the proxy, it drops all planes and falls straight towards the goal.
 class ReferenceGodObject {
  public:
   ReferenceGodObject(const ReferenceSurface& surface, const WideVec3& start)
       : surface_(&surface), proxy_(start) {}
 
-  // False if it did not come to rest.
+  // False if the proxy did not come to rest.
   bool move_to(const WideVec3& goal);
 
   const WideVec3& proxy() const { return proxy_; }
-  // That hold the proxy.
+  // The planes that hold the proxy.
   const std::vector<ReferencePlane>& active() const { return active_; }
 
  private:
@@ -102,9 +102,10 @@ class ReferenceGodObject {
   std::vector<ReferencePlane> active_;
 };
 
-// The point nearest to goal in the inside of a convex surface moved inwards by offset_m: where the
-// centre of a sphere of that radius rests that is pressed against the surface from inside. The
-// inside is convex, so there is one such point, whatever the way to it. surface: Side::kInside.
+// The point nearest to the goal inside a convex surface that is moved inwards by offset_m. The
+// centre of a sphere of radius offset_m rests there if it is pressed against the surface from
+// inside. The inside is convex, so the point is unique and does not depend on the path. surface:
+// Side::kInside.
 NearestFeasible nearest_inside_convex(const ReferenceSurface& surface, const WideVec3& goal,
                                       Wide offset_m, Wide reach_m);
 

@@ -1,4 +1,4 @@
-// The judge of resting places on scenes whose answer is known.
+// The judge of rests on scenes with known solutions.
 
 #include "tests/helpers/rest_judge.h"
 
@@ -27,7 +27,7 @@ using test::Way;
 constexpr double kSize_m = 1.0;
 constexpr double kStandOff_m = 1e-11;
 
-// A soup in a pose, and what the judge says of a place given in the soup's own frame.
+// A soup in a pose, and the judgement of a rest given in the frame of the soup.
 class Posed {
  public:
   Posed(const Soup& soup, const RigidTransform& pose, double radius_m = 0.0)
@@ -59,12 +59,12 @@ class Posed {
   RestJudge judge_;
 };
 
-// A pose that moves things by less than their size.
+// A random pose that moves the soup by less than its size.
 RigidTransform pose_of(Random& random) {
   return random.index(3) ? random.pose(0.1) : RigidTransform{};
 }
 
-// A proxy this far from a plane keeps a stand-off from it, wherever rounding puts it.
+// Distance of a proxy from a plane that keeps the stand-off despite rounding.
 double keep_m(double radius_m) {
   return radius_m + kStandOff_m;
 }
@@ -83,7 +83,7 @@ Soup floor() {
 
 class Proxies : public testing::TestWithParam<double> {};
 
-TEST_P(Proxies, RestOnAPlaneAtTheFootOfTheGoalAndNowhereElse) {
+TEST_P(Proxies, RestOnAPlaneOnlyAtTheFootOfTheGoal) {
   Random random(1);
   const double z = keep_m(GetParam());
   for (int trial = 0; trial < 200; ++trial) {
@@ -95,8 +95,8 @@ TEST_P(Proxies, RestOnAPlaneAtTheFootOfTheGoalAndNowhereElse) {
     const Vec3 aside(aside_m * std::cos(turn_rad), aside_m * std::sin(turn_rad), 0.0);
     const Vec3 beside = Vec3(goal.x(), goal.y(), z) + aside;
     EXPECT_TRUE(posed.way_on({beside, goal}));
-    EXPECT_TRUE(posed.way_on({{goal.x(), goal.y(), z + 1e-8}, goal})) << "above it";
-    // In a plane of motion across the shift, it may rest there.
+    EXPECT_TRUE(posed.way_on({{goal.x(), goal.y(), z + 1e-8}, goal})) << "above the foot";
+    // In a plane of motion perpendicular to the shift, the proxy may rest there.
     Rest held{beside, goal + aside, aside.normalized()};
     EXPECT_REST(posed, held);
     held.goal = goal + aside + Vec3(-aside.y(), aside.x(), 0.0);
@@ -112,12 +112,12 @@ TEST_P(Proxies, RestInACornerWhereAllWallsPush) {
     const Posed posed(room, pose_of(random), GetParam());
     const Vec3 out(random.uniform(0.01, 0.1), random.uniform(0.01, 0.1), random.uniform(0.01, 0.1));
     EXPECT_REST(posed, {Vec3::Constant(at), Vec3::Constant(at) + out});
-    // A goal that is not behind one of the walls pulls along it.
+    // A goal that is not behind one of the walls pulls the proxy along that wall.
     const int free = static_cast<int>(random.index(3));
     Vec3 goal = Vec3::Constant(at) + out;
     goal[free] = at - random.uniform(0.001, 0.1);
     EXPECT_TRUE(posed.way_on({Vec3::Constant(at), goal}));
-    // On the edge that is left, the foot is the answer.
+    // On the remaining edge, the solution is the foot of the goal.
     Vec3 foot = Vec3::Constant(at);
     foot[free] = goal[free];
     EXPECT_REST(posed, {foot, goal});
@@ -126,7 +126,7 @@ TEST_P(Proxies, RestInACornerWhereAllWallsPush) {
   }
 }
 
-// A plate's rim, approached in the plane of the plate.
+// The proxy approaches the rim of a plate in the plane of the plate.
 TEST_P(Proxies, DoNotHoverBeforeARim) {
   Random random(3);
   Soup plate;
@@ -137,7 +137,7 @@ TEST_P(Proxies, DoNotHoverBeforeARim) {
     const double short_m = std::pow(10.0, random.uniform(-6.0, -1.0));
     const Vec3 at_rim(-keep_m(GetParam()), goal.y(), 0.0);
     EXPECT_TRUE(posed.way_on({at_rim - Vec3(short_m, 0.0, 0.0), goal}));
-    // Seen from a little above the plane the goal is under the plate.
+    // For a proxy slightly above the plane, the goal is under the plate.
     const Vec3 above(-short_m, goal.y(), (0.5 + random.uniform(0.0, 1.0)) * keep_m(GetParam()));
     EXPECT_TRUE(posed.way_on({above - Vec3(keep_m(GetParam()), 0.0, 0.0), goal}));
     EXPECT_TRUE(posed.way_on({above + Vec3(2e-3 + short_m, 0.0, keep_m(GetParam())), goal}));
@@ -156,7 +156,7 @@ TEST_P(Proxies, RestInAGroove) {
       groove.add_quad(-along, along, along + up, -along + up);
     }
     const Posed posed(groove, pose_of(random), GetParam());
-    // The middle is as far from both walls as the proxy must be.
+    // The middle of the groove where both walls are at the required distance.
     const double z = keep_m(GetParam()) / std::sin(half_rad);
     const double x = random.uniform(-0.2, 0.2);
     EXPECT_REST(posed, {{x, 0.0, z}, {x, 0.0, z - 0.05}});
@@ -165,7 +165,8 @@ TEST_P(Proxies, RestInAGroove) {
   }
 }
 
-// Up one wall as far as the goal's foot, if that is steeper than the wall's normal.
+// The proxy rises along one wall to the foot of the goal if the lag is steeper than the wall's
+// normal.
 TEST_P(Proxies, LeaveAGrooveAlongAWall) {
   const double radius_m = GetParam();
   Soup groove;
@@ -180,7 +181,7 @@ TEST_P(Proxies, LeaveAGrooveAlongAWall) {
   EXPECT_TRUE(posed.way_on({{0.0, 0.0, z}, {0.0, 0.051, z - 0.05}}));
 }
 
-// Static friction of mu holds a lag of mu times the depth, and no more.
+// Static friction mu holds a tangential lag of at most mu times the depth.
 TEST_P(Proxies, RestUnderFrictionWithinTheCone) {
   Random random(5);
   const double z = keep_m(GetParam());
@@ -195,7 +196,7 @@ TEST_P(Proxies, RestUnderFrictionWithinTheCone) {
     EXPECT_REST(posed, rest);
     rest.goal = proxy + 1.01 * mu * depth_m * along - Vec3(0.0, 0.0, depth_m);
     EXPECT_TRUE(posed.way_on(rest));
-    // Friction does not hold a proxy that nothing is in the way of.
+    // Friction does not hold a proxy that is free to move.
     rest.goal = proxy + Vec3(0.0, 0.0, 1e-3);
     EXPECT_TRUE(posed.way_on(rest));
   }
@@ -206,18 +207,19 @@ INSTANTIATE_TEST_SUITE_P(Of, Proxies, testing::Values(0.0, 1e-6, 1e-3, 0.03),
                            return std::to_string(std::lround(radius.param * 1e6)) + "_um";
                          });
 
-// A plate's corner stops a proxy that comes straight down on it; so does its edge.
-TEST(RestJudge, FindsTheWayPastAnEdgeThatIsNotUnderTheProxy) {
+// The edge of a plate stops a proxy that moves straight down onto it, but not one beside it.
+TEST(RestJudge, FindsTheSegmentPastAnEdgeThatIsNotUnderTheProxy) {
   const Posed posed(floor(), {});
-  // 1e-8 beside the edge from (0.5, -0.4) to (0.4, 0.4): down is free.
+  // The proxy is 1e-8 beside the edge from (0.5, -0.4) to (0.4, 0.4): downwards is free.
   EXPECT_TRUE(posed.way_on({{0.45 + 1e-8, 0.0, 1e-11}, {0.45 + 1e-8, 0.0, -0.1}}));
   EXPECT_REST(posed, {{0.45 - 1e-8, 0.0, 1e-11}, {0.45 - 1e-8, 0.0, -0.1}});
 }
 
-// A vertex of a terrain whose faces go up and down in turn. The proxy is 3.6 stand-offs from it,
-// between two faces that leave a room less than a stand-off wide, through which a way leads on.
-// That is none, but it is one for a proxy that need keep only a quarter of a stand-off.
-TEST(RestJudge, FindsTheWayBetweenTwoFacesOfASaddleIfItIsWideEnough) {
+// The faces round a vertex of a terrain rise and fall alternately. The proxy is 3.6 stand-offs from
+// the vertex, before a gap between two faces that is less than a stand-off wide and leads nearer to
+// the goal. The gap is closed for this proxy, but open for a proxy that must keep only a quarter of
+// a stand-off.
+TEST(RestJudge, FindsTheGapBetweenTwoFacesOfASaddleIfItIsWideEnough) {
   const Vec3 hub(-0.011290322989225388, -0.03387096896767616, 0.018608149141073227);
   const Vec3 ring[] = {{-0.011290322989225388, -0.0370967723429203, 0.020422888919711113},
                        {-0.008064515888690948, -0.03387096896767616, 0.029601819813251495},
@@ -238,8 +240,8 @@ TEST(RestJudge, FindsTheWayBetweenTwoFacesOfASaddleIfItIsWideEnough) {
   EXPECT_GT(way->gain_m, 1e-6);
 }
 
-// In other bodies' frames the same.
-TEST(RestJudge, JudgesBodiesWhereTheyAre) {
+// The judgement is the same for bodies with other frames.
+TEST(RestJudge, JudgesBodiesAtTheirPoses) {
   Random random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const double radius_m = random.index(2) ? 0.0 : 0.01;
@@ -251,12 +253,12 @@ TEST(RestJudge, JudgesBodiesWhereTheyAre) {
     }
     const ExactJudge exact(wall);
     const RigidTransform frame = random.pose(0.1);
-    // Two walls that meet at right angles, x and z.
+    // Two walls that meet at a right angle, perpendicular to x and z.
     const Quat upright =
         frame.rotation * Quat(Eigen::AngleAxisd(0.5 * 3.14159265358979323846, Vec3::UnitY()));
     const test::JudgedBody bodies[] = {{&exact, frame}, {&exact, {upright, frame.translation_m}}};
     const double at = keep_m(radius_m);
-    // The rotation by pi / 2 is rounded: so are the places.
+    // The margin covers the rounding of the rotation by pi / 2.
     const Vec3 proxy(at + 1e-14, 0.0, at + 1e-14);
     const auto way_to = [&](const Vec3& goal) {
       return judge.way_on(bodies, {frame.point(proxy), frame.point(goal)});
@@ -267,8 +269,8 @@ TEST(RestJudge, JudgesBodiesWhereTheyAre) {
   }
 }
 
-// What the judge says, said by trying directions by the thousand: the best of them, and those that
-// are next to it, again and again. Slow, and finds no way that is narrow.
+// The largest gain of a free segment, found by trying random directions, and then directions near
+// the best one. Slow, and misses narrow gaps.
 double gain_by_trying(const ExactJudge& exact, const Vec3& p, const Vec3& goal, double keep_from_m,
                       Random& random) {
   std::vector<double> least_m;
@@ -303,7 +305,7 @@ double gain_by_trying(const ExactJudge& exact, const Vec3& p, const Vec3& goal, 
   return best_m;
 }
 
-// Where the nearest triangles press: against one of them, or any mixture of those that are touched.
+// A direction that presses the proxy against the touched triangles, in a random mixture.
 Vec3 pressed(const ExactJudge& exact, const Vec3& p, double keep_from_m, Random& random) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < exact.triangles().size(); ++i) {
@@ -315,8 +317,8 @@ Vec3 pressed(const ExactJudge& exact, const Vec3& p, double keep_from_m, Random&
   return sum.isZero(0.0) ? random.unit_vector() : sum.normalized();
 }
 
-// At vertices of random fans of triangles, a stand-off above some of their faces.
-TEST(RestJudge, FindsAWayWhereverTryingFindsOne) {
+// The proxy is at vertices of random fans of triangles, a stand-off above some of their faces.
+TEST(RestJudge, FindsASegmentWheneverRandomTrialsFindOne) {
   constexpr std::array<std::size_t, 8> numbers = {0, 1, 2, 3, 4, 5, 6, 7};
   int ways = 0;
   int rests = 0;
@@ -336,7 +338,7 @@ TEST(RestJudge, FindsAWayWhereverTryingFindsOne) {
       fan.push_back({Vec3::Zero(), ring[i], ring[(i + 1) % ring.size()]});
     }
     const ExactJudge exact(fan);
-    // Put down from above by the definition itself: as far as the way is free, and again elsewhere.
+    // The proxy descends along random segments, each as far as it is free by definition.
     Vec3 p(0.0, 0.0, 0.2 + radius_m);
     const Vec3 aim = random.in_box(0.01) - Vec3(0.0, 0.0, 0.2);
     for (int step = 0; step < 60; ++step) {

@@ -1,14 +1,15 @@
-// Where the proxy rests, no way leads on (rest_judge.h), whatever the scene and the hand do; nor
-// does it leak, overlap or go farther from the goal on its way there. Points and spheres, three
-// sensors and two, with friction and without, presets balanced and exact.
+// For any scene and any motion of the hand, no improving segment exists from a rest of the proxy
+// (rest_judge.h), and on its path the proxy neither leaks nor overlaps nor moves away from the
+// goal. The tests cover points and spheres, three sensors and two, with friction and without, and
+// the presets balanced and exact.
 //
-// A line is printed for each class. A scene is its seed:
-//   PALPATE_SEED=N           scene N alone
+// The test prints one line for each class. The seed determines a scene:
+//   PALPATE_SEED=N           runs only scene N
 //   PALPATE_FIRST_SCENE=N    begins with scene N
-//   PALPATE_REST_TICKS=N     ticks for each class
-//   PALPATE_REST_KEEP=X      of a stand-off is what ways keep from triangles, instead of all of it
-//   PALPATE_REST_SHOWN=N     false rests, leaks and overlaps of each class that are shown in full
-// and a class is a filter: --gtest_filter='*NeedleFansPoint'.
+//   PALPATE_REST_TICKS=N     sets the number of ticks for each class
+//   PALPATE_REST_KEEP=X      sets the distance of segments from triangles to X stand-offs (1)
+//   PALPATE_REST_SHOWN=N     sets the number of failures of each class that are printed in full
+// A filter selects a class: --gtest_filter='*NeedleFansPoint'.
 
 #include <algorithm>
 #include <cmath>
@@ -54,12 +55,14 @@ using test::RestScene;
 using test::SameCone;
 using test::Violation;
 
-// How far a corner may be off the plane of motion for each step of the tick, which are at least as
-// many as a balanced tick may have, of the size of the scene and of coordinates.
+// Largest distance of a corner from the plane of motion for each step of the tick, in ulps of the
+// size of the scene and of coordinates. The number of steps counts as at least that of a balanced
+// tick.
 constexpr double kOffPlaneUlps = 6;
 constexpr int kStepsAtLeast = 64;
 
-// Ten million in a soak, over all classes. Huge spheres take a tenth: theirs are long.
+// The number of ticks of a class. A soak test has ten million ticks over all classes. Huge spheres
+// have a tenth of the ticks, since each takes long.
 int ticks_of(const RestClass& rest_class) {
   const auto classes = static_cast<int>(test::rest_classes().size());
   const int ticks = test::in_soak_or_else(11'000'000 / classes, 4'000);
@@ -79,9 +82,9 @@ struct RestTotals {
   int scenes = 0;
   int ticks = 0;
   int contacts = 0;
-  int ran_out = 0;  // of work
-  int capped = 0;   // in contact, of the others
-  int judged = 0;   // rests
+  int ran_out = 0;  // ticks that ran out of work
+  int capped = 0;   // other capped ticks in contact
+  int judged = 0;   // rests that were judged
   int unproven = 0;
   int leaks = 0;
   int overlaps = 0;
@@ -95,7 +98,7 @@ struct RestTotals {
   bool is_clean() const { return leaks + overlaps + false_rests + farther == 0; }
 };
 
-// One proxy and one hand in one scene.
+// A run of one proxy and one hand in one scene.
 class RestRun {
  public:
   RestRun(const RestClass& rest_class, std::uint64_t seed, Random& random)
@@ -124,24 +127,24 @@ class RestRun {
       cone_ = SameCone({mu_s, random.index(2) ? mu_s : mu_s * random.uniform(0.0, 1.0)});
     }
     god_object_.place(start_);
-    felt_.proxy = god_object_.proxy();
+    state_.proxy = god_object_.proxy();
   }
 
-  // False if it leaks: then nothing more can be said.
+  // Simulates and judges a tick. False if the proxy leaked, so that later ticks cannot be judged.
   bool tick(RestTotals& totals) {
-    goal_ = is_device_ ? device_.next_goal(felt_) : hand_.next_goal(felt_);
-    if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - felt_.proxy) * *plane_normal_;
-    felt_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
-                  : god_object_.move_to(goal_, plane_normal_);
+    goal_ = is_device_ ? device_.next_goal(state_) : hand_.next_goal(state_);
+    if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - state_.proxy) * *plane_normal_;
+    state_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+                   : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
-    totals.contacts += felt_.in_contact;
-    if (felt_.work >= accuracy_.work_budget) {
+    totals.contacts += state_.in_contact;
+    if (state_.work >= accuracy_.work_budget) {
       ++totals.ran_out;
     } else {
-      totals.capped += felt_.capped && felt_.in_contact;
+      totals.capped += state_.capped && state_.in_contact;
     }
-    totals.most_iterations = std::max(totals.most_iterations, felt_.iterations);
+    totals.most_iterations = std::max(totals.most_iterations, state_.iterations);
     if (!judge_path(totals)) return false;
     judge_rest(totals);
     return true;
@@ -154,7 +157,7 @@ class RestRun {
     return solver;
   }
 
-  // Near a face as a rule, with room for the proxy.
+  // A start that the proxy fits in, usually near a face.
   Vec3 pick_start() {
     const double room_m = radius_m_ + 1e-7 * std::max(size_m_, radius_m_);
     for (const Vec3& start : scene_.starts) {
@@ -179,22 +182,22 @@ class RestRun {
     if (totals.shown++ >= most) return;
     std::printf("  PALPATE_SEED=%llu, tick %d, radius %g m, goal %s, iterations %d%s",
                 static_cast<unsigned long long>(seed_), tick_, radius_m_, hex(goal_).c_str(),
-                felt_.iterations, accuracy_.iterations > 64 ? ", exact" : "");
+                state_.iterations, accuracy_.iterations > 64 ? ", exact" : "");
     if (cone_)
       std::printf(", friction %g, %g", cone_->cone.static_friction, cone_->cone.dynamic_friction);
-    if (plane_normal_) std::printf(", in the plane across %s", hex(*plane_normal_).c_str());
+    if (plane_normal_) std::printf(", in the plane with normal %s", hex(*plane_normal_).c_str());
     std::printf("\n    %s\n", what.c_str());
   }
 
-  // The triangles nearest to the proxy, in stand-offs.
+  // The distances of the nearest triangles from the proxy, in stand-offs.
   std::string surroundings() const {
     std::vector<double> heights;
     for (std::size_t i = 0; i < exact_.triangles().size(); ++i) {
-      const double height_m = exact_.distance_m(felt_.proxy, felt_.proxy, i) - radius_m_;
+      const double height_m = exact_.distance_m(state_.proxy, state_.proxy, i) - radius_m_;
       heights.push_back(height_m / god_object_.scale().stand_off_m);
     }
     std::sort(heights.begin(), heights.end());
-    std::string text = "stand-offs from triangles:";
+    std::string text = "distances from triangles in stand-offs:";
     char number[32];
     for (std::size_t i = 0; i < std::min<std::size_t>(8, heights.size()); ++i) {
       std::snprintf(number, sizeof number, " %.6g", heights[i]);
@@ -205,14 +208,14 @@ class RestRun {
 
   bool judge_path(RestTotals& totals) const {
     const auto path = god_object_.path();
-    EXPECT_TRUE(!path.empty() && path.back() == felt_.proxy && felt_.proxy.allFinite() &&
-                felt_.normal.allFinite());
+    EXPECT_TRUE(!path.empty() && path.back() == state_.proxy && state_.proxy.allFinite() &&
+                state_.normal.allFinite());
     for (const Vec3& corner : path) {
       if (!plane_normal_) break;
       const double off_m = std::abs(plane_normal_->dot(corner - goal_));
       const double round_m = round_m_ + kEpsilon * (corner.norm() + goal_.norm());
-      EXPECT_LE(off_m, kOffPlaneUlps * std::max(kStepsAtLeast, felt_.iterations) * round_m)
-          << "off the plane of motion, PALPATE_SEED=" << seed_ << ", tick " << tick_;
+      EXPECT_LE(off_m, kOffPlaneUlps * std::max(kStepsAtLeast, state_.iterations) * round_m)
+          << "a corner is off the plane of motion, PALPATE_SEED=" << seed_ << ", tick " << tick_;
     }
     const double least_m = radius_m_ - kNearUlps * round_m_;
     const std::optional<Violation> touch =
@@ -233,17 +236,17 @@ class RestRun {
       const double after = (path[i + stride] - goal_).norm();
       if (after <= before + kFartherRelative * before + kFartherUlps * round_m_) continue;
       ++totals.farther;
-      show(totals, "piece " + std::to_string(i) + " leads " + std::to_string(after - before) +
-                       " m away from the goal");
+      show(totals, "piece " + std::to_string(i) + " increases the distance to the goal by " +
+                       std::to_string(after - before) + " m");
       return false;
     }
     return true;
   }
 
   void judge_rest(RestTotals& totals) const {
-    if (felt_.capped) return;
-    Rest rest{felt_.proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0};
-    if ((goal_ - felt_.proxy).norm() <= rests_.tolerance_m()) return;
+    if (state_.capped) return;
+    Rest rest{state_.proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0};
+    if ((goal_ - state_.proxy).norm() <= rests_.tolerance_m()) return;
     ++totals.judged;
     const test::JudgedBody body{&exact_, {}};
     const auto [way, is_proven] = rests_.judged(std::span(&body, 1), rest);
@@ -271,7 +274,7 @@ class RestRun {
   bool is_device_ = false;
   std::optional<Vec3> plane_normal_;
   std::optional<SameCone> cone_;
-  ProxyState felt_;
+  ProxyState state_;
   Vec3 goal_ = Vec3::Zero();
   int tick_ = 0;
 };
@@ -298,16 +301,16 @@ void print(const RestClass& rest_class, const RestTotals& t) {
 
 class Rests : public testing::TestWithParam<RestClass> {};
 
-TEST_P(Rests, LeaveNoWayOn) {
+TEST_P(Rests, LeaveNoImprovingSegment) {
   const RestClass& rest_class = GetParam();
   RestTotals totals;
   const int ticks = ticks_of(rest_class);
   for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); totals.ticks < ticks;
        ++seed) {
     Random random(seed);
-    RestRun feeling(rest_class, random.seed(), random);
+    RestRun run(rest_class, random.seed(), random);
     ++totals.scenes;
-    for (int tick = 0; tick < kTicksPerScene && feeling.tick(totals); ++tick) {
+    for (int tick = 0; tick < kTicksPerScene && run.tick(totals); ++tick) {
     }
     if (std::getenv("PALPATE_SEED")) break;
   }
@@ -316,14 +319,14 @@ TEST_P(Rests, LeaveNoWayOn) {
   EXPECT_EQ(totals.overlaps, 0);
   EXPECT_EQ(totals.farther, 0);
   EXPECT_EQ(totals.false_rests, 0);
-  // One scene alone says nothing of how often.
+  // A single scene gives no meaningful rate of capped ticks.
   if (totals.scenes > 1) {
     EXPECT_LE(totals.capped, rest_class.most_capped * totals.contacts);
   }
 }
 
-// In three dimensions, without friction and without a rest, where most ticks have a way to go; with
-// all the work they want.
+// Hands that never rest, in three dimensions, without friction and without a work limit, so that
+// the proxy moves in most ticks.
 class RestlessHands : public testing::TestWithParam<RestClass> {};
 
 TEST_P(RestlessHands, AreSeldomCapped) {
@@ -338,16 +341,16 @@ TEST_P(RestlessHands, AreSeldomCapped) {
     const OwnedWorld world(scene.soup, {}, scene.radius_m);
     const std::vector<Corners> triangles = test::solver_triangles(world);
     GodObject god_object(world.world(), {scene.radius_m, test::with_budget({}, test::kNoBudget)});
-    ProxyState felt;
-    felt.proxy = Vec3(0.0, 0.0, 1.1 * scene.radius_m + world.world().size_m);
-    god_object.place(felt.proxy);
-    RestHand hand(triangles, {}, scene.radius_m, god_object.scale().stand_off_m, 0.0, felt.proxy,
+    ProxyState state;
+    state.proxy = Vec3(0.0, 0.0, 1.1 * scene.radius_m + world.world().size_m);
+    god_object.place(state.proxy);
+    RestHand hand(triangles, {}, scene.radius_m, god_object.scale().stand_off_m, 0.0, state.proxy,
                   random);
     hand.never_rest();
     for (int tick = 0; tick < kTicksPerScene; ++tick, ++ticks) {
-      felt = god_object.move_to(hand.next_goal(felt));
-      contacts += felt.in_contact;
-      capped += felt.in_contact && felt.capped;
+      state = god_object.move_to(hand.next_goal(state));
+      contacts += state.in_contact;
+      capped += state.in_contact && state.capped;
     }
     if (std::getenv("PALPATE_SEED")) break;
   }
@@ -359,19 +362,20 @@ TEST_P(RestlessHands, AreSeldomCapped) {
 INSTANTIATE_TEST_SUITE_P(Of, RestlessHands, testing::ValuesIn(test::restless_classes()),
                          [](const auto& rest_class) { return rest_class.param.full_name(); });
 
-// Spheres that are much larger than triangles need not reach a goal in the tick; if it stays they
-// do in a few, of all the work they want.
+// Spheres that are much larger than triangles need not reach their rest in one tick. If the goal
+// stays, they do so in a few ticks without a work limit.
 class LargeSpheres : public testing::TestWithParam<RestClass> {};
 
-TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
+TEST_P(LargeSpheres, RestForAConstantGoalWithinTenTicksAndStayThere) {
   constexpr int kTicks = 10;
-  constexpr double kStaysWithin = 1e-9;  // sizes
+  constexpr double kStaysWithin = 1e-9;  // largest motion of a proxy at rest, in sizes
   const int goals = std::max(200, ticks_of(GetParam()) / 10);
   int late = 0;
   int most = 0;
-  int asked = 0;
+  int goal_count = 0;
   int left = 0;
-  for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); asked < goals; ++seed) {
+  for (std::uint64_t seed = from_environment("PALPATE_FIRST_SCENE", 1); goal_count < goals;
+       ++seed) {
     Random random(seed);
     const RestScene scene = GetParam().make(GetParam().proxy, random);
     const OwnedWorld world(scene.soup, {}, scene.radius_m);
@@ -380,22 +384,22 @@ TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
     const Accuracy accuracy = test::with_budget(
         random.index(4) ? Accuracy::balanced() : Accuracy::exact(), test::kNoBudget);
     GodObject god_object(world.world(), {scene.radius_m, accuracy});
-    ProxyState felt;
-    felt.proxy = Vec3(0.0, 0.0, scene.radius_m + size_m);
-    god_object.place(felt.proxy);
-    RestHand hand(triangles, {}, scene.radius_m, god_object.scale().stand_off_m, 0.0, felt.proxy,
+    ProxyState state;
+    state.proxy = Vec3(0.0, 0.0, scene.radius_m + size_m);
+    god_object.place(state.proxy);
+    RestHand hand(triangles, {}, scene.radius_m, god_object.scale().stand_off_m, 0.0, state.proxy,
                   random);
-    for (int i = 0; i < 20; ++i, ++asked) {
-      const Vec3 goal = hand.next_goal(felt);
+    for (int i = 0; i < 20; ++i, ++goal_count) {
+      const Vec3 goal = hand.next_goal(state);
       int tick = 0;
       do {
-        felt = god_object.move_to(goal);
+        state = god_object.move_to(goal);
         ++tick;
-      } while (felt.capped && tick < 10 * kTicks);
+      } while (state.capped && tick < 10 * kTicks);
       most = std::max(most, tick);
-      if (tick > 1 && !felt.capped) {
+      if (tick > 1 && !state.capped) {
         const ProxyState held = god_object.move_to(goal);
-        left += held.capped || (held.proxy - felt.proxy).norm() > kStaysWithin * size_m;
+        left += held.capped || (held.proxy - state.proxy).norm() > kStaysWithin * size_m;
       }
       if (tick <= kTicks) continue;
       if (++late <= 3) {
@@ -406,10 +410,10 @@ TEST_P(LargeSpheres, ReachAGoalThatStaysWithinTenTicksAndStayThere) {
     }
     if (std::getenv("PALPATE_SEED")) break;
   }
-  std::printf("%-22s %d goals, %d late, at most %d ticks\n", GetParam().full_name().c_str(), asked,
-              late, most);
+  std::printf("%-22s %d goals, %d late, at most %d ticks\n", GetParam().full_name().c_str(),
+              goal_count, late, most);
   EXPECT_EQ(late, 0);
-  EXPECT_EQ(left, 0) << "goals that had waited were reached and left";
+  EXPECT_EQ(left, 0) << "proxies left a rest for a goal that had waited";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LargeSpheres, testing::ValuesIn(test::large_sphere_classes()),

@@ -1,5 +1,5 @@
-// On a fine sphere the proxy is, tick for tick, the god-object of that mesh as long double finds
-// it: no lag behind it, and no force ripple that the exact answer has not.
+// On a fine sphere, the proxy equals in every tick the god-object of that mesh as computed in long
+// double: without a delay, and without a force ripple beyond that of the exact solution.
 
 #include <algorithm>
 #include <cmath>
@@ -33,10 +33,10 @@ constexpr double kSphereRadius_m = 0.1;
 constexpr double kProxyRadius_m = 0.5e-3;
 constexpr double kDt_s = 1e-3;
 constexpr double kStep_m = 0.1 * kDt_s;      // 0.1 m/s
-constexpr double kLargestError_m = 1e-9;     // asked for by the specification
+constexpr double kLargestError_m = 1e-9;     // required by the specification
 constexpr double kStiffness_N_per_m = 1000;  // undamped: the force is the lag of the goal
 
-// A mesh in a random pose, touched through the haptic loop. The device frame is the scene's.
+// A mesh in a random pose, touched through the haptic loop. The device frame is the scene frame.
 class Touch {
  public:
   Touch(const TriangleMesh& mesh, const RigidTransform& T_scene_body, double radius_m)
@@ -68,8 +68,8 @@ class Touch {
   HapticLoop loop_;
 };
 
-// The device's way below a sphere of kSphereRadius_m: a great circle that turns by and by, at 0.1
-// m/s, at a depth (negative: outside) that swings between two.
+// The path of the device below the surface of a sphere of kSphereRadius_m: a great circle that
+// slowly turns, at 0.1 m/s, at a depth that oscillates between two values (negative: outside).
 class Stroke {
  public:
   Stroke(Random& random, double least_depth_m, double most_depth_m)
@@ -103,7 +103,7 @@ class Stroke {
   double time_s_ = 0.0;
 };
 
-// 81,920 triangles; made once.
+// A sphere of 81,920 triangles, created once.
 const TriangleMesh& fine_sphere() {
   static const TriangleMesh mesh = icosphere(6, kSphereRadius_m);
   return mesh;
@@ -121,19 +121,20 @@ class Comparison {
  public:
   explicit Comparison(const Touch& touch) : touch_(touch) {}
 
-  void expect(const TickRecord& felt, const WideVec3& proxy_body) {
-    const WideVec3 goal_body = touch_.to_body(vec3(felt.goal_scene_m));
+  void expect(const TickRecord& record, const WideVec3& proxy_body) {
+    const WideVec3 goal_body = touch_.to_body(vec3(record.goal_scene_m));
     const auto error_m =
-        static_cast<double>((touch_.to_body(vec3(felt.proxy_scene_m)) - proxy_body).norm());
+        static_cast<double>((touch_.to_body(vec3(record.proxy_scene_m)) - proxy_body).norm());
     largest_error_m_ = std::max(largest_error_m_, error_m);
-    ASSERT_LE(error_m, kLargestError_m) << "tick " << felt.tick;
-    ASSERT_EQ(felt.faults, kFaultNone) << "tick " << felt.tick;
+    ASSERT_LE(error_m, kLargestError_m) << "tick " << record.tick;
+    ASSERT_EQ(record.faults, kFaultNone) << "tick " << record.tick;
 
-    const WideVec3 force_N = touch_.to_body_direction(vec3(felt.force_device_N));
+    const WideVec3 force_N = touch_.to_body_direction(vec3(record.force_device_N));
     const WideVec3 exact_N = kStiffness_N_per_m * (proxy_body - goal_body);
     if (last_) {
-      const WideVec3 ripple_N = (force_N - last_->felt_N) - (exact_N - last_->exact_N);
-      ASSERT_LE(ripple_N.norm(), 2 * kStiffness_N_per_m * kLargestError_m) << "tick " << felt.tick;
+      const WideVec3 ripple_N = (force_N - last_->rendered_N) - (exact_N - last_->exact_N);
+      ASSERT_LE(ripple_N.norm(), 2 * kStiffness_N_per_m * kLargestError_m)
+          << "tick " << record.tick;
     }
     last_ = Forces{force_N, exact_N};
   }
@@ -141,7 +142,7 @@ class Comparison {
 
  private:
   struct Forces {
-    WideVec3 felt_N;
+    WideVec3 rendered_N;
     WideVec3 exact_N;
   };
   const Touch& touch_;
@@ -149,10 +150,10 @@ class Comparison {
   double largest_error_m_ = 0.0;
 };
 
-// ---- the mesh is what the references take it for -----------------------------------------------
+// ---- the mesh satisfies the assumptions of the references ---------------------------------------
 
-// Every face has all the mesh's neighbouring corners on its inner side: a closed surface that is
-// convex everywhere along its edges bounds a convex body.
+// The neighbouring corners of every face lie on its inner side. A closed surface that is convex
+// along all its edges bounds a convex body.
 TEST(FineSphere, IsConvex) {
   const auto& [positions, triangles] = fine_sphere();
   ASSERT_EQ(triangles.size(), 81920u);
@@ -174,7 +175,7 @@ TEST(FineSphere, IsConvex) {
 
 // ---- a point -----------------------------------------------------------------------------------
 
-// The nearest point to p of a triangle, by its faces' planes, edges and corners in turn.
+// The point of a triangle nearest to p, found by testing its plane, edges and corners in turn.
 WideVec3 nearest_on_face(const ReferenceSurface& surface, std::uint32_t face, const WideVec3& p) {
   WideVec3 projection = surface.project(face, p, 0);
   const ReferenceSurface::Face& f = surface.faces()[face];
@@ -202,7 +203,7 @@ WideVec3 nearest_on_surface(const ReferenceSurface& surface, const WideVec3& p, 
   return nearest.value();
 }
 
-// The face on which the proxy rests alone; nothing if there is none.
+// The single face that holds the proxy; nullopt if it is not exactly one.
 std::optional<std::uint32_t> only_face(const ReferenceGodObject& reference) {
   if (reference.active().size() != 1) return std::nullopt;
   return reference.active().front().face;
@@ -223,8 +224,8 @@ TEST(PointOnAFineSphere, IsTheGodObjectEveryTick) {
                                  touch.to_body(vec3(touch.tick(stroke.start()).goal_scene_m)));
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
+      const TickRecord& record = touch.tick(stroke.next());
+      const WideVec3 goal = touch.to_body(vec3(record.goal_scene_m));
       const auto held_by = only_face(reference);
       ASSERT_TRUE(reference.move_to(goal));
       ASSERT_TRUE(only_face(reference));
@@ -233,20 +234,21 @@ TEST(PointOnAFineSphere, IsTheGodObjectEveryTick) {
         const WideVec3 nearest = nearest_on_surface(surface, goal, 5.1e-3L);
         apart_from_nearest += (nearest - reference.proxy()).norm() > 1e4L * kLargestError_m;
       }
-      ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, reference.proxy()));
-      // Without a walk: on its face until the projection leaves it.
+      ASSERT_NO_FATAL_FAILURE(comparison.expect(record, reference.proxy()));
+      // A second reference: the proxy stays on its face until the projection leaves the face.
       if (!held_by || !surface.is_over(*held_by, goal)) continue;
       const WideVec3 projection = surface.project(*held_by, goal, 0);
-      ASSERT_LE((touch.to_body(vec3(felt.proxy_scene_m)) - projection).norm(), kLargestError_m);
+      ASSERT_LE((touch.to_body(vec3(record.proxy_scene_m)) - projection).norm(), kLargestError_m);
     }
     largest_error_m = std::max(largest_error_m, comparison.largest_error_m());
   }
-  EXPECT_GT(apart_from_nearest, 4 * kTicks / 16 / 100) << "the nearest point is another answer";
-  EXPECT_GT(changes_of_face, 4 * 2000) << "2 m of way over edges of 1.6 mm";
+  EXPECT_GT(apart_from_nearest, 4 * kTicks / 16 / 100)
+      << "too few results that differ from the nearest point";
+  EXPECT_GT(changes_of_face, 4 * 2000) << "a path of 2 m over edges of 1.6 mm";
   RecordProperty("largest_error_m", std::to_string(largest_error_m * 1e12) + "e-12");
 }
 
-// Pressed outwards from inside, the proxy rests on faces, edges and vertices.
+// A proxy that is pressed outwards from inside rests on faces, edges and vertices.
 TEST(PointInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
   constexpr int kTicks = 10000;
   const ReferenceSurface& surface = fine_surface(Side::kInside);
@@ -260,12 +262,12 @@ TEST(PointInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
                             touch.to_body(vec3(touch.tick(stroke.start_inside()).goal_scene_m)));
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
+      const TickRecord& record = touch.tick(stroke.next());
+      const WideVec3 goal = touch.to_body(vec3(record.goal_scene_m));
       const auto nearest = nearest_inside_convex(surface, goal, 0, 6e-3L);
       ++held_by[nearest.active.size()];
-      ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, nearest.point));
-      // The walk is right as well: this is what it is judged by.
+      ASSERT_NO_FATAL_FAILURE(comparison.expect(record, nearest.point));
+      // This compares the reference god-object with the exact nearest point.
       ASSERT_TRUE(walk.move_to(goal));
       ASSERT_LE((walk.proxy() - nearest.point).norm(), 1e-3L * kLargestError_m) << "tick " << n;
     }
@@ -273,8 +275,9 @@ TEST(PointInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
   for (const std::size_t planes : {1, 2, 3}) EXPECT_GT(held_by[planes], 0) << planes;
 }
 
-// Ridges, valleys and saddles, where one tick may pass several local minima and the way decides. A
-// walk that starts where the proxy came to rest shows whether it is one of them.
+// On ridges, valleys and saddles, one tick may pass several local minima, and the path decides
+// which one is reached. The reference starts at the proxy's rest and shows whether it is a local
+// minimum.
 class PointOnABumpySphere : public testing::TestWithParam<bool> {};  // from outside
 
 TEST_P(PointOnABumpySphere, IsALocalMinimumEveryTick) {
@@ -291,10 +294,10 @@ TEST_P(PointOnABumpySphere, IsALocalMinimumEveryTick) {
     touch.tick(outside ? stroke.start() : stroke.start_inside());
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      ReferenceGodObject walk(surface, touch.to_body(vec3(felt.proxy_scene_m)));
-      ASSERT_TRUE(walk.move_to(touch.to_body(vec3(felt.goal_scene_m))));
-      ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, walk.proxy()));
+      const TickRecord& record = touch.tick(stroke.next());
+      ReferenceGodObject walk(surface, touch.to_body(vec3(record.proxy_scene_m)));
+      ASSERT_TRUE(walk.move_to(touch.to_body(vec3(record.goal_scene_m))));
+      ASSERT_NO_FATAL_FAILURE(comparison.expect(record, walk.proxy()));
     }
   }
 }
@@ -302,10 +305,9 @@ TEST_P(PointOnABumpySphere, IsALocalMinimumEveryTick) {
 INSTANTIATE_TEST_SUITE_P(Sides, PointOnABumpySphere, testing::Bool(),
                          [](const auto& outside) { return outside.param ? "outside" : "inside"; });
 
-// One vertex of that sphere, from inside: the planes of three of its faces hold the proxy there,
-// but one of them ends at the vertex, and the way on along a valley is free and leads nearer to the
-// goal.
-TEST(PointAtASaddleVertex, GoesOnAlongTheValley) {
+// A vertex of that sphere, touched from inside. The planes of three faces hold the proxy there, but
+// one of these faces ends at the vertex. A valley beyond it is free and leads nearer to the goal.
+TEST(PointAtASaddleVertex, ContinuesAlongTheValley) {
   const Soup fan{{{-0.076569, 0.030043, -0.056291},
                   {-0.076269, 0.033340, -0.054868},
                   {-0.073928, 0.031952, -0.057894},
@@ -318,13 +320,13 @@ TEST(PointAtASaddleVertex, GoesOnAlongTheValley) {
   const Vec3 goal(-0.080104, 0.031757, -0.059998);
   Touch touch({fan.positions, fan.triangles}, {}, 0.0);
   touch.tick(start);
-  const TickRecord& felt = touch.tick(goal);
+  const TickRecord& record = touch.tick(goal);
   const ReferenceSurface surface(fan.positions, fan.triangles, Side::kInside);
-  ReferenceGodObject walk(surface, touch.to_body(vec3(felt.proxy_scene_m)));
-  ASSERT_TRUE(walk.move_to(touch.to_body(vec3(felt.goal_scene_m))));
-  EXPECT_LE((touch.to_body(vec3(felt.proxy_scene_m)) - walk.proxy()).norm(), kLargestError_m)
+  ReferenceGodObject walk(surface, touch.to_body(vec3(record.proxy_scene_m)));
+  ASSERT_TRUE(walk.move_to(touch.to_body(vec3(record.goal_scene_m))));
+  EXPECT_LE((touch.to_body(vec3(record.proxy_scene_m)) - walk.proxy()).norm(), kLargestError_m)
       << "farther from the goal by "
-      << (vec3(felt.proxy_scene_m) - goal).norm() -
+      << (vec3(record.proxy_scene_m) - goal).norm() -
              static_cast<double>((walk.proxy() - goal.cast<Wide>()).norm());
 }
 
@@ -341,16 +343,17 @@ TEST(SphereInAFineShell, IsTheNearestPointOfTheConvexInsideEveryTick) {
     touch.tick(stroke.start_inside());
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
+      const TickRecord& record = touch.tick(stroke.next());
+      const WideVec3 goal = touch.to_body(vec3(record.goal_scene_m));
       ASSERT_NO_FATAL_FAILURE(comparison.expect(
-          felt, nearest_inside_convex(surface, goal, kProxyRadius_m, 6e-3L).point));
+          record, nearest_inside_convex(surface, goal, kProxyRadius_m, 6e-3L).point));
     }
   }
 }
 
-// A goal outside the mesh but nearer than the radius: the surface at a radius' distance is curved
-// round edges and vertices there, and the one nearest point is straight out from the convex mesh.
+// Goals outside the mesh but nearer than the radius. The offset surface at the distance of one
+// radius is curved round edges and vertices there, and its only nearest point lies straight out
+// from the convex mesh.
 TEST(SphereOnAFineSphere, IsStraightOutFromTheMeshWhereTheGoalIsOutside) {
   constexpr int kTicks = 10000;
   const ReferenceSurface& surface = fine_surface(Side::kOutside);
@@ -362,17 +365,17 @@ TEST(SphereOnAFineSphere, IsStraightOutFromTheMeshWhereTheGoalIsOutside) {
     touch.tick(stroke.start());
     Comparison comparison(touch);
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
+      const TickRecord& record = touch.tick(stroke.next());
+      const WideVec3 goal = touch.to_body(vec3(record.goal_scene_m));
       const WideVec3 q = nearest_on_surface(surface, goal, kProxyRadius_m);
       const WideVec3 expected = q + static_cast<Wide>(kProxyRadius_m) * (goal - q).normalized();
-      ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, expected));
+      ASSERT_NO_FATAL_FAILURE(comparison.expect(record, expected));
     }
   }
 }
 
-// The local minima of the distance for a goal deeper than the radius' edges and vertices let it
-// rest on: straight above the goal, on a face near `around`.
+// The local minima of the distance for a goal so deep that the proxy cannot rest on edges and
+// vertices: straight above the goal, on a face near `around`.
 struct RestingPlace {
   std::uint32_t face;
   WideVec3 centre;
@@ -389,8 +392,8 @@ std::vector<RestingPlace> resting_places(const ReferenceSurface& surface, const 
   return places;
 }
 
-// Deep in, the proxy rests where it touches one face, under which the goal is: the edges and
-// vertices of a convex mesh push it away. On that face it stays until the projection leaves it.
+// For deep goals, the proxy rests where it touches a single face with the goal under it: the edges
+// and vertices of a convex mesh push it away. It stays on that face until the projection leaves it.
 TEST(SphereOnAFineSphere, StaysOnItsFaceUntilTheProjectionLeavesIt) {
   constexpr int kTicks = 10000;
   const ReferenceSurface& surface = fine_surface(Side::kOutside);
@@ -405,9 +408,9 @@ TEST(SphereOnAFineSphere, StaysOnItsFaceUntilTheProjectionLeavesIt) {
     Comparison comparison(touch);
     std::optional<std::uint32_t> face;
     for (int n = 0; n < kTicks; ++n) {
-      const TickRecord& felt = touch.tick(stroke.next());
-      const WideVec3 goal = touch.to_body(vec3(felt.goal_scene_m));
-      const WideVec3 proxy = touch.to_body(vec3(felt.proxy_scene_m));
+      const TickRecord& record = touch.tick(stroke.next());
+      const WideVec3 goal = touch.to_body(vec3(record.goal_scene_m));
+      const WideVec3 proxy = touch.to_body(vec3(record.proxy_scene_m));
       if (!face || !surface.is_over(*face, goal)) {
         ++changes_of_face;
         const auto places = resting_places(surface, goal, proxy);
@@ -420,11 +423,11 @@ TEST(SphereOnAFineSphere, StaysOnItsFaceUntilTheProjectionLeavesIt) {
                    ->face;
       }
       const WideVec3 expected = surface.project(*face, goal, kProxyRadius_m);
-      ASSERT_NO_FATAL_FAILURE(comparison.expect(felt, expected));
+      ASSERT_NO_FATAL_FAILURE(comparison.expect(record, expected));
     }
   }
   EXPECT_GT(changes_of_face, 2 * 1000);
-  EXPECT_LT(places_to_choose_from, 3 * changes_of_face) << "the proxy's own choice decides little";
+  EXPECT_LT(places_to_choose_from, 3 * changes_of_face) << "too many resting places to choose from";
 }
 
 }  // namespace

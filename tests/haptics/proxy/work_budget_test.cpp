@@ -1,5 +1,5 @@
-// What a tick may do is bounded, and a tick that runs out costs no more than time: on the inputs
-// that ask most.
+// The work of a tick is limited, and a tick that runs out of work only delays the result. The tests
+// use the inputs that need the most work.
 
 #include <algorithm>
 #include <cmath>
@@ -27,9 +27,9 @@ using bench::WorstInput;
 using bench::WorstKind;
 using test::kNoBudget;
 
-struct Felt {
+struct BudgetRun {
   std::vector<ProxyState> states;
-  std::vector<std::size_t> held;  // bodies
+  std::vector<std::size_t> held;  // number of bodies held back in each tick
 };
 
 GodObject god_object_of(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
@@ -40,14 +40,14 @@ GodObject god_object_of(const WorstInput& input, WorkUnits budget, bool reuse_ca
   return god_object;
 }
 
-Felt feel(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
+BudgetRun run_input(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
   GodObject god_object = god_object_of(input, budget, reuse_candidates);
-  Felt felt;
+  BudgetRun run;
   for (std::size_t i = 0; i < input.goals_m.size(); ++i) {
-    felt.held.push_back(input.motions.empty() ? 0 : god_object.move_bodies(input.motions[i]));
-    felt.states.push_back(god_object.move_to(input.goals_m[i]));
+    run.held.push_back(input.motions.empty() ? 0 : god_object.move_bodies(input.motions[i]));
+    run.states.push_back(god_object.move_to(input.goals_m[i]));
   }
-  return felt;
+  return run;
 }
 
 bool is_same(const ProxyState& a, const ProxyState& b) {
@@ -64,22 +64,22 @@ class WorkBudget : public testing::TestWithParam<WorstKind> {
   WorstInput input_;
 };
 
-// What a tick does after it has run out: it ends the pack that it is at, or the triangles that were
-// in doubt on the step that it shortens, each of which may take exact signs.
+// The largest work of a tick beyond its budget. The tick completes the present pack, or tests the
+// doubtful triangles of a shortened step, each of which may need exact signs.
 constexpr WorkUnits kMostBeyond =
     DoubtfulTriangles::kMost *
     (work::kTriangle + 4 * work::kNearestPoint + 5 * work::kSignByExpansions);
 
-TEST_P(WorkBudget, BoundsEachTick) {
+TEST_P(WorkBudget, LimitsTheWorkOfEachTick) {
   ASSERT_EQ(input_.goals_m.size(), GetParam().ticks);
   const WorkUnits budget = Accuracy::balanced().work_budget;
-  const Felt felt = feel(input_, budget);
+  const BudgetRun run = run_input(input_, budget);
   WorkUnits most = 0;
-  for (const ProxyState& state : felt.states) most = std::max(most, state.work);
+  for (const ProxyState& state : run.states) most = std::max(most, state.work);
   EXPECT_LE(most, budget + kMostBeyond);
 }
 
-TEST_P(WorkBudget, NeverLeadsAwayFromTheGoal) {
+TEST_P(WorkBudget, NeverMovesTheProxyAwayFromTheGoal) {
   for (const WorkUnits budget : {100, 2000, 20000}) {
     GodObject god_object = god_object_of(input_, budget);
     for (std::size_t i = 0; i < input_.goals_m.size(); ++i) {
@@ -94,13 +94,13 @@ TEST_P(WorkBudget, NeverLeadsAwayFromTheGoal) {
   }
 }
 
-TEST_P(WorkBudget, KeepsTheBitsOfTicksBeforeTheFirstThatRunsOut) {
+TEST_P(WorkBudget, DoesNotChangeTheBitsOfTicksBeforeTheFirstThatRunsOut) {
   for (const bool reuse_candidates : {true, false}) {
-    const Felt without = feel(input_, kNoBudget, reuse_candidates);
+    const BudgetRun without = run_input(input_, kNoBudget, reuse_candidates);
     for (const WorkUnits budget : {500, 5000, 50000}) {
-      const Felt with = feel(input_, budget, reuse_candidates);
+      const BudgetRun with = run_input(input_, budget, reuse_candidates);
       for (std::size_t i = 0; i < with.states.size(); ++i) {
-        if (without.states[i].work >= budget / 2) break;  // pushes may have half
+        if (without.states[i].work >= budget / 2) break;  // pushes may use half of the budget
         ASSERT_EQ(with.held[i], without.held[i]) << "tick " << i;
         ASSERT_TRUE(is_same(with.states[i], without.states[i])) << "tick " << i;
       }
@@ -108,23 +108,23 @@ TEST_P(WorkBudget, KeepsTheBitsOfTicksBeforeTheFirstThatRunsOut) {
   }
 }
 
-TEST_P(WorkBudget, RunsOutAtTheSameBitWithEachInstructionSet) {
+TEST_P(WorkBudget, GivesTheSameBitsWithEachInstructionSet) {
   for (const WorkUnits budget : {300, 4000}) {
     limit_simd_level(SimdLevel::kAvx512);
-    const Felt widest = feel(input_, budget);
+    const BudgetRun widest = run_input(input_, budget);
     for (const SimdLevel level : {SimdLevel::kAvx2, SimdLevel::kBaseline}) {
       limit_simd_level(level);
-      const Felt felt = feel(input_, budget);
-      EXPECT_EQ(felt.held, widest.held);
-      for (std::size_t i = 0; i < felt.states.size(); ++i) {
-        ASSERT_TRUE(is_same(felt.states[i], widest.states[i])) << "tick " << i;
+      const BudgetRun run = run_input(input_, budget);
+      EXPECT_EQ(run.held, widest.held);
+      for (std::size_t i = 0; i < run.states.size(); ++i) {
+        ASSERT_TRUE(is_same(run.states[i], widest.states[i])) << "tick " << i;
       }
     }
   }
 }
 
-// Wherever it has got to by then, with whatever it had not finished.
-TEST_P(WorkBudget, ReachesAGoalThatStaysInFourTimesTheTicksThatItsWorkFills) {
+// The proxy starts from its position after some limited ticks, with their interrupted searches.
+TEST_P(WorkBudget, ReachesAConstantGoalInAtMostFourTimesTheTicksOfItsWork) {
   constexpr double kMostTimes = 4.0;
   constexpr int kTicksBefore = 3;
   constexpr int kMostTicksWithout = 30;
@@ -141,7 +141,7 @@ TEST_P(WorkBudget, ReachesAGoalThatStaysInFourTimesTheTicksThatItsWorkFills) {
         work += static_cast<double>(without.move_to(input_.goals_m[first]).work);
         with.move_to(input_.goals_m[first]);
       }
-      // The work from where it is now, if that is more.
+      // The work from the present position, if that is more.
       GodObject afresh = god_object_of(input_, kNoBudget);
       afresh.place(with.proxy());
       double work_afresh = 0.0;
@@ -153,7 +153,7 @@ TEST_P(WorkBudget, ReachesAGoalThatStaysInFourTimesTheTicksThatItsWorkFills) {
         }
         return false;
       };
-      // Rounding decides about some rests, which then are capped for ever.
+      // Some rests depend on rounding and stay capped.
       if (!settles(without, work) || !settles(afresh, work_afresh)) continue;
       const double fills =
           std::max(1.0, std::ceil(std::max(work, work_afresh) / static_cast<double>(budget)));
@@ -183,7 +183,7 @@ TEST(WorkBudgets, AreAtLeastOneUnit) {
   EXPECT_FALSE(check_settings(world.world(), settings));
 }
 
-// Bodies that wait for their turn get it, and so does the hand: none waits for ever.
+// Every body and the hand have their turns; none waits for ever.
 TEST(WorkBudgets, AreSharedByBodiesAndTheHand) {
   const WorstKind& kind =
       *std::find_if(worst_kinds().begin(), worst_kinds().end(),
@@ -208,8 +208,9 @@ TEST(WorkBudgets, AreSharedByBodiesAndTheHand) {
   }
 }
 
-// A heavy body that moves in each tick takes as many ticks as its pushes need; the others go on.
-TEST(WorkBudgets, OfABodyThatTakesLongLeaveTheOthersTheirs) {
+// A body with many triangles that moves in each tick takes the ticks that its pushes need; the
+// other bodies keep moving.
+TEST(WorkBudgets, LetOtherBodiesMoveWhileOneBodyNeedsManyTicks) {
   test::Soup heavy;
   SeededRandom random(11);
   for (int i = 0; i < 3000; ++i) {
@@ -238,12 +239,13 @@ TEST(WorkBudgets, OfABodyThatTakesLongLeaveTheOthersTheirs) {
     heavy_least_m = std::min(heavy_least_m, behind_m(0));
     light_least_m = std::min(light_least_m, behind_m(1));
   }
-  EXPECT_LT(heavy_least_m, 5e-3) << "the heavy body never got on";
-  EXPECT_LT(light_least_m, 5e-3) << "the light body never had its turn";
+  EXPECT_LT(heavy_least_m, 5e-3) << "the body with many triangles did not move";
+  EXPECT_LT(light_least_m, 5e-3) << "the body with few triangles never had its turn";
 }
 
-// A body that has moved to where nothing was is there, though no work was left for the others.
-TEST(WorkBudgets, LeaveNoBodyOutOfBounds) {
+// A body that has moved outside of the earlier bounds can be touched there, even if no work was
+// left for the other bodies.
+TEST(WorkBudgets, KeepEveryMovedBodyWithinTheBounds) {
   const test::Soup wall = test::box_soup(Vec3(0.1, 0.1, 0.01));
   std::vector<test::OwnedBodies::Placed> placed;
   for (int i = 0; i < 40; ++i) placed.push_back({wall, {Quat::Identity(), Vec3(0, 0, -0.1 * i)}});
@@ -252,7 +254,7 @@ TEST(WorkBudgets, LeaveNoBodyOutOfBounds) {
   for (std::uint32_t b = 0; b < 40; ++b) {
     motions.push_back({b, {Quat::Identity(), Vec3(0.0, 0.0, b == 0 ? 30.0 : -0.1 * b + 0.01)}});
   }
-  const Vec3 aside(0.0, 0.5, 20.0);  // out of its way
+  const Vec3 aside(0.0, 0.5, 20.0);  // not on the path of the body
   const Vec3 below(0.01, 0.02, 20.0);
   const Vec3 above(0.01, 0.02, 40.0);
   for (const WorkUnits budget : {10, 20, 40, 100, 1000}) {
@@ -274,8 +276,8 @@ TEST(WorkBudgets, LeaveNoBodyOutOfBounds) {
   }
 }
 
-// What a tick has used up is not what place() lacks.
-TEST(WorkBudgets, DoNotKeepAProxyFromBeingLifted) {
+// The work used by earlier ticks does not limit place().
+TEST(WorkBudgets, DoNotPreventTheLiftOfAPlacedProxy) {
   const test::OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   GodObject god_object(world.world(), {0.0, test::with_budget({}, 1)});
   god_object.place(Vec3(0.0, 0.0, 0.3));

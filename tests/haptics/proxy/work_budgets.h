@@ -1,7 +1,7 @@
 #pragma once
 
-// Budgets of work for tests: with none, the solver is judged alone; with a small one most ticks run
-// out.
+// Work budgets for tests. Without a limit, a test judges the solver alone; with a small budget,
+// most ticks run out of work.
 
 #include <cmath>
 #include <cstdint>
@@ -18,8 +18,8 @@ inline Accuracy with_budget(Accuracy accuracy, WorkUnits budget) {
   return accuracy;
 }
 
-// Of four scenes one has so little that most of its ticks run out, one what the preset gives, and
-// two all they want.
+// The accuracy for a scene: one scene in four has a budget so small that most ticks run out of
+// work, one has the budget of its preset, and two have no limit.
 inline Accuracy with_some_budget(const Accuracy& accuracy, std::uint64_t scene) {
   switch (scene % 4) {
     case 0:
