@@ -56,7 +56,7 @@ struct TextureEffect {
     const FacePoint& face = tick.face;
     const UvMap& uv_map = face.attributes->texture_uv[face.slot];
     const auto& [grad_u, grad_v] = uv_map.gradient;
-    const Vec3 step_body = face.body->way_to_body(tick.dt_s * tick.velocity_m_per_s);
+    const Vec3 step_body = face.body->displacement_to_body(tick.dt_s * tick.velocity_m_per_s);
     const double columns = kTexelsPerStep * p.map->width() * grad_u.dot(step_body);
     const double rows = kTexelsPerStep * p.map->height() * grad_v.dot(step_body);
     const double lod = 0.5 * rough_log2(std::max(1.0, columns * columns + rows * rows));

@@ -81,7 +81,7 @@ struct ContactBody {
     return is_identity ? d : T_solver_body.direction(d);
   }
   // The difference of two points, in units of the body frame.
-  Vec3 way_to_body(const Vec3& d_solver) const {
+  Vec3 displacement_to_body(const Vec3& d_solver) const {
     return length_to_body(1.0) * direction_to_body(d_solver);
   }
   // Converts a gradient per unit of the body frame to a gradient per metre in the solver frame.

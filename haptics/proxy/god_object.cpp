@@ -6,7 +6,7 @@
 
 #include "geometry/exact/orientation.h"
 #include "haptics/proxy/check_god_object_settings.h"
-#include "haptics/proxy/god_object_ways.h"
+#include "haptics/proxy/god_object_escapes.h"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "haptics/proxy/body_push.h"
-#include "haptics/proxy/god_object_ways.h"
+#include "haptics/proxy/god_object_escapes.h"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "haptics/proxy/god_object_ways.h"
+#include "haptics/proxy/god_object_escapes.h"
 
 namespace palpate {
 namespace {

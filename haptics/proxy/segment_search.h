@@ -61,7 +61,7 @@ struct SegmentTracer::Search {
     p_body = placed->to_body(p);
     q_body = placed->to_body(q);
     // A step shorter than the rounding of its transformed end points must not vanish.
-    enter_index(corners ? placed->way_to_body(q - p) : Vec3(q_body - p_body));
+    enter_index(corners ? placed->displacement_to_body(q - p) : Vec3(q_body - p_body));
   }
 
   // Enters a body with a step given in the frame of that body.

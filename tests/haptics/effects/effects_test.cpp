@@ -141,7 +141,7 @@ TEST(Effects, AreCountedInTheTicksInWhichTheyAreActive) {
   BodyHand hand = all_effects(random.pose(0.3));
   hand.begin(hand_settings());
   Wander wander(random, 0.044, 0.08);
-  const auto bit = [&](std::uint16_t effect) { return hand.feels(effect); };
+  const auto bit = [&](std::uint16_t effect) { return hand.has_active_effect(effect); };
   std::array<std::uint64_t, kMostEffects> counted{};
   for (int tick = 0; tick < 20000; ++tick) {
     const Vec3 p = wander.next();
@@ -251,7 +251,7 @@ TEST(Effects, ContinueAfterBadSamples) {
           << tick;
       if (after_fault) {
         // No effect that needs two samples is active.
-        ASSERT_FALSE(hand.feels(effect_number<RestitutionEffect>()));
+        ASSERT_FALSE(hand.has_active_effect(effect_number<RestitutionEffect>()));
         const Vec3 still = hand.force();
         ASSERT_LE(still.norm(), 800.0 * 0.02 + 2.0);  // the spring, and effects without a rate
       }

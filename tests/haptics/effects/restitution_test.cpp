@@ -53,7 +53,7 @@ TEST(Restitution, GivesTheImpulseOfNewtonsLawAtAnyRate) {
         const double pulse = pulse_N(hand, -z);
         ASSERT_GE(pulse, -1e-7);
         ASSERT_LE(hand.force().head<2>().norm(), 1e-7);
-        if (hand.feels(effect_number<RestitutionEffect>())) {
+        if (hand.has_active_effect(effect_number<RestitutionEffect>())) {
           impulse_Ns += pulse * dt_s;
           ++ticks;
           // Half a sine: never above its peak.
@@ -93,7 +93,7 @@ TEST(Restitution, OnlyBrakes) {
       const double force = hand.force().z();
       speed += force / mass * kDt_s;
       const double step = speed * kDt_s;
-      if (hand.feels(effect_number<RestitutionEffect>())) {
+      if (hand.has_active_effect(effect_number<RestitutionEffect>())) {
         const double pulse = force - K * -z;
         const double given_J = pulse * step;
         work_J += given_J;
@@ -122,7 +122,7 @@ TEST(Restitution, PulsesAgainAfterTheSurfaceWasLeft) {
     for (int i = 0; i < ticks; ++i) {
       z += speed * kDt_s;
       hand.go_to({0, 0, z}, kDt_s);
-      active += hand.feels(number);
+      active += hand.has_active_effect(number);
     }
     return active;
   };
@@ -151,7 +151,7 @@ TEST(Restitution, IsInactiveWhileSliding) {
     const double angle = 0.01 * tick;
     const double r = 0.048 + 0.001 * std::sin(0.05 * tick);
     hand.go_to({r * std::cos(angle), r * std::sin(angle), 0}, kDt_s);
-    ASSERT_TRUE(tick < 10 || !hand.feels(effect_number<RestitutionEffect>())) << tick;
+    ASSERT_TRUE(tick < 10 || !hand.has_active_effect(effect_number<RestitutionEffect>())) << tick;
   }
 }
 

@@ -118,7 +118,8 @@ TEST(Viscosity, DragsInsideABoxOrSphereAndNowhereElse) {
           is_box ? (p.cwiseAbs() - half).maxCoeff() : p.norm() - half.x();  // sign: inside or not
       if (std::abs(height) < 1e-12) continue;
       ASSERT_TRUE(medium.drags(last, p, height < 0.0, dt_s)) << tick;
-      ASSERT_EQ(medium.hand.feels(test::effect_number<ViscosityEffect>()), height < 0.0);
+      ASSERT_EQ(medium.hand.has_active_effect(test::effect_number<ViscosityEffect>()),
+                height < 0.0);
       ++(height < 0.0 ? inside_ticks : outside_ticks);
     }
   }

@@ -118,11 +118,11 @@ TEST(Vibration, IsInactiveAtFrequenciesThatWouldAlias) {
     for (int tick = 0; tick < 200; ++tick) {
       hand.go_to({0, 0, -0.002});
       ASSERT_NEAR(hand.force().z(), 2.0, 1e-8);
-      ASSERT_FALSE(hand.feels(effect_number<VibrationEffect>()));
+      ASSERT_FALSE(hand.has_active_effect(effect_number<VibrationEffect>()));
     }
     // At ten times the rate, the ticks can carry frequencies below 5 kHz.
     for (int tick = 0; tick < 200; ++tick) hand.go_to({0, 0, -0.002}, 1e-4);
-    EXPECT_EQ(hand.feels(effect_number<VibrationEffect>()), frequency_Hz < 5000.0);
+    EXPECT_EQ(hand.has_active_effect(effect_number<VibrationEffect>()), frequency_Hz < 5000.0);
   }
 }
 

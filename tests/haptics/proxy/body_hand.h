@@ -83,7 +83,9 @@ class BodyHand {
   Vec3 proxy() const { return pose_.inverse_point(vec3(record_.proxy_scene_m)); }
   Vec3 normal() const { return pose_.inverse_direction(vec3(record_.normal_scene)); }
   Vec3 force() const { return pose_.inverse_direction(vec3(record_.full_force_device_N)); }
-  bool feels(std::uint16_t effect) const { return (record_.effects >> effect & 1u) != 0; }
+  bool has_active_effect(std::uint16_t effect) const {
+    return (record_.effects >> effect & 1u) != 0;
+  }
 
   const RigidTransform& pose() const { return pose_; }
   HapticLoop& loop() { return *loop_; }

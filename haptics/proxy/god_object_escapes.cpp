@@ -1,11 +1,11 @@
-// The faces around a proxy at rest, and tests of whether they hold it: see god_object_ways.h.
-
-#include "haptics/proxy/god_object_ways.h"
+// The faces around a proxy at rest, and tests of whether they hold it: see god_object_escapes.h.
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
+
+#include "haptics/proxy/god_object_escapes.h"
 
 namespace palpate {
 namespace {
