@@ -32,11 +32,11 @@ struct ExplorationRun {
   std::vector<TickRecord> records;
   RunSummary summary;
   // The planned path, from its start point; exactly one of the two is empty. With 2 sensors: the
-  // contour; a closed contour ends at its start point. With 3 sensors: points (waypoints) at equal
+  // contour; a closed contour ends at its start point. With 3 sensors: the places, points at equal
   // distances along the whole path, reached or not. Scene frame.
   std::vector<Vec3> contour_scene_m;
   std::vector<Vec3> places_scene_m;
-  // Coverage: the share of the contour's length, or of the waypoints, that the proxy came within
+  // Coverage: the share of the contour's length, or of the places, that the proxy came within
   // near_m of.
   double way_share = 0.0;
   double late_way_share = 0.0;  // the part of way_share covered in the last fifth of the run
