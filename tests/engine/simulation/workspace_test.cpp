@@ -234,7 +234,7 @@ TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
     const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
     ASSERT_TRUE(error);
     EXPECT_EQ(error->element, "device.workspace");
-    EXPECT_NE(error->problem.find("0.0201 m at least"), std::string::npos) << error->problem;
+    EXPECT_NE(error->problem.find("at least 0.0201 m"), std::string::npos) << error->problem;
   }
   const auto error = check_fits({2, 0.0201, 0.008, 0.004}, box, 0.1);
   ASSERT_TRUE(error);
