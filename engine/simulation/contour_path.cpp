@@ -9,18 +9,20 @@
 namespace palpate {
 namespace {
 
-// So much of the room in front of a contour is behind the hand, too.
+// The free distance in front of the contour, as a multiple of the clearance: the hand needs as much
+// behind it.
 constexpr double kRoomBehind = 2.0;
 
-// Segments that a contour is tried to be opened at.
+// The largest number of segments tested for the opening.
 constexpr std::size_t kMostOpenings = 64;
 
-// From one direction to the other, to the left seen from the tip of plane_normal.
+// The angle from one direction to the other, positive to the left seen from the tip of
+// plane_normal.
 double turn(const Vec3& from, const Vec3& to, const Vec3& plane_normal) {
   return std::atan2(from.cross(to).dot(plane_normal), from.dot(to));
 }
 
-// How far a ray gets in the plane before it meets a segment; `most` if it does not.
+// The length of a ray in the plane up to a segment; at most `most`.
 double free_way(const Vec3& from, const Vec3& direction, const Vec3& a, const Vec3& b,
                 const Vec3& plane_normal, double most) {
   const Vec3 along = b - a;
@@ -32,7 +34,7 @@ double free_way(const Vec3& from, const Vec3& direction, const Vec3& a, const Ve
   return way > 0.0 && part >= 0.0 && part <= 1.0 ? std::min(way, most) : most;
 }
 
-// The same before all segments of all curves but one.
+// The same for all segments of all curves except the segment that begins at but_from.
 double free_way(const Vec3& from, const Vec3& direction, const std::vector<Polyline>& curves,
                 const Vec3& plane_normal, const Vec3& but_from, double most) {
   double way = most;
@@ -90,8 +92,8 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
   return points;
 }
 
-// The contour that these are points of, in order, tells a spike from a slit where both turn right
-// back.
+// A simplified contour that turns back may be a spike or a slit. The turn of the full contour at
+// that point distinguishes them.
 HandPath contour_path(const std::vector<Vec3>& whole_m, const Vec3& plane_normal,
                       double tolerance_m) {
   std::vector<Vec3> contour_m = without_collinear_points(whole_m, false, plane_normal, tolerance_m);

@@ -14,26 +14,27 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Where a segment of the plane comes from. The last one of an open curve closes it.
+// The curve and segment of a planar segment. The last segment of an open curve closes the curve.
 struct Source {
   std::uint32_t curve, segment;
   bool is_closing;
 };
 
-// All pieces between two vertices.
+// All coincident pieces between two vertices.
 struct Edge {
   std::array<std::uint32_t, 2> ends;
-  std::uint32_t begin, end;      // in the pieces by edge
-  std::array<bool, 2> is_solid;  // to the left of the way from the first to the second; the right
+  std::uint32_t begin, end;  // range of pieces_by_edge_
+  std::array<bool, 2>
+      is_solid;  // on the left and on the right of the direction from ends[0] to ends[1]
 };
 
-// One way along an edge that a chain may go.
+// A half-edge: one direction of an edge, which a chain may follow.
 struct Way {
   std::uint32_t edge, piece;
   std::uint32_t next = kNone;
   bool has_previous = false;
   bool exists = false;
-  bool is_sheet = false;  // free in front and behind, and its back is no front of another
+  bool is_sheet = false;  // free on both sides, and the opposite half-edge does not exist
   bool is_of_open = false;
 };
 
@@ -140,10 +141,11 @@ class ChainFinder {
     }
   }
 
-  // Where all curves are closed, one edge is asked of all that are connected: around a vertex, what
-  // is to the left of an edge is to the right of the next.
+  // If all curves are closed, a ray is cast for one edge of each connected component. The other
+  // winding numbers follow: around a vertex, the region on the left of an edge is on the right of
+  // the next.
   void spread_windings(const PlanarBoxes& tree) {
-    std::vector<int> left(2 * edges_.size(), 0);  // winding number by way
+    std::vector<int> left(2 * edges_.size(), 0);  // winding number by half-edge
     std::vector<bool> is_known(edges_.size(), false);
     std::vector<bool> is_done(arrangement_.vertices.size(), false);
     std::vector<std::uint32_t> open;
@@ -179,8 +181,8 @@ class ChainFinder {
     }
   }
 
-  // Of the pieces of an edge, how many more go along a way than against it: so much larger is the
-  // winding number on its left.
+  // The number of pieces of an edge along a half-edge minus the number against it: the winding
+  // number on its left minus that on its right.
   int turns_along(std::uint32_t w) const {
     int turns = 0;
     for (std::uint32_t k = edges_[w / 2].begin; k < edges_[w / 2].end; ++k) {
@@ -189,11 +191,12 @@ class ChainFinder {
     return turns;
   }
 
-  // Along a row of edges that no other meets, all have the same on either side: the longest is
-  // asked.
+  // Edges in a row that no other edge meets have the same regions on their sides; a ray is cast for
+  // the longest edge only.
   void ask_rows(const PlanarBoxes& tree) {
     std::vector<bool> is_done(edges_.size(), false);
-    std::vector<std::pair<std::uint32_t, bool>> row;  // and whether along the way of the first
+    std::vector<std::pair<std::uint32_t, bool>>
+        row;  // edge, and whether it points the same way as the first
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (is_done[e]) continue;
       is_done[e] = true;
@@ -227,8 +230,9 @@ class ChainFinder {
     }
   }
 
-  // Whether there is solid to the left of an edge, and to the right. A ray from its middle, across
-  // it rather than along it, meets what goes round either side. Exact.
+  // Whether the region on the left of an edge is solid, and on the right. A ray from the middle of
+  // the edge, along x or y, whichever is more across the edge, meets the curves that enclose either
+  // side. Exact.
   std::array<bool, 2> sides_of(std::uint32_t e, const PlanarBoxes& tree) {
     const bool is_far_left = ask(e, tree);
     const bool is_far_solid = is_solid(far_side_);
@@ -237,7 +241,8 @@ class ChainFinder {
                        : std::array<bool, 2>{is_near_solid, is_far_solid};
   }
 
-  // Finds what goes round the two sides of an edge; true if the far one is to its left.
+  // Finds the winding numbers on both sides of an edge; returns true if the far side is on its
+  // left.
   bool ask(std::uint32_t e, const PlanarBoxes& tree) {
     const GridPoint a = at(edges_[e].ends[0]);
     const GridPoint b = at(edges_[e].ends[1]);
@@ -259,8 +264,9 @@ class ChainFinder {
     return along_x ? b.y < a.y : b.x > a.x;
   }
 
-  // By how much a piece adds to the winding number about a point, given by its double, for a ray
-  // along x or y: +-1 if the ray meets it. is_met: it passes through the point, and is to be met.
+  // The contribution of a piece to the winding number about a point for a ray along x or y: +-1 if
+  // the ray meets the piece, else 0. middle: the point, doubled. is_met: the piece passes through
+  // the point and counts as met.
   int turns_about(const GridPoint& middle, std::uint32_t p, bool along_x, bool is_met) const {
     const GridPoint& from = at(piece(p).from);
     const GridPoint& to = at(piece(p).to);
@@ -276,7 +282,8 @@ class ChainFinder {
     return along_x ? up : -up;
   }
 
-  // The winding number of all closed curves that a ray meets, and what each open one adds to its.
+  // The winding number of all closed curves that a ray meets, and the contributions of the pieces
+  // of open curves.
   struct Windings {
     int closed = 0;
     std::vector<std::pair<std::uint32_t, int>> open;
@@ -306,7 +313,7 @@ class ChainFinder {
     return sum > 0;
   }
 
-  // --- ways; two for each edge, the second one from its second end to its first
+  // --- half-edges; two for each edge, the second from ends[1] to ends[0]
 
   std::uint32_t from(std::uint32_t w) const { return edges_[w / 2].ends[w % 2]; }
   std::uint32_t to(std::uint32_t w) const { return edges_[w / 2].ends[1 - w % 2]; }
@@ -345,7 +352,7 @@ class ChainFinder {
     }
   }
 
-  // The ways that begin at a vertex, counter-clockwise.
+  // The half-edges that begin at a vertex, counter-clockwise.
   std::vector<std::uint32_t> ways_around(std::uint32_t v) const {
     std::vector<std::uint32_t> around;
     for (std::uint32_t k = first_at_vertex_[v]; k < first_at_vertex_[v + 1]; ++k) {
@@ -357,7 +364,7 @@ class ChainFinder {
     return around;
   }
 
-  // By the angle from the x axis.
+  // Compares by the angle from the x axis.
   bool is_before(std::uint32_t a, std::uint32_t b) const {
     const GridPoint p = at(to(a)) - at(from(a));
     const GridPoint q = at(to(b)) - at(from(b));
@@ -367,9 +374,9 @@ class ChainFinder {
     return turn != 0 ? turn > 0 : a < b;
   }
 
-  // What arrives goes on along the next way counter-clockwise, as far as that is free. Where that
-  // is done, what is left of a curve, as at the end of a shell that turns into a sheet, goes on
-  // along whatever is left.
+  // Links each arriving half-edge to the next one counter-clockwise, as long as the region between
+  // them is free. In a second pass (is_rest) the remaining half-edges, for example at the end of a
+  // shell that turns into a sheet, are linked to any that are left.
   void link_around(const std::vector<std::uint32_t>& around, bool is_rest) {
     const std::size_t count = around.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -426,8 +433,8 @@ class ChainFinder {
   std::vector<std::uint32_t> first_at_vertex_;  // in edges_at_vertex_
   std::vector<std::uint32_t> edges_at_vertex_;
   std::vector<Way> ways_;
-  std::vector<std::uint32_t> ways_in_order_;  // those that exist
-  Windings far_side_, near_side_;             // of the edge that is asked
+  std::vector<std::uint32_t> ways_in_order_;  // the existing half-edges
+  Windings far_side_, near_side_;             // results of ask()
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-// Points nearer to the one before than this part of the tolerance are not looked at on their own:
-// the finest mesh costs no more than others.
+// A point nearer to the previous tested point than this share of the tolerance is not tested
+// separately, which bounds the cost for fine meshes.
 constexpr double kFinest = 1.0 / 16;
 
 double distance_to_segment_m(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -40,7 +40,7 @@ class Simplifier {
   }
 
  private:
-  // The farthest point up to which one leg will do.
+  // The farthest point that a single leg from `from` can reach.
   std::size_t end_of_leg(std::size_t from) const {
     const auto& points = path_.points;
     const Vec3& start = points[from].p_m;
@@ -82,7 +82,7 @@ class Simplifier {
     return std::copysign(angle_rad, sign);
   }
 
-  // Of all edges that are passed where the legs meet.
+  // The sum of the fold angles of all edges near the point where the legs meet.
   double fold_near_rad(std::size_t i) const {
     const auto& points = path_.points;
     const auto is_near = [&](std::size_t k) {
