@@ -23,8 +23,9 @@ constexpr std::size_t kMaxLineBytes = 1u << 16;
 constexpr std::size_t kMaxColumns = 4;
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-constexpr const char* kLineHint = "write \"x y z\" or \"t x y z\" a line, decimals with a point";
-constexpr const char* kTraceHint = "end the line if it is whole, or cut it out";
+constexpr const char* kLineHint =
+    "write \"x y z\" or \"t x y z\" on each line, with decimal points";
+constexpr const char* kTraceHint = "complete the line with a newline, or delete it";
 
 // Of a trace, in the order of x, y and z.
 constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
@@ -138,7 +139,7 @@ class TrajectoryReader {
 
   Result<std::vector<Vec3>> finish() {
     if (positions_m_.empty()) {
-      return Error{ErrorCode::kInvalidContent, path_, "", "holds no sample", kLineHint};
+      return Error{ErrorCode::kInvalidContent, path_, "", "contains no sample", kLineHint};
     }
     return std::move(positions_m_);
   }
@@ -178,8 +179,8 @@ class TrajectoryReader {
       in_order = name.empty() || name == kOrder[i + skipped];
     }
     if (!in_order) {
-      return error_here("header " + quoted(line) + ", expected the columns x y z or t x y z",
-                        "reorder or cut the columns of the file");
+      return error_here("is the header " + quoted(line) + "; expected the columns x y z or t x y z",
+                        "reorder or delete columns of the file");
     }
     column_count_ = columns.size();
     column_line_ = line_number_;
@@ -199,8 +200,9 @@ class TrajectoryReader {
     for (std::size_t axis = 0; axis < kDeviceColumns.size(); ++axis) {
       const auto place = place_of(kDeviceColumns[axis]);
       if (!place) {
-        return error_here("header of a trace, expected device_x, device_y and device_z, once each",
-                          "give a trace as run or replay write it");
+        return error_here(
+            "is the header of a trace; expected each of device_x, device_y and device_z once",
+            "use a trace in the format of run or replay");
       }
       trace.device[axis] = *place;
     }
@@ -214,9 +216,10 @@ class TrajectoryReader {
     const std::vector<std::string_view> fields = split_columns(line);
     if (!is_whole || fields.size() != trace_->count) {
       const std::string found =
-          is_whole ? "found " + std::to_string(fields.size()) + " columns" : "is cut off";
-      return error_here(found + ", expected " + std::to_string(trace_->count) + " as in line " +
-                            std::to_string(column_line_) + " and a newline",
+          is_whole ? "has " + std::to_string(fields.size()) + " columns" : "is cut off";
+      return error_here(found + "; expected " + std::to_string(trace_->count) +
+                            " columns as in line " + std::to_string(column_line_) +
+                            ", and a newline",
                         kTraceHint);
     }
     Vec3 position_m;
@@ -260,27 +263,28 @@ class TrajectoryReader {
     if (count == column_count_) return std::nullopt;
     std::string expected = "3 or 4";
     if (column_count_ != 0) {
-      expected = std::to_string(column_count_) + " as in line " + std::to_string(column_line_);
+      expected =
+          std::to_string(column_count_) + " columns as in line " + std::to_string(column_line_);
     }
-    return error_here("found " + std::to_string(count) +
-                      (count == 1 ? " column, expected " : " columns, expected ") + expected);
+    return error_here("has " + std::to_string(count) +
+                      (count == 1 ? " column; expected " : " columns; expected ") + expected);
   }
 
   Error field_error(std::size_t i, std::string_view field, NumberKind kind) const {
     const std::string column = "column " + std::to_string(i + 1) + " ";
-    if (field.empty()) return error_here(column + "is empty, expected a number");
-    return error_here(column + "is " + quoted(field) + ", expected a number" +
+    if (field.empty()) return error_here(column + "is empty; expected a number");
+    return error_here(column + "is " + quoted(field) + "; expected a number" +
                       (kind == NumberKind::kOutOfRange ? " within the range of a double" : ""));
   }
 
   std::optional<Error> check_time(double time, std::string_view field) {
     if (!std::isfinite(time)) {
-      return error_here("time is " + quoted(field) + ", expected a finite number");
+      return error_here("time is " + quoted(field) + "; expected a finite number");
     }
     if (!(time > last_time_)) {
       return error_here("time " + quoted(field) + " does not increase",
                         trace_ ? "sort the lines by the column t"
-                               : "of 4 columns the first is the time; sort the lines by it");
+                               : "sort the lines by the first of the 4 columns, the time");
     }
     last_time_ = time;
     return std::nullopt;
@@ -296,7 +300,7 @@ class TrajectoryReader {
   std::vector<Vec3> positions_m_;
 };
 
-constexpr const char* kExpectedFile = "give a text file of device positions";
+constexpr const char* kExpectedFile = "use a text file of device positions";
 
 }  // namespace
 
@@ -314,7 +318,7 @@ Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
     if (auto error = reader.read_line({line.data(), read}, !file.eof())) return *error;
   }
   if (file.bad()) {
-    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to its end", ""};
+    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to the end", ""};
   }
   if (!file.eof()) {
     reader.count_line();

@@ -114,7 +114,7 @@ std::optional<Error> check_no_stride(const GltfAsset& asset, int view_id) {
   const auto view = static_cast<std::size_t>(view_id);
   if (asset.model.bufferViews[view].byteStride == 0) return std::nullopt;
   return gltf_invalid(gltf_element("bufferViews", view, "byteStride"),
-                      "is there; expected none for indices");
+                      "is present; indices must not have it");
 }
 
 template <typename Component, typename Out>
@@ -178,7 +178,7 @@ Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
   if (!is_index_type(layout.component_type)) {
     return gltf_invalid(
         element + "/sparse/indices/componentType",
-        "stands for " + name_of(layout.component_type) + "; expected unsigned integers");
+        "denotes " + name_of(layout.component_type) + "; expected unsigned integers");
   }
   if (auto error = check_no_stride(asset, sparse.indices.bufferView)) return *error;
   auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
@@ -287,8 +287,8 @@ std::optional<Error> check_unstored(const GltfAsset& asset, const tinygltf::Acce
                                     std::size_t accessor_id) {
   if (accessor.bufferView >= 0 || asset.buffers.take_unstored(accessor.count)) return std::nullopt;
   return gltf_error(ErrorCode::kLimitExceeded, gltf_element("accessors", accessor_id, "count"),
-                    "brings the elements without a bufferView to more than " +
-                        std::to_string(kMaxGltfUnstored) + ", the most that are read",
+                    "raises the number of elements without a bufferView to more than " +
+                        std::to_string(kMaxGltfUnstored) + ", the limit",
                     "store the zeros as well");
 }
 
@@ -337,7 +337,7 @@ std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t acc
   }
   if (asset.mesh_quantization && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return std::nullopt;
   return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
-                      "stands for " + name_of(type) + "; expected 32-bit floats for positions",
+                      "denotes " + name_of(type) + "; expected 32-bit floats for positions",
                       asset.mesh_quantization
                           ? "KHR_mesh_quantization allows 8-bit and 16-bit integers"
                           : "integers need KHR_mesh_quantization in extensionsUsed");
@@ -352,7 +352,7 @@ std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t access
   if (!is_index_type(accessor.componentType)) {
     return gltf_invalid(
         gltf_element("accessors", accessor_id, "componentType"),
-        "stands for " + name_of(accessor.componentType) + "; expected unsigned integers");
+        "denotes " + name_of(accessor.componentType) + "; expected unsigned integers");
   }
   if (accessor.normalized) {
     return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
@@ -380,7 +380,7 @@ std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t acc
     if (kind != kGltfFloats) expected += " integers of 8 or 16 bits";
   }
   return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
-                      "stands for " + name_of(accessor.componentType) +
+                      "denotes " + name_of(accessor.componentType) +
                           (accessor.normalized ? ", normalised" : "") + "; expected " + expected +
                           " for " + format.what);
 }

@@ -115,7 +115,7 @@ Error no_such_pose(const GltfAsset& asset, const std::string& asked, const std::
   const bool has_any = animation_count(asset) > 0;
   return gltf_error(ErrorCode::kInvalidArgument, "pose " + in_quotes(asked), problem,
                     has_any ? "choose from " + choices_text(asset)
-                            : "the file has no animation; without a pose it is felt at rest");
+                            : "the file has no animation; leave the pose out to use the rest pose");
 }
 
 // "#7" -> 7
@@ -142,7 +142,7 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
     if (number && *number < count) return *number;
     return no_such_pose(
         asset, asked,
-        in_quotes(name) + " is none of the " + std::to_string(count) + " animations of the file");
+        in_quotes(name) + " is not among the " + std::to_string(count) + " animations of the file");
   }
   std::string numbers;
   for (std::size_t i = 0; i < std::min(found.size(), kMostNamed); ++i) {
@@ -154,7 +154,7 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
   return gltf_error(
       ErrorCode::kInvalidArgument, "pose " + in_quotes(asked),
       in_quotes(name) + " is the name of " + std::to_string(found.size()) + " animations",
-      "say which by its number in the file: " + numbers);
+      "name the animation by its number in the file: " + numbers);
 }
 
 Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& asked) {
@@ -169,7 +169,7 @@ Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& as
   if (failed != std::errc() || rest != end || !std::isfinite(time_s) || !(time_s >= 0.0)) {
     return no_such_pose(asset, asked,
                         in_quotes(asked.substr(at + 1)) +
-                            " is no time; expected a finite number of seconds, 0 or more");
+                            " is not a time; expected a finite number of seconds, 0 or more");
   }
   const auto animation = find_animation(asset, asked, asked.substr(0, at));
   if (!animation) return animation.error();
@@ -250,9 +250,9 @@ Result<GltfPose> GltfPose::choose(const GltfAsset& asset, const std::string& ask
     if (!*target) continue;
     const std::pair key((*target)->node, (*target)->path);
     if (const auto [first, is_new] = channel_of.emplace(key, c); !is_new) {
-      return gltf_invalid(
-          element + "/target",
-          "is that of channel " + std::to_string(first->second) + ", too; expected each once");
+      return gltf_invalid(element + "/target", "is also the target of channel " +
+                                                   std::to_string(first->second) +
+                                                   "; expected each target once");
     }
     auto value = keyframes.value(c, (*target)->path, (*target)->weights);
     if (!value) return value.error();

@@ -58,7 +58,7 @@ Result<std::vector<std::array<double, 2>>> read_texture_coordinates(
                                 "texture coordinates"};
   const std::string name = "TEXCOORD_" + std::to_string(map.tex_coord);
   const auto accessor = attribute_accessor(asset, primitive, compressed, element, name,
-                                           vertex_count, "a texture map calls for it");
+                                           vertex_count, "a texture map requires it");
   if (!accessor) return accessor.error();
   const auto numbers = attribute_numbers(asset, compressed, name, *accessor, format, vertex_count);
   if (!numbers) return numbers.error();

@@ -57,7 +57,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::bytes(std::size_t index) {
     return gltf_invalid(gltf_element("buffers", index, "byteLength"),
                         "is " + std::to_string(expected) + ", but its data have " +
                             std::to_string(source->size()) + " bytes",
-                        "the data may have been cut short");
+                        "the data may be truncated");
   }
   return source->first(static_cast<std::size_t>(expected));
 }
@@ -81,7 +81,7 @@ std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::
 
 std::optional<Error> GltfBuffers::take_memory(const MemoryNeed& need, const std::string& element) {
   if (memory_ == nullptr) return std::nullopt;
-  memory_->begin("decoding it", element);
+  memory_->begin("decoding the data", element);
   return memory_->take(need);
 }
 
@@ -147,7 +147,7 @@ Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t ma
   if (bytes) return bytes;
   Error error = bytes.error();
   error.problem = "the file " + in_quotes(uri) + " " + error.problem;
-  if (error.hint.empty()) error.hint = "it must lie beside the asset";
+  if (error.hint.empty()) error.hint = "put the file beside the asset";
   return error;
 }
 

@@ -32,9 +32,9 @@ class Gate {
   const std::optional<Error>& error() const { return error_; }
 
   bool admit(const std::optional<DracoConnectivity>& connectivity) {
-    if (!connectivity) return refuse("its stream ends or breaks off in the connectivity");
+    if (!connectivity) return refuse("its stream ends within the connectivity");
     faces_ = connectivity->faces;
-    if (faces_ == 0) return refuse("its stream holds no triangle");
+    if (faces_ == 0) return refuse("its stream has no triangle");
     if (faces_ > room_.triangles) return refuse_count(faces_, "triangles", room_.triangles);
     // What the decoder keeps per triangle: 3 corners in 4 arrays of 4 bytes, the same once more for
     // the triangles and the order of decoding, up to 6 symbols of the contexts. Per corner and
@@ -76,7 +76,7 @@ class Gate {
   }
 
   bool refuse_count(std::uint64_t count, const char* what, std::size_t room) {
-    return refuse_limit("its stream holds " + std::to_string(count) + " " + what + "; at most " +
+    return refuse_limit("its stream has " + std::to_string(count) + " " + what + "; at most " +
                         std::to_string(room) + " can still be read");
   }
 
@@ -85,9 +85,9 @@ class Gate {
     if (bytes <= declared_.bytes()) return true;
     const std::uint64_t excess = bytes - declared_.bytes();
     if (excess > kDracoUndeclaredBytes + kDracoUndeclaredFactor * stream_bytes_) {
-      return refuse_limit("its stream of " + std::to_string(stream_bytes_) + " bytes holds " +
-                          std::to_string(bytes) + " bytes, its accessors say " +
-                          std::to_string(declared_.bytes()) + "; so much more is not decoded");
+      return refuse_limit("its stream of " + std::to_string(stream_bytes_) + " bytes decodes to " +
+                          std::to_string(bytes) + " bytes, far more than the " +
+                          std::to_string(declared_.bytes()) + " bytes that its accessors describe");
     }
     error_ = buffers_.count_decoded(excess, element_);
     return !error_;
@@ -97,10 +97,9 @@ class Gate {
     const std::uint64_t accounted = std::max(kDracoWorkingFactor * declared_.bytes(),
                                              kDracoWorkingPerStreamByte * stream_bytes_);
     if (bytes <= kDracoWorkingBytes + accounted) return true;
-    return refuse("its stream of " + std::to_string(stream_bytes_) + " bytes asks for " +
-                  std::to_string(bytes) +
-                  " bytes of memory, far more than what its accessors describe takes, " +
-                  std::to_string(declared_.bytes()));
+    return refuse("its stream of " + std::to_string(stream_bytes_) + " bytes requires " +
+                  std::to_string(bytes) + " bytes of memory, far more than the " +
+                  std::to_string(declared_.bytes()) + " bytes that its accessors describe");
   }
 
   // What is decoded is kept in our own form, which is counted by itself: no more than the tables of

@@ -84,10 +84,10 @@ Result<CheckedDracoStream> check_draco_stream(Bytes bytes, const std::string& el
   draco::DecoderBuffer stream = draco_buffer(bytes);
   draco::DracoHeader header;
   if (!draco::PointCloudDecoder::DecodeHeader(&stream, &header).ok()) {
-    return gltf_invalid(element, "its data do not begin like a Draco stream");
+    return gltf_invalid(element, "its data do not begin with a Draco header");
   }
   if (header.encoder_type != draco::TRIANGULAR_MESH) {
-    return gltf_invalid(element, "its stream holds no triangles, but a cloud of points");
+    return gltf_invalid(element, "its stream contains a point cloud, not triangles");
   }
   const auto version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
   if (header.version_major < 1 || version > draco::kDracoMeshBitstreamVersion ||

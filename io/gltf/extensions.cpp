@@ -200,7 +200,7 @@ struct Unsupported {
 };
 
 constexpr Unsupported kUnsupported[] = {
-    {"CESIUM_RTC", "move the nodes by its center", "the scene is read without its offset"},
+    {"CESIUM_RTC", "move the nodes by its center", "the scene is read without the offset"},
     {"EXT_primitive_voxels", "export surfaces instead of voxels", "voxels are left out"},
     {"KHR_accessor_float16", "export positions as 32-bit floats", ""},
     {"KHR_accessor_float64", "export positions as 32-bit floats", ""},
@@ -213,7 +213,7 @@ constexpr Unsupported kUnsupported[] = {
      "splats are left out"},
     {"MAXAR_mesh_variants", "export one variant", "the default meshes are read"},
     {"MPEG_accessor_timed", "export the geometry of one moment",
-     "only what the file holds is read, nothing that is streamed"},
+     "only the data in the file are read, no streamed data"},
     {"KHR_node_visibility", "delete the hidden nodes", "hidden nodes are read like visible ones"},
 };
 
@@ -261,7 +261,7 @@ void warn_about(const std::string& name, std::vector<std::string>& warnings) {
   const Unsupported* known = find_unsupported(name);
   if (known && known->without_support.empty()) return;
   warnings.push_back("/extensionsUsed: " + in_quotes(name) + " is ignored: " +
-                     (known ? std::string(known->without_support) : "it is not known"));
+                     (known ? std::string(known->without_support) : "it is unknown"));
 }
 
 // "2.0" -> {2, 0}
@@ -283,7 +283,7 @@ std::optional<Error> check_asset_version(const Json& root) {
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object() || !asset->contains("version")) {
     return gltf_error(ErrorCode::kNotGltf, "/asset/version", "is missing; expected \"2.0\"",
-                      "not a glTF asset, or one of glTF 1.0: convert it to 2.0");
+                      "the asset is not glTF, or it is glTF 1.0: convert it to 2.0");
   }
   for (const char* name : {"version", "minVersion"}) {
     const auto text = asset->find(name);

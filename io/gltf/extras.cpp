@@ -46,7 +46,7 @@ MaybeError read_value(const Json& json, const std::string& element, MaterialValu
   } else if (json.is_array()) {
     return read_list(json, element, value);
   } else {
-    return gltf_expected(element, json, "a number, true or false, a text or a list of numbers");
+    return gltf_expected(element, json, "a number, true or false, a string or a list of numbers");
   }
   return std::nullopt;
 }
@@ -62,7 +62,7 @@ MaybeError check_key(const std::string& key, const std::string& parent_element) 
   if (auto error = check_length(key, parent_element)) return error;
   if (key.find('.') != std::string::npos) {
     return gltf_invalid(parent_element,
-                        "has the key " + in_quotes(key) + "; expected one without a dot",
+                        "has the key " + in_quotes(key) + "; expected a key without a dot",
                         "write \"a\": {\"b\": 1} instead of \"a.b\": 1");
   }
   return std::nullopt;
@@ -97,13 +97,13 @@ MaybeError PalpateExtras::read_entries(const Json& object, const std::string& el
       continue;
     }
     if (parameters.size() == kMaxParameters) {
-      return gltf_invalid(path, "is one entry too many; expected at most " +
-                                    std::to_string(kMaxParameters) + " together");
+      return gltf_invalid(path, "exceeds the number of entries; expected at most " +
+                                    std::to_string(kMaxParameters) + " in total");
     }
     if (left_ == 0) {
       return gltf_error(ErrorCode::kLimitExceeded, path,
-                        "brings the parameters of the asset to more than " +
-                            std::to_string(kMaxGltfParameters) + ", the most that are read");
+                        "raises the number of parameters of the asset to more than " +
+                            std::to_string(kMaxGltfParameters) + ", the limit");
     }
     --left_;
     MaterialParameter parameter{prefix + key, {}, path};

@@ -144,7 +144,8 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {
-  const std::string hint = "keep the files of an asset in its own folder, named relative to it";
+  const std::string hint =
+      "keep the files of an asset in its folder, and name them relative to the folder";
   if (has_scheme(uri)) {
     return gltf_error(ErrorCode::kUnsupported, {}, "the URI " + in_quotes(uri) + " is not relative",
                       hint);

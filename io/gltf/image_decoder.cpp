@@ -22,7 +22,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t kColours = 3;
 constexpr std::uint16_t kPer8BitStep = 257;  // 255 becomes 65535
-constexpr const char* kDamagedHint = "the image may be damaged or cut short";
+constexpr const char* kDamagedHint = "the image may be damaged or truncated";
 
 bool begins_with(Bytes bytes, std::span<const std::uint8_t> magic) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
@@ -134,8 +134,7 @@ Result<ImageDescription> decode_jpeg(Bytes bytes, const ImageRoom& room) {
     return jpeg_error(decoder.get());
   }
   if (colour_space == TJCS_CMYK || colour_space == TJCS_YCCK) {
-    return gltf_error(ErrorCode::kUnsupported, {}, "has the colours of print, CMYK",
-                      "save it in grey or RGB");
+    return gltf_error(ErrorCode::kUnsupported, {}, "has CMYK colours", "save it in grey or RGB");
   }
   const auto columns = static_cast<std::uint32_t>(width);
   const auto rows = static_cast<std::uint32_t>(height);
@@ -159,7 +158,7 @@ Result<ImageDescription> decode_image(Bytes bytes, const ImageRoom& room) {
   if (begins_with(bytes, kPng)) return decode_png(bytes, room);
   if (begins_with(bytes, kJpeg)) return decode_jpeg(bytes, room);
   return gltf_error(ErrorCode::kUnsupported, {}, "is neither PNG nor JPEG by its first bytes",
-                    "save it as PNG, of 16 bits if heights need them");
+                    "save it as PNG, with 16 bits if heights need them");
 }
 
 }  // namespace palpate

@@ -47,7 +47,7 @@ class DocumentBuilder {
     open_.back().key = &entry->first;
     slot_ = &entry->second;
     if (!is_new && ++duplicates_ <= kMostListed) {
-      warnings_.push_back(path() + ": is there more than once; the last one counts");
+      warnings_.push_back(path() + ": is present more than once; the last value is used");
     }
     return true;
   }
@@ -112,7 +112,7 @@ class DocumentBuilder {
 
 Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings) {
   if (text.starts_with("\xEF\xBB\xBF")) {  // which the parser would pass over
-    return gltf_invalid("JSON", "begins with a byte order mark too many; expected {");
+    return gltf_invalid("JSON", "begins with a second byte order mark; expected {");
   }
   // The parser takes a zero byte for the end.
   const std::size_t end = text.find('\0');
@@ -124,7 +124,7 @@ Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& wa
     return gltf_invalid("JSON", builder.problem().substr(0, 200));
   if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
     warnings.push_back("JSON: " + std::to_string(others) +
-                       " further keys are there more than once; of each the last one counts");
+                       " further keys are present more than once; the last value of each is used");
   }
   return builder.take();
 }

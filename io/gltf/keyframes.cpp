@@ -215,8 +215,9 @@ Result<std::vector<double>> GltfKeyframes::sample(const Sampler& sampler, GltfPa
   if (!is_rotation) return value;
   const Vector4d q = Vector4d(value.data()).stableNormalized();
   if (!(q.norm() > 0.5)) {
-    return gltf_invalid(sampler.element + "/output",
-                        "its spline goes through no rotation at " + std::to_string(time_s_) + " s");
+    return gltf_invalid(
+        sampler.element + "/output",
+        "its spline passes through a zero quaternion at " + std::to_string(time_s_) + " s");
   }
   return std::vector<double>(q.data(), q.data() + 4);
 }
@@ -247,13 +248,13 @@ void GltfKeyframes::warn_of_order(const Sampler& sampler, const std::vector<doub
   const auto warn = [&](std::size_t key, const char* is, const char* reading) {
     warnings_.push_back(sampler.element + "/input: key " + std::to_string(key) + " at " +
                         std::to_string(times_s[key]) + " s " + is +
-                        " the one before it; expected rising times. " + reading);
+                        " the previous key; expected increasing times. " + reading);
   };
   if (falls) {
-    warn(*falls, "is earlier than", "Keys that an earlier one follows are passed over");
+    warn(*falls, "is earlier than", "Keys are ignored if a key with an earlier time follows");
   }
   if (stays) {
-    warn(*stays, "has the time of", "Of keys at one time the last one counts from then on");
+    warn(*stays, "has the time of", "The last of several keys at one time is used from then on");
   }
 }
 
@@ -270,10 +271,10 @@ Result<std::vector<double>> GltfKeyframes::read_all(std::size_t accessor_id,
       (!is_stored && !asset_.buffers.take_unstored(accessor.count))) {
     return gltf_error(ErrorCode::kLimitExceeded, element,
                       is_stored
-                          ? "brings what must be read to pose the scene to more than " +
+                          ? "raises the data to read for the pose to more than " +
                                 std::to_string(kMaxGltfPoseWork) + " numbers"
-                          : "brings the elements without a bufferView to more than " +
-                                std::to_string(kMaxGltfUnstored) + ", the most that are read");
+                          : "raises the number of elements without a bufferView to more than " +
+                                std::to_string(kMaxGltfUnstored) + ", the limit");
   }
   pose_work_ -= accessor.count * components;
   return read_numbers(asset_, accessor_id, format, accessor.count);

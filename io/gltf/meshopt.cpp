@@ -139,7 +139,7 @@ class ViewParser {
       if (*value != name) continue;
       view_.filter = filter;
       if (filter == Filter::kNone || view_.mode == Mode::kAttributes) return std::nullopt;
-      return gltf_expected(element, *value, "NONE, since the mode is not ATTRIBUTES");
+      return gltf_expected(element, *value, "NONE, because the mode is not ATTRIBUTES");
     }
     if (*value == "COLOR") {
       return gltf_error(ErrorCode::kUnsupported, element, "is COLOR, which is not supported",
@@ -155,7 +155,7 @@ class ViewParser {
       return gltf_expected(element_ + "/byteStride", object_["byteStride"], expected);
     };
     if (view_.mode != Mode::kAttributes) {
-      return expect(stride == 2 || stride == 4, "2 or 4, as indices have");
+      return expect(stride == 2 || stride == 4, "2 or 4 for indices");
     }
     if (view_.filter == Filter::kOctahedral) {
       return expect(stride == 4 || stride == 8, "4 or 8 for the filter OCTAHEDRAL");
@@ -209,7 +209,7 @@ std::optional<Error> check_codec(const CompressedView& view, std::uint8_t first_
                                  const std::string& element) {
   const Codec codec = codec_of(view.mode);
   if ((first_byte & kCodecMask) != codec.first_byte) {
-    return gltf_invalid(element, "its data do not begin like those of its mode",
+    return gltf_invalid(element, "its data do not begin with the header of its mode",
                         "the data may be damaged");
   }
   const unsigned version = first_byte & ~kCodecMask;

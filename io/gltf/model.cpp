@@ -62,7 +62,7 @@ class ModelReader : public GltfElements {
     spent_.add(std::move(element));
     spent_.add(std::move(rest));
     if (whole) return std::nullopt;
-    return gltf_invalid("JSON", "tinygltf cannot read it: " + problem_.substr(0, 200));
+    return gltf_invalid("JSON", "tinygltf cannot read the element: " + problem_.substr(0, 200));
   }
 
   void expect(GltfSection section, std::size_t count) override {

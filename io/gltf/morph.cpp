@@ -55,8 +55,8 @@ std::optional<Error> check_target(const GltfAsset& asset, std::size_t accessor,
   }
   if (count > pose_work) {
     return gltf_error(ErrorCode::kLimitExceeded, element,
-                      "brings the vertices to pose to more than " +
-                          std::to_string(kMaxGltfPoseWork) + ", the most that are read");
+                      "raises the number of vertices to pose to more than " +
+                          std::to_string(kMaxGltfPoseWork) + ", the limit");
   }
   return std::nullopt;
 }

@@ -25,7 +25,7 @@ Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
       int& parent = parents[static_cast<std::size_t>(children[c])];
       if (parent != kNoParent) {
         return gltf_invalid(gltf_element("nodes", i, "children/" + std::to_string(c)),
-                            "node " + std::to_string(children[c]) + " already is a child of node " +
+                            "node " + std::to_string(children[c]) + " is already a child of node " +
                                 std::to_string(parent) + "; a node has one parent");
       }
       parent = static_cast<int>(i);
@@ -51,7 +51,8 @@ std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vecto
   }
   for (std::size_t i = 0; i < reached.size(); ++i) {
     if (!reached[i]) {
-      return gltf_invalid(gltf_element("nodes", i), "is its own ancestor, or a descendant of one");
+      return gltf_invalid(gltf_element("nodes", i),
+                          "is its own ancestor, or a descendant of such a node");
     }
   }
   return std::nullopt;
@@ -74,10 +75,10 @@ std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::si
   }
   for (const int id : model.scenes[*scene].nodes) {
     if (const int parent = parents[static_cast<std::size_t>(id)]; parent != kNoParent) {
-      warnings.push_back(gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) +
-                         ": node " + std::to_string(id) + " is a child of node " +
-                         std::to_string(parent) +
-                         ", as no node of a scene may be; it is read without its parent");
+      warnings.push_back(
+          gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) + ": node " +
+          std::to_string(id) + " is a child of node " + std::to_string(parent) +
+          ", but a root of a scene must not have a parent; it is read without its parent");
     }
     roots.push_back(id);
   }

@@ -121,14 +121,15 @@ MaybeError bind_physics_materials(const Json& root, SceneDescription& scene) {
     const auto [known, is_new] = named.emplace(*collider->geometry_node, *collider->material);
     if (is_new || known->second == *collider->material) continue;
     if (++disagreements > 1) continue;
-    first_disagreement = gltf_element("nodes", node) + ": its collider gives " +
+    first_disagreement = gltf_element("nodes", node) + ": its collider assigns " +
                          gltf_element("nodes", known->first) + " the physics material " +
                          std::to_string(*collider->material) +
-                         "; it keeps that of an earlier one, " + std::to_string(known->second);
+                         "; the material of an earlier collider is kept, " +
+                         std::to_string(known->second);
   }
   if (disagreements > 1) {
     first_disagreement +=
-        "; " + std::to_string(disagreements - 1) + " further colliders disagree like it";
+        "; " + std::to_string(disagreements - 1) + " further colliders disagree in the same way";
   }
   if (disagreements > 0) scene.notes.push_back(first_disagreement);
   // Parents come before their children in the tree.

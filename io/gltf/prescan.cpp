@@ -46,7 +46,7 @@ Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
     return gltf_invalid(element,
                         "its length is " + std::to_string(length) + " bytes, but the file has " +
                             std::to_string(glb.size() - offset) + " left",
-                        "the file may have been cut short");
+                        "the file may be truncated");
   }
   const Chunk chunk{type, glb.subspan(offset, length)};
   offset += length;
@@ -87,13 +87,13 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
     return gltf_invalid("GLB header",
                         "its length is " + std::to_string(length) + " bytes, but the file has " +
                             std::to_string(file.size()),
-                        "the file may have been cut short");
+                        "the file may be truncated");
   }
   std::size_t offset = kHeaderBytes;
   const auto json = next_chunk(file, offset, 0);
   if (!json) return json.error();
   if (json->type != kJsonChunk) {
-    return gltf_invalid("GLB chunk 0", "is not of type JSON, as the first one must be");
+    return gltf_invalid("GLB chunk 0", "is not of type JSON, as the first chunk must be");
   }
   GltfContainer container;
   container.json = {reinterpret_cast<const char*>(json->data.data()), json->data.size()};
@@ -104,7 +104,7 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
     if (!chunk) return chunk.error();
     if (chunk->type == kJsonChunk || (chunk->type == kBinChunk && index != 1)) {
       return gltf_invalid("GLB chunk " + std::to_string(index),
-                          "is one chunk too many of type JSON or BIN, or BIN is not the second");
+                          "repeats the type JSON or BIN, or BIN is not the second chunk");
     }
     if (chunk->type == kBinChunk) container.bin_chunk = chunk->data;
     container.misaligned |= chunk->data.size() % 4 != 0;

@@ -87,8 +87,8 @@ class MeshReader {
           kPerPrimitive + primitive.attributes.size() + primitive.targets.size();
       if (cost > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("meshes", mesh_id_),
-                          "is posed in too many ways: more than " +
-                              std::to_string(kMaxGltfPoseWork) + " primitives and targets");
+                          "has too many poses: more than " + std::to_string(kMaxGltfPoseWork) +
+                              " primitives and targets");
       }
       budget_.pose_work -= cost;
     }
@@ -330,7 +330,8 @@ class MeshReader {
                                 std::to_string(reserved) +
                                 ", the largest of its type, which glTF does not allow";
     if (mode != TriangleMode::kList) return gltf_invalid(element + "/indices", problem);
-    warnings_.push_back(element + "/indices: " + problem + "; it is read as that vertex");
+    warnings_.push_back(element + "/indices: " + problem +
+                        "; it is read as an ordinary vertex index");
     return std::nullopt;
   }
 

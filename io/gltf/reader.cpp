@@ -141,8 +141,7 @@ class SceneReader {
     if (find_palpate_extras(object)->contains("medium")) {
       scene_.regions.push_back(std::move(region));
     } else {
-      warn(region.element, name,
-           "has no \"medium\" there, the only thing that is understood of a node; it is ignored");
+      warn(region.element, name, "is ignored: the only known key of a node, \"medium\", is absent");
     }
     return std::nullopt;
   }
@@ -177,12 +176,12 @@ class SceneReader {
     const std::string element = gltf_element("nodes", placed.node);
     if (auto error = check_scale(linear, element, in_quotes(name))) return error;
     if (linear.isZero(0.0)) {
-      warn(element, name, "is scaled to nothing and is left out");
+      warn(element, name, "has scale zero and is left out");
     } else if (const double scale = lengthening(linear); scale < kMinGltfScale) {
       warn(element, name,
            "is scaled by " + gltf_number(scale) +
-               ", with its ancestors, and is left out; at least " + gltf_number(kMinGltfScale) +
-               " is read");
+               ", with its ancestors, and is left out; expected at least " +
+               gltf_number(kMinGltfScale));
     } else if (is_singular(linear)) {
       warn(element, name,
            "is left out: its transform, with those of its ancestors, flattens the mesh");
@@ -242,7 +241,7 @@ class SceneReader {
     if (!instances) return instances.error();
     if (*instances) {
       return gltf_error(ErrorCode::kUnsupported, gltf_element("nodes", placed.node),
-                        "has a skin and EXT_mesh_gpu_instancing; expected one or the other");
+                        "has a skin and EXT_mesh_gpu_instancing; expected only one of them");
     }
     add_description(placed, scene_.tree[placed.tree_node].name, AffineTransform());
     return std::nullopt;
@@ -293,7 +292,7 @@ class SceneReader {
     if (*own) {
       if ((*own)->size() > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", node),
-                          "brings the morph weights of all nodes to more than are read");
+                          "raises the number of morph weights of all nodes above the limit");
       }
       budget_.pose_work -= (*own)->size();
       return kept(std::move(**own));
@@ -389,7 +388,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   const MemoryReserve reserve(memory_to_destroy(container->json, extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
-    warnings.push_back("JSON: begins with a byte order mark, which is passed over");
+    warnings.push_back("JSON: begins with a byte order mark, which is ignored");
   }
   auto root = parse_gltf_json(container->json, warnings);
   if (!root) return root.error();

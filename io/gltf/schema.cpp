@@ -208,9 +208,9 @@ class Checker {
   MaybeError count_elements(std::size_t count, const JsonPath& path) {
     if (count > elements_left_) {
       return gltf_error(ErrorCode::kLimitExceeded, path.text(),
-                        "brings the elements of the asset to more than " +
+                        "raises the number of elements of the asset to more than " +
                             std::to_string(most_elements_) +
-                            ", the most that are read of so short a text");
+                            ", the limit for a text of this length");
     }
     elements_left_ -= count;
     return std::nullopt;
@@ -327,8 +327,8 @@ class Checker {
           std::all_of(list->begin(), list->end(), [](const Json& n) { return n.is_number(); })) {
         return true;
       }
-      warnings_.push_back((path / name).text() + ": is no list of " + std::to_string(count) +
-                          " numbers, one for each component; it is ignored, the data count");
+      warnings_.push_back((path / name).text() + ": is not a list of " + std::to_string(count) +
+                          " numbers, one for each component; it is ignored and the data are used");
       return false;
     };
     const bool has_low = numbers_in(low, "min");
@@ -338,7 +338,7 @@ class Checker {
       if (!((*low)[i].get<double>() > (*high)[i].get<double>())) continue;
       warnings_.push_back(path.text() + ": its min " + (*low)[i].dump() + " is above its max " +
                           (*high)[i].dump() + " in component " + std::to_string(i) +
-                          "; both are ignored, the data count");
+                          "; both are ignored and the data are used");
       return;
     }
   }
@@ -424,7 +424,7 @@ class Checker {
         return gltf_invalid(path.text(), "has " + std::to_string(value.size()) +
                                              " elements; expected each of the " +
                                              std::to_string(count) + " in /" + property.target +
-                                             " once at most");
+                                             " at most once");
       }
       Json id;
       if (auto error = take_id(value[i], path / i, property, id)) return error;

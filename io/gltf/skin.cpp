@@ -61,8 +61,8 @@ Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t
   }
   if (list->size() > max_joints) {
     return gltf_error(ErrorCode::kLimitExceeded, element + "/joints",
-                      "brings the joints to more than " + std::to_string(kMaxGltfJoints) +
-                          ", the most that are read");
+                      "raises the number of joints to more than " + std::to_string(kMaxGltfJoints) +
+                          ", the limit");
   }
   std::vector<std::size_t> joints;
   for (const Json& joint : *list) {
@@ -96,9 +96,10 @@ void warn_of_duplicates(const GltfAsset& asset, std::size_t skin,
             " and joint " + std::to_string(i);
   }
   if (others == 0) return;
-  warnings.push_back(gltf_element("skins", skin, "joints") + ": " + first +
-                     ", expected each node once; it moves what each of them holds" +
-                     (others > 1 ? "; so do " + std::to_string(others - 1) + " more" : ""));
+  warnings.push_back(
+      gltf_element("skins", skin, "joints") + ": " + first +
+      "; expected each node once. All its joints are used" +
+      (others > 1 ? "; " + std::to_string(others - 1) + " further joints are repeated" : ""));
 }
 
 Error joint_out_of_range(const GltfAsset& asset, std::size_t skin, std::size_t joint,
@@ -262,8 +263,8 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
     const std::size_t work = kWorkPerVertex * positions.size();
     if (work > pose_work) {
       return gltf_error(ErrorCode::kLimitExceeded, element,
-                        "brings the vertices to pose to more than " +
-                            std::to_string(kMaxGltfPoseWork) + ", the most that are read");
+                        "raises the number of values to pose to more than " +
+                            std::to_string(kMaxGltfPoseWork) + ", the limit");
     }
     pose_work -= work;
     auto joint_numbers =

@@ -416,10 +416,9 @@ TEST(GltfKeyframes, WarnOfTimesThatFallAndPassOverTheKeysThatAnEarlierOneFollows
   }
   const SceneDescription scene = read_glb(asset, posed("Move@0"));
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_EQ(
-      scene.warnings[0],
-      "/animations/0/samplers/0/input: key 2 at 1.000000 s is earlier than the one before it; "
-      "expected rising times. Keys that an earlier one follows are passed over");
+  EXPECT_EQ(scene.warnings[0],
+            "/animations/0/samplers/0/input: key 2 at 1.000000 s is earlier than the previous key; "
+            "expected increasing times. Keys are ignored if a key with an earlier time follows");
   EXPECT_TRUE(read_glb(asset).warnings.empty());
 }
 
@@ -433,7 +432,8 @@ TEST(GltfKeyframes, WarnOfTwoKeysAtOneTimeAndStepThere) {
   const SceneDescription scene = read_glb(asset, posed("Move@0"));
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_NE(scene.warnings[0].find("key 2 at 1.000000 s has the time of"), std::string::npos);
-  EXPECT_NE(scene.warnings[0].find("the last one counts"), std::string::npos);
+  EXPECT_NE(scene.warnings[0].find("The last of several keys at one time is used"),
+            std::string::npos);
   // All keys at one time: the first holds before, the last from then on.
   const GltfBuilder one = moving_triangle("translation", {1, 1}, {10, 0, 0, 50, 0, 0});
   EXPECT_EQ(x_at(one, "0.5"), 10.0);
@@ -539,7 +539,7 @@ TEST(GltfPose, RefusesWhatIsNotThereAndTellsWhatIs) {
                    posed(pose));
   }
   expect_refused(asset, ErrorCode::kInvalidArgument, "pose \"Twice@0\"",
-                 "say which by its number in the file: \"#1\", \"#3\"", posed("Twice@0"));
+                 "name the animation by its number in the file: \"#1\", \"#3\"", posed("Twice@0"));
   expect_refused(GltfBuilder::one_triangle(), ErrorCode::kInvalidArgument, "pose \"Walk@0\"",
                  "the file has no animation", posed("Walk@0"));
 }
@@ -559,7 +559,7 @@ TEST(GltfPose, TellsInANoteWhichItIsAndWhereItsKeysEnd) {
   const auto note = [&](const char* pose) { return read_glb(asset, posed(pose)).notes.at(0); };
   EXPECT_EQ(note(""), "pose: at rest");
   EXPECT_EQ(note("#3@0.5"), "pose: animation #3 \"Twice\" at 0.5 s");
-  EXPECT_EQ(note("#3@2"), "pose: animation #3 \"Twice\" at 2 s, behind its last key at 0.75 s");
+  EXPECT_EQ(note("#3@2"), "pose: animation #3 \"Twice\" at 2 s, after its last key at 0.75 s");
 }
 
 TEST(GltfPose, ListsAllAnimationsWithTheirLengthsWhateverIsWrongWithThem) {

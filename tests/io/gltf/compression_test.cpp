@@ -1174,7 +1174,7 @@ TEST(Draco, BoundsWhatAStreamDecodesToBeyondItsAccessors) {
   EXPECT_EQ(read(asset_of(vertices, indices.size())).meshes.at(0).positions.size(), vertices);
   const GltfBuilder lying = asset_of(3, 3);
   EXPECT_LT(peak_while_refused(lying), kDracoWorkingBytes + (std::size_t{8} << 20));
-  expect_refused(lying, ErrorCode::kLimitExceeded, kDracoElement, "so much more is not decoded");
+  expect_refused(lying, ErrorCode::kLimitExceeded, kDracoElement, "far more than the");
 }
 
 TEST(Draco, RefusesTypesThatDifferFromTheStream) {

@@ -194,8 +194,8 @@ TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCountsAndItIsNamed) {
   const SceneDescription scene =
       read_or_fail(triangle_with(R"("nodes":[{},{"mesh":0}],"scenes":[{"nodes":[1]}])"));
   EXPECT_EQ(scene.nodes.at(0).name, "node 1");
-  EXPECT_TRUE(has_warning(scene, "/nodes: is there more than once"));
-  EXPECT_TRUE(has_warning(scene, "/scenes: is there more than once"));
+  EXPECT_TRUE(has_warning(scene, "/nodes: is present more than once"));
+  EXPECT_TRUE(has_warning(scene, "/scenes: is present more than once"));
   expect_invalid(triangle_with(R"("nodes":7)"), "/nodes");
   expect_invalid(triangle_with(R"("accessors":[])"), "/meshes/0/primitives/0/indices");
 
@@ -204,21 +204,21 @@ TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCountsAndItIsNamed) {
                              R"("scenes":[{"nodes":[1]}])";
   const SceneDescription deep = read_or_fail(triangle_with(nested));
   EXPECT_EQ(deep.nodes.at(0).translation_m, Vec3(1, 2, 3));
-  EXPECT_TRUE(has_warning(deep, "/nodes/1/translation: is there more than once"));
-  EXPECT_TRUE(has_warning(deep, "/nodes/1/extras/1/a/b: is there more than once"));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/translation: is present more than once"));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/extras/1/a/b: is present more than once"));
 }
 
 TEST(HostileGltf, ManyKeysOfOneNameAreCounted) {
   constexpr std::size_t kMany = 100000;
   const SceneDescription scene =
       read_or_fail(triangle_with("\"extras\":{\"k\":0" + repeated(",\"k\":[1]", kMany) + "}"));
-  EXPECT_TRUE(has_warning(scene, "/extras/k: is there more than once"));
+  EXPECT_TRUE(has_warning(scene, "/extras/k: is present more than once"));
   ASSERT_FALSE(scene.warnings.empty());
   EXPECT_LT(scene.warnings.size(), kMaxGltfWarnings);
   const std::size_t listed = scene.warnings.size() - 1;
   EXPECT_EQ(scene.warnings.back(), "JSON: " + std::to_string(kMany - listed) +
-                                       " further keys are there more than once; of each the last "
-                                       "one counts");
+                                       " further keys are present more than once; the last "
+                                       "value of each is used");
 }
 
 TEST(HostileGltf, ExtremesThatContradictEachOtherAreNamedAndIgnored) {
@@ -240,7 +240,7 @@ TEST(HostileGltf, ExtremesThatContradictEachOtherAreNamedAndIgnored) {
   // What exporters write for numbers that are not finite.
   const auto null = warnings_of({0, 0, 0}, {nullptr, nullptr, nullptr});
   ASSERT_EQ(null.size(), 1u);
-  EXPECT_NE(null[0].find("/accessors/0/max: is no list of 3 numbers"), std::string::npos);
+  EXPECT_NE(null[0].find("/accessors/0/max: is not a list of 3 numbers"), std::string::npos);
   EXPECT_EQ(warnings_of({0, 0}, "x").size(), 2u);
 }
 

@@ -815,10 +815,10 @@ TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
   using Warnings = std::vector<std::string>;
   EXPECT_EQ(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics),
             Warnings{"/extensions/KHR_physics_rigid_bodies/physicsMaterials/1: has \"friction\", "
-                     "which nothing is made of"});
+                     "which is not used"});
   EXPECT_EQ(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic),
             Warnings{"/extensions/MPEG_haptic_material/materials/1: has \"roughness\" and 1 more, "
-                     "which nothing is made of"});
+                     "which is not used"});
 }
 
 // --- Variants ------------------------------------------------------------------------------------

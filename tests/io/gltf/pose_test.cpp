@@ -472,7 +472,7 @@ TEST(GltfSkin, BoundsTheWorkOfManyPosesOfManyPrimitives) {
     asset.json["skins"].push_back({{"joints", {1}}});
     asset.add_node({{"mesh", 0}, {"skin", i}});
   }
-  expect_refused(asset, ErrorCode::kLimitExceeded, "/meshes/0", "posed in too many ways");
+  expect_refused(asset, ErrorCode::kLimitExceeded, "/meshes/0", "has too many poses");
 }
 
 TEST(GltfSkin, WarnsOnceOfWhatAllPosesOfAMeshShare) {

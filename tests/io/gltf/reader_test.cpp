@@ -743,7 +743,7 @@ TEST(GltfReader, TakesLongerButNotShorterBuffers) {
   folder.write("asset.bin", asset.bin + "more");
   EXPECT_EQ(read_or_fail(path).meshes.size(), 1u);
   folder.write("asset.bin", asset.bin.substr(1));
-  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "cut short");
+  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "truncated");
   folder.write("asset.bin", "");
   expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength");
 }
