@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-// Longer than any line of four numbers and a comment; keeps a binary file from being read whole.
+// Longer than any line of four numbers and a comment; prevents reading a binary file as a whole.
 constexpr std::size_t kMaxLineBytes = 1u << 16;
 constexpr std::size_t kMaxColumns = 4;
 
@@ -27,7 +27,7 @@ constexpr const char* kLineHint =
     "write \"x y z\" or \"t x y z\" on each line, with decimal points";
 constexpr const char* kTraceHint = "complete the line with a newline, or delete it";
 
-// Of a trace, in the order of x, y and z.
+// The device columns of a trace, in the order x, y, z.
 constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
 
 bool is_blank(char c) {
@@ -40,7 +40,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// Text from the file, in quotes, fit for one line of a message.
+// Text from the file, quoted and limited to one line of a message.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMaxLength = 40;
   std::string shown(text.substr(0, kMaxLength));
@@ -50,8 +50,8 @@ std::string quoted(std::string_view text) {
   return "\"" + shown + (text.size() > kMaxLength ? "...\"" : "\"");
 }
 
-// The fields of a line without comment. A comma, with or without blanks around it, separates two;
-// so do blanks alone. An empty field is one between commas.
+// The fields of a line without its comment. Fields are separated by a comma, with or without blanks
+// around it, or by blanks alone. A field between two commas may be empty.
 std::vector<std::string_view> split_fields(std::string_view line) {
   std::vector<std::string_view> fields;
   line = trimmed(line);
@@ -74,7 +74,7 @@ struct Number {
 };
 
 Number parse_number(std::string_view field) {
-  // from_chars knows no plus sign.
+  // from_chars() does not accept a plus sign.
   if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
   double value = 0.0;
   const char* end = field.data() + field.size();
@@ -84,7 +84,8 @@ Number parse_number(std::string_view field) {
   return {NumberKind::kNumber, value};
 }
 
-// What commas separate, with any blanks or nothing between them; without a comma as split_fields().
+// The fields of a line separated by commas; fields may contain blanks or be empty. Without a comma,
+// as split_fields().
 std::vector<std::string_view> split_columns(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return split_fields(line);
   std::vector<std::string_view> columns;
@@ -96,7 +97,7 @@ std::vector<std::string_view> split_columns(std::string_view line) {
   return columns;
 }
 
-// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for a name that says nothing.
+// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for an unknown name.
 std::string_view known_name(std::string_view column) {
   std::string word;
   for (const char c : column) {
@@ -111,7 +112,7 @@ std::string_view known_name(std::string_view column) {
   return {};
 }
 
-// Where a trace has what is read of it.
+// The positions of the columns of a trace that are read.
 struct TraceColumns {
   std::size_t count = 0;
   std::array<std::size_t, 3> device{};  // x, y, z
@@ -152,7 +153,8 @@ class TrajectoryReader {
   void count_line() { ++line_number_; }
 
  private:
-  // One number among the fields makes it a sample with a misprint, which must not pass unnoticed.
+  // A line with at least one number is a sample, possibly with a typing error that must be
+  // reported.
   static bool is_header(const std::vector<std::string_view>& fields) {
     for (const std::string_view field : fields) {
       if (field.empty() || parse_number(field).kind != NumberKind::kNone) return false;
@@ -161,7 +163,7 @@ class TrajectoryReader {
   }
 
   std::optional<Error> read_header(std::string_view line) {
-    // A name may hold blanks ("x (m)") where commas separate them.
+    // A column name may contain blanks ("x (m)") if commas separate the names.
     const std::vector<std::string_view> columns = split_columns(line);
     for (const std::string_view name : kDeviceColumns) {
       if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
@@ -292,9 +294,9 @@ class TrajectoryReader {
 
   std::string path_;
   std::size_t line_number_ = 0;
-  bool at_start_ = true;          // no line but empty ones and comments so far
-  std::size_t column_count_ = 0;  // 0: not known yet
-  std::size_t column_line_ = 0;   // the line it is known from
+  bool at_start_ = true;          // only empty lines and comments so far
+  std::size_t column_count_ = 0;  // 0: unknown
+  std::size_t column_line_ = 0;   // the line that determined it
   std::optional<TraceColumns> trace_;
   double last_time_ = -std::numeric_limits<double>::infinity();
   std::vector<Vec3> positions_m_;
@@ -313,7 +315,7 @@ Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
   TrajectoryReader reader(path);
   std::vector<char> line(kMaxLineBytes);
   while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
-    // gcount() includes the newline, which only the end of the file can lack.
+    // gcount() includes the newline; only the last line may lack one.
     const auto read = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
     if (auto error = reader.read_line({line.data(), read}, !file.eof())) return *error;
   }

@@ -18,10 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// So many animations are named in a message.
+// The largest number of animations named in a message.
 constexpr std::size_t kMostNamed = 8;
 
-// An array that a JSON object has under a name; null if there is none.
+// The array member of a JSON object with this name; null if absent.
 const Json* array_in(const Json& parent, const char* name) {
   if (!parent.is_object()) return nullptr;
   const auto found = parent.find(name);
@@ -176,14 +176,14 @@ Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& as
   return PoseDescription{static_cast<std::uint32_t>(*animation), time_s};
 }
 
-// What a channel moves.
+// The node and path that a channel animates.
 struct Target {
   std::size_t node = 0;
   GltfPath path = GltfPath::kTranslation;
   std::size_t weights = 0;
 };
 
-// Nothing if the channel is passed over.
+// Nothing if the channel is ignored.
 Result<std::optional<Target>> target_of(const GltfAsset& asset, const Json& channel,
                                         const std::string& element) {
   const std::optional<Target> none;

@@ -121,7 +121,7 @@ Result<std::vector<Vec3>> DracoPrimitive::positions() const {
   return positions;
 }
 
-// Reads the extension of one primitive and decodes what it names.
+// Reads the extension of one primitive and decodes its stream.
 class DracoReader {
  public:
   DracoReader(const GltfAsset& asset, std::size_t mesh, std::size_t primitive)
@@ -184,7 +184,7 @@ class DracoReader {
     }
   }
 
-  // The library takes the indices of a sequential stream as they come.
+  // The library does not check the indices of a sequential stream.
   std::optional<Error> check_corners(const draco::Mesh& mesh) const {
     for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
       for (const auto& point : mesh.face(face)) {

@@ -16,9 +16,9 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Says whether the decoder may go on, by what it has read so far, and keeps the reason if not. The
-// stream's own counts are what counts: where the accessors say less, they are believed as far as a
-// stream of this length can be.
+// Decides from the counts read so far whether the decoder may continue, and keeps the reason if
+// not. The counts of the stream are used; if the accessors describe less, they are accepted up to a
+// limit that depends on the length of the stream.
 class Gate {
  public:
   Gate(GltfBuffers& buffers, const DracoDeclared& declared, const DracoRoom& room,
@@ -36,9 +36,9 @@ class Gate {
     faces_ = connectivity->faces;
     if (faces_ == 0) return refuse("its stream has no triangle");
     if (faces_ > room_.triangles) return refuse_count(faces_, "triangles", room_.triangles);
-    // What the decoder keeps per triangle: 3 corners in 4 arrays of 4 bytes, the same once more for
-    // the triangles and the order of decoding, up to 6 symbols of the contexts. Per corner and
-    // connectivity of an attribute: its vertex, its seams and their order.
+    // The decoder's memory per triangle: 3 corners in 4 arrays of 4 bytes; 3 corners in 2 arrays
+    // for the triangles and the order of decoding; up to 6 symbols of the contexts. For each corner
+    // and attribute connectivity: the vertex, the seams and their order.
     constexpr std::uint64_t kPerFace = 4 * 12 + 2 * 12 + 6 * 4;
     constexpr std::uint64_t kPerVertex = 8 * 4;
     constexpr std::uint64_t kPerTableFace = 4 * 12;
@@ -48,7 +48,8 @@ class Gate {
     return admit_bytes(connectivity_bytes_) && admit_memory(connectivity_bytes_);
   }
 
-  // The vertices and the descriptions of the attributes are known, their values are not.
+  // Called when the vertices and the descriptions of the attributes are decoded, but not the
+  // values.
   bool admit(const draco::PointCloud& points) {
     const std::uint64_t vertices = points.num_points();
     if (vertices > room_.vertices) return refuse_count(vertices, "vertices", room_.vertices);
@@ -56,7 +57,8 @@ class Gate {
     std::uint64_t per_point = 0;
     for (int i = 0; i < points.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *points.attribute(i);
-      // Values, the integers they are made from, and two indices: map and order.
+      // Per vertex: the values, the integers from which they are computed, and two indices (map and
+      // order).
       const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
       per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
     }
@@ -80,7 +82,7 @@ class Gate {
                         std::to_string(room) + " can still be read");
   }
 
-  // What the stream holds beyond the word of the accessors counts like any decoded data.
+  // Data beyond the size that the accessors describe are counted as decoded data.
   bool admit_decoded(std::uint64_t bytes) {
     if (bytes <= declared_.bytes()) return true;
     const std::uint64_t excess = bytes - declared_.bytes();
@@ -102,8 +104,8 @@ class Gate {
                   std::to_string(declared_.bytes()) + " bytes that its accessors describe");
   }
 
-  // What is decoded is kept in our own form, which is counted by itself: no more than the tables of
-  // the connectivity, which are gone by then.
+  // The decoded data are later copied to vectors, which are counted separately. They need no more
+  // memory than the tables of the connectivity, which are freed before.
   bool admit_memory(std::uint64_t bytes) {
     error_ = buffers_.take_memory({0, bytes}, element_);
     return !error_;
@@ -119,7 +121,8 @@ class Gate {
   std::optional<Error> error_;
 };
 
-// A decoder of the library that asks the gate before each part that allocates by numbers.
+// A decoder of the library that calls the gate before each part in which counts determine
+// allocations.
 template <typename Decoder>
 class GatedDecoder : public Decoder {
  public:
@@ -165,7 +168,7 @@ Result<std::shared_ptr<const draco::Mesh>> decode_draco(Bytes bytes, GltfBuffers
                   ? decode_with(Edgebreaker(gate, peek_edgebreaker_draco), stream->bytes, *mesh)
                   : decode_with(Sequential(gate, peek_sequential_draco), stream->bytes, *mesh);
   } catch (const std::length_error&) {
-    // A container was asked for more than there can be.
+    // A container cannot have the requested size.
   }
   if (gate.error()) return *gate.error();
   if (!decoded) {

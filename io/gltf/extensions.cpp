@@ -14,11 +14,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::string_view kMeshQuantization = "KHR_mesh_quantization";
-// These change looks, sound, motion, physics or metadata, not the triangles at rest; or are read;
-// so they may even be required. A name that is not here is unknown, whatever its prefix says. Some
-// look as if they did not belong here: the levels of MSFT_lod beside the finest are nodes outside
-// the scene, and what EXT_mesh_primitive_restart joins and EXT_mesh_polygon outlines is there as
-// plain triangles too.
+// Extensions that an asset may require. They are supported, or they affect appearance, sound,
+// motion, physics or metadata but not the triangles in the rest pose. Any other name is unknown,
+// whatever its prefix. Some entries may be surprising: the coarser levels of MSFT_lod are nodes
+// outside the scene, and the content of EXT_mesh_primitive_restart and EXT_mesh_polygon is also
+// present as plain triangles.
 constexpr std::string_view kHarmless[] = {
     "ADOBE_materials_clearcoat_specular",
     "ADOBE_materials_clearcoat_tint",
@@ -189,14 +189,14 @@ constexpr std::string_view kHarmless[] = {
     "VRMC_vrm_animation",
 };
 static_assert(std::is_sorted(std::begin(kHarmless), std::end(kHarmless)));
-// These are decoded.
+// Compression extensions, which are decoded.
 constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
                                               "EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 struct Unsupported {
   std::string_view name;
-  std::string_view hint;             // when required
-  std::string_view without_support;  // when only used; empty: nothing is lost
+  std::string_view hint;             // if the extension is required
+  std::string_view without_support;  // warning if it is only used; empty: no effect
 };
 
 constexpr Unsupported kUnsupported[] = {

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using MaybeError = std::optional<Error>;
 
-// Far more than any material needs; they bound what a hostile file can make of a few bytes.
+// Far more than any material needs; they limit the cost of a hostile file.
 constexpr std::size_t kMaxKeyLength = 32;
 constexpr std::size_t kMaxListLength = 16;
 constexpr std::size_t kMaxParameters = 256;
@@ -125,7 +125,7 @@ Result<MaterialParameter> parameter_of(const MaterialOverride& setting) {
   }
   if (auto error = check_length(setting.key, parameter.element)) return as_argument(*error);
   const Json json = Json::parse(setting.value, nullptr, false);
-  if (json.is_discarded()) return parameter;  // no JSON: the text as it stands
+  if (json.is_discarded()) return parameter;  // not JSON: plain text
   if (auto error = read_value(json, parameter.element, parameter.value)) {
     return as_argument(*error);
   }

@@ -22,7 +22,7 @@ struct HapticList {
   const Json* list = nullptr;  // null if the asset has none
 };
 
-// That of the present name goes before that of the older one.
+// The list under the current name takes precedence over the list under the older name.
 Result<HapticList> find_haptic_list(const Json& root) {
   for (const char* name : kHapticNames) {
     const auto list = extension_list(root, name, "materials");

@@ -60,7 +60,7 @@ Result<ImageDescription> GltfImages::decoded(std::size_t id) {
   return error;
 }
 
-// The bytes of the file, in the storage unless a buffer holds them.
+// The encoded bytes of the image; in `storage` unless a buffer contains them.
 Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id, FileBytes& storage) {
   const std::string element = gltf_element("images", id);
   const Json& image = asset_.json["images"][id];

@@ -16,13 +16,13 @@ using Json = nlohmann::json;
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 
-// The extension's table of attributes.
+// From the extension's table of attributes.
 constexpr GltfNumberFormat kInstanceTranslations{"VEC3", kGltfFloats, "translations of instances"};
 constexpr GltfNumberFormat kInstanceRotations{"VEC4", kGltfFloats | kGltfNormalizedSigned,
                                               "rotations of instances"};
 constexpr GltfNumberFormat kInstanceScales{"VEC3", kGltfFloats, "scales of instances"};
 
-// Reads one of the three lists into numbers, if the file gives it; the first one sets the count.
+// Reads one of the three lists into numbers if the file has it; the first list sets the count.
 std::optional<Error> read_list(const GltfAsset& asset, const Json& attributes,
                                const std::string& element, const char* name,
                                const GltfNumberFormat& format, std::size_t max_count,

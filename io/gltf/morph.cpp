@@ -21,7 +21,7 @@ constexpr GltfNumberFormat kOffsets{"VEC3", kGltfFloats,
 constexpr GltfNumberFormat kQuantizedOffsets{
     "VEC3", kGltfFloats | kGltfSigned | kGltfNormalizedSigned, "positions of morph targets"};
 
-// The array "weights" of a node or a mesh, which must have that many numbers.
+// The array "weights" of a node or a mesh; an error unless it has `count` numbers.
 Result<std::optional<Weights>> weights_in(const Json& object, const std::string& parent,
                                           std::size_t count) {
   const auto found = object.find("weights");

@@ -31,7 +31,7 @@ struct Chunk {
   std::span<const std::uint8_t> data;
 };
 
-// The chunk at the offset, which is moved to the next one.
+// The chunk at the offset; the offset advances to the next chunk.
 Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
                          std::size_t index) {
   const std::string element = "GLB chunk " + std::to_string(index);
@@ -53,10 +53,10 @@ Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
   return chunk;
 }
 
-// Passes over the mark of UTF-8. element: of the text, for messages.
+// Skips a UTF-8 byte order mark; an error for other encodings. element: of the text, for messages.
 std::optional<Error> check_encoding(GltfContainer& container, const std::string& element) {
   using namespace std::string_view_literals;
-  // Without a mark, the zeros beside the first brace tell.
+  // Without a mark, the zero bytes beside the first brace identify the encoding.
   constexpr std::pair<std::string_view, const char*> kOthers[] = {
       {"\xFF\xFE\0\0"sv, "UTF-32"}, {"\0\0\xFE\xFF"sv, "UTF-32"}, {"{\0\0\0"sv, "UTF-32"},
       {"\0\0\0{"sv, "UTF-32"},      {"\xFF\xFE"sv, "UTF-16"},     {"\xFE\xFF"sv, "UTF-16"},
