@@ -105,7 +105,7 @@ TEST_F(Trajectory, IgnoresALeadingTimeThatIncreases) {
   }
 }
 
-TEST_F(Trajectory, TakesNanAndInfinityForSamples) {
+TEST_F(Trajectory, AcceptsNanAndInfinityAsSamples) {
   const auto points = positions("nan NaN -nan\ninf -inf INF\n+inf infinity -Infinity\n");
   ASSERT_EQ(points.size(), 3u);
   EXPECT_TRUE(points[0].array().isNaN().all());
@@ -113,7 +113,7 @@ TEST_F(Trajectory, TakesNanAndInfinityForSamples) {
   EXPECT_EQ(points[2], Vec3(kInfinity, kInfinity, -kInfinity));
 }
 
-TEST_F(Trajectory, GivesEveryDoubleBackToTheBit) {
+TEST_F(Trajectory, RestoresEveryDoubleToTheBit) {
   Random random(7101);
   std::vector<Vec3> written;
   std::string text;
@@ -142,7 +142,7 @@ TEST_F(Trajectory, ReadsThePointAsDecimalInEveryLocale) {
   std::setlocale(LC_ALL, before.c_str());
 }
 
-TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNoNumber) {
+TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNotANumber) {
   expect_message("1 2 3\n# c\n1 2 3mm\n", "line 3: ", "column 3 is \"3mm\"; expected a number");
   expect_message("1 2 o\n", "line 1: ", "column 3 is \"o\"");
   expect_message("x y z\nx y z\n", "line 2: ", "column 1 is \"x\"");
@@ -201,7 +201,7 @@ TEST_F(Trajectory, ReadsTheDeviceOfATrace) {
   EXPECT_EQ(faults[1], Vec3(0.0, -kInfinity, 1.0));
 }
 
-TEST_F(Trajectory, RefusesATraceThatIsNotWhole) {
+TEST_F(Trajectory, RejectsAnIncompleteTrace) {
   const std::string start = "t,device_x,device_y,device_z,faults\n0,1,2,3,\n";
   expect_message(start + "1,1,2,3", "line 3: ", "is cut off; expected 5 columns as in line 1");
   expect_message(start + "1,1,2,3,jum", "line 3: ", "is cut off");
@@ -233,7 +233,7 @@ TEST_F(Trajectory, RefusesEndlessLinesWithoutReadingThem) {
   EXPECT_EQ(result.error().element, "line 1");
 }
 
-TEST_F(Trajectory, SaysWhyAFileCannotBeOpened) {
+TEST_F(Trajectory, StatesWhyAFileCannotBeOpened) {
   const auto missing = read_trajectory("no/such/file.txt");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);

@@ -74,7 +74,7 @@ TEST_F(OutputFilesTest, AppearTogetherWhenTheyAreMoved) {
                           {"deep/er/out/c.svg", "2"}}));
 }
 
-TEST_F(OutputFilesTest, LeaveWhatWasThereUnlessTheyAreMoved) {
+TEST_F(OutputFilesTest, LeavePreviousFilesUnlessTheyAreMoved) {
   fs::create_directory(folder.path("out"));
   write(folder.path("out/a.csv"), "before");
   const Tree before = tree();
@@ -87,7 +87,7 @@ TEST_F(OutputFilesTest, LeaveWhatWasThereUnlessTheyAreMoved) {
   EXPECT_EQ(tree(), before);
 }
 
-TEST_F(OutputFilesTest, LeaveNoFolderThatTheyMade) {
+TEST_F(OutputFilesTest, RemoveFoldersThatTheyMade) {
   {
     OutputFiles files = created("deep/er/out");
     write(files.path("a.csv"), "half");
@@ -105,7 +105,7 @@ TEST_F(OutputFilesTest, LeaveNoFolderThatTheyMade) {
             (Tree{{"deep", "/"}, {"deep/notes", "somebody else's"}, {"file", ""}, {"there", "/"}}));
 }
 
-TEST_F(OutputFilesTest, RemoveOlderOnesOfTheirNamesAndTouchNothingElse) {
+TEST_F(OutputFilesTest, RemoveOlderFilesOfTheirNamesOnly) {
   const fs::path out = folder.path("out");
   fs::create_directories(out / "b.csv.d");
   for (const char* name : {"a.csv", "b.csv", "c.svg", "a.csv.bak", "A.csv", ".palpate-notes",
@@ -126,7 +126,7 @@ TEST_F(OutputFilesTest, RemoveOlderOnesOfTheirNamesAndTouchNothingElse) {
                                 {"b.csv.d/c.svg", "old"}}));
 }
 
-TEST_F(OutputFilesTest, ReplaceLinksAndNeverWhatTheyLeadTo) {
+TEST_F(OutputFilesTest, ReplaceLinksAndKeepTheirTargets) {
   fs::create_directory(folder.path("real"));
   fs::create_directory_symlink("real", folder.path("out"));
   write(folder.path("elsewhere"), "mine");
@@ -142,7 +142,7 @@ TEST_F(OutputFilesTest, ReplaceLinksAndNeverWhatTheyLeadTo) {
       (Tree{{"out", "-> real"}, {"real", "/"}, {"real/a.csv", "new"}, {"elsewhere", "mine"}}));
 }
 
-TEST_F(OutputFilesTest, RefuseANameThatIsNoFileBeforeAnythingIsWritten) {
+TEST_F(OutputFilesTest, RejectANameThatIsNotAFileBeforeWriting) {
   fs::create_directories(folder.path("out/b.csv"));
   const auto files = OutputFiles::create(folder.path("out"), kNames);
   ASSERT_FALSE(files);
@@ -151,7 +151,7 @@ TEST_F(OutputFilesTest, RefuseANameThatIsNoFileBeforeAnythingIsWritten) {
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/b.csv", "/"}}));
 }
 
-TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
+TEST_F(OutputFilesTest, RejectAPathThatIsNotAFolder) {
   write(folder.path("file"), "mine");
   fs::create_symlink("nowhere", folder.path("dangling"));
   for (const std::string& path :
@@ -167,7 +167,7 @@ TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
 }
 
 // Something takes a name while the command runs, so that one file cannot be moved.
-TEST_F(OutputFilesTest, PutBackWhatWasThereIfOneCannotBeMoved) {
+TEST_F(OutputFilesTest, RestorePreviousFilesIfAMoveFails) {
   const fs::path out = folder.path("out");
   fs::create_directory(out);
   for (const char* name : {"a.csv", "b.csv"}) write(out / name, "old");
@@ -186,7 +186,7 @@ TEST_F(OutputFilesTest, PutBackWhatWasThereIfOneCannotBeMoved) {
   EXPECT_EQ(now.at("c.svg"), "somebody's");
 }
 
-TEST_F(OutputFilesTest, TellErrorsOfThePlaceTheFileIsFor) {
+TEST_F(OutputFilesTest, ReportErrorsUnderTheFinalPath) {
   const OutputFiles files = created("out");
   const Error error = files.in_place({ErrorCode::kFileUnwritable, files.path("b.csv"), "", "", ""});
   EXPECT_EQ(error.path, folder.path("out/b.csv"));
@@ -195,7 +195,7 @@ TEST_F(OutputFilesTest, TellErrorsOfThePlaceTheFileIsFor) {
 }
 
 // Two commands at once do not see each other; the last one to finish has the folder.
-TEST_F(OutputFilesTest, OfTwoCommandsDoNotMix) {
+TEST_F(OutputFilesTest, FromTwoCommandsAreNotMixed) {
   OutputFiles first = created("out");
   write(first.path("a.csv"), "first");
   write(first.path("b.csv"), "first");
@@ -207,7 +207,7 @@ TEST_F(OutputFilesTest, OfTwoCommandsDoNotMix) {
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "second"}}));
 }
 
-TEST_F(OutputFilesTest, ThatAKilledCommandHasLeftGoWithTheNext) {
+TEST_F(OutputFilesTest, FromAKilledCommandAreRemovedByTheNext) {
   fs::create_directory(folder.path("out"));
   write(folder.path("out/a.csv"), "old");
   const pid_t child = ::fork();

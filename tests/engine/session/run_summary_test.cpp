@@ -209,7 +209,7 @@ bool mentions(const std::vector<std::string>& texts, const std::string& part) {
                      [&](const std::string& text) { return text.find(part) != std::string::npos; });
 }
 
-TEST(RunJudgement, TakesNoRunWhoseMeansAreNotPrinted) {
+TEST(RunJudgement, RejectsRunsWhoseMeansAreNotPrinted) {
   EXPECT_EQ(shortfalls(run_with(0)), std::vector{Shortfall::kNeverTouched});
   EXPECT_EQ(shortfalls(run_with(49)), std::vector{Shortfall::kLittleContact});
   EXPECT_TRUE(
@@ -221,14 +221,14 @@ TEST(RunJudgement, TakesNoRunWhoseMeansAreNotPrinted) {
   }
 }
 
-TEST(RunJudgement, NamesWhatIsSmallBesideTheHandWhereContactIsLittle) {
+TEST(RunJudgement, NamesTheSmallObjectIfThereIsLittleContact) {
   ExplorationRun run = run_with(20);
   run.places_scene_m = {Vec3(1, 0, 0), Vec3(1.002, 0.001, 0)};
   run.contour_scene_m.clear();
   EXPECT_TRUE(mentions(reasons(run), "which spans only 2.0 mm where the hand presses 4.0 mm deep"));
 }
 
-TEST(RunJudgement, NamesTheSphereWhereTheWayIsLittle) {
+TEST(RunJudgement, NamesTheSphereIfLittleIsCovered) {
   ExplorationRun run = run_with(500);
   run.way_share = 0.5;
   EXPECT_FALSE(mentions(reasons(run), "radius_m"));

@@ -81,7 +81,7 @@ TEST(BallOutlines, GoIntoAGrooveThatIsWiderAndRoundItsCorners) {
   }
 }
 
-TEST(BallOutlines, OfABallThatDoesNotFitIntoAHollowAreOutsideAlone) {
+TEST(BallOutlines, LeaveOutAHollowTooNarrowForTheBall) {
   Random random(8303);
   for (int i = 0; i < 100; ++i) {
     const ScaledPlane placed = random_plane(random);
@@ -145,7 +145,7 @@ std::vector<Outline> random_union(Random& random, const ScaledPlane& placed) {
 
 // A place of an outline belongs to them if the circle that touches it there meets nothing else, and
 // does not if it overlaps something.
-TEST(BallOutlines, AreWhatACircleTouchesAndNothingElse) {
+TEST(BallOutlines, ContainExactlyThePlacesThatACircleTouches) {
   Random random(8304);
   int touched = 0;
   int hidden = 0;

@@ -180,7 +180,7 @@ TEST(Exploration, GivesTheSameBitsForTheSameSeed) {
   }
 }
 
-TEST(Exploration, GivesAnotherMotionForAnotherSeed) {
+TEST(Exploration, GivesADifferentMotionForADifferentSeed) {
   for (const int sensors : {2, 3}) {
     const Condition condition{options_of(sensors, 1), true, 0};
     const std::string name = sensors == 2 ? "star" : "torus";
@@ -203,7 +203,7 @@ TEST(Exploration, GivesTheSameBitsInRealTime) {
 }
 
 // What was done until then is what a whole run does until then.
-TEST(Exploration, EndsInOrderWhenItIsInterrupted) {
+TEST(Exploration, EndsCleanlyWhenInterrupted) {
   const Condition condition{options_of(2, 1), true, 0};
   const ExplorationRun whole = explored("star", condition, 5, 20.0);
   auto setup = make_setup(condition.options);
@@ -236,7 +236,7 @@ TEST(Exploration, EndsInOrderWhenItIsInterrupted) {
   }
 }
 
-TEST(Exploration, DoesNothingWhenItIsInterruptedBefore) {
+TEST(Exploration, DoesNothingIfInterruptedBeforeTheStart) {
   const Condition condition{options_of(2, 1), false, 0};
   const auto setup = make_setup(condition.options);
   ASSERT_TRUE(setup);
@@ -317,7 +317,7 @@ TEST(Exploration, WalksOverEdgesWithThreeSensors) {
   }
 }
 
-TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
+TEST(Exploration, DoesNotRotateAFullyActuatedScene) {
   for (const int sensors : {2, 3}) {
     const std::string name = sensors == 2 ? "star" : "torus";
     const ExplorationRun run = explored(name, {options_of(sensors, sensors), true, 20}, 1);
@@ -359,7 +359,7 @@ TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
 
 // By the definition, from what is written beside the results: steps along the contour, each asked
 // for the nearest place of the proxy.
-TEST(Exploration, TellsTheShareOfTheContourThatTheProxyCameNearTo) {
+TEST(Exploration, ReportsTheShareOfTheContourNearTheProxy) {
   for (const double seconds : {28.0, 8.0}) {
     const ExplorationRun run = explored("lock", {options_of(2, 1), false, 0}, 3, seconds);
     EXPECT_EQ(run.near_m, 2e-3);
@@ -385,7 +385,7 @@ TEST(Exploration, TellsTheShareOfTheContourThatTheProxyCameNearTo) {
   }
 }
 
-TEST(Exploration, TellsTheShareOfThePlacesThatTheProxyCameNearTo) {
+TEST(Exploration, ReportsTheShareOfThePlacesNearTheProxy) {
   const ExplorationRun run = explored("torus", {options_of(3, 1), true, 0}, 3);
   EXPECT_EQ(run.near_m, 0.01 * model("torus").statistics().extent_m.maxCoeff());
   EXPECT_TRUE(run.contour_scene_m.empty());
@@ -400,7 +400,7 @@ TEST(Exploration, TellsTheShareOfThePlacesThatTheProxyCameNearTo) {
             static_cast<double>(reached) / static_cast<double>(run.places_scene_m.size()));
 }
 
-TEST(Exploration, TellsTheLongestStretchWithoutContact) {
+TEST(Exploration, ReportsTheLongestIntervalWithoutContact) {
   const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 1);
   std::uint64_t gap = 0;
   std::uint64_t longest = 0;
@@ -462,7 +462,7 @@ TEST(PathPlan, TurnsTheCornersOfABar) {
 }
 
 // Thinner than the hand presses.
-TEST(PathPlan, GoesRoundAThinPlate) {
+TEST(PathPlan, FollowsAThinPlateAllAround) {
   expect_followed({{test::box_soup({0.0005, 0.08, 0.02}), Vec3::Zero()}}, 0.9);
 }
 
@@ -477,7 +477,7 @@ TEST(PathPlan, BeginsInFreeSpace) {
 
 // What runs inside another part is none of the outline, and a shell without a bottom is a part,
 // too.
-TEST(PathPlan, GoesRoundTheUnionOfParts) {
+TEST(PathPlan, FollowsTheUnionOfPartsAllAround) {
   const test::Soup bar = test::box_soup({0.08, 0.02, 0.02});
   const test::Soup post = test::box_soup({0.02, 0.06, 0.02});
   expect_followed({{bar, Vec3::Zero()}, {post, Vec3::Zero()}}, 0.9);
@@ -530,7 +530,7 @@ std::string refused_option(const Condition& condition, ExplorationSettings setti
   return run ? "" : run.error().element;
 }
 
-TEST(Exploration, RefusesSettingsThatMakeNoRun) {
+TEST(Exploration, RejectsInvalidSettings) {
   Condition outside;
   outside.options.plane_height_m = 0.5;
   EXPECT_EQ(refused_option(outside, {}), "plane_height_m");
@@ -565,7 +565,7 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
 // ---- memory ------------------------------------------------------------------------------------
 
 // What helps against one step that lacks memory does not help against another.
-TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
+TEST(Exploration, ProposesARemedyForTheStepThatLacksMemory) {
   ExplorationSettings settings;
   settings.seconds = 2.0;
   const std::uint64_t records = 2000 * (sizeof(TickRecord) + sizeof(std::int64_t));
@@ -591,7 +591,7 @@ TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
 // ---- display -----------------------------------------------------------------------------------
 
 // The camera metaphor only changes what is shown: To = 0, Ts = -Tu.
-TEST(CameraMetaphor, ChangesTheDisplayAndNotABitOfTheTrace) {
+TEST(CameraMetaphor, ChangesTheDisplayButNotTheTrace) {
   const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 3, 6.0);
   auto setup = make_setup(options_of(2, 1));
   ASSERT_TRUE(setup);

@@ -61,7 +61,7 @@ std::vector<Polyline> crossing_bars(Random& random, int count) {
 
 // Pieces that are hardly longer than what is merged, and three of which make a triangle, are cut
 // once and no more.
-TEST(Outlines, OfBarsThatCrossHundredsOfOthersAreFound) {
+TEST(Outlines, AreFoundForBarsThatCrossHundredsOfOthers) {
   Random random(8202);
   for (const int count : {20, 200, 300}) {
     const auto found = outlines_of(crossing_bars(random, count), Vec3::UnitZ(), kSmall_m);
@@ -70,12 +70,12 @@ TEST(Outlines, OfBarsThatCrossHundredsOfOthersAreFound) {
   }
 }
 
-TEST(Outlines, OfCurvesThatCrossTooManyOthersAreNotWorkedOut) {
+TEST(Outlines, AreNotComputedForCurvesThatCrossTooManyOthers) {
   Random random(8203);
   EXPECT_FALSE(outlines(crossing_bars(random, 2000), Vec3::UnitZ(), kSmall_m));
 }
 
-TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
+TEST(Outlines, OfOverlappingCurvesAreTheOutlineOfTheirUnion) {
   Random random(8201);
   for (int i = 0; i < 50; ++i) {
     const Quat rotation = random.rotation();
@@ -96,7 +96,7 @@ TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
   }
 }
 
-TEST(Outlines, LeaveOutWhatIsInsideAndKeepTheRestToTheBit) {
+TEST(Outlines, LeaveOutInnerCurvesAndKeepTheRestToTheBit) {
   const Polyline outer = curve_of({0, 0, 0.1, 0.1});
   const Polyline inner = curve_of({0.02, 0, 0.05, 0.05});
   const Polyline apart = curve_of({0.5, 0, 0.05, 0.05});
@@ -126,7 +126,7 @@ TEST(Outlines, OfASheetHaveTwoSidesAndEndWhereItEntersASolid) {
 
 // A shell without a bottom stands on a box: their outline goes over both. What stands in front of a
 // bent sheet, in a bowl, is not hidden.
-TEST(Outlines, TakeAShellForWhatItHasBehindIt) {
+TEST(Outlines, TreatAShellAsTheSolidBehindIt) {
   const Polyline shell{
       {Vec3(0.05, 0.1, 0), Vec3(0.05, 0.15, 0), Vec3(-0.05, 0.15, 0), Vec3(-0.05, 0.1, 0)}, false};
   const auto found = outlines_of({curve_of({0, 0, 0.1, 0.1001}), shell}, Vec3::UnitZ(), kSmall_m);
@@ -140,7 +140,7 @@ TEST(Outlines, TakeAShellForWhatItHasBehindIt) {
 }
 
 // Against every place of every side, asked on its own.
-TEST(Outlines, HoldWhatIsOutsideOfAllAndNothingElse) {
+TEST(Outlines, ContainExactlyThePartsOutsideAllSolids) {
   Random random(8202);
   for (int i = 0; i < 100; ++i) {
     std::vector<Rectangle> rectangles;
@@ -290,7 +290,7 @@ std::vector<double> loops_of(const Lattice& lattice) {
 }
 
 // Against the cells alone: which are solid, and which are connected.
-TEST(Outlines, OfSolidsThatCoincideAndTouchAreTheBordersOfWhatIsFree) {
+TEST(Outlines, OfTouchingSolidsBoundTheFreeRegions) {
   Random random(8203);
   for (int i = 0; i < 1500; ++i) {
     const LaidPlane placed = lay_plane(random, kCells);
@@ -368,7 +368,7 @@ double free_length(const std::vector<Polygon>& polygons) {
 }
 
 // At scales at which what is small for a hand is all there is, or nothing.
-TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
+TEST(Outlines, SeparateSolidFromFreeCompletely) {
   Random random(8204);
   for (int i = 0; i < 1000; ++i) {
     const LaidPlane placed = lay_plane(random, 2.0);
@@ -408,7 +408,7 @@ TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
 }
 
 // The gap is narrower than what is small for the hand, but what is joined is what meets.
-TEST(Outlines, DoNotTakeANearEndForTheOneTheyEnter) {
+TEST(Outlines, DoNotJoinANearEndInsteadOfTheEnteredCurve) {
   const double thin = 4e-4;
   const auto found =
       outlines_of({curve_of({0, 0, 0.05, 0.05}), curve_of({0.06, 0, 0.04, 0.5 * thin})},
@@ -418,7 +418,7 @@ TEST(Outlines, DoNotTakeANearEndForTheOneTheyEnter) {
 }
 
 // Walls that were drawn one by one, and do not quite meet.
-TEST(Outlines, JoinEndsThatDoNotQuiteMeetTheNearestFirst) {
+TEST(Outlines, JoinTheNearestOpenEndsFirst) {
   const double gap = 0.3 * kSmall_m;
   const Polyline first{{Vec3(0, 0, 0), Vec3(0.1, 0, 0)}, false};
   const Polyline second{{Vec3(0.1 + gap, 0, 0), Vec3(0.1 + gap, 0.1, 0)}, false};

@@ -33,7 +33,7 @@ double stepped_share(const std::vector<Vec3>& curve, const std::vector<Vec3>& po
   return covered / length;
 }
 
-TEST(CurveCoverage, IsTheShareOfTheLengthThatHadAPointNearIt) {
+TEST(CurveCoverage, IsTheShareOfTheLengthNearAPoint) {
   test::Random random(7301);
   for (int i = 0; i < 200; ++i) {
     const double size_m = std::pow(10.0, random.uniform(-3.0, 3.0));
@@ -62,7 +62,7 @@ TEST(CurveCoverage, CountsNothingTwice) {
   EXPECT_NEAR(coverage.share(), 0.3, 1e-12);
 }
 
-TEST(CurveCoverage, IsAllOfACurveThatWasFollowedAndNoneOfOneWithoutLength) {
+TEST(CurveCoverage, IsOneForAFollowedCurveAndZeroWithoutLength) {
   CurveCoverage whole({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0)}, 0.02);
   for (double s = 0.0; s <= 2.0; s += 0.01) {
     whole.add(s < 1.0 ? Vec3(s, 0.01, 0.0) : Vec3(1.01, s - 1.0, 0.0));

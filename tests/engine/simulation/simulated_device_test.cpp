@@ -33,7 +33,7 @@ double distance_after(const PlantSettings& settings, double dt_s, int ticks) {
 
 // Without noise, friction and rounding a hand that is let in comes no farther away than it can
 // swing, and one that is refused, if not by a hair, flies off.
-TEST(SimulatedDevice, IsRefusedWhereItsStepsGrowAndNowhereElse) {
+TEST(SimulatedDevice, IsRejectedExactlyWhereItsStepsDiverge) {
   Random random(1603);
   int refused = 0;
   int accepted = 0;
@@ -60,7 +60,7 @@ TEST(SimulatedDevice, IsRefusedWhereItsStepsGrowAndNowhereElse) {
   EXPECT_GT(refused, 50);
 }
 
-TEST(SimulatedDevice, RoundsToNothingWhereAStepHasNoDigits) {
+TEST(SimulatedDevice, DoesNotRoundIfTheEncoderStepIsTooSmall) {
   PlantSettings settings;
   OnePlace plan;
   for (const double quantum_m : {0.0, 1e-310, 5e-324}) {

@@ -143,7 +143,7 @@ void expect_straight(const HandPath& path, int& crossed) {
   }
 }
 
-TEST(SurfacePath, IsAGeodesicOnTheSurfaceOfNodesOfAnyPlaceShapeAndMirror) {
+TEST(SurfacePath, IsAGeodesicOnNodesWithAnyTransform) {
   Random random(8101);
   const std::vector<TriangleMesh> meshes{box({0.2, 0.15, 0.1}), icosphere(3, 0.1),
                                          torus(0.1, 0.04, 1), cylinder(12, 0.05, 0.1)};
@@ -220,7 +220,7 @@ TEST(SurfacePath, TurnsAtTheEdgesOfASheet) {
 }
 
 // Where two faces are oriented against each other, and where three meet.
-TEST(SurfacePath, TurnsWhereASurfaceHasNoTwoSides) {
+TEST(SurfacePath, TurnsAtNonManifoldAndInconsistentlyOrientedEdges) {
   test::Soup turned = sheet(0.1);
   turned.add_quad({0.1, -0.1, 0}, {0.1, 0.1, 0}, {0.3, 0.1, 0}, {0.3, -0.1, 0});
   test::Soup three = sheet(0.1);
@@ -240,7 +240,7 @@ TEST(SurfacePath, TurnsWhereASurfaceHasNoTwoSides) {
 
 // However boxes overlap, the path keeps out of all but the one that it is on: farther than two
 // looks are apart it is in none.
-TEST(SurfacePath, EntersNoOtherBody) {
+TEST(SurfacePath, DoesNotEnterOtherBodies) {
   Random random(8102);
   for (int i = 0; i < 60; ++i) {
     struct Solid {
@@ -272,7 +272,7 @@ TEST(SurfacePath, EntersNoOtherBody) {
   }
 }
 
-TEST(SurfacePath, IsTheSameForASeedAndAnotherForAnother) {
+TEST(SurfacePath, DependsOnlyOnTheSeed) {
   const Scene scene = scene_of({placed(torus(0.1, 0.04, 2))});
   const HandPath a = path_over(scene, 7).path;
   const HandPath b = path_over(scene, 7).path;
@@ -379,7 +379,7 @@ TEST(HandPath, IsSimplifiedWithinItsToleranceAndKeepsItsTurns) {
 }
 
 // Over the edge of a plate that is thinner than the tolerance, and into a slit as thin.
-TEST(HandPath, TellsAnEdgeFromASlitWhenBothTurnRightBack) {
+TEST(HandPath, DistinguishesAnEdgeFromASlitIfBothTurnBack) {
   const Vec3 down = -Vec3::UnitZ();
   HandPath plate;
   plate.points = {{{0, 0, 0}, down},

@@ -71,7 +71,7 @@ std::vector<Polyline> contours_at(const Scene& scene, const ScenePose& T_device_
                        height_m - T_device_scene.translation_m.z());
 }
 
-TEST(PlacedBounds, AreAroundAllVerticesAndNoLarger) {
+TEST(PlacedBounds, AreTightAroundAllVertices) {
   test::Random random(8101);
   for (int i = 0; i < 100; ++i) {
     const std::vector<Part> parts = random_parts(random);
@@ -103,7 +103,7 @@ TEST(PlaneHeight, IsTheMiddleOfAnObjectHoweverItIsPlaced) {
   }
 }
 
-TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
+TEST(PlaneHeight, HasAContourWheneverOneExists) {
   test::Random random(8103);
   for (int i = 0; i < 200; ++i) {
     const Scene scene = scene_of_parts(random_parts(random));
@@ -116,7 +116,7 @@ TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
 
 // Two boxes with nothing in the middle between them: no height that is nearer to it than the one
 // that is taken has a contour, but for the way into the box.
-TEST(PlaneHeight, IsTheNearestThatHasAContour) {
+TEST(PlaneHeight, IsTheNearestHeightWithAContour) {
   const test::Soup box = test::box_soup(Vec3::Constant(0.01));
   const Scene scene = scene_of_parts({{box, Mat3::Identity(), Vec3(0, 0, -0.05)},
                                       {box, Mat3::Identity(), Vec3(0, 0, 0.04)},
@@ -168,7 +168,7 @@ TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
   EXPECT_LE(std::abs(*height_m - 10 * thick_m), thick_m);
 }
 
-TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
+TEST(PlaneHeight, IsAbsentIfAllFacesArePerpendicularToA3) {
   test::Soup sheet;
   sheet.add_quad({-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0});
   const Scene scene = scene_of_parts({{sheet}, {sheet, Mat3::Identity(), Vec3(0, 0, 0.1)}});
@@ -177,7 +177,7 @@ TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
   EXPECT_TRUE(height_with_contour_m(scene, turned));
 }
 
-TEST(Workspace, HoldsWhatLeavesTheHandItsRoom) {
+TEST(Workspace, FitsScenesThatLeaveClearanceForTheHand) {
   const Workspace planar{2, 0.4, 0.008, 0.004};
   const Box box{Vec3(-1, -1, -5), Vec3(-1, -1, 5)};  // no extent along A1 and A2 yet
   const auto wide = [&](double a1_m, double a2_m) {
@@ -228,7 +228,7 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
 }
 
 // A workspace of 20 mm holds one size alone, which no three digits name.
-TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
+TEST(Workspace, TooSmallForEverySizeIsRejectedWithTheLeastUsableOne) {
   const Box box{Vec3::Zero(), Vec3::Constant(0.1)};
   for (const double extent_m : {0.001, 0.016, 0.02, 0.02005}) {
     const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
@@ -264,7 +264,7 @@ Scene beam(double length_m, double slenderness) {
 }
 
 // What the hint names is taken: the hand finds its way then.
-TEST(RoomForAHand, IsFoundWithWhatTheErrorProposes) {
+TEST(RoomForAHand, IsFoundWithTheProposalOfTheError) {
   std::set<std::string> proposed;
   constexpr double length_m = 0.2;
   for (const double slenderness : {3000.0, 10000.0}) {

@@ -365,7 +365,7 @@ double x_at(const GltfBuilder& asset, const std::string& time) {
   return read_glb(asset, posed("Move@" + time)).nodes.at(0).translation_m.x();
 }
 
-TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastOneBehindTheirKeys) {
+TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastValueAfterTheirKeys) {
   for (const Kind kind : kKinds) {
     std::vector<float> values = {3, 0, 0, 7, 0, 0};
     if (kind == Kind::kCubicSpline) {
@@ -377,7 +377,7 @@ TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastOneBehindTheirKeys) {
   }
 }
 
-TEST(GltfKeyframes, HaveAnyNumberOfKeysFromOneOn) {
+TEST(GltfKeyframes, MayHaveAnyNumberOfKeysFromOne) {
   for (const char* time : {"0", "1", "2"}) {
     EXPECT_EQ(x_at(moving_triangle("translation", {1}, {3, 0, 0}), time), 3.0);
     EXPECT_EQ(
@@ -386,7 +386,7 @@ TEST(GltfKeyframes, HaveAnyNumberOfKeysFromOneOn) {
   }
 }
 
-TEST(GltfKeyframes, TurnByTheShorterArcAndStandStillBetweenEqualRotations) {
+TEST(GltfKeyframes, RotateAlongTheShorterArcAndStayBetweenEqualRotations) {
   const float h = std::sqrt(0.5f);
   // A quarter turn about z, written as its negative: the way there is 45 degrees, not 315.
   const GltfBuilder asset = moving_triangle("rotation", {0, 1}, {0, 0, 0, 1, 0, 0, -h, -h});
@@ -398,7 +398,7 @@ TEST(GltfKeyframes, TurnByTheShorterArcAndStandStillBetweenEqualRotations) {
   EXPECT_EQ(read_glb(still, posed("Move@0.3")).nodes.at(0).linear_scene_mesh, Mat3::Identity());
 }
 
-TEST(GltfKeyframes, RefuseASplineThroughNoRotation) {
+TEST(GltfKeyframes, RejectASplineThroughAZeroQuaternion) {
   const GltfBuilder asset = moving_triangle(
       "rotation", {0, 1}, {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0},
       "CUBICSPLINE");
@@ -407,7 +407,7 @@ TEST(GltfKeyframes, RefuseASplineThroughNoRotation) {
                  posed("Move@0.5"));
 }
 
-TEST(GltfKeyframes, WarnOfTimesThatFallAndPassOverTheKeysThatAnEarlierOneFollows) {
+TEST(GltfKeyframes, WarnOfDecreasingTimesAndIgnoreKeysBeforeAnEarlierTime) {
   const GltfBuilder asset =
       moving_triangle("translation", {0, 2, 1, 3}, {0, 0, 0, 50, 0, 0, 10, 0, 0, 30, 0, 0});
   for (const auto& [time, x] : std::vector<std::pair<const char*, double>>{
@@ -441,7 +441,7 @@ TEST(GltfKeyframes, WarnOfTwoKeysAtOneTimeAndStepThere) {
 }
 
 // Numbers that no valid file has, against the rule that the warning states.
-TEST(GltfKeyframes, TakeAnyOrderOfTimesAsTheWarningStates) {
+TEST(GltfKeyframes, ReadAnyOrderOfTimesAsTheWarningStates) {
   test::Random random(22);
   for (int round = 0; round < 200; ++round) {
     std::vector<float> times, values;
@@ -472,7 +472,7 @@ TEST(GltfKeyframes, TakeAnyOrderOfTimesAsTheWarningStates) {
   }
 }
 
-TEST(GltfKeyframes, CostNoMoreWhereManyChannelsShareASampler) {
+TEST(GltfKeyframes, CostNoMoreIfManyChannelsShareASampler) {
   GltfBuilder asset = moving_triangle("translation", {0, 1}, {1, 0, 0, 2, 0, 0});
   for (std::size_t n = 1; n < 2000; ++n) {
     asset.add_node({{"mesh", 0}});
@@ -506,7 +506,7 @@ GltfBuilder four_clips() {
   return asset;
 }
 
-TEST(GltfPose, IsChosenByNameOrNumberAndTheLastAtCounts) {
+TEST(GltfPose, IsChosenByNameOrNumberBeforeTheLastAtSign) {
   const GltfBuilder asset = four_clips();
   for (const auto& [pose, x] : std::vector<std::pair<const char*, double>>{{"a@1@0", 10},
                                                                            {"#0@0.5", 10},
@@ -525,7 +525,7 @@ TEST(GltfPose, PrefersANameToANumber) {
   EXPECT_EQ(read_glb(asset, posed("#0@0")).nodes.at(0).translation_m.x(), 40.0);
 }
 
-TEST(GltfPose, RefusesWhatIsNotThereAndTellsWhatIs) {
+TEST(GltfPose, RejectsAnUnknownAnimationAndListsTheAnimations) {
   const GltfBuilder asset = four_clips();
   const std::string all =
       "choose from #0 \"a@1\" of 1 s, #1 \"Twice\" of 0.25 s, #2 \"animation 2\" of 0.5 s, #3 "
@@ -554,7 +554,7 @@ TEST(GltfPose, NamesAFewOfManyAnimations) {
                  posed("Twice@0"));
 }
 
-TEST(GltfPose, TellsInANoteWhichItIsAndWhereItsKeysEnd) {
+TEST(GltfPose, StatesInANoteTheAnimationAndItsLastKey) {
   const GltfBuilder asset = four_clips();
   const auto note = [&](const char* pose) { return read_glb(asset, posed(pose)).notes.at(0); };
   EXPECT_EQ(note(""), "pose: at rest");
@@ -562,7 +562,7 @@ TEST(GltfPose, TellsInANoteWhichItIsAndWhereItsKeysEnd) {
   EXPECT_EQ(note("#3@2"), "pose: animation #3 \"Twice\" at 2 s, after its last key at 0.75 s");
 }
 
-TEST(GltfPose, ListsAllAnimationsWithTheirLengthsWhateverIsWrongWithThem) {
+TEST(GltfPose, ListsAllAnimationsWithTheirLengthsEvenIfInvalid) {
   GltfBuilder asset = four_clips();
   Json& animations = asset.json["animations"];
   animations[0]["samplers"][0]["input"] = 999;

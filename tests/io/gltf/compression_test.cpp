@@ -427,7 +427,7 @@ TEST(Meshopt, DecodesAViewOnceForAllItsAccessors) {
   EXPECT_EQ(scene.meshes[1].positions[1], Vec3(9, 10, 11));
 }
 
-TEST(Meshopt, DecodesEvenWhenAFallbackIsThere) {
+TEST(Meshopt, DecodesEvenIfAFallbackIsPresent) {
   MeshoptAsset asset = meshopt_grid(4);
   asset.json.erase("extensionsRequired");
   const std::size_t bytes = asset.json["buffers"][1]["byteLength"].get<std::size_t>();
@@ -437,13 +437,13 @@ TEST(Meshopt, DecodesEvenWhenAFallbackIsThere) {
   expect_positions(read(asset).meshes.at(0).positions, grid_points(4));
 }
 
-TEST(Meshopt, RefusesAFallbackReadAsIfItHeldData) {
+TEST(Meshopt, RejectsAFallbackUsedAsData) {
   MeshoptAsset asset = meshopt_grid(4);
   asset.json["bufferViews"][0].erase("extensions");
   expect_refused(asset, ErrorCode::kInvalidContent, "/buffers/1", "no data");
 }
 
-TEST(Meshopt, RefusesWhatBreaksARuleOfTheExtension) {
+TEST(Meshopt, RejectsViolationsOfTheExtension) {
   const std::string element = "/bufferViews/0/extensions/EXT_meshopt_compression";
   const auto refuse = [&](const char* property, const Json& value,
                           ErrorCode code = ErrorCode::kInvalidContent) {
@@ -476,7 +476,7 @@ TEST(Meshopt, RefusesWhatBreaksARuleOfTheExtension) {
   expect_refused(asset, ErrorCode::kInvalidContent, element);
 }
 
-TEST(Meshopt, RefusesStridesThatTheModeOrTheFilterDoesNotTake) {
+TEST(Meshopt, RejectsStridesThatTheModeOrTheFilterDoesNotAllow) {
   const std::string stride = "/bufferViews/0/extensions/EXT_meshopt_compression/byteStride";
   for (const char* filter : {"OCTAHEDRAL", "QUATERNION"}) {
     MeshoptAsset asset = meshopt_grid(4);
@@ -533,7 +533,7 @@ TEST(Meshopt, RefusesDamagedData) {
                  "/bufferViews/0/extensions/EXT_meshopt_compression", "decoded");
 }
 
-TEST(Meshopt, RefusesCountsThatSoFewBytesCannotHoldBeforeAllocating) {
+TEST(Meshopt, RejectsCountsTooLargeForTheBytesBeforeAllocating) {
   for (const std::size_t view : {0u, 1u}) {
     for (const std::uint64_t count : {std::uint64_t{30000}, std::uint64_t{3} << 20,
                                       std::uint64_t{3} << 28, std::uint64_t{3} << 46}) {
@@ -551,7 +551,7 @@ TEST(Meshopt, RefusesCountsThatSoFewBytesCannotHoldBeforeAllocating) {
   }
 }
 
-TEST(Meshopt, TakesTheMostThatTheCodecsCanCompress) {
+TEST(Meshopt, ReadsTheHighestCompressionOfTheCodecs) {
   // All elements equal: every group of 16 is a code of two bits, every triangle one byte.
   constexpr std::size_t kCount = 256 * 40;
   MeshoptAsset asset;
@@ -816,7 +816,7 @@ TEST(Draco, ReadsEveryMethodToTheBitsItKeeps) {
   }
 }
 
-TEST(Draco, StepsOverMetadata) {
+TEST(Draco, SkipsMetadata) {
   for (DracoOptions options : kMethods) {
     options.metadata = true;
     const GltfBuilder asset = draco_grid(5, options);
@@ -839,7 +839,7 @@ TEST(Draco, KeepsNothingOfTheMetadata) {
   EXPECT_LT(peak_bytes - before, 200000u);
 }
 
-TEST(Draco, TakesAStripAsTheListThatWasDecoded) {
+TEST(Draco, ReadsAStripAsTheDecodedList) {
   const Points points = grid_points(5);
   const Indices indices = grid_indices(5);
   const std::string stream = draco_stream(points, indices);
@@ -855,7 +855,7 @@ TEST(Draco, TakesAStripAsTheListThatWasDecoded) {
   EXPECT_NE(odd.warnings[0].find("50 triangles"), std::string::npos) << odd.warnings[0];
 }
 
-TEST(Draco, DecodesEvenWhenAFallbackIsThere) {
+TEST(Draco, DecodesEvenIfAFallbackIsPresent) {
   GltfBuilder asset = draco_grid(4);
   asset.json.erase("extensionsRequired");
   const std::size_t zeros = asset.add_view(std::string(25 * 12, '\0'));
@@ -980,7 +980,7 @@ struct SkinnedGrid {
 
 constexpr int kBothMethods[] = {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING};
 
-TEST(Draco, PosesSkinsThatAreCompressed) {
+TEST(Draco, PosesCompressedSkins) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     const std::string stream = grid.stream<std::uint16_t>(method, draco::DT_UINT16);
@@ -991,7 +991,7 @@ TEST(Draco, PosesSkinsThatAreCompressed) {
   }
 }
 
-TEST(Draco, TakesIntegersOfAnotherTypeThanTheAccessorsAsTheNumbersTheyAre) {
+TEST(Draco, ConvertsIntegersToTheTypeOfTheAccessor) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     for (const std::string& stream : {grid.stream<std::uint8_t>(method, draco::DT_UINT8),
@@ -1010,7 +1010,7 @@ TEST(Draco, TakesIntegersOfAnotherTypeThanTheAccessorsAsTheNumbersTheyAre) {
 }
 
 // As a vertex beyond its values would be read by wrapping them.
-TEST(Draco, RefusesIntegersThatTheTypeOfTheAccessorDoesNotHave) {
+TEST(Draco, RejectsIntegersOutOfRangeOfTheAccessorsType) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     for (const std::string& stream : {grid.stream<std::uint16_t>(method, draco::DT_UINT16, 255),
@@ -1025,7 +1025,7 @@ TEST(Draco, RefusesIntegersThatTheTypeOfTheAccessorDoesNotHave) {
   }
 }
 
-TEST(Draco, DividesNormalisedIntegersByTheLargestOfTheAccessorsTypeAndSaysSo) {
+TEST(Draco, DividesNormalisedIntegersByTheLargestOfTheAccessorsTypeWithAWarning) {
   const std::vector<std::uint8_t> stored = {0, 0, 0, 255, 0, 0, 0, 255, 51};
   draco::Mesh mesh;
   mesh.set_num_points(3);
@@ -1061,7 +1061,7 @@ TEST(Draco, KeepsTheMaterialOfEachPrimitive) {
 }
 
 // Real exporters count before or after the codec has split vertices or dropped triangles.
-TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
+TEST(Draco, UsesTheNumbersOfTheStreamWithAWarningIfTheAccessorsDiffer) {
   for (const DracoOptions& options : kMethods) {
     const auto plain = read(draco_grid(5, options));
     for (const int vertices : {1, 35, 36, 37, 3600}) {
@@ -1086,7 +1086,7 @@ TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
 }
 
 // The type of their accessor does not hold the larger ones; what is read are those of the stream.
-TEST(Draco, TakesIndicesOfTheStreamWhateverTheTypeOfTheirAccessor) {
+TEST(Draco, UsesTheIndicesOfTheStreamForAnyTypeOfTheirAccessor) {
   for (const DracoOptions& options : kMethods) {
     GltfBuilder asset = draco_grid(20, options);
     for (const int type : {GltfBuilder::kUnsignedByte, GltfBuilder::kUnsignedShort}) {
@@ -1107,7 +1107,7 @@ TEST(Draco, RefusesAccessorsThatDisagreeWithEachOther) {
   }
 }
 
-TEST(Draco, PosesAsManyVerticesAsTheStreamHolds) {
+TEST(Draco, PosesAsManyVerticesAsTheStreamHas) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     const std::string stream = grid.stream<std::uint8_t>(method, draco::DT_UINT8);
@@ -1153,7 +1153,7 @@ TEST(Draco, AppliesLimitsToTheNumbersOfTheStream) {
 
 // What repeats takes a stream next to no space. The accessors may vouch for some of it; a stream
 // alone is believed as far as its length goes.
-TEST(Draco, BoundsWhatAStreamDecodesToBeyondItsAccessors) {
+TEST(Draco, BoundsTheDecodedSizeBeyondTheAccessors) {
   constexpr std::size_t kSide = 300;
   const Indices indices = grid_indices(kSide);
   const std::size_t vertices = (kSide + 1) * (kSide + 1);
@@ -1195,7 +1195,7 @@ TEST(Draco, RefusesTypesThatDifferFromTheStream) {
                  std::string(kDracoElement) + "/attributes/POSITION", "another type");
 }
 
-TEST(Draco, RefusesWhatBreaksARuleOfTheExtension) {
+TEST(Draco, RejectsViolationsOfTheExtension) {
   const std::string element = kDracoElement;
   const auto refuse = [&](const Json::json_pointer& pointer, const Json& value,
                           const std::string& where) {
@@ -1267,7 +1267,7 @@ std::string edgebreaker_stream(std::uint64_t vertices, std::uint64_t faces, int 
          varint(faces) + varint(splits) + std::string(padding, '\0');
 }
 
-TEST(Draco, RefusesNumbersThatSoFewBytesCannotHoldBeforeAllocating) {
+TEST(Draco, RejectsCountsTooLargeForTheBytesBeforeAllocating) {
   for (const std::uint64_t faces : {std::uint64_t{100000}, std::uint64_t{10000000}}) {
     for (const std::string& stream :
          {edgebreaker_stream(faces / 2, faces, 0, 0, 100),
@@ -1279,7 +1279,7 @@ TEST(Draco, RefusesNumbersThatSoFewBytesCannotHoldBeforeAllocating) {
   }
 }
 
-TEST(Draco, RefusesNumbersThatTheAccessorsDoNotShareBeforeAllocating) {
+TEST(Draco, RejectsCountsThatDifferFromTheAccessorsBeforeAllocating) {
   constexpr std::uint64_t kMany = 50000000;
   for (const std::string& stream :
        {edgebreaker_stream(kMany, 50, 0, 50, 1000), edgebreaker_stream(kMany, kMany, 0, 0, 1000),
@@ -1323,7 +1323,7 @@ TEST(Draco, KeepsHostileStreamsBelowTheDocumentedMemory) {
             (64u << 20) + 40 * kDescribed);
 }
 
-TEST(Draco, RefusesMetadataWithoutEnd) {
+TEST(Draco, RejectsEndlessMetadata) {
   std::string header = draco_header(1);
   header[10] = '\x80';
   for (const std::string& metadata : {varint(0xffffffffu), varint(0) + varint(0xffffffffu),

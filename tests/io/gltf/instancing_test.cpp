@@ -192,7 +192,7 @@ TEST(GltfInstancing, RefusesInstancesOfASkinnedMesh) {
   expect_refused(asset, ErrorCode::kUnsupported, "/nodes/0");
 }
 
-TEST(GltfInstancing, RefusesToMakeInstancesOfNothing) {
+TEST(GltfInstancing, RejectsInstancesWithoutAMesh) {
   GltfBuilder asset = three_instances();
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint8_t>{2}));
   Json& accessor = asset.json["accessors"][2];

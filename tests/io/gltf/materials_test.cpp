@@ -100,7 +100,7 @@ TEST(GltfMaterials, KeepEveryKindOfParameterAsWritten) {
   EXPECT_EQ(material.parameters[6].element, "/materials/0/extras/palpate/texture/amplitude");
 }
 
-TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
+TEST(GltfMaterials, IgnoreOtherExtras) {
   for (const Json& extras : {Json("text"), Json(7), Json::array({1}), Json(nullptr),
                              Json({{"Palpate", 1}}), Json({{"palpate", Json::object()}})}) {
     const auto scene = read_glb(asset_with_material({{"extras", extras}}));
@@ -110,7 +110,7 @@ TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
   }
 }
 
-TEST(GltfMaterials, ThatCannotBeRepresentedAreRefusedByPath) {
+TEST(GltfMaterials, AreRefusedByPathIfTheyCannotBeRepresented) {
   const std::string palpate = "/materials/0/extras/palpate";
   for (const Json& wrong : {Json(1), Json("soft"), Json::array(), Json(nullptr), Json(true)}) {
     expect_invalid(asset_declaring(wrong), palpate, "an object");
@@ -160,7 +160,7 @@ TEST(GltfMaterials, ANumberThatOverflowsIsRefused) {
   EXPECT_FALSE(read_gltf(GltfBuilder::write_text(folder, text)).ok());
 }
 
-TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
+TEST(GltfMaterials, AreRefusedForAWrongTypeIfATriangleUsesThem) {
   expect_invalid(asset_with_material("steel"), "/materials/0", "an object");
   expect_invalid(asset_with_material({{"name", 3}}), "/materials/0/name", "a string");
   GltfBuilder unused = GltfBuilder::one_triangle();
@@ -168,7 +168,7 @@ TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
   EXPECT_TRUE(read_glb(unused).materials.empty());
 }
 
-TEST(GltfMaterials, OfAllHaveABoundedNumberOfParameters) {
+TEST(GltfMaterials, HaveABoundedTotalNumberOfParameters) {
   Json palpate;
   for (int i = 0; i < 256; ++i) palpate["a" + std::to_string(i)] = i;
   GltfBuilder asset = GltfBuilder::one_triangle();
@@ -202,7 +202,7 @@ void expect_wrong(const GltfBuilder& asset, const MaterialOverride& setting,
   EXPECT_NE(scene.error().to_string().find(text), std::string::npos) << scene.error().to_string();
 }
 
-TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
+TEST(GltfMaterials, ApplyOverrides) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["materials"] = {
       {{"name", "skin"}, {"extras", {{"palpate", {{"damping", 3}, {"stiffness", 100}}}}}},
@@ -233,7 +233,7 @@ TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
   EXPECT_EQ(scene->materials[3].parameters[0].value, MaterialValue(2.0));
 }
 
-TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
+TEST(GltfMaterials, ReadOverridesAsJsonElseAsText) {
   const std::vector<std::pair<std::string, MaterialValue>> expected = {
       {"1e3", 1000.0},
       {" -0.5 ", -0.5},
@@ -254,7 +254,7 @@ TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
   }
 }
 
-TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
+TEST(GltfMaterials, RejectOverridesThatNoMaterialCanHave) {
   const GltfBuilder asset = asset_with_material({{"name", "a"}});
   expect_wrong(asset, {"a", "key", "null"}, "`SceneSettings::overrides` a.key", "null");
   expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "`SceneSettings::overrides` a.key", "an object");
@@ -266,7 +266,7 @@ TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
                "`SceneSettings::overrides` a." + std::string(33, 'k'), "33 bytes");
 }
 
-TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
+TEST(GltfMaterials, AreListedIfAnOverrideNamesAnUnknownOne) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   Json primitives = Json::array();
   for (std::size_t i = 0; i < 11; ++i) {
@@ -283,7 +283,7 @@ TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
                "there are \"default\"");
 }
 
-TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
+TEST(GltfMaterials, AreNamedDefaultForTrianglesWithoutAMaterial) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["materials"] = Json::array({{{"name", "steel"}}});
   asset.json["meshes"][0]["primitives"] = {triangle_primitive(), triangle_primitive(0),
@@ -313,7 +313,7 @@ TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
 
 // --- Scenes and nodes ----------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfTheSceneAreThoseOfTheOneThatIsRead) {
+TEST(GltfMaterials, SceneParametersAreThoseOfTheSceneRead) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
   asset.json["scenes"].push_back(asset.json["scenes"][0]);
@@ -336,7 +336,7 @@ TEST(GltfMaterials, OfTheSceneAreThoseOfTheOneThatIsRead) {
   EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
 }
 
-TEST(GltfMaterials, OfANodeWithAMediumMakeARegion) {
+TEST(GltfMaterials, NodeWithAMediumMakesARegion) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   const Json sphere = {{"medium", "sphere"}, {"radius", 0.5}, {"viscosity", 4}};
   const auto child = asset.add_child(
@@ -360,7 +360,7 @@ TEST(GltfMaterials, OfANodeWithAMediumMakeARegion) {
   EXPECT_EQ(scene.regions[1].name, "node 4");
 }
 
-TEST(GltfMaterials, OfANodeWithoutAMediumAreWarnedOf) {
+TEST(GltfMaterials, NodeWithoutAMediumIsAWarning) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["name"] = "tip";
   asset.json["nodes"][0]["extras"]["palpate"] = {{"stiffness", 100}};
@@ -377,7 +377,7 @@ TEST(GltfMaterials, OfANodeWithoutAMediumAreWarnedOf) {
 
 // --- Runs ----------------------------------------------------------------------------------------
 
-TEST(GltfMaterials, RunOverThePrimitivesThatHaveThem) {
+TEST(GltfMaterials, RunsFollowThePrimitives) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   for (int i = 0; i < 6; ++i)
     asset.json["materials"].push_back({{"name", std::string(1, "abcdef"[i])}});
@@ -471,7 +471,7 @@ TEST(GltfMaterials, KeepTheirNormalTextureWithoutOpeningItsImage) {
   EXPECT_EQ(turned->uv_scale, (std::array<double, 2>{2, 3}));
 }
 
-TEST(GltfMaterials, TexturesMustLeadToAnImage) {
+TEST(GltfMaterials, TexturesMustReferToAnImage) {
   const std::string element = "/materials/0/normalTexture";
   const auto refuse = [](const Json& info, const std::string& where) {
     expect_invalid(asset_with_normal_texture(info), where);
@@ -525,7 +525,7 @@ Ids physics_materials_of(const SceneDescription& scene) {
   return ids;
 }
 
-TEST(GltfMaterials, OfPhysicsAreReadAsWritten) {
+TEST(GltfMaterials, PhysicsMaterialsAreReadAsWritten) {
   const auto scene = read_glb(
       asset_with_physics({Json::object(),
                           {{"staticFriction", 0.8},
@@ -551,7 +551,7 @@ TEST(GltfMaterials, OfPhysicsAreReadAsWritten) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(GltfMaterials, OfPhysicsAreRefusedByPath) {
+TEST(GltfMaterials, InvalidPhysicsMaterialsAreRefusedByPath) {
   const std::string list = "/extensions/KHR_physics_rigid_bodies/physicsMaterials";
   expect_invalid(asset_with_physics(3), list, "an array");
   expect_invalid(asset_with_physics({Json::object(), 4}), list + "/1", "an object");
@@ -574,7 +574,7 @@ TEST(GltfMaterials, OfPhysicsAreRefusedByPath) {
   expect_refused(asset, ErrorCode::kLimitExceeded, list);
 }
 
-TEST(GltfMaterials, OfCollidersGoToTheNodeThatCarriesThem) {
+TEST(GltfMaterials, ColliderMaterialsApplyToTheColliderNode) {
   GltfBuilder asset = asset_with_physics();
   asset.json["nodes"][0] =
       with_collider({{"mesh", 0}}, {{"geometry", {{"shape", 7}}}, {"physicsMaterial", 2}});
@@ -584,7 +584,7 @@ TEST(GltfMaterials, OfCollidersGoToTheNodeThatCarriesThem) {
   EXPECT_EQ(physics_materials_of(read_glb(asset)), (Ids{2, std::nullopt, std::nullopt}));
 }
 
-TEST(GltfMaterials, OfCollidersGoToTheMeshesOfTheirGeometry) {
+TEST(GltfMaterials, ColliderMaterialsApplyToTheMeshesOfTheirGeometry) {
   GltfBuilder asset = asset_with_physics();
   // 0 is the geometry of 4, and so are its child 1 and grandchild 3; 2, a child of 1, has its own.
   asset.json["nodes"][0]["children"] = {1};
@@ -596,7 +596,7 @@ TEST(GltfMaterials, OfCollidersGoToTheMeshesOfTheirGeometry) {
   EXPECT_EQ(physics_materials_of(read_glb(asset)), (Ids{3, 3, 1, 3, std::nullopt}));
 }
 
-TEST(GltfMaterials, OfCollidersThatDisagreeComeFromTheNearestThenTheFirst) {
+TEST(GltfMaterials, DisagreeingCollidersAreResolvedByNearestThenFirst) {
   GltfBuilder asset = asset_with_physics();
   asset.json["nodes"][0]["children"] = {1};
   asset.add_child({{"mesh", 0}});
@@ -622,7 +622,7 @@ TEST(GltfMaterials, OfCollidersThatDisagreeComeFromTheNearestThenTheFirst) {
   EXPECT_NE(notes[0].find("3 further"), std::string::npos) << notes[0];
 }
 
-TEST(GltfMaterials, OfCollidersAreRefusedByPath) {
+TEST(GltfMaterials, InvalidCollidersAreRefusedByPath) {
   const std::string element = "/nodes/0/extensions/KHR_physics_rigid_bodies";
   const auto refuse = [](const Json& collider, const std::string& where) {
     GltfBuilder asset = asset_with_physics();
@@ -658,7 +658,7 @@ Json map_of(std::size_t texture, const std::string& type) {
   return {{"texture", {{"index", texture}}}, {"type", type}};
 }
 
-TEST(GltfMaterials, OfHapticTexturesAreReadUnderBothNames) {
+TEST(GltfMaterials, HapticTexturesAreReadUnderBothNames) {
   for (const char* name : {kHaptic, kOldHaptic}) {
     Json low = map_of(1, "Low_Resolution");
     low["texture"]["texCoord"] = 3;
@@ -706,7 +706,7 @@ TEST(GltfMaterials, OfHapticTexturesAreReadUnderBothNames) {
   }
 }
 
-TEST(GltfMaterials, OfHapticTexturesComeFromThePresentNameWhenBothAreThere) {
+TEST(GltfMaterials, HapticTexturesAreReadFromTheCurrentNameIfBothArePresent) {
   GltfBuilder asset = asset_with_haptics({{{"name", "old"}}, {{"name", "older"}}}, kOldHaptic);
   asset.json["extensions"][kHaptic]["materials"] = {{{"name", "new"}}};
   asset.json["meshes"][0]["extensions"][kOldHaptic]["hapticMaterialIndex"] = 0;
@@ -718,7 +718,7 @@ TEST(GltfMaterials, OfHapticTexturesComeFromThePresentNameWhenBothAreThere) {
   expect_invalid(asset, "/meshes/0/extensions/MPEG_material_haptic/hapticMaterialIndex");
 }
 
-TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
+TEST(GltfMaterials, InvalidHapticTexturesAreRefusedByPath) {
   for (const char* name : {kHaptic, kOldHaptic}) {
     const std::string list = std::string("/extensions/") + name + "/materials";
     const auto refuse = [&](const Json& materials, const std::string& where) {
@@ -754,7 +754,7 @@ TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
 }
 
 // Nothing here calls for the image, which is not there.
-TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
+TEST(GltfMaterials, NeedNoImageIfTheTextureHeightIsZero) {
   const std::vector<Json> maps = {map_of(0, "Other")};
   GltfBuilder felt = asset_with_haptics({{{"vibrotactileTexture", maps}}});
   felt.json["materials"] = {{{"name", "felt"}}, {{"name", "lead"}}};
@@ -796,7 +796,7 @@ TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
 
 // --- What is not known ---------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
+TEST(GltfMaterials, WarnAboutUnusedPropertiesOfExtensions) {
   const auto warnings_of = [](GltfBuilder asset, const char* extension, const char* list,
                               const Json& entry) {
     asset.json["extensions"][extension][list] = {Json::object(), entry};
@@ -823,7 +823,7 @@ TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
 
 // --- Variants ------------------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfVariantsAreNotedAndTheDefaultStays) {
+TEST(GltfMaterials, VariantsAreNotedAndTheDefaultIsUsed) {
   GltfBuilder asset = asset_with_material({{"name", "beech"}});
   asset.json["extensionsRequired"] = {"KHR_materials_variants"};
   asset.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "oak"}}, 5};

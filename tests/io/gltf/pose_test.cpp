@@ -169,7 +169,7 @@ class RandomSkin {
   int set_count_ = 0;
 };
 
-TEST(GltfSkin, TakesVerticesWhereTheirJointsDoForAllComponentTypes) {
+TEST(GltfSkin, MovesVerticesWithTheirJointsForAllComponentTypes) {
   test::Random random(11);
   for (int round = 0; round < 10; ++round) {
     for (int kind = 0; kind < 6; ++kind) {
@@ -197,7 +197,7 @@ TEST(GltfSkin, TakesVerticesWhereTheirJointsDoForAllComponentTypes) {
   }
 }
 
-TEST(GltfSkin, TakesWhatLiesOutsideTheSceneFromItsOwnAncestors) {
+TEST(GltfSkin, PlacesJointsOutsideTheSceneByTheirAncestors) {
   test::Random random(12);
   RandomSkin skin(random);
   skin.add_set<std::uint8_t, float>(GltfBuilder::kUnsignedByte, GltfBuilder::kFloat, 1.0L);
@@ -268,7 +268,7 @@ TEST(GltfSkin, ReadsAMeshWithoutSkinWhereTheNodeIs) {
   EXPECT_TRUE(scene.notes.empty());
 }
 
-TEST(GltfSkin, SharesAMeshThatIsPosedTheSameWay) {
+TEST(GltfSkin, SharesAMeshInTheSamePose) {
   GltfBuilder asset = skinned_triangle();
   asset.add_node({{"mesh", 0}, {"skin", 0}});
   asset.add_node({{"mesh", 0}});
@@ -332,7 +332,7 @@ TEST(GltfSkin, ToleratesTheRoundingOfStoredWeightsOnly) {
   EXPECT_EQ(warnings_with(1.0f + 0x1p-20f, GltfBuilder::kFloat), 1u);
 }
 
-TEST(GltfSkin, LooksAtNoJointWhoseWeightIsZero) {
+TEST(GltfSkin, IgnoresJointsOfWeightZero) {
   GltfBuilder asset = skinned_triangle();
   set_joints(asset, {0, 9, 999, 65535, 0, 0, 0, 2, 0, 2, 0, 0});
   EXPECT_EQ(read_glb(asset).meshes.at(0).positions[0], Vec3(0, 0, 5));
@@ -340,7 +340,7 @@ TEST(GltfSkin, LooksAtNoJointWhoseWeightIsZero) {
   expect_invalid(asset, "/meshes/0/primitives/0/attributes/JOINTS_0", "vertex 2 names joint 2");
 }
 
-TEST(GltfSkin, TakesTheLastRowOfInverseBindMatricesAsExactAsFloatsAre) {
+TEST(GltfSkin, AcceptsTheLastRowOfInverseBindMatricesWithinFloatRounding) {
   for (const float last : {1.0f, 1.0f + 0x1p-19f, 1.0f + 0x1p-18f, 0.0f}) {
     GltfBuilder asset = skinned_triangle();
     std::vector<float> matrices = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 1, 1, last,
@@ -475,7 +475,7 @@ TEST(GltfSkin, BoundsTheWorkOfManyPosesOfManyPrimitives) {
   expect_refused(asset, ErrorCode::kLimitExceeded, "/meshes/0", "has too many poses");
 }
 
-TEST(GltfSkin, WarnsOnceOfWhatAllPosesOfAMeshShare) {
+TEST(GltfSkin, WarnsOnceForAllPosesOfAMesh) {
   GltfBuilder asset = skinned_triangle();
   set_weights(asset, {0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5, 0, 0, 0});
   asset.add_node({{"mesh", 0}});
@@ -664,7 +664,7 @@ TEST(GltfAnimation, TakesTheFirstKeyframeOfEveryInterpolation) {
   }
 }
 
-TEST(GltfAnimation, KeepsWhatItDoesNotAnimate) {
+TEST(GltfAnimation, KeepsValuesThatItDoesNotAnimate) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["translation"] = {9, 8, 7};
   asset.json["nodes"][0]["scale"] = {5, 5, 5};
@@ -696,7 +696,7 @@ TEST(GltfAnimation, ReadsNormalisedIntegers) {
   check_normalized_rotation<std::uint16_t>(GltfBuilder::kUnsignedShort);
 }
 
-TEST(GltfAnimation, TakesOneAndNeverMergesTwo) {
+TEST(GltfAnimation, AppliesExactlyOneAnimation) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["scale"] = {5, 5, 5};
   animate(asset, 0, 0, "translation", {1, 2, 3});
@@ -742,7 +742,7 @@ TEST(GltfAnimation, SetsMorphWeights) {
   expect_invalid_posed(asset, "#0@0", "/animations/0/channels/0/target", "without morph targets");
 }
 
-TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
+TEST(GltfAnimation, IgnoresChannelsWithoutANodeOrWithAnotherPath) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   for (int i = 0; i < 5; ++i) animate(asset, 0, 0, "translation", {1, 2, 3});
   Json& channels = asset.json["animations"][0]["channels"];
@@ -762,7 +762,7 @@ TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
   EXPECT_TRUE(at_rest.warnings[0].starts_with("/animations: ")) << at_rest.warnings[0];
 }
 
-TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
+TEST(GltfAnimation, RejectsBrokenAnimationsOnlyIfChosen) {
   const auto expect_broken = [](const std::string& element, const auto& change) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "rotation", {0, 0, 0, 1});
@@ -836,7 +836,7 @@ TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
   });
 }
 
-TEST(GltfAnimation, RefusesTargetsThatAreNoNode) {
+TEST(GltfAnimation, RejectsTargetsThatAreNotNodes) {
   for (const Json& id : {Json(1), Json(-1), Json("0")}) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "translation", {1, 2, 3});
@@ -859,7 +859,7 @@ TEST(GltfAnimation, RefusesSparseElementsInWrongOrder) {
   EXPECT_EQ(heights(read_posed(asset, "#0@0")), (std::vector<double>{1, 3, 3}));
 }
 
-TEST(GltfAnimation, TakesNoMemoryForKeyframesThatTheFileDoesNotHold) {
+TEST(GltfAnimation, AllocatesNoMemoryForKeyframesThatAreNotStored) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   animate(asset, 0, 0, "translation", {1, 2, 3});
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint32_t>{0, 1u << 31}));
