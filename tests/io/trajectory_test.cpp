@@ -32,7 +32,7 @@ class Trajectory : public testing::Test {
     return read_trajectory(path_);
   }
 
-  // The positions, or none and a failure.
+  // The positions; empty, with a test failure, on an error.
   std::vector<Vec3> positions(const std::string& text) {
     auto result = read(text);
     if (result) return *result;
@@ -40,7 +40,7 @@ class Trajectory : public testing::Test {
     return {};
   }
 
-  // The one-line message of the error that text must give.
+  // The one-line message of the expected error.
   std::string message(const std::string& text) {
     const auto result = read(text);
     if (!result) return result.error().to_string();

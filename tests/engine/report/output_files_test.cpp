@@ -1,4 +1,4 @@
-// The files of one command: together or not at all, and nobody else's.
+// The files of one command appear together or not at all; other files are not touched.
 
 #include "engine/report/output_files.h"
 
@@ -29,7 +29,7 @@ void write(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-// Whatever is below a folder: links by what they name, files by what they hold, folders as "/".
+// All entries below a folder: links with their target, files with their content, folders as "/".
 std::map<std::string, std::string> tree_of(const fs::path& folder) {
   std::map<std::string, std::string> tree;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -112,7 +112,7 @@ TEST_F(OutputFilesTest, RemoveOlderFilesOfTheirNamesOnly) {
                            "b.csv.d/c.svg", ".palpate-unfinished-notes"}) {
     write(out / name, "old");
   }
-  fs::create_directory(out / ".palpate-unfinished-is-it");  // a character too many
+  fs::create_directory(out / ".palpate-unfinished-is-it");  // one character too long
   OutputFiles files = created("out");
   write(files.path("a.csv"), "new");
   ASSERT_FALSE(files.move_into_place());
@@ -166,14 +166,14 @@ TEST_F(OutputFilesTest, RejectAPathThatIsNotAFolder) {
   EXPECT_EQ(tree(), (Tree{{"file", "mine"}, {"dangling", "-> nowhere"}}));
 }
 
-// Something takes a name while the command runs, so that one file cannot be moved.
+// Another entry takes a name while the command runs, so that one file cannot be moved.
 TEST_F(OutputFilesTest, RestorePreviousFilesIfAMoveFails) {
   const fs::path out = folder.path("out");
   fs::create_directory(out);
   for (const char* name : {"a.csv", "b.csv"}) write(out / name, "old");
   OutputFiles files = created("out");
   for (const char* name : {"a.csv", "b.csv", "c.svg"}) write(files.path(name), "new");
-  // "old/c.svg" in the hidden folder: what is in place cannot be moved aside onto a folder.
+  // "old/c.svg" in the hidden folder is a folder, so the file in place cannot be moved there.
   const fs::path hidden = fs::path(files.path("a.csv")).parent_path();
   fs::create_directories(hidden / "old" / "c.svg" / "full");
   write(out / "c.svg", "somebody's");
@@ -194,14 +194,14 @@ TEST_F(OutputFilesTest, ReportErrorsUnderTheFinalPath) {
             "scene.glb");
 }
 
-// Two commands at once do not see each other; the last one to finish has the folder.
+// Two concurrent commands do not affect each other; the last one to finish determines the content.
 TEST_F(OutputFilesTest, FromTwoCommandsAreNotMixed) {
   OutputFiles first = created("out");
   write(first.path("a.csv"), "first");
   write(first.path("b.csv"), "first");
   OutputFiles second = created("out");
   write(second.path("a.csv"), "second");
-  EXPECT_TRUE(fs::exists(first.path("a.csv"))) << "of a living command";
+  EXPECT_TRUE(fs::exists(first.path("a.csv"))) << "the command is still running";
   ASSERT_FALSE(first.move_into_place());
   ASSERT_FALSE(second.move_into_place());
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "second"}}));

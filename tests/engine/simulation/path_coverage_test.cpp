@@ -1,4 +1,4 @@
-// What is near a moving point, against steps along the curve that are each asked on their own.
+// Coverage of a curve by a moving point, compared with separate tests of steps along the curve.
 
 #include "engine/simulation/path_coverage.h"
 
@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-// Of steps along a curve, the share that has a point within near_m, and of those that cannot be
-// told apart by half a step.
+// The share of steps along a curve with a point within near_m, and the share that half a step
+// leaves undecided.
 double stepped_share(const std::vector<Vec3>& curve, const std::vector<Vec3>& points,
                      double near_m) {
   constexpr int kSteps = 200;

@@ -48,7 +48,7 @@ Json triangle_primitive(std::size_t material) {
   return primitive;
 }
 
-// Material by material, as "3: none" or "0: 2"; the first triangle goes before the colon.
+// The runs as "3: none" or "0: 2": the first triangle and its material.
 std::vector<std::string> runs_of(const MeshDescription& mesh) {
   std::vector<std::string> runs;
   for (const MaterialRun& run : mesh.material_runs) {
@@ -192,7 +192,7 @@ Result<SceneDescription> read_with(const GltfBuilder& asset, const Overrides& ov
   return read_gltf(asset.write_glb(folder), {overrides});
 }
 
-// Refused by an argument, which the error names.
+// Expects an invalid argument, which the error names.
 void expect_wrong(const GltfBuilder& asset, const MaterialOverride& setting,
                   const std::string& element, const std::string& text) {
   const auto scene = read_with(asset, {setting});
@@ -277,7 +277,7 @@ TEST(GltfMaterials, AreListedIfAnOverrideNamesAnUnknownOne) {
   const std::string listed = R"("b", "c", "d", "e", "f", "g", "h", "i" and 2 more)";
   expect_wrong(asset, {"x", "key", "1"}, "`SceneSettings::overrides` x.key", listed);
   expect_wrong(asset, {"a", "key", "1"}, "`SceneSettings::overrides` a.key",
-               listed);  // no triangle has it
+               listed);  // not used by a triangle
   expect_wrong(asset, {"default", "key", "1"}, "`SceneSettings::overrides` default.key", listed);
   expect_wrong(GltfBuilder::one_triangle(), {"x", "key", "1"}, "`SceneSettings::overrides` x.key",
                "there are \"default\"");
@@ -304,7 +304,7 @@ TEST(GltfMaterials, AreNamedDefaultForTrianglesWithoutAMaterial) {
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(runs_of(other->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
 
-  asset.json["materials"][0]["name"] = "default";  // so this is what the name means
+  asset.json["materials"][0]["name"] = "default";  // so the name refers to this material
   const auto named = read_with(asset, {{"default", "stiffness", "5"}});
   ASSERT_TRUE(named.ok());
   EXPECT_EQ(runs_of(named->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
@@ -393,7 +393,7 @@ TEST(GltfMaterials, RunsFollowThePrimitives) {
   asset.add_node({{"mesh", other}});
   const auto scene = read_glb(asset);
   ASSERT_EQ(scene.meshes.size(), 2u);
-  // In the order of first use: e is 0, a is 1, f is 2; nobody asks for those of points.
+  // In the order of first use: e is 0, a is 1, f is 2; materials of points are not used.
   EXPECT_EQ(runs_of(scene.meshes[0]), (Runs{"0: none", "1: 0", "3: 1", "4: none"}));
   EXPECT_EQ(runs_of(scene.meshes[1]), (Runs{"0: 2", "1: 1", "2: 2"}));
   ASSERT_EQ(scene.materials.size(), 3u);
@@ -463,7 +463,7 @@ TEST(GltfMaterials, KeepTheirNormalTextureWithoutOpeningItsImage) {
   const auto turned = read_glb(asset_with_normal_texture(info)).materials.at(0).normal_texture;
   ASSERT_TRUE(turned);
   EXPECT_EQ(turned->texture, 1u);
-  EXPECT_FALSE(turned->image);  // an extension may know
+  EXPECT_FALSE(turned->image);  // an extension may name the image
   EXPECT_EQ(turned->tex_coord, 1u);
   EXPECT_EQ(turned->scale, -0.5);
   EXPECT_EQ(turned->uv_offset, (std::array<double, 2>{0.25, -1}));
@@ -753,7 +753,7 @@ TEST(GltfMaterials, InvalidHapticTexturesAreRefusedByPath) {
   }
 }
 
-// Nothing here calls for the image, which is not there.
+// The image is absent, and nothing here requires it.
 TEST(GltfMaterials, NeedNoImageIfTheTextureHeightIsZero) {
   const std::vector<Json> maps = {map_of(0, "Other")};
   GltfBuilder felt = asset_with_haptics({{{"vibrotactileTexture", maps}}});
@@ -776,7 +776,7 @@ TEST(GltfMaterials, NeedNoImageIfTheTextureHeightIsZero) {
     const auto* haptic =
         scene->haptic_materials.empty() ? nullptr : &scene->haptic_materials.front();
     EXPECT_EQ(texture_map(scene->materials.at(0), haptic), nullptr);
-    // The engine reports what is no number, so its map must be there.
+    // The engine reports a value that is not a number, so its map must be present.
     for (const char* called : {"0.01", "flat", "false"}) {
       EXPECT_FALSE(read_with(asset, {{name, "textureHeight", called}}).ok()) << called;
     }
@@ -784,17 +784,17 @@ TEST(GltfMaterials, NeedNoImageIfTheTextureHeightIsZero) {
   expect_flat(felt, "felt");
   expect_flat(normal, "felt");
   expect_flat(bare, "default");
-  // Here the name is of another material.
+  // Here the name belongs to another material.
   bare.json["materials"][1]["name"] = "default";
   EXPECT_FALSE(read_with(bare, {{"default", "textureHeight", "0"}}).ok());
-  // One flat material leaves the map to the other one.
+  // One flat material: the other material still uses the map.
   felt.json["meshes"][0]["primitives"] = {triangle_primitive(0), triangle_primitive(1)};
   EXPECT_FALSE(read_with(felt, {{"felt", "textureHeight", "0"}}).ok());
   EXPECT_TRUE(
       read_with(felt, {{"felt", "textureHeight", "0"}, {"lead", "textureHeight", "0"}}).ok());
 }
 
-// --- What is not known ---------------------------------------------------------------------------
+// --- Unknown properties --------------------------------------------------------------------------
 
 TEST(GltfMaterials, WarnAboutUnusedPropertiesOfExtensions) {
   const auto warnings_of = [](GltfBuilder asset, const char* extension, const char* list,

@@ -1,4 +1,4 @@
-// Skins, morph targets, and poses: at rest, and of one animation at one time.
+// Skins, morph targets, and poses: the rest pose, and one animation at one time.
 
 #include <cmath>
 #include <cstdint>
@@ -44,7 +44,7 @@ LongMatrix matrix_of_trs(const Vec3& t, const Eigen::Vector4d& q, const Vec3& s)
   return m;
 }
 
-// What a vertex must become, and how much rounding may move it.
+// The expected position of a vertex, and its tolerance for rounding.
 struct Expected {
   LongVector position = LongVector::Zero();
   long double bound = 0.0L;
@@ -98,7 +98,7 @@ class RandomSkin {
     asset.json["skins"][0]["inverseBindMatrices"] = add_floats(asset, numbers, "MAT4");
   }
 
-  // One set of attributes JOINTS_n and WEIGHTS_n. largest: what stands for 1.
+  // One set of attributes JOINTS_n and WEIGHTS_n. largest: the integer for 1.
   template <typename Joint, typename Weight>
   void add_set(int joint_type, int weight_type, long double largest) {
     std::vector<Joint> joints;
@@ -214,7 +214,7 @@ GltfBuilder skinned_triangle() {
       add_numbers(asset, std::vector<std::uint8_t>(12, 0), GltfBuilder::kUnsignedByte, "VEC4");
   attributes["WEIGHTS_0"] = add_floats(asset, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
   asset.json["nodes"][0]["skin"] = 0;
-  asset.json["nodes"][0]["scale"] = {0, 0, 0};  // must not matter
+  asset.json["nodes"][0]["scale"] = {0, 0, 0};  // must have no effect
   asset.add_node({{"translation", {0, 0, 5}}, {"children", {2}}});
   asset.add_child({{"translation", {0, 0, 7}}});
   asset.json["skins"] = {{{"joints", {1, 2}}}};
@@ -439,7 +439,7 @@ TEST(GltfSkin, RefusesBrokenJointsAndWeights) {
   });
 }
 
-// Real files have such vertices, most of them in no triangle.
+// Real files have such vertices, usually without a triangle.
 TEST(GltfSkin, VerticesWithoutAWeightMoveWithTheFirstJoint) {
   GltfBuilder asset = skinned_triangle();
   set_weights(asset, {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
@@ -620,7 +620,7 @@ void expect_invalid_posed(const GltfBuilder& asset, const std::string& pose,
 
 constexpr const char* kInterpolations[] = {"LINEAR", "STEP", "CUBICSPLINE"};
 
-// Adds an animation of one channel; a new one if animation is the number of those there are.
+// Adds a channel to an animation; to a new one if animation equals the number of animations.
 // values: of the first of two keyframes; the second is a half, four of which are a rotation.
 void animate(GltfBuilder& asset, std::size_t animation, std::size_t node, const std::string& path,
              const std::vector<float>& values, const std::string& interpolation = "LINEAR",
@@ -768,7 +768,7 @@ TEST(GltfAnimation, RejectsBrokenAnimationsOnlyIfChosen) {
     animate(asset, 0, 0, "rotation", {0, 0, 0, 1});
     change(asset, asset.json["animations"][0]);
     expect_invalid_posed(asset, "#0@0", element);
-    // The same harms nobody who does not choose it.
+    // The same file is valid if the animation is not chosen.
     EXPECT_EQ(read_glb(asset).nodes.size(), 1u) << element;
     asset.add_node({{"mesh", 0}});
     animate(asset, 1, 1, "translation", {1, 2, 3});
@@ -816,7 +816,7 @@ TEST(GltfAnimation, RejectsBrokenAnimationsOnlyIfChosen) {
     a["samplers"][0]["output"] =
         add_floats(asset, {0, 0, 0, std::numeric_limits<float>::quiet_NaN(), 0, 0, 0, 1}, "VEC4");
   });
-  // Not the keys at hand alone have to be sound.
+  // All keys must be valid, not only those used.
   expect_broken(sampler + "/output", [](GltfBuilder& asset, Json& a) {
     a["samplers"][0]["output"] = add_floats(asset, {0, 0, 0, 1, 0, 0, 0, 1.1f}, "VEC4");
   });
@@ -863,7 +863,7 @@ TEST(GltfAnimation, AllocatesNoMemoryForKeyframesThatAreNotStored) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   animate(asset, 0, 0, "translation", {1, 2, 3});
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint32_t>{0, 1u << 31}));
-  for (const std::size_t id : {2, 3}) {  // zeros, but for two keyframes
+  for (const std::size_t id : {2, 3}) {  // zeros, except for two keyframes
     Json& accessor = asset.json["accessors"][id];
     accessor["sparse"] = {
         {"count", 2},

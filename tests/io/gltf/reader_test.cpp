@@ -153,7 +153,7 @@ TEST(GltfReader, ReadsStripsAndFansAsTheEquivalentList) {
   test::Random random(3);
   const auto points = random_points(random, 9);
   const std::vector<std::uint32_t> order = {4, 0, 7, 1, 8, 2};
-  // The specification spells these out: a strip turns every second triangle.
+  // The specification lists these: every second triangle of a strip is reversed.
   const std::vector<std::uint32_t> strip = {4, 0, 7, 0, 1, 7, 7, 1, 8, 1, 2, 8};
   const std::vector<std::uint32_t> fan = {0, 7, 4, 7, 1, 4, 1, 8, 4, 8, 2, 4};
   constexpr int kType = GltfBuilder::kUnsignedByte;
@@ -551,7 +551,7 @@ TEST(GltfReader, RefusesPathsThatAreNotRegularFiles) {
 TEST(GltfReader, RefusesFilesBeyondTheSizeLimit) {
   const TemporaryFolder folder;
   const std::string path = folder.write("large.glb", "glTF");
-  std::filesystem::resize_file(path, kMaxGltfFileBytes + 1);  // a hole, not written
+  std::filesystem::resize_file(path, kMaxGltfFileBytes + 1);  // a sparse file
   expect_file_refused(path, ErrorCode::kLimitExceeded, "", std::to_string(kMaxGltfFileBytes));
 }
 
@@ -756,7 +756,7 @@ TEST(GltfReader, RefusesBuffersWithoutData) {
   expect_file_invalid(asset, "/buffers/0/byteLength");
   asset.json["buffers"] = Json::array({Json::object()});
   expect_file_invalid(asset, "/buffers/0/byteLength", "missing");
-  // Twenty thousand buffers that would each be a copy of the BIN chunk.
+  // Twenty thousand buffers, each of which would be a copy of the BIN chunk.
   asset.json["buffers"] = Json::array();
   for (int i = 0; i < 20000; ++i) asset.json["buffers"].push_back({{"byteLength", 1}});
   asset.json["bufferViews"][0]["buffer"] = 1;
@@ -838,7 +838,7 @@ TEST(GltfReader, RefusesHugeCountsBeforeAllocating) {
 }
 
 TEST(GltfReader, BoundsTheVerticesOfAllMeshesTogether) {
-  // Sparse without base view: vertices that cost the file nothing.
+  // Sparse without base view: vertices that take no bytes in the file.
   GltfBuilder asset = GltfBuilder::one_triangle();
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint8_t>{1}));
   const auto values = asset.add_view(test::bytes_of(std::vector<float>{1, 1, 1}));
@@ -1126,7 +1126,7 @@ TEST(GltfReader, BoundsTheNumberOfNodes) {
 }
 
 TEST(GltfReader, SurvivesEveryCutAndEveryChangedByte) {
-  // Whatever it answers, it must answer: the sanitizers watch.
+  // The reader must return, with any result; sanitizers check its accesses.
   const TemporaryFolder folder;
   const std::string path = GltfBuilder::one_triangle().write_glb(folder);
   std::string good(std::filesystem::file_size(path), '\0');

@@ -40,7 +40,7 @@ std::string grey_pixel() {
   return png_of({1, 1, 8, 0}, {128});
 }
 
-// One triangle whose material calls for its normal texture, texture 0 of image 0, by TEXCOORD_0:
+// One triangle whose material requires its normal texture, texture 0 of image 0, with TEXCOORD_0:
 // (0,0), (1,0), (0,1). The image has no data yet.
 GltfBuilder asset_without_data() {
   GltfBuilder asset = GltfBuilder::one_triangle();
@@ -190,7 +190,7 @@ TEST(GltfTextures, AreRefusedWithoutExactlyOneSource) {
   expect_refused(asset, ErrorCode::kUnsupported, "/textures/0/source", "PNG or JPEG");
 }
 
-// --- Images that hurt ----------------------------------------------------------------------------
+// --- Hostile images ------------------------------------------------------------------------------
 
 TEST(GltfTextures, AreRefusedInOtherFormats) {
   for (const std::string image :
@@ -225,7 +225,7 @@ TEST(GltfTextures, AreRefusedIfTheirPixelsExceedTheTotal) {
 TEST(GltfTextures, AreRefusedIfTruncated) {
   for (const std::string& image :
        {png_of({3, 2, 16, 2}, Samples(18, 500)), png_of({4, 4, 8, 6}, Samples(64, 9))}) {
-    constexpr std::size_t kEndChunk = 12;  // which nothing depends on
+    constexpr std::size_t kEndChunk = 12;  // nothing depends on it
     for (std::size_t size = 8; size < image.size() - kEndChunk - 4; ++size) {
       expect_invalid(asset_with(image.substr(0, size)), "/images/0");
     }
@@ -237,10 +237,11 @@ TEST(GltfTextures, AreRefusedIfTruncated) {
   expect_invalid(asset_with(png_of({3, 2, 8, 0}, {1, 2, 3})), "/images/0");  // one row of two
 }
 
-// What is behind the last pixel and its checksum is not looked at.
+// Data after the last pixel and its checksum are not read.
 TEST(GltfTextures, AreRefusedWithADamagedPixel) {
   const std::string image = png_of({2, 2, 8, 0}, {1, 2, 3, 4});
-  constexpr std::size_t kHeadOfStream = 2 + 5;  // before the first row, and each row has a filter
+  constexpr std::size_t kHeadOfStream =
+      2 + 5;  // before the first row; each row begins with a filter
   const std::size_t first_row = image.find("IDAT") + 4 + kHeadOfStream;
   constexpr std::size_t kChecksum = 4;
   for (std::size_t i = first_row; i < first_row + 2 * 3 + kChecksum; ++i) {
@@ -252,7 +253,7 @@ TEST(GltfTextures, AreRefusedWithADamagedPixel) {
   }
 }
 
-// --- Which are called for ------------------------------------------------------------------------
+// --- Required images -----------------------------------------------------------------------------
 
 TEST(GltfTextures, AreNotOpenedUnlessRequired) {
   GltfBuilder asset = asset_with("no image");
@@ -268,7 +269,7 @@ TEST(GltfTextures, AreNotOpenedUnlessRequired) {
   EXPECT_EQ(friction_map(&scene.haptic_materials[0]), nullptr);
   EXPECT_EQ(friction_map(nullptr), nullptr);
 
-  // A height given beside the file calls for it.
+  // A height set by an override requires the image.
   const TemporaryFolder folder;
   const auto called =
       read_gltf(asset.write_glb(folder), {{{"material 0", "textureHeight", "0.1"}}});
@@ -395,15 +396,16 @@ TEST(GltfTextureCoordinates, AreScaledThenRotatedThenTranslated) {
   GltfBuilder asset = asset_with(grey_pixel());
   Json& transform = normal_texture_of(asset)["extensions"]["KHR_texture_transform"];
   const auto transformed = [&] { return read_glb(asset).meshes.at(0).texture_uv; };
-  transform = {{"offset", {0, 1}}, {"scale", {1, -1}}};  // of the extension: a lower left origin
+  transform = {{"offset", {0, 1}},
+               {"scale", {1, -1}}};  // the extension's example of a lower left origin
   EXPECT_EQ(transformed(), (Coordinates{{0, 1}, {1, 1}, {0, 0}}));
   transform = {{"offset", {0.5, -2}}, {"scale", {3, 4}}};
   EXPECT_EQ(transformed(), (Coordinates{{0.5, -2}, {3.5, -2}, {0.5, 2}}));
-  // Of the extension: "only the lower left quadrant of the source image, rotated clockwise 90
+  // From the extension: "only the lower left quadrant of the source image, rotated clockwise 90
   // degrees". The cosine of the angle nearest to a quarter turn is not zero.
   transform = {{"offset", {0, 1}}, {"rotation", std::acos(0.0)}, {"scale", {0.5, 0.5}}};
   expect_near(transformed(), {{0, 1}, {0, 0.5}, {0.5, 1}}, std::numeric_limits<double>::epsilon());
-  // Towards smaller v from larger u, by atan(3/4).
+  // Rotates by atan(3/4), from larger u towards smaller v.
   transform = {{"rotation", std::atan2(3.0, 4.0)}, {"scale", {5, 10}}};
   expect_near(transformed(), {{0, 0}, {4, -3}, {6, 8}},
               16 * std::numeric_limits<double>::epsilon());
