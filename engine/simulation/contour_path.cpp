@@ -23,31 +23,31 @@ double turn(const Vec3& from, const Vec3& to, const Vec3& plane_normal) {
 }
 
 // The length of a ray in the plane up to a segment; at most `most`.
-double free_way(const Vec3& from, const Vec3& direction, const Vec3& a, const Vec3& b,
-                const Vec3& plane_normal, double most) {
+double free_length(const Vec3& from, const Vec3& direction, const Vec3& a, const Vec3& b,
+                   const Vec3& plane_normal, double most) {
   const Vec3 along = b - a;
   const double det = direction.cross(along).dot(plane_normal);
   if (det == 0.0) return most;
   const Vec3 to_a = a - from;
-  const double way = to_a.cross(along).dot(plane_normal) / det;
+  const double distance = to_a.cross(along).dot(plane_normal) / det;
   const double part = to_a.cross(direction).dot(plane_normal) / det;
-  return way > 0.0 && part >= 0.0 && part <= 1.0 ? std::min(way, most) : most;
+  return distance > 0.0 && part >= 0.0 && part <= 1.0 ? std::min(distance, most) : most;
 }
 
 // The same for all segments of all curves except the segment that begins at but_from.
-double free_way(const Vec3& from, const Vec3& direction, const std::vector<Polyline>& curves,
-                const Vec3& plane_normal, const Vec3& but_from, double most) {
-  double way = most;
+double free_length(const Vec3& from, const Vec3& direction, const std::vector<Polyline>& curves,
+                   const Vec3& plane_normal, const Vec3& but_from, double most) {
+  double length = most;
   for (const Polyline& curve : curves) {
     const std::vector<Vec3>& points = curve.points_m;
     const std::size_t segments = points.size() - (curve.closed ? 0 : 1);
     for (std::size_t i = 0; i < segments; ++i) {
       if (points[i] == but_from) continue;
-      way =
-          free_way(from, direction, points[i], points[(i + 1) % points.size()], plane_normal, way);
+      length = free_length(from, direction, points[i], points[(i + 1) % points.size()],
+                           plane_normal, length);
     }
   }
-  return way;
+  return length;
 }
 
 }  // namespace
@@ -56,11 +56,11 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
                                const Vec3& plane_normal, double& room_m) {
   std::vector<Vec3> points = contour.points_m;
   if (!contour.closed) {
-    const Vec3 way = points[1] - points[0];
-    const Vec3 first = points[0] + std::min(0.25, 0.5 * room_m / way.norm()) * way;
-    const Vec3 outward = way.cross(plane_normal).normalized();
+    const Vec3 leg = points[1] - points[0];
+    const Vec3 first = points[0] + std::min(0.25, 0.5 * room_m / leg.norm()) * leg;
+    const Vec3 outward = leg.cross(plane_normal).normalized();
     const double wanted_m = kRoomBehind * room_m;
-    const double free_m = free_way(first, outward, curves, plane_normal, points[0], wanted_m);
+    const double free_m = free_length(first, outward, curves, plane_normal, points[0], wanted_m);
     room_m = std::min(room_m, free_m / kRoomBehind);
     return points;
   }
@@ -78,7 +78,7 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
     const std::size_t i = by_length[k];
     const Vec3 middle = 0.5 * (points[i] + points[next(i)]);
     const Vec3 outward = (points[next(i)] - points[i]).cross(plane_normal).normalized();
-    const double free_m = free_way(middle, outward, curves, plane_normal, points[i], wanted_m);
+    const double free_m = free_length(middle, outward, curves, plane_normal, points[i], wanted_m);
     if (free_m <= most_m) continue;
     most_m = free_m;
     best = i;

@@ -176,8 +176,8 @@ std::size_t late_tick(const ExplorationRun& run) {
 }
 
 // Stores the planned path in the run and measures its coverage by the proxy.
-void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
-                 ExplorationRun& run) {
+void measure_coverage(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
+                      ExplorationRun& run) {
   run.proxy_radius_m = proxy_radius_m;
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
@@ -326,8 +326,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   run.interrupted = run.records.size() < ticks;
   if (!run.interrupted) progress(1.0);
   take_effects(loop, setup.haptics.measures_effects, steps_of(run.records), run.summary);
-  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
-              setup.haptics.god_object.radius_m, run);
+  measure_coverage(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
+                   setup.haptics.god_object.radius_m, run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);
   return run;
 }

@@ -29,7 +29,7 @@ struct Edge {
 };
 
 // A half-edge: one direction of an edge, which a chain may follow.
-struct Way {
+struct HalfEdge {
   std::uint32_t edge, piece;
   std::uint32_t next = kNone;
   bool has_previous = false;
@@ -62,13 +62,13 @@ class ChainFinder {
     if (arrangement_.gave_up) return {{}, arrangement_.merged_m, true};
     find_edges();
     find_solid();
-    find_ways();
-    link_ways();
+    find_half_edges();
+    link_half_edges();
     FreeChains found{{}, arrangement_.merged_m, false};
-    std::vector<bool> is_done(ways_.size(), false);
+    std::vector<bool> is_done(half_edges_.size(), false);
     for (const bool closed : {false, true}) {
-      for (const std::uint32_t w : ways_in_order_) {
-        if (is_done[w] || (!closed && ways_[w].has_previous)) continue;
+      for (const std::uint32_t w : half_edges_in_order_) {
+        if (is_done[w] || (!closed && half_edges_[w].has_previous)) continue;
         found.chains.push_back(chain_from(w, closed, is_done));
       }
     }
@@ -137,7 +137,7 @@ class ChainFinder {
     if (all_closed) {
       spread_windings(tree);
     } else {
-      ask_rows(tree);
+      classify_rows(tree);
     }
   }
 
@@ -152,7 +152,7 @@ class ChainFinder {
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (is_known[e]) continue;
       is_known[e] = true;
-      const bool is_far_left = ask(e, tree);
+      const bool is_far_left = find_windings(e, tree);
       left[2 * e] = (is_far_left ? far_side_ : near_side_).closed;
       left[2 * e + 1] = (is_far_left ? near_side_ : far_side_).closed;
       open.assign({edges_[e].ends[0], edges_[e].ends[1]});
@@ -161,7 +161,7 @@ class ChainFinder {
         open.pop_back();
         if (is_done[v]) continue;
         is_done[v] = true;
-        const std::vector<std::uint32_t> around = ways_around(v);
+        const std::vector<std::uint32_t> around = half_edges_around(v);
         const auto first = std::find_if(around.begin(), around.end(),
                                         [&](std::uint32_t w) { return is_known[w / 2]; });
         const auto begin = static_cast<std::size_t>(first - around.begin());
@@ -193,7 +193,7 @@ class ChainFinder {
 
   // Edges in a row that no other edge meets have the same regions on their sides; a ray is cast for
   // the longest edge only.
-  void ask_rows(const PlanarBoxes& tree) {
+  void classify_rows(const PlanarBoxes& tree) {
     std::vector<bool> is_done(edges_.size(), false);
     std::vector<std::pair<std::uint32_t, bool>>
         row;  // edge, and whether it points the same way as the first
@@ -216,8 +216,8 @@ class ChainFinder {
         }
       }
       const auto length = [&](const auto& r) {
-        const GridPoint way = at(edges_[r.first].ends[1]) - at(edges_[r.first].ends[0]);
-        return dot(way, way);
+        const GridPoint along = at(edges_[r.first].ends[1]) - at(edges_[r.first].ends[0]);
+        return dot(along, along);
       };
       const auto longest =
           *std::max_element(row.begin(), row.end(),
@@ -234,7 +234,7 @@ class ChainFinder {
   // the edge, along x or y, whichever is more across the edge, meets the curves that enclose either
   // side. Exact.
   std::array<bool, 2> sides_of(std::uint32_t e, const PlanarBoxes& tree) {
-    const bool is_far_left = ask(e, tree);
+    const bool is_far_left = find_windings(e, tree);
     const bool is_far_solid = is_solid(far_side_);
     const bool is_near_solid = is_solid(near_side_);
     return is_far_left ? std::array<bool, 2>{is_far_solid, is_near_solid}
@@ -243,7 +243,7 @@ class ChainFinder {
 
   // Finds the winding numbers on both sides of an edge; returns true if the far side is on its
   // left.
-  bool ask(std::uint32_t e, const PlanarBoxes& tree) {
+  bool find_windings(std::uint32_t e, const PlanarBoxes& tree) {
     const GridPoint a = at(edges_[e].ends[0]);
     const GridPoint b = at(edges_[e].ends[1]);
     const bool along_x = std::abs(b.y - a.y) >= std::abs(b.x - a.x);  // the ray
@@ -320,40 +320,42 @@ class ChainFinder {
   bool is_solid_left(std::uint32_t w) const { return edges_[w / 2].is_solid[w % 2]; }
   bool is_solid_right(std::uint32_t w) const { return edges_[w / 2].is_solid[1 - w % 2]; }
 
-  void find_ways() {
-    ways_.resize(2 * edges_.size());
-    for (std::uint32_t w = 0; w < ways_.size(); ++w) {
+  void find_half_edges() {
+    half_edges_.resize(2 * edges_.size());
+    for (std::uint32_t w = 0; w < half_edges_.size(); ++w) {
       const Edge& edge = edges_[w / 2];
-      Way& way = ways_[w];
-      way.edge = w / 2;
-      way.piece = kNone;
-      way.is_of_open = true;
+      HalfEdge& half_edge = half_edges_[w];
+      half_edge.edge = w / 2;
+      half_edge.piece = kNone;
+      half_edge.is_of_open = true;
       for (std::uint32_t k = edge.begin; k < edge.end; ++k) {
         const std::uint32_t p = pieces_by_edge_[k];
         if (piece(p).from != from(w) || source(p).is_closing) continue;
-        way.piece = std::min(way.piece, p);
-        way.is_of_open = way.is_of_open && is_open(p);
+        half_edge.piece = std::min(half_edge.piece, p);
+        half_edge.is_of_open = half_edge.is_of_open && is_open(p);
       }
-      way.exists = way.piece != kNone && !is_solid_right(w);
-      if (way.exists) ways_in_order_.push_back(w);
+      half_edge.exists = half_edge.piece != kNone && !is_solid_right(w);
+      if (half_edge.exists) half_edges_in_order_.push_back(w);
     }
-    for (const std::uint32_t w : ways_in_order_) {
-      ways_[w].is_sheet = !is_solid_left(w) && !ways_[w ^ 1].exists;
+    for (const std::uint32_t w : half_edges_in_order_) {
+      half_edges_[w].is_sheet = !is_solid_left(w) && !half_edges_[w ^ 1].exists;
     }
-    std::sort(ways_in_order_.begin(), ways_in_order_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return ways_[a].piece < ways_[b].piece; });
+    std::sort(half_edges_in_order_.begin(), half_edges_in_order_.end(),
+              [&](std::uint32_t a, std::uint32_t b) {
+                return half_edges_[a].piece < half_edges_[b].piece;
+              });
   }
 
-  void link_ways() {
+  void link_half_edges() {
     for (std::uint32_t v = 0; v < arrangement_.vertices.size(); ++v) {
-      const std::vector<std::uint32_t> around = ways_around(v);
+      const std::vector<std::uint32_t> around = half_edges_around(v);
       link_around(around, false);
       link_around(around, true);
     }
   }
 
   // The half-edges that begin at a vertex, counter-clockwise.
-  std::vector<std::uint32_t> ways_around(std::uint32_t v) const {
+  std::vector<std::uint32_t> half_edges_around(std::uint32_t v) const {
     std::vector<std::uint32_t> around;
     for (std::uint32_t k = first_at_vertex_[v]; k < first_at_vertex_[v + 1]; ++k) {
       const std::uint32_t e = edges_at_vertex_[k];
@@ -381,13 +383,14 @@ class ChainFinder {
     const std::size_t count = around.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t arriving = around[i] ^ 1;
-      if (!ways_[arriving].exists || ways_[arriving].next != kNone) continue;
+      if (!half_edges_[arriving].exists || half_edges_[arriving].next != kNone) continue;
       for (std::size_t n = 1; n <= count; ++n) {
         const std::uint32_t w = around[(i + n) % count];
-        const bool fits = is_rest ? w != around[i] : ways_[w].is_sheet == ways_[arriving].is_sheet;
-        if (ways_[w].exists && !ways_[w].has_previous && fits) {
-          ways_[arriving].next = w;
-          ways_[w].has_previous = true;
+        const bool fits =
+            is_rest ? w != around[i] : half_edges_[w].is_sheet == half_edges_[arriving].is_sheet;
+        if (half_edges_[w].exists && !half_edges_[w].has_previous && fits) {
+          half_edges_[arriving].next = w;
+          half_edges_[w].has_previous = true;
           break;
         }
         if (!is_rest && is_solid_left(w) && !is_solid_right(w)) break;
@@ -408,16 +411,16 @@ class ChainFinder {
   }
 
   FreeChain chain_from(std::uint32_t first, bool closed, std::vector<bool>& is_done) const {
-    FreeChain chain{{}, closed, true, ways_[first].is_sheet};
+    FreeChain chain{{}, closed, true, half_edges_[first].is_sheet};
     const auto add_point = [&](std::uint32_t vertex, std::uint32_t w) {
-      const Source& s = source(ways_[w].piece);
+      const Source& s = source(half_edges_[w].piece);
       chain.points.push_back({place(vertex), s.curve, s.segment, edges_at(vertex) > 2});
     };
     std::uint32_t last = first;
-    for (std::uint32_t w = first; w != kNone && !is_done[w]; w = ways_[w].next) {
+    for (std::uint32_t w = first; w != kNone && !is_done[w]; w = half_edges_[w].next) {
       is_done[w] = true;
       add_point(from(w), w);
-      chain.has_two_sides = chain.has_two_sides && ways_[w].is_of_open;
+      chain.has_two_sides = chain.has_two_sides && half_edges_[w].is_of_open;
       last = w;
     }
     if (!closed) add_point(to(last), last);
@@ -432,9 +435,9 @@ class ChainFinder {
   std::vector<std::uint32_t> edge_of_piece_;
   std::vector<std::uint32_t> first_at_vertex_;  // in edges_at_vertex_
   std::vector<std::uint32_t> edges_at_vertex_;
-  std::vector<Way> ways_;
-  std::vector<std::uint32_t> ways_in_order_;  // the existing half-edges
-  Windings far_side_, near_side_;             // results of ask()
+  std::vector<HalfEdge> half_edges_;
+  std::vector<std::uint32_t> half_edges_in_order_;  // the existing half-edges
+  Windings far_side_, near_side_;                   // results of find_windings()
 };
 
 }  // namespace

@@ -46,11 +46,11 @@ class Simplifier {
     const Vec3& start = points[from].p_m;
     std::size_t end = from + 1;
     std::vector<std::size_t> between;
-    Vec3 looked_at = start;
+    Vec3 tested_m = start;
     while (end + 1 < points.size() && !points[end].is_turn) {
-      if ((points[end].p_m - looked_at).norm() > kFinest * tolerance_m_) {
+      if ((points[end].p_m - tested_m).norm() > kFinest * tolerance_m_) {
         between.push_back(end);
-        looked_at = points[end].p_m;
+        tested_m = points[end].p_m;
       }
       const Vec3& next = points[end + 1].p_m;
       const bool turns_back = (next - points[end].p_m).dot(points[end].p_m - start) < 0.0;

@@ -118,7 +118,7 @@ double PathPlan::hand_along_m() const {
   const HandWay::Waypoint& from = way().waypoints()[leg_];
   const HandWay::Waypoint& to = way().waypoints()[leg_ + 1];
   const double leg_m = to.way_m - from.way_m;
-  const double part = leg_m > 0.0 ? (way_m_ - from.way_m) / leg_m : 1.0;
+  const double part = leg_m > 0.0 ? (travelled_m_ - from.way_m) / leg_m : 1.0;
   return from.along_m + part * (to.along_m - from.along_m);
 }
 
@@ -141,17 +141,17 @@ bool PathPlan::is_round_edge(const TickRecord& last) const {
 PathPlan::Aim PathPlan::follow(double time_s, double dt_s) {
   const double end_m = way().length_m();
   double speed_m_per_s = 0.0;
-  if (way_m_ < end_m && may_advance()) {
+  if (travelled_m_ < end_m && may_advance()) {
     const double usual_m_per_s = end_m / settings_.follow_s;
     const double left_s = settings_.approach_s + settings_.follow_s - time_s;
     speed_m_per_s = kMostHaste * usual_m_per_s;
-    if (left_s > 0.0) speed_m_per_s = std::min(speed_m_per_s, (end_m - way_m_) / left_s);
+    if (left_s > 0.0) speed_m_per_s = std::min(speed_m_per_s, (end_m - travelled_m_) / left_s);
     advance(speed_m_per_s * dt_s);
   }
   const HandWay::Waypoint& from = way().waypoints()[leg_];
   const Vec3 direction = (way().waypoints()[leg_ + 1].p_m - from.p_m).normalized();
   const Vec3 lightened_m = -ease(dt_s) * settings_.press_depth_m * from.inward.normalized();
-  return {from.p_m + (way_m_ - from.way_m) * direction + lightened_m, direction, from.inward,
+  return {from.p_m + (travelled_m_ - from.way_m) * direction + lightened_m, direction, from.inward,
           speed_m_per_s};
 }
 
@@ -168,29 +168,29 @@ double PathPlan::ease(double dt_s) {
   return ease_;
 }
 
-void PathPlan::advance(double way_m) {
+void PathPlan::advance(double step_m) {
   const auto& waypoints = way().waypoints();
-  while (way_m > 0.0) {
-    const double to_m = std::min(way_m, waypoints[leg_ + 1].way_m - way_m_);
-    way_m_ += to_m;
-    way_m -= to_m;
-    if (way_m_ < waypoints[leg_ + 1].way_m || leg_ + 2 >= waypoints.size()) return;
+  while (step_m > 0.0) {
+    const double to_m = std::min(step_m, waypoints[leg_ + 1].way_m - travelled_m_);
+    travelled_m_ += to_m;
+    step_m -= to_m;
+    if (travelled_m_ < waypoints[leg_ + 1].way_m || leg_ + 2 >= waypoints.size()) return;
     ++leg_;
-    way_m_ = waypoints[leg_].way_m;
+    travelled_m_ = waypoints[leg_].way_m;
     if (!may_advance()) return;
   }
 }
 
 PathPlan::Aim PathPlan::detour(const TickRecord& last, double dt_s) {
   Detour& d = detour_;
-  d.way_m += d.speed_m_per_s * dt_s;
+  d.travelled_m += d.speed_m_per_s * dt_s;
   const Vec3 to = d.points_m[d.next];
   const Vec3 leg = to - d.from_m;
-  const Aim aim{d.from_m + std::min(d.way_m, leg.norm()) * leg.normalized(), leg.normalized(),
+  const Aim aim{d.from_m + std::min(d.travelled_m, leg.norm()) * leg.normalized(), leg.normalized(),
                 Vec3::Zero(), d.speed_m_per_s};
-  if (d.way_m >= leg.norm()) {
+  if (d.travelled_m >= leg.norm()) {
     d.from_m = to;
-    d.way_m = 0.0;
+    d.travelled_m = 0.0;
     if (++d.next == d.count) end_detour(last);
   }
   return aim;
@@ -215,7 +215,7 @@ void PathPlan::go_on_from(double along_m) {
   const double walls_m = to.along_m - from.along_m;
   const double part =
       walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
-  way_m_ = from.way_m + part * (to.way_m - from.way_m);
+  travelled_m_ = from.way_m + part * (to.way_m - from.way_m);
 }
 
 // Whether the hand has waited for too long without progress of the proxy.
@@ -226,7 +226,7 @@ bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
     lift_step_m_ = depth;
     waited_at_m_ = proxy_along_m_;
   }
-  const bool is_at_end = way_m_ >= way().length_m();
+  const bool is_at_end = travelled_m_ >= way().length_m();
   const bool is_there = proxy_along_m_ >= length_m_.back() - depth;
   const bool is_well = is_in_contact && (gets_on || (is_at_end ? is_there : may_advance()));
   waited_s_ = is_well ? 0.0 : waited_s_ + dt_s;
@@ -318,7 +318,7 @@ bool PathPlan::find(const TickRecord& last, double first_m, double last_m) {
   double nearest_m = off_m;
   double found_m = proxy_along_m_;
   std::size_t found_wall = wall_;
-  const auto look_at = [&](std::size_t wall) {
+  const auto test_wall = [&](std::size_t wall) {
     const double from_m = length_m_[wall];
     const double length_m = length_m_[wall + 1] - from_m;
     if (length_m == 0.0) return;
@@ -336,9 +336,9 @@ bool PathPlan::find(const TickRecord& last, double first_m, double last_m) {
     found_wall = wall;
   };
   for (std::size_t w = wall_; w + 1 < points.size() && length_m_[w] <= last_m; ++w) {
-    look_at(w);
+    test_wall(w);
   }
-  for (std::size_t w = wall_; w-- > 0 && length_m_[w + 1] >= first_m;) look_at(w);
+  for (std::size_t w = wall_; w-- > 0 && length_m_[w + 1] >= first_m;) test_wall(w);
   wall_ = found_wall;
   proxy_along_m_ = found_m;
   return nearest_m < off_m;

@@ -75,7 +75,7 @@ class PathPlan final : public HandPlan {
     std::size_t count = 0;
     std::size_t next = 0;
     Vec3 from_m = Vec3::Zero();
-    double way_m = 0.0;  // travelled since from_m
+    double travelled_m = 0.0;  // travelled since from_m
     double speed_m_per_s = 0.0;
     double begins_along_m = 0.0;  // along the path
     double ends_along_m = 0.0;
@@ -105,7 +105,7 @@ class PathPlan final : public HandPlan {
   bool is_round_edge(const TickRecord& last) const;
   Aim follow(double time_s, double dt_s);
   double ease(double dt_s);
-  void advance(double way_m);
+  void advance(double step_m);
   Aim detour(const TickRecord& last, double dt_s);
   void end_detour(const TickRecord& last);
   void go_on_from(double along_m);
@@ -124,7 +124,7 @@ class PathPlan final : public HandPlan {
   bool is_behind_ = false;  // the hand follows the second side
   Detour detour_;
   std::size_t leg_ = 0;               // the hand's leg
-  double way_m_ = 0.0;                // length travelled along way()
+  double travelled_m_ = 0.0;          // length travelled along way()
   Vec3 correction_m_ = Vec3::Zero();  // scene frame, in directions without a wall
   double press_more_m_ = 0.0;         // into the wall
   double last_time_s_ = 0.0;

@@ -45,7 +45,7 @@ std::string little_contact_text(const ExplorationRun& run) {
   return text.str();
 }
 
-std::string what_keeps_off_text(const ExplorationRun& run) {
+std::string unreached_rest_text(const ExplorationRun& run) {
   std::ostringstream text;
   text << "the hand did not reach the rest; other parts may cover it, or it is smaller than the "
           "press depth of the hand";
@@ -56,7 +56,7 @@ std::string what_keeps_off_text(const ExplorationRun& run) {
   return text.str();
 }
 
-std::string little_way_text(const ExplorationRun& run) {
+std::string little_coverage_text(const ExplorationRun& run) {
   const bool is_walk = run.contour_scene_m.empty();
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "the proxy "
@@ -64,7 +64,7 @@ std::string little_way_text(const ExplorationRun& run) {
        << (is_walk ? " % of the places on the path" : " % of the contour")
        << "; expected at least 90 %: "
        << (was_still_getting_on(run) ? "the hand was still advancing when the run ended"
-                                     : what_keeps_off_text(run));
+                                     : unreached_rest_text(run));
   return text.str();
 }
 
@@ -101,7 +101,7 @@ std::vector<std::string> reasons(const ExplorationRun& run) {
         texts.push_back(lost_contact_text(run));
         break;
       case Shortfall::kLittleWay:
-        texts.push_back(little_way_text(run));
+        texts.push_back(little_coverage_text(run));
         break;
     }
   }

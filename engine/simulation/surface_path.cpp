@@ -107,10 +107,10 @@ std::optional<Exit> exit_of(const SceneFace& face, const Vec3& from_m, const Vec
     const Vec3 outward = (edge / edge_m).cross(face.winding);
     const double speed = heading.dot(outward);
     if (!(speed > 0.0)) continue;
-    const double way_m = std::max(0.0, (a - from_m).dot(outward) / speed);
-    if (way_m >= nearest_m) continue;
-    nearest_m = way_m;
-    const double part = (from_m + way_m * heading - a).dot(edge) / (edge_m * edge_m);
+    const double distance_m = std::max(0.0, (a - from_m).dot(outward) / speed);
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    const double part = (from_m + distance_m * heading - a).dot(edge) / (edge_m * edge_m);
     found = {k, a + std::clamp(part, kOffVertex, 1.0 - kOffVertex) * edge, edge / edge_m};
   }
   return found;
@@ -193,7 +193,7 @@ class PathFinder {
     const Piece& last = pieces_.back();
     Leg leg = best_leg(last.face, last.to_m);
     if (leg.length_m >= least_leg_m()) return leg;
-    Leg back = way_back();
+    Leg back = path_back();
     return back.length_m > leg.length_m ? back : leg;
   }
 
@@ -355,7 +355,7 @@ class PathFinder {
   }
 
   // The pieces that led here, from the last one back.
-  Leg way_back() const {
+  Leg path_back() const {
     Leg leg;
     double fold_rad = 0.0;
     for (std::size_t i = pieces_.size(); i-- > 0 && leg.length_m < settings_.leg_m;) {
