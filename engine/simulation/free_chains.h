@@ -30,10 +30,10 @@ struct FreeChains {
   bool gave_up;     // planar_pieces() gave up; chains is empty then
 };
 
-// The solid region is the union of two kinds of regions: those that the closed curves enclose, by
-// the sum of their winding numbers, and those that each open curve encloses if it is closed by a
-// straight segment. Material is on the left of a curve, seen from the tip of plane_normal; the rest
-// of the plane is free.
+// The solid region is the union of the regions that closed curves enclose, by the sum of their
+// winding numbers, and the regions that open curves enclose when a straight segment closes them.
+// Material is on the left of a curve, seen from the tip of plane_normal; the rest of the plane is
+// free.
 //
 // A piece of a curve belongs to a chain if the region in front of it is free. If pieces coincide,
 // one represents all of them; where solids touch, no free region lies between them. Where several

@@ -123,13 +123,13 @@ class PathPlan final : public HandPlan {
 
   bool is_behind_ = false;  // the hand follows the second side
   Detour detour_;
-  std::size_t leg_ = 0;               // the hand's leg
+  std::size_t leg_ = 0;               // current leg of the hand
   double travelled_m_ = 0.0;          // length travelled along way()
   Vec3 correction_m_ = Vec3::Zero();  // scene frame, in directions without a wall
-  double press_more_m_ = 0.0;         // into the wall
+  double press_more_m_ = 0.0;         // additional press depth into the wall
   double last_time_s_ = 0.0;
 
-  std::size_t wall_ = 0;        // the proxy's wall
+  std::size_t wall_ = 0;        // current wall of the proxy
   double proxy_along_m_ = 0.0;  // along the path
   double waited_s_ = 0.0;
   double waited_at_m_ = 0.0;

@@ -39,12 +39,12 @@ std::vector<std::string> reasons(const ExplorationRun& run);
 // The largest extent of the contour or of the places, m.
 double way_extent_m(const ExplorationRun& run);
 
-// Whether the contour or the places span at most two press depths: the hand then slips off.
+// Whether the contour or the places span at most two press depths, so that the hand slips off.
 bool slips_off(const ExplorationRun& run);
 
 bool has_means(const RunSummary& summary);
 
-// Whether the hand was still advancing when the run ended: the run was too short.
+// Whether the hand was still advancing when the run ended, so that the run was too short.
 bool was_still_getting_on(const ExplorationRun& run);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct SurfacePathSettings {
-  double length_m = 1.0;  // of the whole path; sharp edges shorten it
+  double length_m = 1.0;  // of the whole path; each sharp edge shortens the path
   double leg_m = 0.12;    // length after which the path takes a new heading
   // The clearance above the path; at its start twice this clearance.
   double room_m = 4e-3;

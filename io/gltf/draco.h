@@ -31,7 +31,7 @@ struct DracoAttribute {
 class DracoPrimitive {
  public:
   std::size_t vertex_count() const;
-  // Three per triangle, each below vertex_count(), whatever the mode of the primitive.
+  // Three indices per triangle, each below vertex_count(), for every mode of the primitive.
   std::vector<std::uint32_t> indices() const;
 
   // Whether the stream contains the attribute of this name: "POSITION", "JOINTS_0". Other

@@ -17,7 +17,7 @@
 //   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
 //   joints                            250 bytes each                  kMaxGltfJoints
 //   instances                         300 bytes each                  kMaxGltfInstances
-//   images that are called for        their file, and 6 bytes a       kMaxGltfImageBytes,
+//   images that are decoded           their file, and 6 bytes a       kMaxGltfImageBytes,
 //                                     pixel, 16 while decoded         kMaxGltfPixels
 //   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
 //
