@@ -42,7 +42,7 @@ inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
-// A short text may have fewer elements: a meaningful element takes at least 12 bytes, an empty one
+// The limit is lower for a short text: a meaningful element takes at least 12 bytes, an empty one
 // ("{},") three.
 constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
   constexpr std::size_t kOfAnyText = std::size_t{1} << 14;
