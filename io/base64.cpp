@@ -32,7 +32,7 @@ std::optional<std::vector<std::uint8_t>> base64_decoded(std::string_view text) {
   for (const char c : text) {
     const std::uint8_t digit = kDigits[static_cast<unsigned char>(c)];
     if (digit == kNotADigit) return std::nullopt;
-    bits = (bits << 6 | digit) & 0xffffu;  // never more than 6 + 6 bits are pending
+    bits = (bits << 6 | digit) & 0xffffu;  // at most 6 + 6 bits are pending
     bit_count += 6;
     if (bit_count >= 8) {
       bit_count -= 8;

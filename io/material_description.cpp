@@ -12,7 +12,7 @@ const TextureReference* first_map(const HapticMaterialDescription* haptic, const
   return map == haptic->maps.end() ? nullptr : &map->texture;
 }
 
-// Null if it is not given.
+// The parameter "textureHeight"; null if absent.
 const MaterialParameter* texture_height(const MaterialDescription& material) {
   const auto& parameters = material.parameters;
   const auto height =

@@ -1,6 +1,6 @@
 #pragma once
 
-// A file that the system does not open.
+// The error for a file that the system cannot open.
 
 #include <cerrno>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// reason: as of errno.
+// reason: a value of errno.
 inline Error open_error(const std::string& path, int reason, std::string hint = "") {
   const bool is_missing = reason == ENOENT || reason == ENOTDIR;
   return {is_missing ? ErrorCode::kFileNotFound : ErrorCode::kFileUnreadable, path, "",

@@ -20,7 +20,7 @@ std::string pose_text(std::span<const AnimationDescription> animations,
   std::string text = "animation #" + std::to_string(pose->animation) + " " +
                      in_quotes(animation.name) + " at " + seconds_text(pose->time_s);
   if (animation.length_s && pose->time_s > *animation.length_s) {
-    text += ", behind its last key at " + seconds_text(*animation.length_s);
+    text += ", after its last key at " + seconds_text(*animation.length_s);
   }
   return text;
 }

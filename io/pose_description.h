@@ -1,6 +1,6 @@
 #pragma once
 
-// The animations of a scene file, and the pose of one of them in which the scene is read.
+// The animations of a scene file, and the animation and time at which the scene is read.
 
 #include <cstdint>
 #include <optional>
@@ -10,8 +10,8 @@
 namespace palpate {
 
 struct AnimationDescription {
-  std::string name;                // "animation 7" when the file gives none
-  std::optional<double> length_s;  // the largest time of its keys; nothing if that cannot be read
+  std::string name;                // "animation 7" if the file has no name
+  std::optional<double> length_s;  // the largest key time; absent if unreadable
 };
 
 struct PoseDescription {
@@ -19,10 +19,10 @@ struct PoseDescription {
   double time_s = 0.0;
 };
 
-// "1.25 s", with as many digits as give the number back.
+// "1.25 s", with enough digits to restore the number.
 std::string seconds_text(double time_s);
 
-// "at rest"; or "animation #0 "Walk" at 1.5 s", and where its last key is if that is earlier.
+// "at rest" or "animation #0 "Walk" at 1.5 s"; with the time of the last key if that is earlier.
 std::string pose_text(std::span<const AnimationDescription> animations,
                       const std::optional<PoseDescription>& pose);
 

@@ -18,15 +18,16 @@
 namespace palpate {
 namespace {
 
-// Longer than any line of four numbers and a comment; keeps a binary file from being read whole.
+// Longer than any line of four numbers and a comment; prevents reading a binary file as a whole.
 constexpr std::size_t kMaxLineBytes = 1u << 16;
 constexpr std::size_t kMaxColumns = 4;
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-constexpr const char* kLineHint = "write \"x y z\" or \"t x y z\" a line, decimals with a point";
-constexpr const char* kTraceHint = "end the line if it is whole, or cut it out";
+constexpr const char* kLineHint =
+    "write \"x y z\" or \"t x y z\" on each line, with decimal points";
+constexpr const char* kTraceHint = "complete the line with a newline, or delete it";
 
-// Of a trace, in the order of x, y and z.
+// The device columns of a trace, in the order x, y, z.
 constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
 
 bool is_blank(char c) {
@@ -39,7 +40,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// Text from the file, in quotes, fit for one line of a message.
+// Text from the file, quoted and limited to one line of a message.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMaxLength = 40;
   std::string shown(text.substr(0, kMaxLength));
@@ -49,8 +50,8 @@ std::string quoted(std::string_view text) {
   return "\"" + shown + (text.size() > kMaxLength ? "...\"" : "\"");
 }
 
-// The fields of a line without comment. A comma, with or without blanks around it, separates two;
-// so do blanks alone. An empty field is one between commas.
+// The fields of a line without its comment. Fields are separated by a comma, with or without blanks
+// around it, or by blanks alone. A field between two commas may be empty.
 std::vector<std::string_view> split_fields(std::string_view line) {
   std::vector<std::string_view> fields;
   line = trimmed(line);
@@ -73,7 +74,7 @@ struct Number {
 };
 
 Number parse_number(std::string_view field) {
-  // from_chars knows no plus sign.
+  // from_chars() does not accept a plus sign.
   if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
   double value = 0.0;
   const char* end = field.data() + field.size();
@@ -83,7 +84,8 @@ Number parse_number(std::string_view field) {
   return {NumberKind::kNumber, value};
 }
 
-// What commas separate, with any blanks or nothing between them; without a comma as split_fields().
+// The fields of a line separated by commas; fields may contain blanks or be empty. Without a comma,
+// as split_fields().
 std::vector<std::string_view> split_columns(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return split_fields(line);
   std::vector<std::string_view> columns;
@@ -95,7 +97,7 @@ std::vector<std::string_view> split_columns(std::string_view line) {
   return columns;
 }
 
-// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for a name that says nothing.
+// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for an unknown name.
 std::string_view known_name(std::string_view column) {
   std::string word;
   for (const char c : column) {
@@ -110,7 +112,7 @@ std::string_view known_name(std::string_view column) {
   return {};
 }
 
-// Where a trace has what is read of it.
+// The positions of the columns of a trace that are read.
 struct TraceColumns {
   std::size_t count = 0;
   std::array<std::size_t, 3> device{};  // x, y, z
@@ -138,7 +140,7 @@ class TrajectoryReader {
 
   Result<std::vector<Vec3>> finish() {
     if (positions_m_.empty()) {
-      return Error{ErrorCode::kInvalidContent, path_, "", "holds no sample", kLineHint};
+      return Error{ErrorCode::kInvalidContent, path_, "", "contains no sample", kLineHint};
     }
     return std::move(positions_m_);
   }
@@ -151,7 +153,8 @@ class TrajectoryReader {
   void count_line() { ++line_number_; }
 
  private:
-  // One number among the fields makes it a sample with a misprint, which must not pass unnoticed.
+  // A line with at least one number is a sample, possibly with a typing error that must be
+  // reported.
   static bool is_header(const std::vector<std::string_view>& fields) {
     for (const std::string_view field : fields) {
       if (field.empty() || parse_number(field).kind != NumberKind::kNone) return false;
@@ -160,7 +163,7 @@ class TrajectoryReader {
   }
 
   std::optional<Error> read_header(std::string_view line) {
-    // A name may hold blanks ("x (m)") where commas separate them.
+    // A column name may contain blanks ("x (m)") if commas separate the names.
     const std::vector<std::string_view> columns = split_columns(line);
     for (const std::string_view name : kDeviceColumns) {
       if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
@@ -178,8 +181,8 @@ class TrajectoryReader {
       in_order = name.empty() || name == kOrder[i + skipped];
     }
     if (!in_order) {
-      return error_here("header " + quoted(line) + ", expected the columns x y z or t x y z",
-                        "reorder or cut the columns of the file");
+      return error_here("is the header " + quoted(line) + "; expected the columns x y z or t x y z",
+                        "reorder or delete columns of the file");
     }
     column_count_ = columns.size();
     column_line_ = line_number_;
@@ -199,8 +202,9 @@ class TrajectoryReader {
     for (std::size_t axis = 0; axis < kDeviceColumns.size(); ++axis) {
       const auto place = place_of(kDeviceColumns[axis]);
       if (!place) {
-        return error_here("header of a trace, expected device_x, device_y and device_z, once each",
-                          "give a trace as run or replay write it");
+        return error_here(
+            "is the header of a trace; expected each of device_x, device_y and device_z once",
+            "use a trace in the format of run or replay");
       }
       trace.device[axis] = *place;
     }
@@ -214,9 +218,10 @@ class TrajectoryReader {
     const std::vector<std::string_view> fields = split_columns(line);
     if (!is_whole || fields.size() != trace_->count) {
       const std::string found =
-          is_whole ? "found " + std::to_string(fields.size()) + " columns" : "is cut off";
-      return error_here(found + ", expected " + std::to_string(trace_->count) + " as in line " +
-                            std::to_string(column_line_) + " and a newline",
+          is_whole ? "has " + std::to_string(fields.size()) + " columns" : "is cut off";
+      return error_here(found + "; expected " + std::to_string(trace_->count) +
+                            " columns as in line " + std::to_string(column_line_) +
+                            ", and a newline",
                         kTraceHint);
     }
     Vec3 position_m;
@@ -260,27 +265,28 @@ class TrajectoryReader {
     if (count == column_count_) return std::nullopt;
     std::string expected = "3 or 4";
     if (column_count_ != 0) {
-      expected = std::to_string(column_count_) + " as in line " + std::to_string(column_line_);
+      expected =
+          std::to_string(column_count_) + " columns as in line " + std::to_string(column_line_);
     }
-    return error_here("found " + std::to_string(count) +
-                      (count == 1 ? " column, expected " : " columns, expected ") + expected);
+    return error_here("has " + std::to_string(count) +
+                      (count == 1 ? " column; expected " : " columns; expected ") + expected);
   }
 
   Error field_error(std::size_t i, std::string_view field, NumberKind kind) const {
     const std::string column = "column " + std::to_string(i + 1) + " ";
-    if (field.empty()) return error_here(column + "is empty, expected a number");
-    return error_here(column + "is " + quoted(field) + ", expected a number" +
+    if (field.empty()) return error_here(column + "is empty; expected a number");
+    return error_here(column + "is " + quoted(field) + "; expected a number" +
                       (kind == NumberKind::kOutOfRange ? " within the range of a double" : ""));
   }
 
   std::optional<Error> check_time(double time, std::string_view field) {
     if (!std::isfinite(time)) {
-      return error_here("time is " + quoted(field) + ", expected a finite number");
+      return error_here("time is " + quoted(field) + "; expected a finite number");
     }
     if (!(time > last_time_)) {
       return error_here("time " + quoted(field) + " does not increase",
                         trace_ ? "sort the lines by the column t"
-                               : "of 4 columns the first is the time; sort the lines by it");
+                               : "sort the lines by the first of the 4 columns, the time");
     }
     last_time_ = time;
     return std::nullopt;
@@ -288,15 +294,15 @@ class TrajectoryReader {
 
   std::string path_;
   std::size_t line_number_ = 0;
-  bool at_start_ = true;          // no line but empty ones and comments so far
-  std::size_t column_count_ = 0;  // 0: not known yet
-  std::size_t column_line_ = 0;   // the line it is known from
+  bool at_start_ = true;          // only empty lines and comments so far
+  std::size_t column_count_ = 0;  // 0: unknown
+  std::size_t column_line_ = 0;   // the line that determined it
   std::optional<TraceColumns> trace_;
   double last_time_ = -std::numeric_limits<double>::infinity();
   std::vector<Vec3> positions_m_;
 };
 
-constexpr const char* kExpectedFile = "give a text file of device positions";
+constexpr const char* kExpectedFile = "use a text file of device positions";
 
 }  // namespace
 
@@ -309,12 +315,12 @@ Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
   TrajectoryReader reader(path);
   std::vector<char> line(kMaxLineBytes);
   while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
-    // gcount() includes the newline, which only the end of the file can lack.
+    // gcount() includes the newline; only the last line may lack one.
     const auto read = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
     if (auto error = reader.read_line({line.data(), read}, !file.eof())) return *error;
   }
   if (file.bad()) {
-    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to its end", ""};
+    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to the end", ""};
   }
   if (!file.eof()) {
     reader.count_line();

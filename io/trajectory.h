@@ -12,19 +12,20 @@ namespace palpate {
 
 // Device positions in the device frame, metres, in the file's order; at least one.
 //
-// A line holds "x y z" or "t x y z", separated by blanks or commas, the same number of columns on
-// every line. t, in any unit, is finite and strictly increases; it is otherwise ignored. nan and
-// inf, in any case, are samples of x, y and z. "#" begins a comment, empty lines are skipped, CRLF
-// ends a line as well as LF. The first line may be a header: no field of it is a number, and names
-// it gives columns (t or time, x, y, z, with or without a unit) agree with the order above.
+// A line contains "x y z" or "t x y z", separated by blanks or commas; every line has the same
+// number of columns. t, in any unit, is finite and strictly increases; otherwise it is ignored. x,
+// y and z may be nan or inf, in upper or lower case; such samples are kept. "#" begins a comment,
+// empty lines are skipped, and lines end with LF or CRLF. The first line may be a header: none of
+// its fields is a number, and the column names that it contains (t or time, x, y, z, with or
+// without a unit) are in the order above.
 //
-// A trace (trace_csv.h) is a trajectory as well, known by its columns device_x, device_y and
-// device_z, in any order among any others: its device positions are read, nan and inf as the
-// samples that they were, and "t" as above. Each line has as many columns as the header and ends
-// with a newline, the last one too, which is cut off otherwise.
+// A trace (trace_csv.h) is also a trajectory. It is recognised by its columns device_x, device_y
+// and device_z, in any order and among any others. Its device positions are read, including nan and
+// inf; "t" is treated as above. Each line of a trace has as many columns as the header and ends
+// with a newline; a last line without a newline counts as cut off.
 //
-// Whatever the locale, decimals have a point. Anything else is an error that names the line.
-// Thread-safe.
+// The decimal separator is a point in every locale. Any other content is an error that names the
+// line. Thread-safe.
 Result<std::vector<Vec3>> read_trajectory(const std::string& path);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kSignificantDigits = 17;  // enough to give every double back
+constexpr int kSignificantDigits = 17;  // enough to restore every double
 
 using NumberText = std::array<char, 32>;  // "-1.2345678901234567e-308" and shorter ones
 
@@ -24,7 +24,7 @@ CsvLines& CsvLines::raw(std::string_view field) {
 }
 
 CsvLines& CsvLines::add(double value) {
-  if (std::isnan(value)) return raw("nan");  // of either sign
+  if (std::isnan(value)) return raw("nan");  // for either sign of NaN
   NumberText text;
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
                                  std::chars_format::general, kSignificantDigits);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Tables for other programs: comma-separated values (RFC 4180).
+// Tables as comma-separated values (RFC 4180), for other programs to read.
 
 #include <concepts>
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace palpate {
 
-// Lines of a table, as text. Numbers have 17 significant digits, which give back the same double;
-// decimals have a point in every locale; nan, inf and -inf stand for themselves. Text is quoted
-// where it has to be; lines end with "\n".
+// The lines of a table, as text. Numbers have 17 significant digits, so that reading them restores
+// the same double; the decimal separator is a point in every locale; non-finite numbers are nan,
+// inf and -inf. Text is quoted if necessary; lines end with "\n".
 class CsvLines {
  public:
-  // columns: names joined by commas, the first line.
+  // columns: the column names joined by commas, which become the first line.
   explicit CsvLines(std::string_view columns);
 
   CsvLines& add(double value);
@@ -32,9 +32,9 @@ class CsvLines {
   CsvLines& skip(int fields);
   void end_line();
 
-  // Those that are ended; nothing of the next one has been added.
+  // All lines so far. Call only after end_line().
   const std::string& text() const { return text_; }
-  // The same, for whoever writes them out as they come. They are then none.
+  // Discards the lines, for a caller that has written them out.
   void clear() { text_.clear(); }
 
  private:

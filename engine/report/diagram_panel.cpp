@@ -14,12 +14,12 @@ constexpr double kLegendTop = kPanelArea.bottom + 64.0;
 constexpr double kLegendRow = 23.0;
 constexpr double kBottomMargin = 8.0;
 
-// Longer ones are cut.
+// Characters; longer texts are cut.
 constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
 constexpr std::size_t kLongestAxisLine = 42;
 
-// Okabe and Ito's colours, which the colour-blind tell apart, and gnuplot's filled points; the open
-// ones come one before.
+// The colours of Okabe and Ito, which colour-blind readers can distinguish, and gnuplot's filled
+// point symbols; the number before each is that of its open symbol.
 constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
 constexpr std::array kFilledPoints = {7, 5, 9, 11, 13, 15};
 
@@ -112,7 +112,8 @@ void DiagramPanel::put_ticks(const char* axis, const PlotAxis& of) {
   out_ << ")\n";
 }
 
-// gnuplot would put it where the widest tick leaves room, which can be outside of the panel.
+// gnuplot itself would place the label beside the widest tick label, which can be outside the
+// panel.
 void DiagramPanel::put_upright_label(const std::string& name) {
   const std::string text = with_unit(name, y_.unit());
   constexpr double kLinePx = 17.0, kRightPx = 34.0;

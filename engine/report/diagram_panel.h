@@ -1,7 +1,7 @@
 #pragma once
 
-// One panel of a diagram on logarithmic axes, as a script for gnuplot: its frame, axes, texts,
-// blocks of data and legend.
+// One panel of a diagram on logarithmic axes, as a gnuplot script: its frame, axes, texts, data
+// blocks and legend.
 
 #include <cstddef>
 #include <initializer_list>
@@ -14,12 +14,13 @@
 
 namespace palpate {
 
-// Pixels. A panel, and within it the area of data; what is below is for ticks, label and legend.
+// Pixels. The width of a panel and the data area within it; ticks, axis label and legend are below
+// the data area.
 inline constexpr double kPanelWidth = 516.0;
 inline constexpr PixelBox kPanelArea = {98.0, 34.0, 494.0, 364.0};
 inline constexpr int kPanelFontPx = 14;
 
-// Where a panel is on its canvas, pixels.
+// The position of a panel on its canvas, pixels.
 struct PanelPlace {
   double left = 0.0, top = 0.0;
   double width = 0.0, height = 0.0;  // of the canvas
@@ -28,40 +29,41 @@ struct PanelPlace {
   std::string screen(double x, double y) const;
 };
 
-// Of the n-th curve: the colour, the filled point, whose open one comes before, and all that draws
-// it.
+// For the n-th curve: its colour; the number of its filled point symbol, which follows that of the
+// open one; its whole gnuplot style.
 const char* curve_colour(std::size_t curve);
 int curve_point(std::size_t curve);
 std::string curve_style(std::size_t curve);
 
-// Cut to so many characters, with a mark. UTF-8.
+// The text cut to at most this many characters; an ellipsis marks a cut. UTF-8.
 std::string shortened_label(const std::string& text, std::size_t longest);
 
-// A line of the legend and what it draws there.
+// A line of the legend: its text and the gnuplot style of its sample.
 struct LegendEntry {
   std::string title;
   std::string style;
 };
 
-// Lines that the legend takes: half as many where there is room for two columns.
+// The number of lines of the legend; half as many if two columns fit.
 int legend_rows(const std::vector<LegendEntry>& entries);
-// Of a panel with so many.
+// The height of a panel whose legend has this many lines, pixels.
 double panel_height(int rows);
 
-// A line of a block of data.
+// One line of a data block.
 std::string data_row(std::initializer_list<double> numbers);
 
-// Parts are put in the order in which gnuplot is to read them. The axes must outlive the panel.
+// Collects the parts of a panel in the order in which gnuplot reads them. The axes must outlive the
+// panel.
 class DiagramPanel {
  public:
-  // block_prefix: of the names of its blocks ("$t"), which no other panel of the script has.
+  // block_prefix: prefix of the names of its data blocks ("$t"), unique within the script.
   DiagramPanel(const PlotAxis& x, const PlotAxis& y, const PanelPlace& place,
                std::string block_prefix);
 
-  // Where a position on an axis is in the panel.
+  // The pixel of a position on an axis, in the panel.
   double x_px(double position) const;
   double y_px(double position) const;
-  // What is taken already of the area of data.
+  // The occupied parts of the data area.
   LabelPlaces& places() { return places_; }
 
   void put_frame();
@@ -69,9 +71,9 @@ class DiagramPanel {
                 const std::string& up_name);
   void put_zero_bands();
   void put_label(const std::string& text, const PixelBox& box, const char* colour);
-  // A broken line at a position of the upright axis.
+  // A dashed horizontal line at a position of the vertical axis.
   void put_line_across(double position);
-  // A block of data; `plot` goes into the plot command as "$block PLOT" unless the block is empty.
+  // A data block; unless it is empty, the plot command gets the entry "$block PLOT".
   void put_block(const std::string& rows, const std::string& plot);
   void put_legend(const std::vector<LegendEntry>& entries);
 
@@ -86,8 +88,8 @@ class DiagramPanel {
   PanelPlace place_;
   std::string block_prefix_;
   LabelPlaces places_;
-  std::ostringstream out_;    // all before the plot command
-  std::ostringstream plots_;  // what that draws
+  std::ostringstream out_;    // the script before the plot command
+  std::ostringstream plots_;  // the entries of the plot command
   int block_count_ = 0;
 };
 

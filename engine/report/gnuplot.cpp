@@ -18,12 +18,12 @@ namespace palpate {
 namespace {
 
 constexpr const char* kHint = "install gnuplot-nox";
-constexpr int kNotFound = 127;  // what a process exits with that could not become a program
+constexpr int kNotFound = 127;  // exit code if the program could not be executed
 
 struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
-// A file that has no name, so that nothing is left behind whatever happens.
+// A temporary file without a name, which the system removes in any event.
 using NamelessFile = std::unique_ptr<std::FILE, Close>;
 
 NamelessFile nameless_file() {
@@ -49,7 +49,7 @@ std::string content_of(std::FILE* file) {
   return content;
 }
 
-// Its complaints begin with a picture of where they are; the last line says what.
+// The last line of gnuplot's error text: the problem. The lines before it show its position.
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   text.erase(0, text.rfind('\n') + 1);  // all of it if npos
@@ -57,7 +57,7 @@ std::string last_line(std::string text) {
   return printable(text);
 }
 
-// Standard input, output and error of a process to be.
+// Standard input, output and error of a process to start.
 class Streams {
  public:
   Streams(std::FILE* in, std::FILE* out, std::FILE* err) {
@@ -76,8 +76,8 @@ class Streams {
   posix_spawn_file_actions_t actions_;
 };
 
-// A process that Ctrl-C in its terminal, or the end of it, does not end: who started it says when
-// to stop.
+// Attributes of a process that ignores Ctrl-C and the end of its terminal, so that only its parent
+// ends it.
 class Unsignalled {
  public:
   Unsignalled() {
@@ -122,7 +122,7 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
                                 int font_px) {
   const NamelessFile in = nameless_file(), out = nameless_file(), err = nameless_file();
   if (!in || !out || !err) return no_room();
-  // `noenhanced`: an underscore in a name is no subscript.
+  // `noenhanced`: an underscore in a name does not make a subscript.
   const std::string all = "set encoding utf8\nset terminal svg noenhanced size " +
                           std::to_string(width_px) + "," + std::to_string(height_px) +
                           " font 'sans-serif," + std::to_string(font_px) +
@@ -141,8 +141,8 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
 }
 
 std::string gnuplot_quoted(std::string_view text) {
-  // In single quotes gnuplot mistakes a quote that comes first, and two together; in double quotes
-  // it runs what stands in backquotes. So what means anything to it is written as octal.
+  // In single quotes gnuplot misreads a leading quote and two consecutive quotes; in double quotes
+  // it executes text in backquotes. Every special character is therefore written in octal.
   std::string quoted = "\"";
   for (const char c : printable(text)) {
     switch (c) {

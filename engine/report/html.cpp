@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// Without all elements of this name. They do not nest in what gnuplot writes.
+// Removes all elements of this name, which do not nest in gnuplot's output.
 std::string without_elements(std::string_view svg, const std::string& name) {
   std::string out;
   const std::string open = "<" + name + ">", close = "</" + name + ">";
@@ -21,7 +21,7 @@ std::string without_elements(std::string_view svg, const std::string& name) {
   }
 }
 
-// Within tags only: what is text there may look like an id.
+// Changes tags only: text content may look like an id.
 std::string with_prefixed_ids(std::string_view svg, std::string_view prefix) {
   constexpr std::array<std::string_view, 5> kBeforeId = {" id=\"", " id='", "href=\"#", "href='#",
                                                          "url(#"};

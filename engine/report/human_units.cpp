@@ -21,7 +21,7 @@ constexpr std::array kPrefixes = {Prefix{"M", "M", 1e6},  Prefix{"k", "k", 1e3},
                                   Prefix{"u", "µ", 1e-6}, Prefix{"n", "n", 1e-9}};
 constexpr std::array<std::string_view, 6> kBases = {"m", "s", "N", "J", "W", "Hz"};
 
-// Below this many of the smallest prefixed unit a power of ten says more.
+// Below this multiple of the smallest prefixed unit, a power of ten is clearer.
 constexpr double kLeastOfSmallest = 1e-3;
 
 // "us/s" is the prefix u, the base s and the rest "/s".
@@ -45,7 +45,7 @@ std::optional<Parts> parts_of(std::string_view unit) {
   return std::nullopt;
 }
 
-// Nobody counts in kilometres or kiloseconds here.
+// Kilometres and kiloseconds are not used.
 bool is_too_large(const Prefix& prefix, std::string_view base) {
   return prefix.factor > 1.0 && (base == "m" || base == "s");
 }
@@ -64,7 +64,7 @@ DisplayUnit display_unit(double typical, std::string_view unit) {
   const auto plain = std::find_if(kPrefixes.begin(), kPrefixes.end(),
                                   [](const Prefix& p) { return p.written.empty(); });
   if (!(in_base >= kLeastOfSmallest * kPrefixes.back().factor)) return in(*plain);
-  // What rounds to 1000 belongs to the next unit.
+  // A number that rounds to 1000 gets the next unit.
   constexpr double kRounded = 0.9995;
   for (const Prefix& prefix : kPrefixes) {
     if (!is_too_large(prefix, parts->base) && in_base >= kRounded * prefix.factor) {

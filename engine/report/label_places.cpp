@@ -8,14 +8,14 @@
 namespace palpate {
 namespace {
 
-// Of a common sans-serif font, the widest of them in use, over its size.
+// Mean character width divided by font size, for the widest common sans-serif font.
 constexpr double kMeanCharacterWidth = 0.6;
 
-// A curve is blocked by squares along it.
+// Squares along a curve block it.
 constexpr double kLineStepPx = 5.0;
 constexpr double kLineHalfWidthPx = 2.0;
 
-// From a point to the middle of its label; the best place first.
+// Offsets from a point to the middle of its label, best first.
 std::array<std::array<double, 2>, 8> shifts(double width, double height, double reach) {
   const double aside = reach + 0.5 * width, above = reach + 0.5 * height;
   const double slant_x = 0.7 * reach + 0.5 * width, slant_y = 0.7 * reach + 0.3 * height;
@@ -76,7 +76,7 @@ bool LabelPlaces::take(const PixelBox& box) {
 
 double text_width_px(std::string_view text, double font_px) {
   const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<std::uint8_t>(c) & 0xC0) != 0x80;  // not the rest of one
+    return (static_cast<std::uint8_t>(c) & 0xC0) != 0x80;  // not a continuation byte
   });
   return kMeanCharacterWidth * font_px * static_cast<double>(characters);
 }

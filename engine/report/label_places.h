@@ -1,6 +1,6 @@
 #pragma once
 
-// Where small texts of a diagram can go without covering anything.
+// Places the labels of a diagram so that they cover nothing.
 
 #include <optional>
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// Pixels, y downwards.
+// A rectangle in pixels, y downwards.
 struct PixelBox {
   double left = 0.0, top = 0.0, right = 0.0, bottom = 0.0;
 
@@ -21,15 +21,15 @@ class LabelPlaces {
  public:
   explicit LabelPlaces(const PixelBox& area) : area_(area) {}
 
-  // What must stay visible.
+  // Marks a part of the diagram that must stay visible.
   void block(const PixelBox& box) { taken_.push_back(box); }
   void block_line(double x0, double y0, double x1, double y1);
 
-  // Takes a free place beside a point; none if there is none. `reach`: from the point to the label;
-  // one that is urgent may be somewhat farther.
+  // Occupies a free place beside a point and returns it; nothing if no place is free. `reach`:
+  // distance from the point to the label; an urgent label may be somewhat farther away.
   std::optional<PixelBox> take_beside(double x, double y, double width, double height, double reach,
                                       bool is_urgent);
-  // Takes this place if it is free.
+  // Occupies this place if it is free.
   bool take(const PixelBox& box);
 
  private:
@@ -37,7 +37,7 @@ class LabelPlaces {
   std::vector<PixelBox> taken_;
 };
 
-// About the width of a text in a sans-serif font. UTF-8.
+// The approximate width of a text in a sans-serif font. UTF-8.
 double text_width_px(std::string_view text, double font_px);
 
 }  // namespace palpate

@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// An open folder. A lock on it says that whoever made the folder is alive; it ends with the
-// process.
+// An open folder. A lock on it shows that the process that made the folder is alive; the lock ends
+// with the process.
 class FolderLock {
  public:
   enum class Outcome { kLocked, kHeldByAnother, kNotSupported };
@@ -39,7 +39,8 @@ class FolderLock {
     return errno == EWOULDBLOCK ? Outcome::kHeldByAnother : Outcome::kNotSupported;
   }
 
-  // Whether it still has its name: another command may have removed it before it was locked.
+  // Whether the folder still has its name: another command may have removed it before it was
+  // locked.
   bool is_at(const std::filesystem::path& folder) const {
     struct stat here = {};
     struct stat there = {};
@@ -56,8 +57,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kHiddenPrefix = ".palpate-unfinished-";
-constexpr std::string_view kHiddenRandom = "XXXXXX";  // as mkdtemp() asks for it
-constexpr const char* kOld = "old";                   // in it: what was in place before
+constexpr std::string_view kHiddenRandom = "XXXXXX";  // the template of mkdtemp()
+constexpr const char* kOld = "old";                   // subfolder for the previous files
 constexpr int kMaxAttempts = 100;
 
 Error folder_error(const std::string& folder, const std::string& problem) {
@@ -77,7 +78,7 @@ bool is_hidden_name(std::string_view name) {
          });
 }
 
-// Hidden folders whose command is no longer alive.
+// Removes hidden folders whose command is no longer alive.
 void remove_leftovers(const fs::path& folder) {
   std::error_code failed;
   std::vector<fs::path> leftovers;
@@ -103,8 +104,8 @@ bool is_there(const fs::path& path) {
 struct OutputFiles::State {
   std::string folder;  // as the caller named it
   std::vector<std::string> names;
-  std::vector<fs::path> made_folders;  // the outermost first
-  fs::path hidden;                     // empty: not yet, or no longer
+  std::vector<fs::path> made_folders;  // outermost first
+  fs::path hidden;                     // empty: not created yet, or removed
   std::optional<FolderLock> lock;
 
   State(std::string folder_given, std::vector<std::string> names_given)
@@ -112,7 +113,7 @@ struct OutputFiles::State {
   ~State() {
     std::error_code ignored;
     if (!hidden.empty()) fs::remove_all(hidden, ignored);
-    // Whatever somebody else has put there meanwhile keeps the folder.
+    // A folder that another process has used in the meantime is not empty and is kept.
     for (auto made = made_folders.rbegin(); made != made_folders.rend(); ++made) {
       fs::remove(*made, ignored);
     }
@@ -124,15 +125,15 @@ struct OutputFiles::State {
   std::optional<Error> make_folder();
   std::optional<Error> check_names() const;
   std::optional<Error> make_hidden_folder();
-  // Renames what is there under the names from one folder to the other. Returns errno of the first
-  // that cannot be, or 0; `moved` has the names of those that were.
+  // Moves the existing files of these names from one folder to the other. Returns 0, or errno of
+  // the first failure; `moved` receives the names of the moved files.
   int move_all(const fs::path& from, const fs::path& to, std::vector<std::string>& moved) const;
 };
 
 std::optional<Error> OutputFiles::State::make_folder() {
   fs::path path;
   for (const fs::path& part : fs::path(folder)) {
-    if (part.empty()) continue;  // after a slash that ends it
+    if (part.empty()) continue;  // after a trailing slash
     path /= part;
     if (::mkdir(path.c_str(), 0777) == 0) {
       made_folders.push_back(path);

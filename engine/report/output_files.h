@@ -9,34 +9,34 @@
 
 namespace palpate {
 
-// The files of one command in one folder, which appear there together or not at all.
+// The result files of one command in one folder. They appear there together or not at all.
 //
-// They are written into a hidden folder beside their place, so that a command that fails, or is
-// killed, leaves what was there as it was; a hidden folder that a killed one has left is removed by
-// the next command. Of the names that belong to the command, those that it has not written this
-// time are removed when the others are moved into place: an old result never stands beside a new
-// one. Nothing else in the folder is touched. A link that has such a name is replaced, and what it
-// leads to stays as it is.
+// The files are written into a hidden folder inside that folder. If the command fails or is killed,
+// previous results remain unchanged; the next command removes a hidden folder that a killed command
+// has left. Moving the files into place also removes every file that has one of the command's names
+// and was not written this time, so that an old result never stands beside a new one. Other files
+// in the folder are not touched. A link with one of the names is replaced; its target is unchanged.
 //
 // Not for the haptic thread: it does I/O. One thread owns an object.
 class OutputFiles {
  public:
-  // Makes the folder with all above it. names: those that belong to the command. An error if the
-  // folder cannot be made or written to, or if something that is no file has one of the names.
+  // Creates the folder and its parents. names: all file names that the command may write. An error
+  // if the folder cannot be created or written to, or if something other than a file has one of the
+  // names.
   static Result<OutputFiles> create(const std::string& folder, std::vector<std::string> names);
 
   OutputFiles(OutputFiles&&) noexcept;
   OutputFiles& operator=(OutputFiles&&) noexcept;
-  // Without move_into_place(): leaves nothing behind, not even a folder that create() made.
+  // Without move_into_place(): removes everything, including folders that create() made.
   ~OutputFiles();
 
-  // Where to write the file that will have this name, which is one of those that belong.
+  // The path at which to write the file of this name, which must be one of the names of create().
   std::string path(const std::string& name) const;
 
-  // An error of writing such a file, under the path that the file was to have.
+  // An error of writing such a file, with the path replaced by the file's final path.
   Error in_place(Error error) const;
 
-  // An error leaves, or puts back, what was there. To be called once.
+  // Moves the files into place. On an error the previous files are kept or restored. Call it once.
   std::optional<Error> move_into_place();
 
  private:

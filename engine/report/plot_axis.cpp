@@ -7,13 +7,13 @@
 namespace palpate {
 namespace {
 
-// All in decades.
-constexpr double kLeastSpan = 0.12;     // so that noise of a few per cent looks like it
+// Lengths along the axis, in decades.
+constexpr double kLeastSpan = 0.12;     // so that noise of a few per cent looks small
 constexpr double kMargin = 0.07;        // of the span, on either side
 constexpr double kZeroBand = 0.12;      // of the span
 constexpr double kWhiskerBeyond = 1.5;  // how far a whisker may stretch the axis
-constexpr double kDecadesFrom = 2.6;    // spans with a label at each power of ten, or fewer
-constexpr double kStepsFrom = 0.75;     // spans with labels at 1, 2 and 5
+constexpr double kDecadesFrom = 2.6;    // from this span on: labels at powers of ten only
+constexpr double kStepsFrom = 0.75;     // from this span on: labels at 1, 2 and 5
 constexpr double kMostDecadeLabels = 7.0;
 constexpr double kWidening = 0.2;  // of the span, on either side
 constexpr int kLargestPlainPower = 3;
@@ -26,7 +26,7 @@ std::string superscript(int number) {
   return text;
 }
 
-// 1, 2 or 5 times a power of ten, no less than this.
+// The smallest of 1, 2 or 5 times a power of ten that is not below at_least.
 double nice_step(double at_least) {
   const double power = std::pow(10.0, std::floor(std::log10(at_least)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -75,7 +75,7 @@ void PlotAxis::settle(const std::string& unit) {
   begin_ = first - kMargin * span;
   end_ = last + kMargin * span;
   unit_ = display_unit(std::pow(10.0, high_), unit);
-  // Powers of ten go best with a unit that has none.
+  // Powers of ten are clearest with an unprefixed unit.
   const double low_shown = begin_ + std::log10(unit_.factor);
   if (span >= kDecadesFrom && low_shown < -kLargestPlainPower) unit_ = display_unit(0.0, unit);
   const double shift = std::log10(unit_.factor);
@@ -96,7 +96,7 @@ void PlotAxis::widen() {
   end_ += more;
 }
 
-// Below all that is positive.
+// Places 0 below all positive values.
 void PlotAxis::place_zero() {
   const double band = kZeroBand * std::max(end_ - begin_, 1.0);
   zero_band_ = begin_;

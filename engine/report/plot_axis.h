@@ -1,6 +1,6 @@
 #pragma once
 
-// A logarithmic axis that can show 0, with ticks that people read.
+// A logarithmic axis that can show 0, with readable tick labels.
 
 #include <optional>
 #include <string>
@@ -11,31 +11,31 @@
 
 namespace palpate {
 
-// Positions along it are log10 of the value; 0 has one of its own, below all others. First see()
-// and see_whisker() all that is to be on it, then settle().
+// The position of a value on the axis is its log10; 0 has a separate position below all others.
+// Call see() and see_whisker() for all values first, then settle().
 class PlotAxis {
  public:
   struct Tick {
     double position;
-    std::string label;  // empty for a minor one
+    std::string label;  // empty for a minor tick
   };
 
   void see(double value);
-  // What may be cut off where it reaches far beyond all that was seen.
+  // A whisker; it is cut off where it extends far beyond all values.
   void see_whisker(double low, double high);
-  // Chooses range, ticks and the unit to show; `unit` is that of the values.
+  // Chooses the range, the ticks and the displayed unit; `unit` is the unit of the values.
   void settle(const std::string& unit);
 
-  // Of a value that was seen, or of an end of a whisker: never outside of the range.
+  // The position of a value or of a whisker's end, clamped to the range.
   double at(double value) const;
   double begin() const { return begin_; }
   double end() const { return end_; }
-  // Where the band of 0 ends; none without a 0.
+  // The upper end of the band that shows 0; nothing if no value is 0.
   std::optional<double> zero_band() const { return zero_band_; }
   const std::vector<Tick>& ticks() const { return ticks_; }
-  // Room for a few long names of ticks.
+  // Widens the range, to leave space for long tick names.
   void widen();
-  // Instead of numbers with a unit.
+  // Replaces the numeric tick labels and the unit.
   void use_names(std::vector<Tick> ticks) {
     ticks_ = std::move(ticks);
     unit_.name.clear();
@@ -49,7 +49,7 @@ class PlotAxis {
   void place_steps(double first, double last);
   void place_fine(double first, double last);
 
-  double low_ = 1.0, high_ = -1.0;  // log10 of what was seen; low > high: nothing positive
+  double low_ = 1.0, high_ = -1.0;  // log10 of the values; low > high: no positive value
   double whisker_low_ = 0.0, whisker_high_ = 0.0;
   bool has_zero_ = false;
   double begin_ = -1.0, end_ = 1.0, zero_ = 0.0;

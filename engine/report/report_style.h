@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// Of the report: light, for wide and narrow screens and for paper.
+// The style sheet of the report: a light theme for wide and narrow screens and for print.
 inline constexpr std::string_view kReportStyle = R"css(
 :root { color-scheme: light; --ink: #1d2329; --quiet: #57606a; --line: #d8dee4; --tint: #f6f8fa;
   --good: #00664b; --bad: #9c3f00; }

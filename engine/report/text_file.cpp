@@ -13,7 +13,7 @@ Result<std::string> write_text_file(const std::string& path, std::string_view te
   std::FILE* const file = std::fopen(path.c_str(), "wb");
   if (!file) return write_error(path, errno);
   int failure = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
-  // What was buffered goes out here: a full disk may show only now.
+  // fclose() writes the buffered text, so a full disk may be reported only here.
   if (std::fclose(file) != 0 && failure == 0) failure = errno;
   if (failure == 0) return path;
   std::error_code ignored;

@@ -21,7 +21,7 @@ constexpr std::size_t kBufferBytes = 1u << 20;
 constexpr int kMaxNameAttempts = 100;
 constexpr std::string_view kPartEnding = ".part";
 
-// A file under its temporary name is locked by its writer, for as long as that lives.
+// The writer locks the temporary file for as long as the writer is alive.
 enum class PartLock { kMine, kAnothers, kNotSupported };
 
 PartLock lock_part(int descriptor) {
@@ -29,7 +29,7 @@ PartLock lock_part(int descriptor) {
   return errno == EWOULDBLOCK ? PartLock::kAnothers : PartLock::kNotSupported;
 }
 
-// Whether somebody has removed the file while it was not locked yet.
+// Whether another process removed the file before it was locked.
 bool has_lost_its_name(int descriptor) {
   struct stat status = {};
   return ::fstat(descriptor, &status) == 0 && status.st_nlink == 0;
@@ -43,7 +43,7 @@ bool is_part_of(const std::string& name, const std::string& target_name) {
   return numbers.find_first_not_of("0123456789-") == std::string::npos;
 }
 
-// What writers of this file have left that were killed.
+// Removes temporary files that killed writers of this file have left.
 void remove_leftovers(const std::string& target_path) {
   const fs::path target(target_path);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -68,7 +68,7 @@ void remove_leftovers(const std::string& target_path) {
 
 }  // namespace
 
-// The open file and the text that is not in it yet.
+// The open file and the text not yet written to it.
 class WholeFile::Output {
  public:
   explicit Output(std::string path) : path_(std::move(path)) {}
@@ -81,7 +81,7 @@ class WholeFile::Output {
 
   const std::string& path() const { return path_; }
 
-  // Returns 0 or what errno said, as the others do.
+  // Returns 0 or errno, as do the other functions.
   int open() {
     if (path_.empty()) return ENOENT;
     std::error_code code;
@@ -91,7 +91,7 @@ class WholeFile::Output {
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
       return descriptor_ >= 0 ? 0 : errno;
     }
-    // A link stays one: the file it names is replaced.
+    // A link is kept; its target is replaced.
     const fs::path target = fs::exists(status) ? fs::canonical(path_, code) : fs::path(path_);
     target_path_ = code ? path_ : target.string();
     return open_part();
@@ -124,7 +124,7 @@ class WholeFile::Output {
           part_path_ = std::move(name);
           return 0;
         }
-        ::close(std::exchange(descriptor_, -1));  // another writer takes it for a leftover
+        ::close(std::exchange(descriptor_, -1));  // another writer is removing it as a leftover
         continue;
       }
       if (errno != EEXIST) return errno;
@@ -147,8 +147,8 @@ class WholeFile::Output {
   }
 
   std::string path_;         // as the caller named it
-  std::string target_path_;  // where the file goes in the end
-  std::string part_path_;    // where it is until then; empty: written in place
+  std::string target_path_;  // final path of the file
+  std::string part_path_;    // temporary path; empty: written directly
   int descriptor_ = -1;
   int failure_ = 0;  // the first errno of a write
   std::string buffer_;

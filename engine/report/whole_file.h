@@ -1,6 +1,6 @@
 #pragma once
 
-// A file that is there when it is whole.
+// A file that appears only when it is complete.
 
 #include <memory>
 #include <optional>
@@ -11,24 +11,24 @@
 
 namespace palpate {
 
-// The file appears under its name when finish() succeeds, replacing what was there; until then the
-// text is in memory and in a file ".part" beside it that goes with this object; one that a killed
-// process has left goes with the next file of that name. What is no regular file (a pipe, a
-// terminal) is written to directly. Not for the haptic thread: it does I/O. One thread owns it.
+// The file appears under its name when finish() succeeds, replacing its predecessor. Until then the
+// text is in memory and in a temporary file beside it, whose name ends with ".part" and which the
+// destructor removes. A temporary file that a killed process has left is removed when the same file
+// is next created. A path that is not a regular file (a pipe, a terminal) is written to directly.
+// Not for the haptic thread: it does I/O. One thread owns it.
 class WholeFile {
  public:
-  // Fails where the file could not be created.
+  // An error if the file cannot be created.
   static Result<WholeFile> create(const std::string& path);
 
   WholeFile(WholeFile&&) noexcept;
   WholeFile& operator=(WholeFile&&) noexcept;
-  ~WholeFile();  // without finish(): leaves nothing behind
+  ~WholeFile();  // without finish(): removes the temporary file
 
-  // A failure to write shows in finish(). Text after finish() is dropped.
+  // finish() reports a failure to write. Text added after finish() is discarded.
   void add(std::string_view text);
 
-  // Fails if any byte could not be written, and then leaves whatever had the file's name as it was.
-  // To be called once.
+  // An error if any byte could not be written; the previous file is then unchanged. Call it once.
   std::optional<Error> finish();
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// A file that the system does not let us write.
+// The error for a file that the system refuses to write.
 
 #include <string>
 #include <system_error>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// reason: as of errno.
+// reason: a value of errno.
 inline Error write_error(const std::string& path, int reason) {
   return {ErrorCode::kFileUnwritable, path, "",
           "cannot be written: " + std::error_code(reason, std::generic_category()).message(),

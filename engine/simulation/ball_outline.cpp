@@ -12,16 +12,16 @@
 namespace palpate {
 namespace {
 
-// Of the radius: what is left out of an outline. Finer detail makes no difference to where the ball
-// can be, and bounds how many legs of an offset curve meet.
+// Detail below this share of the radius is left out of an outline. It hardly affects where the ball
+// can be, and leaving it out limits how many legs of an offset curve meet.
 constexpr double kLeftOut = 1.0 / 256;
 
-// Arcs become legs of so much at most, which are within 1/800 of the radius; while smaller balls
-// prepare for the one that is asked for, within a fiftieth of theirs.
+// The largest angle of a leg that approximates an arc; its error is 1/800 of the radius. For the
+// smaller, preparatory balls the coarse angle is used, with an error of a fiftieth of their radius.
 constexpr double kLegRad = std::numbers::pi / 32;
 constexpr double kCoarseLegRad = std::numbers::pi / 8;
 
-// What touches the ball while its centre is on a leg of the offset curve.
+// The part of an outline that the ball touches while its centre is on a leg of the offset curve.
 enum class Touched : std::uint8_t { kSegment, kCorner, kNothing };
 struct Touch {
   Touched what;
@@ -29,8 +29,8 @@ struct Touch {
   Vec3 outward;   // kSegment: unit
 };
 
-// How near to each other segments are, about: as if they were spread evenly, along curves or over
-// a square. A ball as small as that meets few of them at a time.
+// The approximate distance between segments, as if they were spread evenly along curves or over a
+// square. A ball of this radius meets few segments at a time.
 double spacing_m(const std::vector<Outline>& outlines) {
   double whole_m = 0.0;
   double count = 1.0;
@@ -49,14 +49,14 @@ class BallRoller {
   BallRoller(const Vec3& plane_normal, double radius_m, double leg_rad)
       : normal_(plane_normal), radius_m_(radius_m), leg_rad_(leg_rad) {}
 
-  // The way of the centre at the distance of the radius: where the outline turns towards the ball
-  // it crosses itself, and what it goes round still is what the centre cannot get into (as of any
-  // offset curve by winding number, Chen and McMains 2005).
+  // Adds the offset curve of an outline, at the distance of the radius. The offset curve crosses
+  // itself at concave corners of the outline; by winding number it still encloses the region that
+  // the ball's centre cannot enter (Chen and McMains 2005).
   void add(const Outline& outline) {
     std::vector<Vec3> points = without_collinear_points(
         outline.curve.points_m, outline.curve.closed, normal_, kLeftOut * radius_m_);
     if (points.size() < 2 || is_hollow_too_narrow(outline.curve)) return;
-    if (!outline.curve.closed) {  // there and back
+    if (!outline.curve.closed) {  // along both sides
       for (std::size_t i = points.size() - 1; i-- > 1;) points.push_back(Vec3(points[i]));
     }
     Polyline offset{{}, true};
@@ -86,7 +86,7 @@ class BallRoller {
   }
 
  private:
-  // Whether the curve goes round a hollow that the ball is too large for: it may as well be filled.
+  // Whether the curve encloses a hollow that is too narrow for the ball; such a hollow is ignored.
   bool is_hollow_too_narrow(const Polyline& curve) const {
     if (!curve.closed) return false;
     const std::vector<Vec3>& points_m = curve.points_m;
@@ -107,7 +107,7 @@ class BallRoller {
     return (to - from).cross(normal_).normalized();
   }
 
-  // From one direction to another, to the left.
+  // The angle from one direction to another, positive to the left.
   double turn_rad(const Vec3& from, const Vec3& to) const {
     return std::atan2(from.cross(to).dot(normal_), from.dot(to));
   }
@@ -115,14 +115,14 @@ class BallRoller {
     return std::cos(angle_rad) * direction + std::sin(angle_rad) * normal_.cross(direction);
   }
 
-  // The centre goes round a corner that sticks out, and through one that does not; then along the
-  // segment behind it.
+  // The offset curve follows an arc around a convex corner and passes through a concave corner;
+  // then it follows the next segment.
   void add_corner(const Vec3& corner_m, const Vec3& before, const Vec3& after, Polyline& offset) {
     const auto add_leg = [&](const Vec3& from, const Touch& touch) {
       offset.points_m.push_back(from);
       touches_.back().push_back(touch);
     };
-    // What turns right back goes round an end: a slit without width is none.
+    // A curve that turns back goes around an end; a slit of zero width is ignored.
     const double rad = turn_rad(before, after);
     const bool turns_back = before.cross(after).norm() < kTurnsBack && before.dot(after) < 0.0;
     if (rad >= 0.0 || turns_back) {
@@ -139,8 +139,8 @@ class BallRoller {
     add_leg(corner_m + radius_m_ * after, {Touched::kSegment, corner_m, after});
   }
 
-  // The places that the ball touches, one after the other, and its own arc where it leaves one for
-  // another.
+  // The points that the ball touches, in order, with an arc of the ball between the point that it
+  // leaves and the next.
   std::vector<Vec3> touched_on(const FreeChain& chain) const {
     std::vector<Vec3> touched;
     const std::size_t n = chain.points.size();
@@ -162,7 +162,7 @@ class BallRoller {
                                            : touch.corner_m;
   }
 
-  // Around the centre, to the right.
+  // Adds an arc around the centre, clockwise.
   void add_arc(const Vec3& centre_m, const Vec3& from, const Vec3& to,
                std::vector<Vec3>& points) const {
     const double rad = turn_rad(from, to);
@@ -171,8 +171,8 @@ class BallRoller {
     for (double k = 1.0; k < legs; ++k) points.push_back(centre_m + turned(from, k / legs * rad));
   }
 
-  // Sine of an angle that is none: of the rounding of what has been merged. Where a slit is taken
-  // for an end, what is added is inside of what the ball cannot get into.
+  // Directions whose sine is below this count as parallel; it covers the rounding of merged points.
+  // A slit mistaken for an end adds only points inside the region that the ball cannot enter.
   static constexpr double kTurnsBack = 0x1p-20;
 
   Vec3 normal_;
@@ -182,8 +182,8 @@ class BallRoller {
   std::vector<std::vector<Touch>> touches_;  // by curve and segment
 };
 
-// Where a ball bridges a gap from both sides its arcs may cross: what they go round is theirs, and
-// solid for a larger one, but for what is between the arcs.
+// Arcs of a ball that bridges a gap from both sides may cross. Returns the outlines of the union of
+// the regions that all curves enclose, which are solid for a larger ball.
 std::optional<std::vector<Outline>> uncrossed(const std::vector<Outline>& touched,
                                               const Vec3& plane_normal) {
   std::vector<Polyline> curves;
@@ -203,8 +203,9 @@ std::optional<std::vector<Outline>> uncrossed(const std::vector<Outline>& touche
 
 std::optional<std::vector<Outline>> ball_outlines(const std::vector<Outline>& found,
                                                   const Vec3& plane_normal, double radius_m) {
-  // What a large ball can touch of some outlines is what it can touch of what a smaller one can:
-  // balls that double in size find it, so that each meets few segments at a time.
+  // The parts of the outlines that a large ball touches are among those that a smaller ball
+  // touches. The radius is therefore doubled step by step, so that each ball meets few segments at
+  // a time.
   std::vector<Outline> touched = found;
   const double first_m = spacing_m(found);
   double r_m = radius_m;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Of the outlines of solids, what a ball can touch.
+// The parts of the outlines of solids that a ball can touch.
 
 #include <optional>
 #include <vector>
@@ -10,16 +10,17 @@
 
 namespace palpate {
 
-// What touches a ball that rolls around the solids with its centre in the plane: the parts of the
-// outlines that it gets at, and between them the arcs of the ball that bridges a gap it does not
-// get into, or lies in a corner. Where it touches one of them, its centre is radius_m in front: on
-// the right, seen from the tip of plane_normal. A ball so large that it gets nowhere touches
-// nothing.
+// The curves that a ball touches as it rolls around the solids with its centre in the plane. They
+// consist of the parts of the outlines within the ball's reach and, between them, arcs of the ball
+// where it bridges a gap that is too narrow for it or rests in a corner. At each contact the ball's
+// centre is radius_m in front of the outline: on its right, seen from the tip of plane_normal. A
+// ball that is too large to enter any free region touches nothing.
 //
-// Of the ball this takes its circle in the plane: what is above or below the plane does not hold it
-// off. Sheets hold it off from both sides. All are closed, longest first; what is of less than
-// radius_m / 256 is left out. found: of one plane, as of outlines(). Nothing where so many places
-// have others within twice the radius that planar_pieces() gives up. Allocates; O(n log n).
+// Only the ball's circle in the plane matters: geometry above or below the plane does not obstruct
+// the ball. Sheets obstruct it from both sides. All returned curves are closed, longest first;
+// detail smaller than radius_m / 256 is left out. found: outlines of one plane, as outlines()
+// returns them. Returns nothing if too many parts of the outlines are within twice the radius of
+// others, so that planar_pieces() gives up. Allocates; O(n log n).
 std::optional<std::vector<Outline>> ball_outlines(const std::vector<Outline>& found,
                                                   const Vec3& plane_normal, double radius_m);
 

@@ -9,43 +9,45 @@
 namespace palpate {
 namespace {
 
-// So much of the room in front of a contour is behind the hand, too.
+// The free distance in front of the contour, as a multiple of the clearance: the hand needs as much
+// behind it.
 constexpr double kRoomBehind = 2.0;
 
-// Segments that a contour is tried to be opened at.
+// The largest number of segments tested for the opening.
 constexpr std::size_t kMostOpenings = 64;
 
-// From one direction to the other, to the left seen from the tip of plane_normal.
+// The angle from one direction to the other, positive to the left seen from the tip of
+// plane_normal.
 double turn(const Vec3& from, const Vec3& to, const Vec3& plane_normal) {
   return std::atan2(from.cross(to).dot(plane_normal), from.dot(to));
 }
 
-// How far a ray gets in the plane before it meets a segment; `most` if it does not.
-double free_way(const Vec3& from, const Vec3& direction, const Vec3& a, const Vec3& b,
-                const Vec3& plane_normal, double most) {
+// The length of a ray in the plane up to a segment; at most `most`.
+double free_length(const Vec3& from, const Vec3& direction, const Vec3& a, const Vec3& b,
+                   const Vec3& plane_normal, double most) {
   const Vec3 along = b - a;
   const double det = direction.cross(along).dot(plane_normal);
   if (det == 0.0) return most;
   const Vec3 to_a = a - from;
-  const double way = to_a.cross(along).dot(plane_normal) / det;
+  const double distance = to_a.cross(along).dot(plane_normal) / det;
   const double part = to_a.cross(direction).dot(plane_normal) / det;
-  return way > 0.0 && part >= 0.0 && part <= 1.0 ? std::min(way, most) : most;
+  return distance > 0.0 && part >= 0.0 && part <= 1.0 ? std::min(distance, most) : most;
 }
 
-// The same before all segments of all curves but one.
-double free_way(const Vec3& from, const Vec3& direction, const std::vector<Polyline>& curves,
-                const Vec3& plane_normal, const Vec3& but_from, double most) {
-  double way = most;
+// The same for all segments of all curves except the segment that begins at but_from.
+double free_length(const Vec3& from, const Vec3& direction, const std::vector<Polyline>& curves,
+                   const Vec3& plane_normal, const Vec3& but_from, double most) {
+  double length = most;
   for (const Polyline& curve : curves) {
     const std::vector<Vec3>& points = curve.points_m;
     const std::size_t segments = points.size() - (curve.closed ? 0 : 1);
     for (std::size_t i = 0; i < segments; ++i) {
       if (points[i] == but_from) continue;
-      way =
-          free_way(from, direction, points[i], points[(i + 1) % points.size()], plane_normal, way);
+      length = free_length(from, direction, points[i], points[(i + 1) % points.size()],
+                           plane_normal, length);
     }
   }
-  return way;
+  return length;
 }
 
 }  // namespace
@@ -54,11 +56,11 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
                                const Vec3& plane_normal, double& room_m) {
   std::vector<Vec3> points = contour.points_m;
   if (!contour.closed) {
-    const Vec3 way = points[1] - points[0];
-    const Vec3 first = points[0] + std::min(0.25, 0.5 * room_m / way.norm()) * way;
-    const Vec3 outward = way.cross(plane_normal).normalized();
+    const Vec3 leg = points[1] - points[0];
+    const Vec3 first = points[0] + std::min(0.25, 0.5 * room_m / leg.norm()) * leg;
+    const Vec3 outward = leg.cross(plane_normal).normalized();
     const double wanted_m = kRoomBehind * room_m;
-    const double free_m = free_way(first, outward, curves, plane_normal, points[0], wanted_m);
+    const double free_m = free_length(first, outward, curves, plane_normal, points[0], wanted_m);
     room_m = std::min(room_m, free_m / kRoomBehind);
     return points;
   }
@@ -76,7 +78,7 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
     const std::size_t i = by_length[k];
     const Vec3 middle = 0.5 * (points[i] + points[next(i)]);
     const Vec3 outward = (points[next(i)] - points[i]).cross(plane_normal).normalized();
-    const double free_m = free_way(middle, outward, curves, plane_normal, points[i], wanted_m);
+    const double free_m = free_length(middle, outward, curves, plane_normal, points[i], wanted_m);
     if (free_m <= most_m) continue;
     most_m = free_m;
     best = i;
@@ -90,8 +92,8 @@ std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyli
   return points;
 }
 
-// The contour that these are points of, in order, tells a spike from a slit where both turn right
-// back.
+// A simplified contour that turns back may be a spike or a slit. The turn of the full contour at
+// that point distinguishes them.
 HandPath contour_path(const std::vector<Vec3>& whole_m, const Vec3& plane_normal,
                       double tolerance_m) {
   std::vector<Vec3> contour_m = without_collinear_points(whole_m, false, plane_normal, tolerance_m);

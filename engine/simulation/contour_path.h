@@ -1,6 +1,6 @@
 #pragma once
 
-// A contour as a hand follows it.
+// Converts a contour to a path that a hand can follow.
 
 #include <vector>
 
@@ -10,16 +10,17 @@
 
 namespace palpate {
 
-// Opens a closed contour, so that it begins and ends in the middle of a segment: of the longest
-// from whose middle nothing is near in front. curves: all that the plane cuts, the contour
-// included. room_m: how much room there is to be; set to half of what there is where there is less.
-// In front: on the right of the contour, seen from the tip of plane_normal. An open contour stays
-// as it is.
+// Opens a closed contour in the middle of a segment, where it then begins and ends. The segment is
+// the longest whose middle has enough clearance in front of it. In front means on the right of the
+// contour, seen from the tip of plane_normal. curves: all curves that the plane cuts, the contour
+// included. room_m: the wanted clearance; if less is available, it is set to half of the available
+// clearance. An open contour keeps its points.
 std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyline>& curves,
                                const Vec3& plane_normal, double& room_m);
 
-// Pressed on from the right, seen from the tip of plane_normal. Leaves out what is within
-// tolerance_m of the legs that stand for it. contour_m: of one plane; two points or more.
+// The path of a hand that presses on the contour from its right, seen from the tip of plane_normal.
+// Points within tolerance_m of the legs that replace them are left out. contour_m: in one plane;
+// two points or more.
 HandPath contour_path(const std::vector<Vec3>& contour_m, const Vec3& plane_normal,
                       double tolerance_m);
 

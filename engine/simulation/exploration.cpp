@@ -26,7 +26,7 @@
 namespace palpate {
 namespace {
 
-// Keeps every tick in memory that was set aside before the start.
+// Records every tick in memory allocated before the start.
 class Recorder final : public TickObserver {
  public:
   Recorder(ExplorationRun& run, std::size_t ticks) : run_(run) { run_.records.resize(ticks); }
@@ -34,7 +34,7 @@ class Recorder final : public TickObserver {
     if (count_ < run_.records.size()) run_.records[count_++] = record;
     summary_.add(record);
   }
-  // Of a run that was interrupted the records end where it did.
+  // The records of an interrupted run end at the interruption.
   RunSummary finish() {
     run_.records.resize(count_);
     return summary_.finish(steps_of(run_.records));
@@ -49,7 +49,7 @@ class Recorder final : public TickObserver {
 struct PlannedHand {
   std::unique_ptr<HandPlan> plan;
   Vec3 start_scene_m;
-  std::vector<Vec3> contour_m;  // what it follows, one of these
+  std::vector<Vec3> contour_m;  // the planned path; one of the two is empty
   std::vector<Vec3> places_m;
 };
 
@@ -65,7 +65,7 @@ PathPlanSettings plan_settings(const ExplorationSettings& settings) {
   return plan;
 }
 
-// The contour that a hand follows, all that is in its way, and what the hand has to know of it.
+// The contour that a hand follows, and all outlines that may obstruct the hand.
 struct FollowedContour {
   Outline outline;
   std::vector<Polyline> obstacles;  // the outline is one of them
@@ -73,18 +73,19 @@ struct FollowedContour {
 
 Error contour_too_crowded(const std::vector<Polyline>& section, const char* how) {
   return {ErrorCode::kLimitExceeded, "", "scene",
-          "has " + std::to_string(section.size()) + " curves at the plane, so many of which " +
-              how + " that their common contour is not worked out",
+          "has " + std::to_string(section.size()) + " curves in the plane, too many of which " +
+              how + " to compute their common contour",
           "load a part of the scene with `SceneSettings::node`, or use `RunSettings::sensors` 3, "
           "which needs no contour"};
 }
 
-// Of a ball what it can touch, not what it would have to be smaller for.
+// The longest outline of the section. For a sphere, only the parts of the outlines that the sphere
+// can touch are considered.
 Result<FollowedContour> followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
                                          double small_m, double proxy_radius_m) {
   auto found = outlines(section, normal, small_m);
   if (!found) return contour_too_crowded(section, "cross each other");
-  // All may be hidden where solids are inside out.
+  // If solids are inside out, no outline may be found; the longest curve is used.
   if (found->empty()) found->push_back({section.front(), !section.front().closed});
   if (proxy_radius_m > 0.0 && found->front().curve.closed) {
     auto touched = ball_outlines(*found, normal, proxy_radius_m);
@@ -101,7 +102,7 @@ Error nothing_at_height(const Scene& scene, const ScenePose& pose) {
   std::ostringstream range;
   range << "the scene spans " << bounds.low.z() << " to " << bounds.high.z() << " m along A3";
   return {ErrorCode::kInvalidArgument, "", "plane_height_m",
-          "nothing to touch at this height: " + range.str(),
+          "has no contour at this height: " + range.str(),
           "choose a height in between, or use 3 sensors"};
 }
 
@@ -120,7 +121,7 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   if (!followed) return followed.error();
   facts.slips_off_at_ends = !followed->outline.curve.closed;
   facts.sides = followed->outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
-  // A sphere needs room for its other half, too.
+  // A sphere also needs clearance for its other half.
   double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
   std::vector<Vec3> contour =
       open_contour(followed->outline.curve, followed->obstacles, normal, room_m);
@@ -130,15 +131,15 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   return hand;
 }
 
-// A hand that feels its way over a surface; on a small object it goes no farther than so many times
-// its extent.
+// A hand that explores a surface. On a small object the path is at most kMostExtents times the
+// largest extent of the object.
 constexpr double kWalkSpeed_m_per_s = 0.04;
 constexpr double kMostExtents = 5.0;
 constexpr double kSecondsPerHeading = 3.0;
 constexpr double kSecondsPerPlace = 0.5;
 
-// No wall holds it where no motor is, so that it would press as deep as it aims; and what pushes it
-// aside there grows with the depth.
+// The hand presses lightly: along an axis without a motor no wall resists it, so that it would
+// reach its full press depth, and the sideways force there grows with the depth.
 constexpr double kLightTouch = 0.6;
 
 Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
@@ -155,7 +156,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   const std::optional<SurfacePath> found = plan_surface_path(scene, wanted);
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
-                 "has no surface with room for a hand in front of it",
+                 "has no surface with clearance for the hand in front of it",
                  room_hint(scene, setup, wanted)};
   }
   PathFacts facts;
@@ -174,9 +175,9 @@ std::size_t late_tick(const ExplorationRun& run) {
   return run.records.size() - run.records.size() / 5;
 }
 
-// What the hand followed, and how much of it the proxy came near to.
-void measure_way(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
-                 ExplorationRun& run) {
+// Stores the planned path in the run and measures its coverage by the proxy.
+void measure_coverage(PlannedHand hand, double largest_extent_m, double proxy_radius_m,
+                      ExplorationRun& run) {
   run.proxy_radius_m = proxy_radius_m;
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
@@ -216,7 +217,7 @@ bool is_stopped(const StopFlag* stop) {
 void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress,
                  const StopFlag* stop) {
   constexpr std::size_t kReportEvery = 1000;
-  session.start();  // a simulated device does not refuse
+  session.start();  // a simulated device always starts
   for (std::size_t n = 0; n < ticks && !is_stopped(stop); ++n) {
     session.tick(dt_s);
     if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
@@ -238,7 +239,7 @@ void run_realtime(HapticSession& session, const RunSetup& setup, std::size_t tic
   run.missed_deadlines = thread.missed_deadlines();
 }
 
-// Every tick is kept in memory, 320 bytes of it: an hour at 1 kHz is below this limit.
+// Every tick is recorded in memory, 320 bytes each; one hour at 1 kHz is below this limit.
 constexpr double kMostTicks = 4e6;
 
 }  // namespace
@@ -249,13 +250,14 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
     return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
   };
   if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
-    return invalid("seconds", std::to_string(settings.seconds) + " s leave no time for a turn",
-                   "25 to 30 s are usual");
+    return invalid("seconds",
+                   "is " + std::to_string(settings.seconds) + " s, too short to follow a path",
+                   "use 25 to 30 s");
   }
   const double ticks = settings.seconds / dt_s;
   if (!(ticks >= 1.0 && ticks <= kMostTicks)) {
     std::ostringstream text;
-    text << "times `RunSettings::rate_Hz` that makes " << ticks << " ticks, expected 1 to "
+    text << "multiplied by `RunSettings::rate_Hz` gives " << ticks << " ticks; expected 1 to "
          << kMostTicks;
     return invalid("seconds", text.str(), "choose a shorter run or another rate");
   }
@@ -264,12 +266,12 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
 
 namespace {
 
-// What takes memory by numbers: the surfaces that a contour is cut from, and a record of each tick.
+// Checks the memory of the run: the record of each tick and the section of the surfaces.
 std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings, MemoryLedger& ledger) {
   ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
   ledger.advise("load a part of the scene with `SceneSettings::node`");
-  ledger.begin("what comes before the run");
+  ledger.begin("preparing the run");
   if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
   ledger.advise("choose a shorter run");
   ledger.begin("recording the ticks", "seconds");
@@ -283,7 +285,7 @@ std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
   return ledger.check(scene_cut_bytes(scene));
 }
 
-// As below, but it may throw where there is no memory.
+// As the public explore(), but throws std::bad_alloc if memory runs out.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress,
                                const StopFlag* stop, MemoryLedger& ledger) {
@@ -295,7 +297,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (const auto error = check_plant(plant, setup.dt_s)) return *error;
   if (scene.objects().empty()) {
     return Error{ErrorCode::kEmptyScene, "", "scene",
-                 "has media and no surface that a hand could follow", "replay a path through it"};
+                 "has media but no surface for the hand to follow",
+                 "replay a path through the scene"};
   }
   if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
@@ -323,8 +326,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   run.interrupted = run.records.size() < ticks;
   if (!run.interrupted) progress(1.0);
   take_effects(loop, setup.haptics.measures_effects, steps_of(run.records), run.summary);
-  measure_way(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
-              setup.haptics.god_object.radius_m, run);
+  measure_coverage(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
+                   setup.haptics.god_object.radius_m, run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);
   return run;
 }

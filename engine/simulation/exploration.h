@@ -1,6 +1,6 @@
 #pragma once
 
-// The main job: a simulated hand explores a scene.
+// The main use case: a simulated hand explores a scene.
 
 #include <atomic>
 #include <functional>
@@ -17,56 +17,59 @@
 namespace palpate {
 
 struct ExplorationSettings {
-  double seconds = 28.0;      // the approach takes one of them, the turn the rest
-  bool virtual_time = false;  // as fast as it goes, instead of the real-time thread
+  double seconds = 28.0;      // 1 s for the approach, the rest for following the path
+  bool virtual_time = false;  // as fast as possible, instead of on the real-time thread
   std::uint64_t seed = 1;
-  // Memory that the run may take, with what the caller has taken of it before; 0: half of what is
-  // free (memory_budget.h).
+  // Limit of the memory of the run, including taken_memory_bytes, which the caller has already
+  // used; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
   std::uint64_t taken_memory_bytes = 0;
 };
 
 struct ExplorationRun {
   bool a4 = false;
-  bool interrupted = false;  // by a StopFlag: the records end there, and may be none
+  bool interrupted = false;  // by a StopFlag: the records end there and may be empty
   std::vector<TickRecord> records;
   RunSummary summary;
-  // What the hand set out to follow, from where it began: a closed contour ends there. With 3
-  // sensors places at equal distances along its whole path, reached or not. Scene frame; one of the
-  // two is empty.
+  // The planned path, from its start point; exactly one of the two is empty. With 2 sensors: the
+  // contour; a closed contour ends at its start point. With 3 sensors: the places, points at equal
+  // distances along the whole path, reached or not. Scene frame.
   std::vector<Vec3> contour_scene_m;
   std::vector<Vec3> places_scene_m;
-  // The part of the contour's length, or of the places, that had the proxy within near_m.
+  // Coverage: the share of the contour's length, or of the places, that the proxy came within
+  // near_m of.
   double way_share = 0.0;
-  double late_way_share = 0.0;  // of it, what came in the last fifth of the run
+  double late_way_share = 0.0;  // the part of way_share covered in the last fifth of the run
   double near_m = 0.0;
   double proxy_radius_m = 0.0;
   std::uint64_t missed_deadlines = 0;
   bool exceeds_workspace = false;
-  std::string realtime_note;  // what the system did not grant
+  std::string realtime_note;  // which real-time privileges the system denied
 
   std::uint64_t record_bytes() const {
     return records.size() * (sizeof(TickRecord) + sizeof(std::int64_t));
   }
 };
 
-// How near to what it follows the proxy counts as there: this, or of the largest extent of the
-// scene, whichever is larger; and a sphere's radius more, since its centre is the proxy.
+// The distance within which the proxy covers the path: the larger of kNearWay_m and kNearWayShare
+// times the largest extent of the scene, plus the sphere's radius, because the proxy is the
+// sphere's centre.
 inline constexpr double kNearWay_m = 2e-3;
 inline constexpr double kNearWayShare = 0.01;
 
-// Settings that explore() would refuse; the error names the field.
+// Checks the settings as explore() does; an error names the invalid field.
 std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s);
 
-// Called now and then from the calling thread with the share of the run that is done.
+// Called periodically, on the calling thread, with the completed share of the run (0 to 1).
 using Progress = std::function<void(double)>;
 
-// One run. With 2 sensors the hand follows the longest outline of what the plane height cuts; with
-// 3 it follows a path over the surface. An error if there is nothing at the plane height, or if the
-// settings are out of range (NaN included; also those that check_setup() refuses), make more ticks
-// than are kept in memory, or need more of it than they allow or the system has. stop: ends the run
-// after the present tick, or a few later; null for none. However a run ends, zero force is
-// commanded.
+// Runs one exploration. With 2 sensors the hand follows the longest outline of the section at the
+// plane height; with 3 sensors it follows a path over the surface. stop: ends the run after the
+// current tick or a few ticks later; null for none. However a run ends, zero force is commanded.
+//
+// Errors: the plane height has no section; a setting is out of range (NaN included, and everything
+// that check_setup() rejects); the run has more ticks than can be recorded; the run needs more
+// memory than the settings allow or the system has.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress,
                                const StopFlag* stop = nullptr);

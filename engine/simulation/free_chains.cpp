@@ -14,26 +14,27 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Where a segment of the plane comes from. The last one of an open curve closes it.
+// The curve and segment of a planar segment. The last segment of an open curve closes the curve.
 struct Source {
   std::uint32_t curve, segment;
   bool is_closing;
 };
 
-// All pieces between two vertices.
+// All coincident pieces between two vertices.
 struct Edge {
   std::array<std::uint32_t, 2> ends;
-  std::uint32_t begin, end;      // in the pieces by edge
-  std::array<bool, 2> is_solid;  // to the left of the way from the first to the second; the right
+  std::uint32_t begin, end;  // range of pieces_by_edge_
+  std::array<bool, 2>
+      is_solid;  // on the left and on the right of the direction from ends[0] to ends[1]
 };
 
-// One way along an edge that a chain may go.
-struct Way {
+// A half-edge: one direction of an edge, which a chain may follow.
+struct HalfEdge {
   std::uint32_t edge, piece;
   std::uint32_t next = kNone;
   bool has_previous = false;
   bool exists = false;
-  bool is_sheet = false;  // free in front and behind, and its back is no front of another
+  bool is_sheet = false;  // free on both sides, and the opposite half-edge does not exist
   bool is_of_open = false;
 };
 
@@ -61,13 +62,13 @@ class ChainFinder {
     if (arrangement_.gave_up) return {{}, arrangement_.merged_m, true};
     find_edges();
     find_solid();
-    find_ways();
-    link_ways();
+    find_half_edges();
+    link_half_edges();
     FreeChains found{{}, arrangement_.merged_m, false};
-    std::vector<bool> is_done(ways_.size(), false);
+    std::vector<bool> is_done(half_edges_.size(), false);
     for (const bool closed : {false, true}) {
-      for (const std::uint32_t w : ways_in_order_) {
-        if (is_done[w] || (!closed && ways_[w].has_previous)) continue;
+      for (const std::uint32_t w : half_edges_in_order_) {
+        if (is_done[w] || (!closed && half_edges_[w].has_previous)) continue;
         found.chains.push_back(chain_from(w, closed, is_done));
       }
     }
@@ -136,21 +137,22 @@ class ChainFinder {
     if (all_closed) {
       spread_windings(tree);
     } else {
-      ask_rows(tree);
+      classify_rows(tree);
     }
   }
 
-  // Where all curves are closed, one edge is asked of all that are connected: around a vertex, what
-  // is to the left of an edge is to the right of the next.
+  // If all curves are closed, a ray is cast for one edge of each connected component. The other
+  // winding numbers follow: around a vertex, the region on the left of an edge is on the right of
+  // the next.
   void spread_windings(const PlanarBoxes& tree) {
-    std::vector<int> left(2 * edges_.size(), 0);  // winding number by way
+    std::vector<int> left(2 * edges_.size(), 0);  // winding number by half-edge
     std::vector<bool> is_known(edges_.size(), false);
     std::vector<bool> is_done(arrangement_.vertices.size(), false);
     std::vector<std::uint32_t> open;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (is_known[e]) continue;
       is_known[e] = true;
-      const bool is_far_left = ask(e, tree);
+      const bool is_far_left = find_windings(e, tree);
       left[2 * e] = (is_far_left ? far_side_ : near_side_).closed;
       left[2 * e + 1] = (is_far_left ? near_side_ : far_side_).closed;
       open.assign({edges_[e].ends[0], edges_[e].ends[1]});
@@ -159,7 +161,7 @@ class ChainFinder {
         open.pop_back();
         if (is_done[v]) continue;
         is_done[v] = true;
-        const std::vector<std::uint32_t> around = ways_around(v);
+        const std::vector<std::uint32_t> around = half_edges_around(v);
         const auto first = std::find_if(around.begin(), around.end(),
                                         [&](std::uint32_t w) { return is_known[w / 2]; });
         const auto begin = static_cast<std::size_t>(first - around.begin());
@@ -179,8 +181,8 @@ class ChainFinder {
     }
   }
 
-  // Of the pieces of an edge, how many more go along a way than against it: so much larger is the
-  // winding number on its left.
+  // The number of pieces of an edge along a half-edge minus the number against it: the winding
+  // number on its left minus that on its right.
   int turns_along(std::uint32_t w) const {
     int turns = 0;
     for (std::uint32_t k = edges_[w / 2].begin; k < edges_[w / 2].end; ++k) {
@@ -189,11 +191,12 @@ class ChainFinder {
     return turns;
   }
 
-  // Along a row of edges that no other meets, all have the same on either side: the longest is
-  // asked.
-  void ask_rows(const PlanarBoxes& tree) {
+  // Edges in a row that no other edge meets have the same regions on their sides; a ray is cast for
+  // the longest edge only.
+  void classify_rows(const PlanarBoxes& tree) {
     std::vector<bool> is_done(edges_.size(), false);
-    std::vector<std::pair<std::uint32_t, bool>> row;  // and whether along the way of the first
+    std::vector<std::pair<std::uint32_t, bool>>
+        row;  // edge, and whether it points the same way as the first
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (is_done[e]) continue;
       is_done[e] = true;
@@ -213,8 +216,8 @@ class ChainFinder {
         }
       }
       const auto length = [&](const auto& r) {
-        const GridPoint way = at(edges_[r.first].ends[1]) - at(edges_[r.first].ends[0]);
-        return dot(way, way);
+        const GridPoint along = at(edges_[r.first].ends[1]) - at(edges_[r.first].ends[0]);
+        return dot(along, along);
       };
       const auto longest =
           *std::max_element(row.begin(), row.end(),
@@ -227,18 +230,20 @@ class ChainFinder {
     }
   }
 
-  // Whether there is solid to the left of an edge, and to the right. A ray from its middle, across
-  // it rather than along it, meets what goes round either side. Exact.
+  // Whether the region on the left of an edge is solid, and on the right. A ray from the middle of
+  // the edge, along x or y, whichever is more across the edge, meets the curves that enclose either
+  // side. Exact.
   std::array<bool, 2> sides_of(std::uint32_t e, const PlanarBoxes& tree) {
-    const bool is_far_left = ask(e, tree);
+    const bool is_far_left = find_windings(e, tree);
     const bool is_far_solid = is_solid(far_side_);
     const bool is_near_solid = is_solid(near_side_);
     return is_far_left ? std::array<bool, 2>{is_far_solid, is_near_solid}
                        : std::array<bool, 2>{is_near_solid, is_far_solid};
   }
 
-  // Finds what goes round the two sides of an edge; true if the far one is to its left.
-  bool ask(std::uint32_t e, const PlanarBoxes& tree) {
+  // Finds the winding numbers on both sides of an edge; returns true if the far side is on its
+  // left.
+  bool find_windings(std::uint32_t e, const PlanarBoxes& tree) {
     const GridPoint a = at(edges_[e].ends[0]);
     const GridPoint b = at(edges_[e].ends[1]);
     const bool along_x = std::abs(b.y - a.y) >= std::abs(b.x - a.x);  // the ray
@@ -259,8 +264,9 @@ class ChainFinder {
     return along_x ? b.y < a.y : b.x > a.x;
   }
 
-  // By how much a piece adds to the winding number about a point, given by its double, for a ray
-  // along x or y: +-1 if the ray meets it. is_met: it passes through the point, and is to be met.
+  // The contribution of a piece to the winding number about a point for a ray along x or y: +-1 if
+  // the ray meets the piece, else 0. middle: the point, doubled. is_met: the piece passes through
+  // the point and counts as met.
   int turns_about(const GridPoint& middle, std::uint32_t p, bool along_x, bool is_met) const {
     const GridPoint& from = at(piece(p).from);
     const GridPoint& to = at(piece(p).to);
@@ -276,7 +282,8 @@ class ChainFinder {
     return along_x ? up : -up;
   }
 
-  // The winding number of all closed curves that a ray meets, and what each open one adds to its.
+  // The winding number of all closed curves that a ray meets, and the contributions of the pieces
+  // of open curves.
   struct Windings {
     int closed = 0;
     std::vector<std::pair<std::uint32_t, int>> open;
@@ -306,47 +313,49 @@ class ChainFinder {
     return sum > 0;
   }
 
-  // --- ways; two for each edge, the second one from its second end to its first
+  // --- half-edges; two for each edge, the second from ends[1] to ends[0]
 
   std::uint32_t from(std::uint32_t w) const { return edges_[w / 2].ends[w % 2]; }
   std::uint32_t to(std::uint32_t w) const { return edges_[w / 2].ends[1 - w % 2]; }
   bool is_solid_left(std::uint32_t w) const { return edges_[w / 2].is_solid[w % 2]; }
   bool is_solid_right(std::uint32_t w) const { return edges_[w / 2].is_solid[1 - w % 2]; }
 
-  void find_ways() {
-    ways_.resize(2 * edges_.size());
-    for (std::uint32_t w = 0; w < ways_.size(); ++w) {
+  void find_half_edges() {
+    half_edges_.resize(2 * edges_.size());
+    for (std::uint32_t w = 0; w < half_edges_.size(); ++w) {
       const Edge& edge = edges_[w / 2];
-      Way& way = ways_[w];
-      way.edge = w / 2;
-      way.piece = kNone;
-      way.is_of_open = true;
+      HalfEdge& half_edge = half_edges_[w];
+      half_edge.edge = w / 2;
+      half_edge.piece = kNone;
+      half_edge.is_of_open = true;
       for (std::uint32_t k = edge.begin; k < edge.end; ++k) {
         const std::uint32_t p = pieces_by_edge_[k];
         if (piece(p).from != from(w) || source(p).is_closing) continue;
-        way.piece = std::min(way.piece, p);
-        way.is_of_open = way.is_of_open && is_open(p);
+        half_edge.piece = std::min(half_edge.piece, p);
+        half_edge.is_of_open = half_edge.is_of_open && is_open(p);
       }
-      way.exists = way.piece != kNone && !is_solid_right(w);
-      if (way.exists) ways_in_order_.push_back(w);
+      half_edge.exists = half_edge.piece != kNone && !is_solid_right(w);
+      if (half_edge.exists) half_edges_in_order_.push_back(w);
     }
-    for (const std::uint32_t w : ways_in_order_) {
-      ways_[w].is_sheet = !is_solid_left(w) && !ways_[w ^ 1].exists;
+    for (const std::uint32_t w : half_edges_in_order_) {
+      half_edges_[w].is_sheet = !is_solid_left(w) && !half_edges_[w ^ 1].exists;
     }
-    std::sort(ways_in_order_.begin(), ways_in_order_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return ways_[a].piece < ways_[b].piece; });
+    std::sort(half_edges_in_order_.begin(), half_edges_in_order_.end(),
+              [&](std::uint32_t a, std::uint32_t b) {
+                return half_edges_[a].piece < half_edges_[b].piece;
+              });
   }
 
-  void link_ways() {
+  void link_half_edges() {
     for (std::uint32_t v = 0; v < arrangement_.vertices.size(); ++v) {
-      const std::vector<std::uint32_t> around = ways_around(v);
+      const std::vector<std::uint32_t> around = half_edges_around(v);
       link_around(around, false);
       link_around(around, true);
     }
   }
 
-  // The ways that begin at a vertex, counter-clockwise.
-  std::vector<std::uint32_t> ways_around(std::uint32_t v) const {
+  // The half-edges that begin at a vertex, counter-clockwise.
+  std::vector<std::uint32_t> half_edges_around(std::uint32_t v) const {
     std::vector<std::uint32_t> around;
     for (std::uint32_t k = first_at_vertex_[v]; k < first_at_vertex_[v + 1]; ++k) {
       const std::uint32_t e = edges_at_vertex_[k];
@@ -357,7 +366,7 @@ class ChainFinder {
     return around;
   }
 
-  // By the angle from the x axis.
+  // Compares by the angle from the x axis.
   bool is_before(std::uint32_t a, std::uint32_t b) const {
     const GridPoint p = at(to(a)) - at(from(a));
     const GridPoint q = at(to(b)) - at(from(b));
@@ -367,20 +376,21 @@ class ChainFinder {
     return turn != 0 ? turn > 0 : a < b;
   }
 
-  // What arrives goes on along the next way counter-clockwise, as far as that is free. Where that
-  // is done, what is left of a curve, as at the end of a shell that turns into a sheet, goes on
-  // along whatever is left.
+  // Links each arriving half-edge to the next one counter-clockwise, as long as the region between
+  // them is free. In a second pass (is_rest) the remaining half-edges, for example at the end of a
+  // shell that turns into a sheet, are linked to any that are left.
   void link_around(const std::vector<std::uint32_t>& around, bool is_rest) {
     const std::size_t count = around.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t arriving = around[i] ^ 1;
-      if (!ways_[arriving].exists || ways_[arriving].next != kNone) continue;
+      if (!half_edges_[arriving].exists || half_edges_[arriving].next != kNone) continue;
       for (std::size_t n = 1; n <= count; ++n) {
         const std::uint32_t w = around[(i + n) % count];
-        const bool fits = is_rest ? w != around[i] : ways_[w].is_sheet == ways_[arriving].is_sheet;
-        if (ways_[w].exists && !ways_[w].has_previous && fits) {
-          ways_[arriving].next = w;
-          ways_[w].has_previous = true;
+        const bool fits =
+            is_rest ? w != around[i] : half_edges_[w].is_sheet == half_edges_[arriving].is_sheet;
+        if (half_edges_[w].exists && !half_edges_[w].has_previous && fits) {
+          half_edges_[arriving].next = w;
+          half_edges_[w].has_previous = true;
           break;
         }
         if (!is_rest && is_solid_left(w) && !is_solid_right(w)) break;
@@ -401,16 +411,16 @@ class ChainFinder {
   }
 
   FreeChain chain_from(std::uint32_t first, bool closed, std::vector<bool>& is_done) const {
-    FreeChain chain{{}, closed, true, ways_[first].is_sheet};
+    FreeChain chain{{}, closed, true, half_edges_[first].is_sheet};
     const auto add_point = [&](std::uint32_t vertex, std::uint32_t w) {
-      const Source& s = source(ways_[w].piece);
+      const Source& s = source(half_edges_[w].piece);
       chain.points.push_back({place(vertex), s.curve, s.segment, edges_at(vertex) > 2});
     };
     std::uint32_t last = first;
-    for (std::uint32_t w = first; w != kNone && !is_done[w]; w = ways_[w].next) {
+    for (std::uint32_t w = first; w != kNone && !is_done[w]; w = half_edges_[w].next) {
       is_done[w] = true;
       add_point(from(w), w);
-      chain.has_two_sides = chain.has_two_sides && ways_[w].is_of_open;
+      chain.has_two_sides = chain.has_two_sides && half_edges_[w].is_of_open;
       last = w;
     }
     if (!closed) add_point(to(last), last);
@@ -425,9 +435,9 @@ class ChainFinder {
   std::vector<std::uint32_t> edge_of_piece_;
   std::vector<std::uint32_t> first_at_vertex_;  // in edges_at_vertex_
   std::vector<std::uint32_t> edges_at_vertex_;
-  std::vector<Way> ways_;
-  std::vector<std::uint32_t> ways_in_order_;  // those that exist
-  Windings far_side_, near_side_;             // of the edge that is asked
+  std::vector<HalfEdge> half_edges_;
+  std::vector<std::uint32_t> half_edges_in_order_;  // the existing half-edges
+  Windings far_side_, near_side_;                   // results of find_windings()
 };
 
 }  // namespace

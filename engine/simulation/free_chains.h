@@ -1,6 +1,6 @@
 #pragma once
 
-// The outlines of what curves in a plane go round, as chains of pieces of the curves.
+// The outlines of the regions that curves in a plane enclose, as chains of pieces of these curves.
 
 #include <cstdint>
 #include <vector>
@@ -10,38 +10,40 @@
 
 namespace palpate {
 
-// A piece of a curve: from its point on to that of the next.
+// A piece of a curve, from this point to the next point of the chain.
 struct ChainPoint {
   Vec3 p_m;
-  std::uint32_t curve, segment;  // which it is a part of
+  std::uint32_t curve, segment;  // of which the piece is a part
   bool is_junction;              // curves meet here
 };
 
 struct FreeChain {
   std::vector<ChainPoint> points;  // open: the last one names the segment that ends there
   bool closed;
-  bool has_two_sides;  // of open curves alone
-  bool is_sheet;       // begins with nothing solid behind it
+  bool has_two_sides;  // all its pieces belong to open curves
+  bool is_sheet;       // its first piece has no solid behind it
 };
 
 struct FreeChains {
   std::vector<FreeChain> chains;
-  double merged_m;  // what is nearer than this is one, see planar_pieces()
-  bool gave_up;     // planar_pieces() did; there are no chains then
+  double merged_m;  // points nearer than this are merged, see planar_pieces()
+  bool gave_up;     // planar_pieces() gave up; chains is empty then
 };
 
-// Solid is what a closed curve goes round, by the winding numbers of all of them together, and what
-// an open one has behind it, if it is closed straight. Material is on the left of a curve, seen
-// from the tip of plane_normal; the rest of the plane is free.
+// The solid region is the union of the regions that closed curves enclose, by the sum of their
+// winding numbers, and the regions that open curves enclose when a straight segment closes them.
+// Material is on the left of a curve, seen from the tip of plane_normal; the rest of the plane is
+// free.
 //
-// A piece of a curve is in a chain if what is in front of it is free. Of pieces that coincide one
-// stands for all; where solids touch, nothing is free between them. At a place that several pieces
-// go through, chains turn so that what is free on their right stays in one: a point that follows
-// them never has to pass between two solids that touch there. Sheets that solids meet, of which
-// only one side is a front, are chains of their own.
+// A piece of a curve belongs to a chain if the region in front of it is free. If pieces coincide,
+// one represents all of them; where solids touch, no free region lies between them. Where several
+// pieces meet, chains turn so that the free region on their right stays connected: a point that
+// follows a chain never passes between two touching solids. A sheet that meets solids, so that only
+// one of its sides is a front, forms chains of its own.
 //
-// In the order of the curves. All of one plane. Allocates; O(n log n) for n segments that meet few
-// others and no line sees many of. Deterministic.
+// The chains are in the order of the curves. All curves must lie in one plane. Allocates; O(n log
+// n) for n segments if each meets few others and no axis-parallel line crosses many of them.
+// Deterministic.
 FreeChains free_chains(const std::vector<Polyline>& curves, const Vec3& plane_normal);
 
 }  // namespace palpate

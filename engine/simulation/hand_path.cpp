@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-// Points nearer to the one before than this part of the tolerance are not looked at on their own:
-// the finest mesh costs no more than others.
+// A point nearer to the previous tested point than this share of the tolerance is not tested
+// separately, which bounds the cost for fine meshes.
 constexpr double kFinest = 1.0 / 16;
 
 double distance_to_segment_m(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -40,17 +40,17 @@ class Simplifier {
   }
 
  private:
-  // The farthest point up to which one leg will do.
+  // The farthest point that a single leg from `from` can reach.
   std::size_t end_of_leg(std::size_t from) const {
     const auto& points = path_.points;
     const Vec3& start = points[from].p_m;
     std::size_t end = from + 1;
     std::vector<std::size_t> between;
-    Vec3 looked_at = start;
+    Vec3 tested_m = start;
     while (end + 1 < points.size() && !points[end].is_turn) {
-      if ((points[end].p_m - looked_at).norm() > kFinest * tolerance_m_) {
+      if ((points[end].p_m - tested_m).norm() > kFinest * tolerance_m_) {
         between.push_back(end);
-        looked_at = points[end].p_m;
+        tested_m = points[end].p_m;
       }
       const Vec3& next = points[end + 1].p_m;
       const bool turns_back = (next - points[end].p_m).dot(points[end].p_m - start) < 0.0;
@@ -82,7 +82,7 @@ class Simplifier {
     return std::copysign(angle_rad, sign);
   }
 
-  // Of all edges that are passed where the legs meet.
+  // The sum of the fold angles of all edges near the point where the legs meet.
   double fold_near_rad(std::size_t i) const {
     const auto& points = path_.points;
     const auto is_near = [&](std::size_t k) {

@@ -9,15 +9,17 @@ namespace {
 
 constexpr double kSharpCornerRad = std::numbers::pi / 4;
 
-// How far beyond an edge the hand is on the new wall, in press depths, and by how much farther at
-// most it goes along a path that crosses the edge aslant.
+// In press depths: the distance beyond an edge at which the hand is on the new wall. kMostAslant
+// limits the factor by which an oblique path lengthens this distance.
 constexpr double kBeyondEdge = 2.0;
 constexpr double kMostAslant = 2.0;
 
-// Of a path that goes straight over an edge the cosine with the way across.
+// The least cosine between the path and the direction across an edge of a path that crosses it
+// perpendicularly.
 constexpr double kStraightOver = 0.999;
 
-// The part of v at right angles to a unit vector, as a unit vector; `otherwise` if v is parallel.
+// The component of v perpendicular to a unit vector, normalised; `otherwise` if v is parallel to
+// it.
 Vec3 unit_across(const Vec3& v, const Vec3& unit, const Vec3& otherwise) {
   const Vec3 across = v - v.dot(unit) * unit;
   return across.isZero(0.0) ? otherwise : Vec3(across.normalized());
@@ -62,9 +64,9 @@ void HandWay::add_corner(const Corner& c) {
     add_edge(c);
     return;
   }
-  // The two planes at press depth meet on the bisector. At a spike they meet far away; a concave
-  // corner needs no more than twice the depth to press both walls, and the end of a slit is in the
-  // way of who goes on.
+  // The two planes at press depth meet on the bisector, at a spike far away. In a concave corner
+  // twice the depth is enough to press on both walls. At the end of a slit the hand presses
+  // straight ahead.
   const Vec3 middle = c.inward_in + c.inward_out;
   const bool is_slit = c.fold_rad < -kTurnsBackRad;
   const Vec3 bisector = is_slit ? c.tangent_in : Vec3(middle.normalized());
@@ -83,12 +85,14 @@ void HandWay::add_edge(const Corner& c) {
       std::clamp(0.5 * c.length_out_m, depth_m_ * slowness, kBeyondEdge * depth_m_ * slowness);
   const Vec3 beyond = beyond_m * c.tangent_out;
   const Vec3 between = c.inward_in + c.inward_out;
-  // Across the edge, not along a path that meets it aslant: it would be passed before the path is.
+  // An oblique path is crossed perpendicular to the edge: along the path, the hand would pass the
+  // edge before the path does.
   if (over.dot(c.tangent_in) < kStraightOver) {
     add(c.p_m + depth_m_ * c.inward_in, between, c.along_m);
   }
   add(c.p_m + depth_m_ * (c.inward_in + over), between, c.along_m, true);
-  // Of what is thinner than the depth it goes on along the front: inside is the other side.
+  // On a part thinner than the press depth the hand continues in front of the wall: a target inside
+  // it would lie on its other side.
   if (turns_back) add(c.p_m + beyond - depth_m_ * c.inward_out, c.inward_out, c.along_m);
   add(c.p_m + beyond + depth_m_ * c.inward_out, c.inward_out, c.along_m);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a hand goes that follows a path.
+// The track of the hand's target point while the hand follows a path.
 
 #include <cstddef>
 #include <vector>
@@ -10,18 +10,19 @@
 
 namespace palpate {
 
-// The way of a hand that presses on the walls it follows: a polyline some depth inside. Over an
-// edge sharper than 45 deg it goes on across the edge by its press depth before it turns: aiming
-// along the old wall only, it would press ever deeper and never come round (numerics: corners of
-// 90 deg and less). In a concave corner it presses into both walls.
+// The polyline that the target point of a hand follows, at the press depth inside the walls of a
+// path. At a convex edge sharper than 45 deg the target continues past the edge by the press depth
+// before it turns. If it moved along the old wall only, the hand would press ever deeper and never
+// pass the edge (numerics: corners of 90 deg and less). In a concave corner the target lies inside
+// both walls.
 class HandWay {
  public:
   struct Waypoint {
     Vec3 p_m;
-    Vec3 inward;           // of the leg that begins here: the hand is held by a wall along it
-    double along_m;        // the path: of the place that belongs to it
-    double way_m;          // from the first waypoint
-    bool is_turn = false;  // to be gone on from when the proxy is there
+    Vec3 inward;     // of the leg that begins here: a wall in this direction supports the hand
+    double along_m;  // the corresponding length along the path
+    double way_m;    // from the first waypoint
+    bool is_turn = false;  // the target waits here until the proxy arrives
   };
 
   HandWay(const HandPath& path, double press_depth_m);
@@ -29,7 +30,8 @@ class HandWay {
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   double length_m() const { return waypoints_.back().way_m; }
 
-  // The leg, by its first waypoint, that begins at a place of the path or before it.
+  // The last leg that begins at this length along the path or before; the index of its first
+  // waypoint.
   std::size_t leg_at(double along_m) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// A device as a plant: a mass on a viscous damper.
+// A model of a device: a mass on a viscous damper.
 
 #include <cmath>
 
@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-// Under a force that is held it moves as the exact solution of m x'' = -b x' + f does, whatever the
-// step. Device frame, SI. m > 0, b >= 0; without damping it is a free mass. Safe on the haptic
-// thread; one thread owns it.
+// For a force that is constant over a step, the motion is the exact solution of m x'' = -b x' + f
+// for any step length. Device frame, SI. m > 0, b >= 0; without damping it is a free mass. Safe on
+// the haptic thread; one thread owns it.
 class MassDamper {
  public:
   MassDamper(double mass_kg, double damping_Ns_per_m)
@@ -36,8 +36,8 @@ class MassDamper {
   double kinetic_J() const { return 0.5 * mass_kg_ * velocity_m_per_s_.squaredNorm(); }
 
  private:
-  // h(a). Below 1 its closed form loses digits; there its series, sum over k of (-a)^k / (k + 2)!,
-  // has fewer than 2^-53 left after 18 terms (1 / 20! = 4e-19).
+  // h(a). For a < 1 the closed form loses digits; the series sum over k of (-a)^k / (k + 2)! is
+  // used instead, whose remainder is below 2^-53 after 18 terms (1 / 20! = 4e-19).
   static double lag(double a) {
     if (a > 1.0) return (1.0 + std::expm1(-a) / a) / a;
     double sum = 0.0;

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::uint32_t kNoChain = 0xffffffffu;
 
-// An end is compared with so many beginnings on either side of it, so that a crowd of loose ends
-// takes no more than O(n).
+// Each end is compared with at most this many beginnings on either side of it in x, which keeps the
+// search O(n) for many loose ends.
 constexpr std::size_t kMostGapsCompared = 64;
 
-// Which open outline goes on where one ends.
+// Joins open outlines whose ends are near each other.
 class GapJoiner {
  public:
   GapJoiner(std::vector<Outline> open, double small_m)
@@ -52,7 +52,7 @@ class GapJoiner {
   const Vec3& begin_of(std::uint32_t i) const { return open_[i].curve.points_m.front(); }
   const Vec3& end_of(std::uint32_t i) const { return open_[i].curve.points_m.back(); }
 
-  // The narrowest first.
+  // All gaps up to small_m, narrowest first.
   std::vector<Gap> gaps() const {
     std::vector<std::uint32_t> by_x(open_.size());
     for (std::uint32_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
@@ -70,7 +70,8 @@ class GapJoiner {
       const std::size_t last = std::min(by_x.size(), here + kMostGapsCompared);
       for (std::size_t n = first; n < last; ++n) {
         const double width_m = (begin_of(by_x[n]) - end).norm();
-        // One alone stays open: how far it would go round is not known.
+        // A single outline is not closed on itself: the size of the region that it would enclose is
+        // unknown.
         if (by_x[n] != i && width_m <= small_m_) gaps.push_back({width_m, i, by_x[n]});
       }
     }
@@ -97,7 +98,7 @@ class GapJoiner {
   std::vector<bool> has_previous_;
 };
 
-// Without the points at which it goes straight on past another.
+// Leaves out points at which the outline continues straight past another curve.
 Outline outline_of(const FreeChain& chain, const Vec3& plane_normal, double merged_m) {
   Outline outline{{{}, chain.closed}, chain.has_two_sides};
   bool meets_another = false;

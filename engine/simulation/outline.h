@@ -1,6 +1,6 @@
 #pragma once
 
-// Of the curves in which a plane cuts a scene, what a hand can get at.
+// The parts of the curves of a plane section of a scene that a hand can reach.
 
 #include <optional>
 #include <vector>
@@ -12,17 +12,17 @@ namespace palpate {
 
 struct Outline {
   Polyline curve;
-  bool has_two_sides;  // part of a sheet; what was cut out of a closed curve has a front alone
+  bool has_two_sides;  // part of a sheet; a part of a closed curve has only a front
 };
 
-// The outlines of the union of all that the curves go round, as free_chains() defines it: what lies
-// inside other solids is left out, and where one curve enters another the outline goes on along
-// that one. A curve that meets no other stays as it is. Ends that are left open, as where parts do
-// not quite meet, are joined if they are nearer than small_m, the nearest first.
+// The outlines of the union of the regions that the curves enclose, as free_chains() defines it.
+// Parts inside other solids are left out; where one curve enters the solid of another, the outline
+// continues along the other curve. A curve that meets no other is unchanged. Open ends, for example
+// where parts do not quite meet, are joined if they are nearer than small_m, nearest pairs first.
 //
-// Longest first, ties in the order of the curves. Nothing where so many curves cross each other
-// that planar_pieces() gives up. All curves in one plane. Allocates; takes what free_chains()
-// takes.
+// Longest first, ties in the order of the curves. Returns nothing if so many curves cross each
+// other that planar_pieces() gives up. All curves lie in one plane. Allocates; the cost is that of
+// free_chains().
 std::optional<std::vector<Outline>> outlines(const std::vector<Polyline>& curves,
                                              const Vec3& plane_normal, double small_m);
 

@@ -33,7 +33,8 @@ CurveCoverage::CurveCoverage(std::vector<Vec3> curve_m, double near_m)
       segments_(boxes_of_segments(curve_m_, middle_m_), 0.0),
       covered_(curve_m_.empty() ? 0 : curve_m_.size() - 1) {}
 
-// The part of a segment that lies inside the ball about a point: where a line does, clipped.
+// Covers the part of each segment inside the ball about a point: the chord of the segment's line,
+// clipped to the segment.
 void CurveCoverage::add(const Vec3& p) {
   if (covered_.empty()) return;
   struct State {
@@ -63,7 +64,7 @@ void CurveCoverage::cover_near(std::size_t segment, const Vec3& p) {
   if (part.begin_m < part.end_m) unite(part, covered_[segment]);
 }
 
-// Takes the place of all that it overlaps.
+// Replaces all intervals that the part overlaps by their union.
 void CurveCoverage::unite(Interval part, std::vector<Interval>& covered) {
   const auto first = std::partition_point(
       covered.begin(), covered.end(), [&](const Interval& i) { return i.end_m < part.begin_m; });

@@ -1,6 +1,6 @@
 #pragma once
 
-// How much of a curve had a moving point near it.
+// The share of a curve that a moving point has come near to.
 
 #include <cstddef>
 #include <vector>
@@ -10,21 +10,22 @@
 
 namespace palpate {
 
-// Gathers, point by point, the parts of a curve that lie within near_m of a point that was added.
-// One frame, metres. Allocates; not for the haptic thread.
+// Collects the parts of a curve that lie within near_m of any point added. One frame, metres.
+// Allocates; not for the haptic thread.
 class CurveCoverage {
  public:
-  // curve_m: corners of an open curve, finite; a closed one ends where it begins. near_m > 0.
+  // curve_m: vertices of the curve, finite; a closed curve repeats its first vertex at the end.
+  // near_m > 0.
   CurveCoverage(std::vector<Vec3> curve_m, double near_m);
 
   // p: finite.
   void add(const Vec3& p);
 
-  // Covered length over the length of the curve, 0 to 1; 0 for a curve without length.
+  // Covered length divided by the length of the curve, 0 to 1; 0 for a curve of length 0.
   double share() const;
 
  private:
-  // Of a segment of the curve, as distances from where it begins.
+  // A part of a segment, as distances from the beginning of the segment.
   struct Interval {
     double begin_m, end_m;
   };
@@ -36,7 +37,7 @@ class CurveCoverage {
   double near_m_;
   Vec3 middle_m_;  // origin of the tree's frame
   BoxTree segments_;
-  std::vector<std::vector<Interval>> covered_;  // per segment: apart, in order
+  std::vector<std::vector<Interval>> covered_;  // per segment: disjoint, ascending
 };
 
 }  // namespace palpate

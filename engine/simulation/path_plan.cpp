@@ -9,9 +9,10 @@
 namespace palpate {
 namespace {
 
-// In press depths: how far the proxy may be behind; how near to a corner it is there; how far from
-// the path it is not on it any more; how far along the path it may get in one tick; where an open
-// contour is touched first; what the proxy gets on by at least if it gets on.
+// In press depths: the largest distance of the proxy behind the hand; the distance at which the
+// proxy counts as at a corner; the distance at which the proxy has left the path; the search range
+// along the path in one tick; the distance from the end at which an open contour is touched first;
+// the least advance of the proxy that counts as progress.
 constexpr double kMostLead = 5.0;
 constexpr double kAtCorner = 0.5;
 constexpr double kOffPath = 0.5;
@@ -19,25 +20,27 @@ constexpr double kSearched = 4.0;
 constexpr double kFromEnd = 1.0;
 constexpr double kGetsOn = 0.25;
 
-// A wall is touched from behind if the cosine of the felt normal and the one into it is more.
+// A wall is touched from behind if the cosine between the contact normal and the inward direction
+// of the wall exceeds this.
 constexpr double kFromBehind = 0.5;
 
-// A hand that has waited makes up for it with so many times its usual speed at most.
+// The largest speed of a hand that has waited, as a multiple of its usual speed.
 constexpr double kMostHaste = 3.0;
 
-// Of a path, how much farther on a hand touches it again at most.
+// The largest distance from a lift to the next touch, as a share of the path.
 constexpr double kFarthestOn = 0.125;
 
-// A hand that is held up for longer, or pushed aside, presses less: by such a part of the depth a
-// second, and at most.
+// A hand that makes no progress for longer than kHeldUp_s, or is pushed aside, presses less. The
+// change per second and its maximum are shares of the press depth.
 constexpr double kHeldUp_s = 0.2;
 constexpr double kEase_per_s = 2.0;
 constexpr double kMostEase = 0.75;
 
-// A correction is taken back so many times as fast as it is made.
+// A correction is undone this many times faster than it is built up.
 constexpr double kUnwinds = 3.0;
 
-// Below this sine the hand goes straight into a wall, or away from it: none holds it aside.
+// Below this sine the hand moves straight into a wall or away from it; no wall then supports it
+// sideways.
 constexpr double kAlongNoWall = 1e-3;
 
 }  // namespace
@@ -75,14 +78,14 @@ Vec3 PathPlan::place(double along_m) const {
          (along_m - length_m_[wall]) * (points[wall + 1].p_m - points[wall].p_m).normalized();
 }
 
-// From where a sphere touches to its centre.
+// From the contact point of a sphere to its centre.
 Vec3 PathPlan::to_centre_m(const TickRecord& last) const {
   const bool has_normal = last.contact && !vec3(last.normal_scene).isZero(0.0);
   return facts_.proxy_radius_m *
          (has_normal ? vec3(last.normal_scene) : Vec3(-inward(proxy_along_m_)));
 }
 
-// The hand follows the path with what touches it.
+// The hand follows the path with the sphere's contact point instead of its centre.
 HandTarget PathPlan::target(double time_s, const ScenePose& T_device_scene,
                             const TickRecord& last) noexcept {
   const Vec3 to_centre = to_centre_m(last);
@@ -110,16 +113,16 @@ HandTarget PathPlan::touching_target(double time_s, const ScenePose& T_device_sc
   return target;
 }
 
-// The place of the path that belongs to where the hand aims.
+// The length along the path that corresponds to the hand's target.
 double PathPlan::hand_along_m() const {
   const HandWay::Waypoint& from = way().waypoints()[leg_];
   const HandWay::Waypoint& to = way().waypoints()[leg_ + 1];
   const double leg_m = to.way_m - from.way_m;
-  const double part = leg_m > 0.0 ? (way_m_ - from.way_m) / leg_m : 1.0;
+  const double part = leg_m > 0.0 ? (travelled_m_ - from.way_m) / leg_m : 1.0;
   return from.along_m + part * (to.along_m - from.along_m);
 }
 
-// Whether the proxy is not too far behind for the hand to go on.
+// Whether the proxy is near enough for the hand to advance.
 bool PathPlan::may_advance() const {
   const HandWay::Waypoint& from = way().waypoints()[leg_];
   const double depth = settings_.press_depth_m;
@@ -127,33 +130,33 @@ bool PathPlan::may_advance() const {
   return hand_along_m() - proxy_along_m_ <= kMostLead * depth;
 }
 
-// Whether the hand waits beyond an edge and the proxy is there, where no wall holds it.
+// Whether the hand waits beyond an edge and the proxy has arrived there without contact.
 bool PathPlan::is_round_edge(const TickRecord& last) const {
   const HandWay::Waypoint& at = way().waypoints()[leg_];
   return at.is_turn && !last.contact &&
          (vec3(last.proxy_scene_m) - at.p_m).norm() <= kAtCorner * settings_.press_depth_m;
 }
 
-// At such a speed that it is at the end in time.
+// Advances along the path at the speed that reaches the end in time.
 PathPlan::Aim PathPlan::follow(double time_s, double dt_s) {
   const double end_m = way().length_m();
   double speed_m_per_s = 0.0;
-  if (way_m_ < end_m && may_advance()) {
+  if (travelled_m_ < end_m && may_advance()) {
     const double usual_m_per_s = end_m / settings_.follow_s;
     const double left_s = settings_.approach_s + settings_.follow_s - time_s;
     speed_m_per_s = kMostHaste * usual_m_per_s;
-    if (left_s > 0.0) speed_m_per_s = std::min(speed_m_per_s, (end_m - way_m_) / left_s);
+    if (left_s > 0.0) speed_m_per_s = std::min(speed_m_per_s, (end_m - travelled_m_) / left_s);
     advance(speed_m_per_s * dt_s);
   }
   const HandWay::Waypoint& from = way().waypoints()[leg_];
   const Vec3 direction = (way().waypoints()[leg_ + 1].p_m - from.p_m).normalized();
   const Vec3 lightened_m = -ease(dt_s) * settings_.press_depth_m * from.inward.normalized();
-  return {from.p_m + (way_m_ - from.way_m) * direction + lightened_m, direction, from.inward,
+  return {from.p_m + (travelled_m_ - from.way_m) * direction + lightened_m, direction, from.inward,
           speed_m_per_s};
 }
 
-// The part of the press depth by which the hand presses less: more and more while it is held up, as
-// by friction, and the more the harder it is pushed aside.
+// The share by which the hand reduces its press depth. It grows while the hand makes no progress,
+// for example because of friction, and with the sideways push.
 double PathPlan::ease(double dt_s) {
   const double pushed_m = correction_m_.norm() - settings_.press_depth_m;
   const double hardest_m = settings_.max_correction_m - settings_.press_depth_m;
@@ -165,35 +168,35 @@ double PathPlan::ease(double dt_s) {
   return ease_;
 }
 
-void PathPlan::advance(double way_m) {
+void PathPlan::advance(double step_m) {
   const auto& waypoints = way().waypoints();
-  while (way_m > 0.0) {
-    const double to_m = std::min(way_m, waypoints[leg_ + 1].way_m - way_m_);
-    way_m_ += to_m;
-    way_m -= to_m;
-    if (way_m_ < waypoints[leg_ + 1].way_m || leg_ + 2 >= waypoints.size()) return;
+  while (step_m > 0.0) {
+    const double to_m = std::min(step_m, waypoints[leg_ + 1].way_m - travelled_m_);
+    travelled_m_ += to_m;
+    step_m -= to_m;
+    if (travelled_m_ < waypoints[leg_ + 1].way_m || leg_ + 2 >= waypoints.size()) return;
     ++leg_;
-    way_m_ = waypoints[leg_].way_m;
+    travelled_m_ = waypoints[leg_].way_m;
     if (!may_advance()) return;
   }
 }
 
 PathPlan::Aim PathPlan::detour(const TickRecord& last, double dt_s) {
   Detour& d = detour_;
-  d.way_m += d.speed_m_per_s * dt_s;
+  d.travelled_m += d.speed_m_per_s * dt_s;
   const Vec3 to = d.points_m[d.next];
   const Vec3 leg = to - d.from_m;
-  const Aim aim{d.from_m + std::min(d.way_m, leg.norm()) * leg.normalized(), leg.normalized(),
+  const Aim aim{d.from_m + std::min(d.travelled_m, leg.norm()) * leg.normalized(), leg.normalized(),
                 Vec3::Zero(), d.speed_m_per_s};
-  if (d.way_m >= leg.norm()) {
+  if (d.travelled_m >= leg.norm()) {
     d.from_m = to;
-    d.way_m = 0.0;
+    d.travelled_m = 0.0;
     if (++d.next == d.count) end_detour(last);
   }
   return aim;
 }
 
-// Goes on along the path from where it has been touched: farther back, where something was in the
+// Continues along the path from the point touched, which is farther back if an obstacle was in the
 // way.
 void PathPlan::end_detour(const TickRecord& last) {
   go_on_from(detour_.ends_along_m);
@@ -212,10 +215,10 @@ void PathPlan::go_on_from(double along_m) {
   const double walls_m = to.along_m - from.along_m;
   const double part =
       walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
-  way_m_ = from.way_m + part * (to.way_m - from.way_m);
+  travelled_m_ = from.way_m + part * (to.way_m - from.way_m);
 }
 
-// Whether the hand waits and the proxy does not get on.
+// Whether the hand has waited for too long without progress of the proxy.
 bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
   const double depth = settings_.press_depth_m;
   const bool gets_on = proxy_along_m_ - waited_at_m_ > kGetsOn * depth;
@@ -223,14 +226,15 @@ bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
     lift_step_m_ = depth;
     waited_at_m_ = proxy_along_m_;
   }
-  const bool is_at_end = way_m_ >= way().length_m();
+  const bool is_at_end = travelled_m_ >= way().length_m();
   const bool is_there = proxy_along_m_ >= length_m_.back() - depth;
   const bool is_well = is_in_contact && (gets_on || (is_at_end ? is_there : may_advance()));
   waited_s_ = is_well ? 0.0 : waited_s_ + dt_s;
   return waited_s_ > settings_.patience_s;
 }
 
-// Whether the proxy is free right behind the wall: there is no solid, and the wall has an end.
+// Whether the proxy is without contact directly behind the wall: no solid is there, and the hand
+// has passed the wall's boundary.
 bool PathPlan::is_behind_wall(const TickRecord& last) const {
   if (last.contact) return false;
   const Vec3 offset_m = vec3(last.proxy_scene_m) - place(proxy_along_m_);
@@ -240,7 +244,8 @@ bool PathPlan::is_behind_wall(const TickRecord& last) const {
          aside_m < kOffPath * settings_.press_depth_m;
 }
 
-// Away from what it touches, to the front of the path a little farther on, and down again.
+// Moves the hand away from the surface, to a point in front of the path a little farther on, and
+// down again.
 void PathPlan::lift(const TickRecord& last) {
   const double depth = settings_.press_depth_m;
   const double whole_m = length_m_.back();
@@ -264,12 +269,13 @@ void PathPlan::lift(const TickRecord& last) {
   detour_.add(place(along_m) + depth * inward(along_m));
 }
 
-// Integrates the lag where no wall holds the hand back: along its way, and at right angles to it
-// along the wall. What an earlier leg left over counts as far as it points there. Into the wall the
-// hand presses more as long as it does not reach it: something may pull it away.
+// Integrates the lag in the directions in which no wall resists the hand: along its motion, and
+// perpendicular to it along the wall. The correction from an earlier leg is projected onto these
+// directions. Towards the wall the hand presses more as long as it is not in contact, because a
+// force may pull it away.
 Vec3 PathPlan::correct_lag(const Aim& aim, const TickRecord& last, double dt_s) {
   const Vec3 lag_m = aim.p_m - vec3(last.goal_scene_m);
-  // What held the hand back is not made up for once it has gone.
+  // The correction is undone faster once the obstacle has gone.
   const double gain = lag_m.dot(correction_m_) < 0.0 ? kUnwinds : 1.0;
   Vec3 correction_m = correction_m_ + gain * settings_.visual_gain_per_s * dt_s * lag_m;
   Vec3 held = aim.inward - aim.inward.dot(aim.direction) * aim.direction;
@@ -290,9 +296,9 @@ Vec3 PathPlan::correct_lag(const Aim& aim, const TickRecord& last, double dt_s) 
   return correction_m_ + press_more_m_ * held;
 }
 
-// Near where the proxy was last, or up to the hand: a passage near another part of the path does
-// not count, nor does what lies beyond a turn that the hand has not taken, or before one that it
-// has.
+// Searches for the proxy near its last position and up to the hand. Distant parts of the path that
+// happen to be near are not searched, nor are parts beyond the hand's next turn or before its last
+// turn.
 bool PathPlan::track(const TickRecord& last) {
   const double searched_m = kSearched * settings_.press_depth_m;
   const double hand_m = hand_along_m();
@@ -304,19 +310,20 @@ bool PathPlan::track(const TickRecord& last) {
   return find(last, std::min(first_m, last_m), last_m);
 }
 
-// Finds the proxy on a part of the path; false, and where it was last, if it is off it.
+// Finds the proxy on a part of the path. If the proxy is off the path, returns false and keeps its
+// last position.
 bool PathPlan::find(const TickRecord& last, double first_m, double last_m) {
   const double off_m = kOffPath * settings_.press_depth_m;
   const auto& points = path().points;
   double nearest_m = off_m;
   double found_m = proxy_along_m_;
   std::size_t found_wall = wall_;
-  const auto look_at = [&](std::size_t wall) {
+  const auto test_wall = [&](std::size_t wall) {
     const double from_m = length_m_[wall];
     const double length_m = length_m_[wall + 1] - from_m;
     if (length_m == 0.0) return;
     const Vec3 direction = (points[wall + 1].p_m - points[wall].p_m) / length_m;
-    // The back of a thin part is near, too.
+    // The back of a thin part is also near, but does not count.
     if (last.contact && vec3(last.normal_scene).dot(points[wall].inward) > kFromBehind) return;
     const double at_m = std::clamp((vec3(last.proxy_scene_m) - points[wall].p_m).dot(direction),
                                    std::clamp(first_m - from_m, 0.0, length_m),
@@ -329,9 +336,9 @@ bool PathPlan::find(const TickRecord& last, double first_m, double last_m) {
     found_wall = wall;
   };
   for (std::size_t w = wall_; w + 1 < points.size() && length_m_[w] <= last_m; ++w) {
-    look_at(w);
+    test_wall(w);
   }
-  for (std::size_t w = wall_; w-- > 0 && length_m_[w + 1] >= first_m;) look_at(w);
+  for (std::size_t w = wall_; w-- > 0 && length_m_[w + 1] >= first_m;) test_wall(w);
   wall_ = found_wall;
   proxy_along_m_ = found_m;
   return nearest_m < off_m;

@@ -12,52 +12,56 @@
 namespace palpate {
 
 struct PathPlanSettings {
-  double press_depth_m = 4e-3;  // how far inside the wall the hand aims: about half a newton
+  double press_depth_m = 4e-3;  // depth of the hand's target inside the wall: about 0.5 N
   double approach_s = 1.0;      // from free space to the wall
   double follow_s = 27.0;       // to the end of the path
-  // The hand watches how far along the path it is and makes up for lag, as the sideways push of an
-  // under-actuated device causes; it lets the wall hold it back in depth.
+  // The hand observes its position along the path and corrects for lag, for example the lag from
+  // the sideways push of an under-actuated device. It does not correct the lag in depth, which the
+  // wall causes.
   double visual_gain_per_s = 3.0;
   double max_correction_m = 12e-3;
   double lift_speed_m_per_s = 0.06;
   double patience_s = 1.0;
-  double least_ease = 0.0;  // the part of the depth by which it always presses less on a wall
+  double least_ease = 0.0;  // the hand always reduces its press depth by at least this share
 };
 
-// Of a path, in press depths: how far in front of it the hand rests; what is small beside the hand,
-// which follows a simpler path.
+// In press depths: the distance in front of the path at which the hand rests; the size of path
+// detail that the hand ignores.
 inline constexpr double kRestsInFront = 2.0;
 inline constexpr double kSmallForHand = 0.25;
 
-// From where a path can be followed: from its front alone; from whichever side a hand finds itself
-// on when it is lifted; or from the other side if it finds itself there with nothing around it.
+// The side from which the hand follows a path: only the front; either side, whichever the hand is
+// on when it lifts; or the front, and the back if the hand is there in free space.
 enum class PathSides : std::uint8_t { kFront, kEither, kWhereFree };
 
-// What a hand has to know of a path.
+// Facts about a path that the hand needs.
 struct PathFacts {
-  double room_m = 0.0;             // in front of the path: where the hand rests and is lifted to
-  bool slips_off_at_ends = false;  // an open contour: the hand touches it a little farther on
+  double room_m = 0.0;  // clearance in front of the path, where the hand rests and lifts to
+  bool slips_off_at_ends =
+      false;  // an open contour: the hand first touches it a little after its start
   PathSides sides = PathSides::kFront;
-  bool may_cross_itself = false;  // near a place of it there are others that come much earlier
-  double proxy_radius_m = 0.0;    // of a sphere, whose centre stays so far in front of the path
+  bool may_cross_itself = false;  // distant parts of the path may be near each other
+  double proxy_radius_m =
+      0.0;  // radius of a sphere, whose centre stays this far in front of the path
 };
 
-// The hand follows the path as displayed: its plan is fixed to the scene and turns with it. It aims
-// press_depth_m inside the wall it follows (HandWay).
+// A hand that follows a path over the displayed scene: the path is fixed to the scene and moves
+// with it. The hand's target is press_depth_m inside the wall that it follows (HandWay).
 //
-// The hand sees the proxy. It waits where it would get too far ahead of it, and turns at a sharp
-// edge, or to another heading, only when the proxy is there. If the proxy does not come in a while,
-// the hand lifts, and touches the path again a little farther on. Otherwise its speed is such that
-// it is at the end in time: the same everywhere as long as it never waits.
+// The hand observes the proxy. It waits if it gets too far ahead of the proxy, and at a sharp edge
+// or a new heading it turns only when the proxy has arrived. If the proxy does not arrive within
+// patience_s, the hand lifts and touches the path again a little farther on. Otherwise the hand
+// chooses the speed with which it reaches the end in time; this speed is constant as long as the
+// hand never waits.
 class PathPlan final : public HandPlan {
  public:
-  // path: two points or more, what is small left out.
+  // path: two points or more, simplified (kSmallForHand).
   PathPlan(HandPath path, const PathFacts& facts, const PathPlanSettings& settings);
 
   HandTarget target(double time_s, const ScenePose& T_device_scene,
                     const TickRecord& last) noexcept override;
 
-  // Where the hand rests at time 0, in front of the object. Scene frame.
+  // The hand's rest position at time 0, in front of the object. Scene frame.
   Vec3 start_scene_m() const { return start_m_ - facts_.proxy_radius_m * inward(proxy_along_m_); }
 
  private:
@@ -65,21 +69,22 @@ class PathPlan final : public HandPlan {
   HandTarget touching_target(double time_s, const ScenePose& T_device_scene,
                              const TickRecord& last) noexcept;
 
-  // A few points that the hand goes to one after the other, to a place of the path at last.
+  // A few points that the hand visits in order; the last one is on the path.
   struct Detour {
     std::array<Vec3, 3> points_m;
     std::size_t count = 0;
     std::size_t next = 0;
     Vec3 from_m = Vec3::Zero();
-    double way_m = 0.0;  // done since from_m
+    double travelled_m = 0.0;  // travelled since from_m
     double speed_m_per_s = 0.0;
-    double begins_along_m = 0.0;  // the path
+    double begins_along_m = 0.0;  // along the path
     double ends_along_m = 0.0;
 
     void add(const Vec3& p_m) { points_m[count++] = p_m; }
     bool is_done() const { return next == count; }
   };
-  // Where the hand aims in a tick, and which way it goes; inward: into what holds it, or zero.
+  // The hand's target in a tick and its direction of motion; inward: into the wall that supports
+  // the hand, or zero.
   struct Aim {
     Vec3 p_m;
     Vec3 direction;
@@ -100,7 +105,7 @@ class PathPlan final : public HandPlan {
   bool is_round_edge(const TickRecord& last) const;
   Aim follow(double time_s, double dt_s);
   double ease(double dt_s);
-  void advance(double way_m);
+  void advance(double step_m);
   Aim detour(const TickRecord& last, double dt_s);
   void end_detour(const TickRecord& last);
   void go_on_from(double along_m);
@@ -113,19 +118,19 @@ class PathPlan final : public HandPlan {
   std::vector<HandPath> paths_;  // by side
   std::vector<HandWay> ways_;
   std::vector<double> length_m_;  // of the path, up to each point
-  std::vector<double> turns_m_;   // along the path, where the hand takes another heading
+  std::vector<double> turns_m_;   // along the path, where the hand takes a new heading
   Vec3 start_m_;
 
-  bool is_behind_ = false;  // on the second side
+  bool is_behind_ = false;  // the hand follows the second side
   Detour detour_;
-  std::size_t leg_ = 0;               // that the hand is on
-  double way_m_ = 0.0;                // that it has gone
-  Vec3 correction_m_ = Vec3::Zero();  // scene frame, where no wall holds the hand
-  double press_more_m_ = 0.0;         // into the wall
+  std::size_t leg_ = 0;               // current leg of the hand
+  double travelled_m_ = 0.0;          // length travelled along way()
+  Vec3 correction_m_ = Vec3::Zero();  // scene frame, in directions without a wall
+  double press_more_m_ = 0.0;         // additional press depth into the wall
   double last_time_s_ = 0.0;
 
-  std::size_t wall_ = 0;        // that the proxy is on
-  double proxy_along_m_ = 0.0;  // the path
+  std::size_t wall_ = 0;        // current wall of the proxy
+  double proxy_along_m_ = 0.0;  // along the path
   double waited_s_ = 0.0;
   double waited_at_m_ = 0.0;
   double lift_step_m_ = 0.0;

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-// p_device = linear * p_mesh + translation_m of a mesh in its place.
+// p_device = linear * p_mesh + translation_m, for the mesh of object i.
 AffineMap map_device_mesh(const Scene& scene, std::size_t i, const ScenePose& T_device_scene) {
   const SceneObject& object = scene.objects()[i];
   const AffineMap deformation = scene.deformation(i);

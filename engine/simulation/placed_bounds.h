@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a scene is once it is placed in the frame of a device.
+// The bounds of a scene that is placed in the device frame.
 
 #include "engine/scene/scene.h"
 #include "geometry/base/box.h"
@@ -8,8 +8,9 @@
 
 namespace palpate {
 
-// Around all surfaces, device frame. The scene has one. O(vertices of the outermost nodes): a node
-// whose box lies inside of what has been found is not looked at any closer. Thread-safe.
+// A box around all surfaces, device frame. The scene must have a surface. O(vertices of the
+// outermost nodes): the vertices of a node are skipped if its box lies inside the bounds found so
+// far. Thread-safe.
 Box bounds_in_device(const Scene& scene, const ScenePose& T_device_scene);
 
 }  // namespace palpate

@@ -9,19 +9,21 @@
 namespace palpate {
 namespace {
 
-// A face lies in a plane across A3 if its heights differ by less than this of the largest extent,
-// some sixteen times what coordinates in single precision are rounded by.
+// A face is perpendicular to A3 if its heights differ by less than this share of the largest
+// extent, which is about sixteen times the rounding of coordinates in single precision.
 constexpr double kRoundedPerExtent = 0x1p-20;
 
-// So much of it has to be seen from A3: what is as narrow as it is high may stand.
+// In addition the cosine between its normal and A3 must exceed this, because a tiny face may stand
+// upright.
 constexpr double kLies = 0.5;
 
-// The heights that one triangle, or several that overlap, is cut at: above low_m, up to high_m.
+// The heights (low_m, high_m] at which a triangle, or a set of overlapping triangles, is cut.
 struct Heights {
   double low_m, high_m;
 };
 
-// Calls visit(heights, lies) for each triangle; whether it lies across A3, within rounded_m.
+// Calls visit(heights, lies) for each triangle; lies: the triangle is perpendicular to A3, within
+// rounded_m.
 template <typename Visit>
 void visit_heights(const Scene& scene, const ScenePose& T_device_scene, double rounded_m,
                    const Visit& visit) {
@@ -49,7 +51,7 @@ void visit_heights(const Scene& scene, const ScenePose& T_device_scene, double r
   }
 }
 
-// Without a gap between them, ascending.
+// Unites overlapping intervals; the result is ascending.
 std::vector<Heights> united(std::vector<Heights> heights) {
   std::sort(heights.begin(), heights.end(),
             [](const Heights& a, const Heights& b) { return a.low_m < b.low_m; });
@@ -64,7 +66,7 @@ std::vector<Heights> united(std::vector<Heights> heights) {
   return whole;
 }
 
-// What is left of some heights between levels at which faces lie; both united.
+// The heights without the levels at which faces lie. Both arguments are results of united().
 std::vector<Heights> between(const std::vector<Heights>& heights,
                              const std::vector<Heights>& levels) {
   std::vector<Heights> rest;
@@ -81,8 +83,8 @@ std::vector<Heights> between(const std::vector<Heights>& heights,
   return rest;
 }
 
-// The nearest height to another that is inside of one of these by so much, or in its middle. Only
-// what is wider than least_m counts.
+// The height nearest to height_m that is inside an interval by inside_m, or in its middle if the
+// interval is narrower. Only intervals wider than least_m count.
 std::optional<double> nearest_inside(const std::vector<Heights>& all, double height_m,
                                      double inside_m, double least_m) {
   std::optional<double> nearest_m;
@@ -124,7 +126,8 @@ std::optional<double> height_with_contour_m(const Scene& scene, const ScenePose&
   if (const auto height_m = nearest_inside(cut, middle_m, inside_m, 2.0 * rounded_m)) {
     return height_m;
   }
-  return nearest_inside(cut, middle_m, inside_m, 0.0);  // as thin as its faces are rounded
+  return nearest_inside(cut, middle_m, inside_m,
+                        0.0);  // intervals within the rounding of the faces
 }
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the plane of a device with two sensors meets a scene.
+// The default height of the plane of a device with two sensors.
 
 #include <optional>
 
@@ -9,10 +9,11 @@
 
 namespace palpate {
 
-// The height along A3 of a plane that cuts the scene: through the middle of its extent, or the
-// nearest height that has a contour where there is none in the middle, or where a face lies in it.
-// There it is a little inside of what begins at that height, by 1/64 of the extent or by half of it
-// if that is less. Nothing if every face of the scene lies across A3.
+// The height along A3 of a plane that cuts the scene. The plane passes through the middle of the
+// scene's extent along A3. If that plane has no contour, or a face lies in it, the nearest other
+// height with a contour is used. The plane then lies inside the part of the scene that begins or
+// ends at that height, by 1/64 of the scene's extent or by half of the part's height if that is
+// less. Returns nothing if every face of the scene is perpendicular to A3.
 //
 // Device frame, metres. O(triangles of all nodes). Thread-safe.
 std::optional<double> height_with_contour_m(const Scene& scene, const ScenePose& T_device_scene);

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// A scene k times as large is to the hand what this one is to a hand that is k times as small.
+// Scaling the scene by k is equivalent to scaling the hand by 1 / k.
 bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double factor) {
   SurfacePathSettings smaller = wanted;
   smaller.length_m /= factor;
@@ -18,7 +18,7 @@ bool has_path_at(const Scene& scene, const SurfacePathSettings& wanted, double f
   return plan_surface_path(scene, smaller).has_value();
 }
 
-// The device that senses A1 and A2 finds a contour that it reaches.
+// Whether a device that senses A1 and A2 has a contour within its workspace.
 bool has_contour(const Scene& scene, const RunSetup& setup) {
   const ScenePose& pose = setup.haptics.initial_pose;
   const double largest_m = scene.statistics().extent_m.maxCoeff();
@@ -29,7 +29,7 @@ bool has_contour(const Scene& scene, const RunSetup& setup) {
 
 std::string two_sensors_text(const ActuationModel& actuation) {
   return actuation.actuators() > 2
-             ? "use `RunSettings::sensors` 2 with two `RunSettings::actuators` at most"
+             ? "use `RunSettings::sensors` 2 with at most two `RunSettings::actuators`"
              : "use `RunSettings::sensors` 2";
 }
 
@@ -46,14 +46,15 @@ std::string room_hint(const Scene& scene, const RunSetup& setup,
     if (!size_m || *size_m <= largest_m) continue;
     if (!has_path_at(scene, wanted, *size_m / largest_m)) continue;
     std::ostringstream hint;
-    hint << "scale it up with `SceneSettings::fit_size_m` " << *size_m;
+    hint << "scale the scene up with `SceneSettings::fit_size_m` " << *size_m;
     return hint.str();
   }
   if (has_contour(scene, setup)) return two_sensors_text(setup.actuation);
-  return scene.objects().size() > 1 ? "no size within `RunSettings::device.workspace` has any: "
-                                      "choose a part of it with `SceneSettings::node`"
-                                    : "no size within `RunSettings::device.workspace` has any: "
-                                      "choose a scene with larger faces";
+  return scene.objects().size() > 1
+             ? "no size within `RunSettings::device.workspace` gives enough clearance: load a part "
+               "of the scene with `SceneSettings::node`"
+             : "no size within `RunSettings::device.workspace` gives enough clearance: choose a "
+               "scene with larger faces";
 }
 
 }  // namespace palpate

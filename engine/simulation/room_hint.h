@@ -1,6 +1,6 @@
 #pragma once
 
-// What to change where a scene has no surface with room for a hand.
+// A hint for scenes that have no surface with enough clearance for a hand.
 
 #include <string>
 
@@ -9,9 +9,10 @@
 
 namespace palpate {
 
-// Options that were found to help, by trial: a size within the workspace at which a path is found,
-// or a device that senses two axes; else what has to be different of the scene. wanted: with which
-// there is no path. Takes as long as planning a few paths. Not for the haptic thread.
+// The hint names options that a trial has shown to help: a size within the workspace for which a
+// path exists, or a device that senses two axes. If none helps, the hint states how the scene has
+// to change. wanted: the settings for which no path exists. Takes as long as planning a few paths.
+// Not for the haptic thread.
 std::string room_hint(const Scene& scene, const RunSetup& setup, const SurfacePathSettings& wanted);
 
 }  // namespace palpate

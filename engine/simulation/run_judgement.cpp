@@ -10,17 +10,19 @@
 namespace palpate {
 namespace {
 
-// A hand that gets on evenly reaches a fifth in the last fifth of its time; half of that is enough.
+// A hand that advances evenly covers a fifth of its path in the last fifth of the run; half of that
+// counts as still advancing.
 constexpr double kLateShareOfWay = 0.1;
 
 constexpr double kPressDepth_m = PathPlanSettings{}.press_depth_m;
 
-// The cause of contact that is lost, as far as the run shows it.
+// The cause of lost contact, if the run shows it.
 std::string slips_off_text(const ExplorationRun& run) {
   if (!slips_off(run)) return {};
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << ": it slips off what it follows, which spans "
-       << 1e3 * way_extent_m(run) << " mm, while it presses " << 1e3 * kPressDepth_m << " mm deep";
+  text << std::fixed << std::setprecision(1) << ": it slips off the object, which spans only "
+       << 1e3 * way_extent_m(run) << " mm where the hand presses " << 1e3 * kPressDepth_m
+       << " mm deep";
   return text.str();
 }
 
@@ -28,40 +30,41 @@ std::string lost_contact_text(const ExplorationRun& run) {
   const double seconds_per_tick =
       run.records.size() > 1 ? run.records[1].time_s - run.records[0].time_s : 0.0;
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "the hand was out of contact for "
+  text << std::fixed << std::setprecision(1) << "the hand was without contact for "
        << static_cast<double>(run.summary.longest_gap_ticks) * seconds_per_tick
-       << " s at a stretch, more than a tenth of the run" << slips_off_text(run);
+       << " s without interruption, more than a tenth of the run" << slips_off_text(run);
   return text.str();
 }
 
 std::string little_contact_text(const ExplorationRun& run) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "the hand was in contact for "
-       << 100 * run.summary.contact_share() << " % of the run, expected " << std::setprecision(0)
-       << 100 * kLeastContactShareOfMeans << " % or more (over less no mean is printed)"
-       << slips_off_text(run);
+       << 100 * run.summary.contact_share() << " % of the run; expected at least "
+       << std::setprecision(0) << 100 * kLeastContactShareOfMeans
+       << " % (below, means are not printed)" << slips_off_text(run);
   return text.str();
 }
 
-std::string what_keeps_off_text(const ExplorationRun& run) {
+std::string unreached_rest_text(const ExplorationRun& run) {
   std::ostringstream text;
-  text << "the hand did not get to the rest, which other parts may cover, or which is smaller than "
-          "the hand presses deep";
+  text << "the hand did not reach the rest; other parts may cover it, or it is smaller than the "
+          "press depth of the hand";
   if (run.proxy_radius_m > 0.0) {
-    text << ", or which a sphere of `RunSettings::radius_m` " << run.proxy_radius_m
-         << " m is too large for";
+    text << ", or the sphere of `RunSettings::radius_m` " << run.proxy_radius_m
+         << " m is too large to enter";
   }
   return text.str();
 }
 
-std::string little_way_text(const ExplorationRun& run) {
+std::string little_coverage_text(const ExplorationRun& run) {
   const bool is_walk = run.contour_scene_m.empty();
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "the proxy came near to " << 100 * run.way_share
-       << (is_walk ? " % of the places that the hand aimed at" : " % of the contour")
-       << ", expected 90 % or more: "
-       << (was_still_getting_on(run) ? "the hand was still getting on when its time ended"
-                                     : what_keeps_off_text(run));
+  text << std::fixed << std::setprecision(1) << "the proxy "
+       << (is_walk ? "reached " : "completed ") << 100 * run.way_share
+       << (is_walk ? " % of the places on the path" : " % of the contour")
+       << "; expected at least 90 %: "
+       << (was_still_getting_on(run) ? "the hand was still advancing when the run ended"
+                                     : unreached_rest_text(run));
   return text.str();
 }
 
@@ -89,7 +92,7 @@ std::vector<std::string> reasons(const ExplorationRun& run) {
   for (const Shortfall shortfall : shortfalls(run)) {
     switch (shortfall) {
       case Shortfall::kNeverTouched:
-        texts.emplace_back("the hand touched nothing");
+        texts.emplace_back("the hand touched no surface");
         break;
       case Shortfall::kLittleContact:
         texts.push_back(little_contact_text(run));
@@ -98,7 +101,7 @@ std::vector<std::string> reasons(const ExplorationRun& run) {
         texts.push_back(lost_contact_text(run));
         break;
       case Shortfall::kLittleWay:
-        texts.push_back(little_way_text(run));
+        texts.push_back(little_coverage_text(run));
         break;
     }
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether the figures of a run mean anything. All that decides can be computed by anybody from the
-// trace and from the contour or the places that are written beside it.
+// Decides whether the results of a run are comparable. Every criterion can be recomputed from the
+// trace and from the contour or places file written beside it.
 
 #include <cstdint>
 #include <string>
@@ -11,20 +11,20 @@
 
 namespace palpate {
 
-// A mean over contact is not printed of a run that was in contact for less than this share of it,
-// and such a run is not comparable.
+// The least share of the run in contact. Below it, means over contact are not printed and the run
+// is not comparable.
 inline constexpr double kLeastContactShareOfMeans = 0.05;
 
-// The least share of the contour, or of the places, that the proxy comes near to.
+// The least share of the contour, or of the places, that the proxy must cover.
 inline constexpr double kLeastWayShare = 0.9;
 
-// The longest part of a run without contact, at a stretch after the first touch.
+// The longest allowed interval without contact after the first touch, as a share of the run.
 inline constexpr double kLongestGapShare = 0.1;
 
-// What a run lacks to be compared with others.
+// The reason why a run is not comparable with others.
 enum class Shortfall : std::uint8_t { kNeverTouched, kLittleContact, kLostContact, kLittleWay };
 
-// Nothing for a run that is comparable. A run that never touched lacks that alone.
+// Empty for a comparable run. A run that never touched a surface has only kNeverTouched.
 std::vector<Shortfall> shortfalls(const ExplorationRun& run);
 
 inline bool is_comparable(const ExplorationRun& run) {
@@ -32,19 +32,19 @@ inline bool is_comparable(const ExplorationRun& run) {
 }
 bool are_comparable(const std::vector<ExplorationRun>& runs);
 
-// A sentence for each shortfall: what was found, what is expected, and the cause as far as the run
-// shows it.
+// A sentence for each shortfall: the value found, the value expected and, if the run shows it, the
+// cause.
 std::vector<std::string> reasons(const ExplorationRun& run);
 
-// The largest extent of what the hand followed. m.
+// The largest extent of the contour or of the places, m.
 double way_extent_m(const ExplorationRun& run);
 
-// What the hand followed is no wider than it presses deep from both sides: it slips off.
+// Whether the contour or the places span at most two press depths, so that the hand slips off.
 bool slips_off(const ExplorationRun& run);
 
 bool has_means(const RunSummary& summary);
 
-// Whether the hand was still getting on when the run ended: its time was too short.
+// Whether the hand was still advancing when the run ended, so that the run was too short.
 bool was_still_getting_on(const ExplorationRun& run);
 
 }  // namespace palpate

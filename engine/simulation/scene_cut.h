@@ -1,6 +1,6 @@
 #pragma once
 
-// The curves in which a plane cuts the surfaces of a scene.
+// The section curves of the surfaces of a scene with a plane.
 
 #include <cstdint>
 #include <vector>
@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-// Scene frame, as of plane_section() for each object; longest first, ties in the order of objects.
-// Curves end where an object ends. Takes memory for one object at a time, and for what is cut.
-// Thread-safe.
+// The curves of plane_section() for each object, scene frame; longest first, ties in the order of
+// objects. A curve never continues from one object into another. Needs memory for one object at a
+// time and for the curves. Thread-safe.
 std::vector<Polyline> cut_scene(const Scene& scene, const Vec3& plane_normal,
                                 double plane_offset_m);
 
-// What that takes at most for the surfaces, without the curves.
+// An upper bound on that memory, without the curves.
 std::uint64_t scene_cut_bytes(const Scene& scene);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// The faces of a scene in their places: one by one, across their edges, and drawn at random.
+// Access to the faces of a scene: by index, across an edge, and at random.
 
 #include <array>
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-// Numbers from 0 up to 1, the same for the same seed.
+// Numbers in [0, 1); the same seed gives the same sequence.
 class UniformRandom {
  public:
   explicit UniformRandom(std::uint64_t seed) : random_(seed) {}
@@ -23,14 +23,14 @@ class UniformRandom {
   std::mt19937_64 random_;
 };
 
-// A face of a node, scene frame.
+// A face of an object, scene frame.
 struct SceneFace {
   std::uint32_t object = 0;
   std::uint32_t face = 0;
   std::array<OpenMesh::HalfedgeHandle, 3> edges;  // edge k from corner k to corner k + 1
   std::array<Vec3, 3> corners_m;
-  Vec3 winding;  // unit, by which the corners run counter-clockwise; zero if there is no area
-  Vec3 normal;   // outward: the same, or its opposite in a node that is mirrored
+  Vec3 winding;  // unit normal about which the corners run counter-clockwise; zero without area
+  Vec3 normal;   // outward: equal to winding, or opposite in a mirrored node
 };
 
 class SceneFaceReader {
@@ -39,24 +39,24 @@ class SceneFaceReader {
 
   SceneFace read(std::uint32_t object, std::uint32_t face) const;
 
-  // Across edge k; nothing at a boundary of the surface.
+  // The neighbour across edge k; nothing at a boundary or if the neighbour has no area.
   std::optional<SceneFace> across(const SceneFace& face, std::size_t k) const;
 
  private:
   const Scene& scene_;
 };
 
-// Of so many faces at most the areas are added up: of every n-th where there are more.
+// The areas of at most this many faces are summed; of more faces, every n-th is used.
 inline constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
 
-// Random faces, uniform by area.
+// Draws random faces, uniformly by area.
 class SceneFaceSampler {
  public:
   SceneFaceSampler(const Scene& scene, UniformRandom& random);
 
   bool is_empty() const { return area_up_to_.empty(); }
 
-  // Of a scene that is not empty.
+  // Requires !is_empty().
   SceneFace draw();
 
  private:

@@ -1,17 +1,17 @@
 #pragma once
 
-// What is in the way in a scene.
+// Obstacles along segments in a scene.
 
 #include "haptics/proxy/contact_world.h"
 
 namespace palpate {
 
-// Looks along segments for any surface of the scene.
+// Finds the first surface of the scene on a segment.
 class SceneSight {
  public:
   explicit SceneSight(const ContactWorld& world) : world_(world) {}
 
-  // The part of the segment up to the first surface; infinity if there is none.
+  // The fraction of the segment before its first intersection with a surface; infinity without one.
   double first_hit(const Vec3& from_scene, const Vec3& to_scene) const;
 
  private:

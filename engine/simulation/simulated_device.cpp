@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// Box-Muller on the engine's bits, so that every standard library draws the same numbers.
+// Box-Muller on the generator's bits, so that every standard library draws the same numbers.
 double standard_normal(std::mt19937_64& random) {
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
@@ -29,9 +29,9 @@ SimulatedDevice::SimulatedDevice(const PlantSettings& settings, HandPlan& plan,
   put(T_device_scene, last_.q_after_wxyz, last_.o_after_m);
 }
 
-// Semi-implicit Euler of m x'' = -k x - c x' in steps of h has the characteristic polynomial
-// z^2 - (2 - c h / m - k h^2 / m) z + 1 - c h / m, whose roots are within the unit circle as long
-// as 2 c h / m + k h^2 / m < 4 (Jury).
+// Semi-implicit Euler of m x'' = -k x - c x' in steps of h has the characteristic polynomial z^2 -
+// (2 - c h / m - k h^2 / m) z + 1 - c h / m. Its roots are inside the unit circle if and only if 2
+// c h / m + k h^2 / m < 4 (Jury).
 std::optional<Error> check_plant(const PlantSettings& settings, double dt_s) {
   const double h_s = dt_s / settings.substeps;
   const double mass_kg = settings.device.mass_kg + settings.hand.mass_kg;
@@ -42,10 +42,10 @@ std::optional<Error> check_plant(const PlantSettings& settings, double dt_s) {
   if (is_followed(settings.device.damping_Ns_per_m + of_hand)) return std::nullopt;
   const char* field = is_followed(of_hand) ? "device.damping_Ns_per_m" : "rate_Hz";
   std::ostringstream text;
-  text << "a simulated hand does not follow a damping of " << settings.device.damping_Ns_per_m
-       << " N s/m in steps of " << h_s << " s with a mass of " << mass_kg << " kg";
+  text << "makes the simulated hand unstable: damping " << settings.device.damping_Ns_per_m
+       << " N s/m, step " << h_s << " s, mass " << mass_kg << " kg";
   return Error{ErrorCode::kInvalidArgument, "", field, text.str(),
-               "choose less damping, more mass or a higher `RunSettings::rate_Hz`"};
+               "reduce the damping, increase the mass or raise `RunSettings::rate_Hz`"};
 }
 
 DeviceSample SimulatedDevice::read(double dt_s) noexcept {
@@ -53,7 +53,7 @@ DeviceSample SimulatedDevice::read(double dt_s) noexcept {
   if (samples_++ > 0) move_hand(dt_s);
   const double quantum_m = settings_.device.encoder_quantum_m;
   Vec3 sensed_m = position_m_;
-  // Steps that are smaller than a number can count round nothing.
+  // If the encoder steps are too small for the count to be finite, the position is not rounded.
   const Vec3 steps = quantum_m > 0.0 ? Vec3(position_m_ / quantum_m) : Vec3(Vec3::Zero());
   if (quantum_m > 0.0 && steps.allFinite()) sensed_m = steps.array().round() * quantum_m;
   DeviceSample sample;
@@ -73,7 +73,7 @@ void SimulatedDevice::move_hand(double dt_s) {
   time_s_ += dt_s;
 }
 
-// First-order low-pass of white noise, scaled to the standard deviation asked for at any rate.
+// First-order low-pass of white noise, scaled to the requested standard deviation at any rate.
 Vec3 SimulatedDevice::intention_noise(double dt_s) {
   const double keep = std::exp(-2.0 * std::numbers::pi * settings_.intention_noise_Hz * dt_s);
   for (int k = 0; k < 3; ++k) {
@@ -90,7 +90,7 @@ void SimulatedDevice::substep(const HandTarget& target, double dt_s) {
   Vec3 force = force_N_ + hand - settings_.device.damping_Ns_per_m * velocity_m_per_s_;
   if (planar_) force.z() = 0.0;
   const Vec3 pushed = velocity_m_per_s_ + force * (dt_s / mass);
-  // Coulomb friction takes speed away and stops at zero: it never drives.
+  // Coulomb friction reduces the speed to zero at most; it never accelerates the device.
   const double speed = pushed.norm();
   const double lost = settings_.device.coulomb_friction_N * dt_s / mass;
   velocity_m_per_s_ = speed > lost ? Vec3(pushed * (1.0 - lost / speed)) : Vec3(Vec3::Zero());

@@ -1,6 +1,6 @@
 #pragma once
 
-// A device and the hand that holds it, simulated: what `palpate run` explores a scene with.
+// The simulated device, and the hand that holds it, with which `palpate run` explores a scene.
 
 #include <cstdint>
 #include <limits>
@@ -15,13 +15,13 @@
 
 namespace palpate {
 
-// Where a hand wants to be, device frame.
+// The target state of a hand, device frame.
 struct HandTarget {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
-// Decides where the hand goes. Runs on the haptic thread, under its rules.
+// Sets the hand's target. Runs on the haptic thread, under its rules.
 class HandPlan {
  public:
   virtual ~HandPlan() = default;
@@ -30,8 +30,8 @@ class HandPlan {
                             const TickRecord& last) noexcept = 0;
 };
 
-// A point mass with friction, read by encoders and held by a hand that is a spring and a damper
-// towards its target.
+// A point mass with friction. Encoders measure its position; the hand is a spring and a damper
+// between it and the target.
 struct PlantSettings {
   DeviceDescription device = light_device();
   HandImpedance hand;
@@ -41,14 +41,14 @@ struct PlantSettings {
   std::uint64_t seed = 1;
 };
 
-// An error if a hand that moves in steps of a tick over substeps overshoots more with each of them,
-// so that its place becomes no number. It names the field of RunSettings. dt_s: of a tick.
+// An error if the time integration is unstable, so that the position diverges. The error names the
+// field of RunSettings. dt_s: duration of a tick.
 std::optional<Error> check_plant(const PlantSettings& settings, double dt_s);
 
 // Deterministic: one seed and one plan give one motion.
 class SimulatedDevice final : public Device, public TickObserver {
  public:
-  // start_device_m: where device and hand rest at time 0. planar: only A1 and A2 move.
+  // start_device_m: rest position of device and hand at time 0. planar: only A1 and A2 move.
   SimulatedDevice(const PlantSettings& settings, HandPlan& plan, const Vec3& start_device_m,
                   const ScenePose& T_device_scene, bool planar);
 

@@ -13,15 +13,17 @@
 namespace palpate {
 namespace {
 
-// Places looked at for a start, and of these how many are tried; headings tried at a turn.
+// The number of random start points drawn; how many of these are tried; the headings tried at a
+// turn.
 constexpr int kMostPlaces = 64;
 constexpr std::size_t kMostStarts = 8;
 constexpr int kMostHeadings = 22;
-constexpr int kEdgeHeadings = 6;  // of these
+constexpr int kEdgeHeadings = 6;  // the last of kMostHeadings, along edges
 
-// In rooms: how far above the surface a probe looks for what is in the way; how far apart two looks
-// are, at most and at least, and two looks aside; from how near the surface it looks up; how much
-// surface there is to be on both sides, and how far from edges a turn is; what a leg has at least.
+// In units of room_m: the height of the probe above the surface; the largest and the least distance
+// between two tests, and between two tests sideways; the height at which the upward test begins;
+// the width of surface needed on both sides, which is also the distance of a turn from sharp edges;
+// the least length of a leg.
 constexpr double kProbeHeight = 0.25;
 constexpr double kLookEvery = 0.25;
 constexpr double kLookAgain = 0.125;
@@ -30,32 +32,36 @@ constexpr double kLookFrom = 1e-3;
 constexpr double kKeepOff = 1.0;
 constexpr double kLeastLeg = 2.0;
 
-// Of the whole path, what leads nowhere: a path that goes there and back takes no more legs.
+// A first leg shorter than this share of the path leads nowhere. The bound also limits the number
+// of legs of a path that moves back and forth.
 constexpr double kLeastStart = 1e-3;
 
 // A heading is good enough if it leads on for this part of a leg.
 constexpr double kGoodLeg = 0.75;
 
-// So many times its length less a leg is worth where it is narrow.
+// The cost of the narrow part of a leg, as a multiple of its length.
 constexpr double kNarrowCosts = 2.0;
 
-// An edge sharper than that is not crossed at a smaller sine than this.
+// A path crosses an edge sharper than kSharpEdgeRad only if the sine of its angle with the edge is
+// at least kGrazing.
 constexpr double kSharpEdgeRad = std::numbers::pi / 4;
 constexpr double kGrazing = 0.5;
 
-// Around one that is sharper than that the probe goes, through others it looks straight.
+// The probe moves around an edge sharper than this; at other edges it is tested along a straight
+// segment.
 constexpr double kSeenEdgeRad = std::numbers::pi / 12;
 
-// A path keeps off vertices by this part of an edge, so that each edge has two sides.
+// A path keeps this share of an edge away from its vertices, so that it always crosses exactly one
+// edge.
 constexpr double kOffVertex = 1e-6;
 
-// To go over a sharp edge takes as long as so many rooms of the way; and a leg is worth so much
-// less for each right angle by which it bends, all at once or little by little.
+// The cost of a sharp edge, in units of room_m: the time for crossing it, and the loss of a leg's
+// worth for each right angle by which the leg bends over edges.
 constexpr double kEdgeCosts = 6.0;
 constexpr double kRightAngle = std::numbers::pi / 2;
 
-// Faces that a leg crosses at most, and after how many the path ends: what is finer than any hand
-// feels costs no more memory than that.
+// The largest number of faces that a leg crosses, and the number of pieces after which the path
+// ends. Both limit the memory for meshes finer than a hand can resolve.
 constexpr std::size_t kMostFaces = 20000;
 constexpr std::size_t kMostPieces = 200000;
 
@@ -64,26 +70,26 @@ struct Piece {
   SceneFace face;
   Vec3 from_m, to_m;
   Vec3 heading;     // unit, in the face
-  double fold_rad;  // of the edge that it begins at; > 0 if it sticks out
+  double fold_rad;  // of the edge where it begins; > 0 for a convex edge
   bool is_turn;
 
   double length_m() const { return (to_m - from_m).norm(); }
 };
 
 struct Leg {
-  // What there is on both sides of a place.
+  // Whether a point of the leg has surface on both sides.
   struct Spot {
     double along_m;
     bool is_wide;  // surface, or a wall
   };
   std::vector<Piece> pieces;
   std::vector<Spot> spots;
-  std::vector<double> edges_m;  // along it, where it goes over a sharp edge or into a corner
+  std::vector<double> edges_m;  // positions of sharp convex and concave edges along the leg
   double length_m = 0.0;
-  double worth_m = 0.0;  // its length, less where it is narrow or bends
+  double worth_m = 0.0;  // its length minus the costs of narrow parts and bends
 };
 
-// Where a line in a face leaves it.
+// The point where a line in a face leaves the face.
 struct Exit {
   std::size_t edge;
   Vec3 p_m;
@@ -101,10 +107,10 @@ std::optional<Exit> exit_of(const SceneFace& face, const Vec3& from_m, const Vec
     const Vec3 outward = (edge / edge_m).cross(face.winding);
     const double speed = heading.dot(outward);
     if (!(speed > 0.0)) continue;
-    const double way_m = std::max(0.0, (a - from_m).dot(outward) / speed);
-    if (way_m >= nearest_m) continue;
-    nearest_m = way_m;
-    const double part = (from_m + way_m * heading - a).dot(edge) / (edge_m * edge_m);
+    const double distance_m = std::max(0.0, (a - from_m).dot(outward) / speed);
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    const double part = (from_m + distance_m * heading - a).dot(edge) / (edge_m * edge_m);
     found = {k, a + std::clamp(part, kOffVertex, 1.0 - kOffVertex) * edge, edge / edge_m};
   }
   return found;
@@ -158,7 +164,7 @@ class PathFinder {
     double free_m;
     bool is_wide;
 
-    // Free ones first, and of these those with surface all around.
+    // Starts with free space in front rank first, then starts with surface all around.
     std::pair<bool, bool> rank() const { return {std::isinf(free_m), is_wide}; }
   };
 
@@ -187,11 +193,11 @@ class PathFinder {
     const Piece& last = pieces_.back();
     Leg leg = best_leg(last.face, last.to_m);
     if (leg.length_m >= least_leg_m()) return leg;
-    Leg back = way_back();
+    Leg back = path_back();
     return back.length_m > leg.length_m ? back : leg;
   }
 
-  // The best of some headings, or the first that is good.
+  // The best of the legs in several directions, or the first good one.
   Leg best_leg(const SceneFace& face, const Vec3& from_m) {
     const double wanted_m = std::min(settings_.leg_m, settings_.length_m - done_m_);
     Leg best;
@@ -203,7 +209,8 @@ class PathFinder {
     return best;
   }
 
-  // Random ones, and along each edge of the face: what is thin leads on along them.
+  // Random headings first, then both directions along each edge of the face: on a thin part only
+  // these lead on.
   Vec3 heading(const SceneFace& face, int i) {
     const int edge = i - (kMostHeadings - kEdgeHeadings);
     if (edge >= 0) {
@@ -216,7 +223,7 @@ class PathFinder {
     return std::cos(angle_rad) * u + std::sin(angle_rad) * face.winding.cross(u);
   }
 
-  // Ends a leg where there is surface all around, not just beyond an edge or before one.
+  // Ends a leg where surface is all around and no sharp edge is near, and computes its worth.
   void settle(Leg& leg, double wanted_m) const {
     const double keep_off_m = kKeepOff * settings_.room_m;
     double end_m = std::min(wanted_m, std::max(0.5 * leg.length_m, leg.length_m - keep_off_m));
@@ -263,15 +270,16 @@ class PathFinder {
     return leg;
   }
 
-  // Looks along a piece, and shortens it where there is something in the way of the probe, which
-  // was at probe_m last, if anywhere. Whether it is free to its end.
+  // Tests a piece for obstacles and shortens it at the first. probe_m: the last position of the
+  // probe, if any. Returns whether the whole piece is free.
   bool go_along(Piece& piece, double most_m, Leg& leg, std::optional<Vec3>& probe_m) const {
     const double whole_m = piece.length_m();
     const double end_m = std::min(whole_m, most_m - leg.length_m);
     const double step_m = kLookEvery * settings_.room_m;
     double free_m = 0.0;
     while (free_m < end_m) {
-      // Not at the very edge: what stands on it is in nobody's way.
+      // The edge itself is not tested: a surface that begins at the edge does not obstruct the
+      // piece.
       const double next_m = std::min(free_m + step_m, end_m);
       const double look_m = next_m < end_m ? next_m : 0.5 * (free_m + end_m);
       const Vec3 p_m = piece.from_m + look_m * piece.heading;
@@ -287,7 +295,7 @@ class PathFinder {
     return free_m >= whole_m;
   }
 
-  // Whether there is surface on both sides of the way, or a wall that stands on it.
+  // Whether each side of the path has surface, or a wall that stands on the surface.
   bool is_wide(const SceneFace& face, const Vec3& p_m, const Vec3& heading) const {
     const double aside_m = kKeepOff * settings_.room_m;
     const Vec3 above_m = p_m + above(kProbeHeight, face.normal);
@@ -300,7 +308,7 @@ class PathFinder {
     return true;
   }
 
-  // Whether there is room above a point of a face, and nothing on the way there.
+  // Whether the clearance above a point of a face is free, and the probe can move there.
   bool look(const SceneFace& face, const Vec3& p_m, std::optional<Vec3>& probe_m) const {
     const Vec3 here_m = p_m + above(kProbeHeight, face.normal);
     if (probe_m && (here_m - *probe_m).norm() < kLookAgain * settings_.room_m) return true;
@@ -310,7 +318,7 @@ class PathFinder {
         sight_.first_hit(p_m + above(kLookFrom, face.normal), p_m + above(1.0, face.normal)));
   }
 
-  // Turns the heading over an edge. False where a hand does not go.
+  // Turns the heading over an edge. Returns false if a hand cannot follow.
   bool cross(const SceneFace& face, const SceneFace& next, const Exit& exit, Vec3& heading,
              double& fold_rad, std::optional<Vec3>& probe_m) const {
     const Vec3 outward = exit.along_edge.cross(face.winding);
@@ -323,7 +331,7 @@ class PathFinder {
     if (fold_rad > kSharpEdgeRad && across < kGrazing) return false;
     heading = (along * exit.along_edge + across * onward).normalized();
     if (fold_rad < kSeenEdgeRad || !probe_m) return true;
-    // Around an edge that sticks out, not through it.
+    // Moves the probe around a convex edge, not through it.
     for (const Vec3& normal : {face.normal, next.normal}) {
       const Vec3 here_m = exit.p_m + above(kProbeHeight, normal);
       if (std::isfinite(sight_.first_hit(*probe_m, here_m))) return false;
@@ -347,7 +355,7 @@ class PathFinder {
   }
 
   // The pieces that led here, from the last one back.
-  Leg way_back() const {
+  Leg path_back() const {
     Leg leg;
     double fold_rad = 0.0;
     for (std::size_t i = pieces_.size(); i-- > 0 && leg.length_m < settings_.leg_m;) {
@@ -392,7 +400,7 @@ class PathFinder {
   SceneFaceSampler sampler_;
   double far_m_;
   std::vector<Piece> pieces_;
-  double done_m_ = 0.0;  // of the length of the path
+  double done_m_ = 0.0;  // length of the path so far, sharp edges included
 };
 
 }  // namespace

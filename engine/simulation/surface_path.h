@@ -11,32 +11,33 @@
 namespace palpate {
 
 struct SurfacePathSettings {
-  double length_m = 1.0;  // of the whole path, which is shorter where it goes over sharp edges
-  double leg_m = 0.12;    // after so much the path takes another heading
-  // Above the path there is so much room, and twice as much where it begins, if there is such a
-  // place.
+  double length_m = 1.0;  // of the whole path; each sharp edge shortens the path
+  double leg_m = 0.12;    // length after which the path takes a new heading
+  // The clearance above the path; at its start twice this clearance.
   double room_m = 4e-3;
   std::uint64_t seed = 1;
 };
 
 struct SurfacePath {
-  // Walls pressed on from their front; a point at every edge that is crossed.
+  // The walls are touched from their front; the path has a point at every edge that it crosses.
   HandPath path;
-  // Up to the next surface in front of where it begins; infinity if there is none.
+  // The distance from the start, along the normal, to the next surface; infinity without one.
   double free_m = 0.0;
-  bool is_open = false;  // the surface has a boundary: a hand can get behind it
+  bool is_open = false;  // the surface has a boundary, so the hand can move behind it
 };
 
-// Begins at a random place (uniform by area) with nothing in front of it, and goes straight over
-// the surface: a geodesic, which each edge that it crosses unfolds. It takes a random heading every
-// leg_m and where it cannot go on: at open boundaries, where three faces or more meet at an edge or
-// two are oriented against each other, where a probe held a little above the surface would meet any
-// surface of the scene, and where less than room_m is above it. Where no heading leads on, it goes
-// back the way it came. So it may cover a place twice.
+// Plans a path that begins at a random point (uniform by area), preferably with no surface in front
+// of it, and follows a geodesic: a straight line on the faces unfolded across each edge that it
+// crosses. The path takes a random heading after every leg_m and wherever it cannot continue: at a
+// boundary of the surface, at an edge of three or more faces or of two faces with opposite
+// orientations, where a probe slightly above the surface would hit a surface of the scene, and
+// where the clearance is less than room_m. If no heading leads on, the path returns along its last
+// leg. So it may cover a place twice.
 //
-// Scene frame, in the rest pose of the nodes. Nothing if no place of some sixty tried leads
-// anywhere. The same for the same scene and settings. O(n) in the faces of all nodes (of a part of
-// them beyond kMostWeighed), and allocates nothing for each of them beyond that.
+// Scene frame, in the rest pose of the nodes. Returns nothing if no path starts at any of about
+// sixty random points. Deterministic: the same scene and settings give the same path. O(n) in the
+// faces of all nodes (above kMostWeighed, in a sample of them); no memory is allocated per face
+// beyond kMostWeighed.
 std::optional<SurfacePath> plan_surface_path(const Scene& scene,
                                              const SurfacePathSettings& settings);
 

@@ -20,35 +20,35 @@ double unit_of(double x) {
   return std::pow(10.0, std::floor(std::log10(x)) + 1 - kDigits);
 }
 
-// As it is typed: 0.0666 and not 0.066666667.
+// Rounded down to three digits, so that it is easy to type: 0.0666 instead of 0.066666667.
 double rounded_down(double x) {
   const double unit = unit_of(x);
   const double rounded = std::floor(x / unit) * unit;
   return std::isfinite(rounded) && rounded > 0.0 ? rounded : x;
 }
 
-// What is left of a number of three digits or more when those behind the third are cut off: they
-// are less than one in a hundred.
+// A lower bound on rounded_down(x) / x: the digits after the third are worth less than 1 % of x.
 constexpr double kLeftOfRounded = 0.99;
 
 double most_m(const Workspace& workspace) {
   return workspace.extent_m - 2 * workspace.room_m;
 }
 
-// Of the widest extent: as much below what the workspace holds as digits are cut off, so that the
-// scaled scene is not beyond it by a rounding.
+// The wanted largest extent along the sensed axes. It is below most_m() by at least as much as the
+// rounding to three digits can change it, so that rounding does not make the scaled scene exceed
+// the workspace.
 double wanted_m(const Workspace& workspace) {
   return std::min(kPartToFill * workspace.extent_m, kLeftOfRounded * most_m(workspace));
 }
 
-// The value of --fit with which what is so wide along the sensed axes becomes so wide.
+// The value of --fit that scales an extent of widest_m along the sensed axes to wanted_m.
 std::optional<double> size_for(double wanted_m, double widest_m, double largest_extent_m) {
   const double size_m = wanted_m * (largest_extent_m / widest_m);
   if (!std::isfinite(size_m) || size_m <= 0.0) return std::nullopt;
   return rounded_down(size_m);
 }
 
-// The smallest workspace that holds a size of three digits whatever is scaled to it.
+// The smallest workspace that some size of three digits fits, for every scene.
 double least_workspace_m(const Workspace& workspace) {
   const double least_m =
       2 * workspace.room_m + workspace.least_m / (kLeftOfRounded * kLeftOfRounded);
@@ -58,10 +58,10 @@ double least_workspace_m(const Workspace& workspace) {
 
 Error too_small(const Workspace& workspace) {
   std::ostringstream problem;
-  problem << workspace.extent_m << " m given, expected " << least_workspace_m(workspace)
-          << " m at least: room for the hand on each side of what it presses on";
+  problem << "is " << workspace.extent_m << " m; expected at least " << least_workspace_m(workspace)
+          << " m, to leave clearance for the hand on each side of the scene";
   return {ErrorCode::kInvalidArgument, "", "device.workspace", problem.str(),
-          "no `SceneSettings::fit_size_m` makes a scene fit a smaller one"};
+          "enlarge the workspace; no `SceneSettings::fit_size_m` makes a scene fit a smaller one"};
 }
 
 }  // namespace
@@ -94,19 +94,20 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
   for (int axis = 0; axis < workspace.sensors; ++axis) {
     problem << (axis > 0 ? " x " : "") << extent_m[axis];
   }
-  problem << " m along the sensed axes, expected ";
+  problem << " m along the sensed axes; expected ";
   if (widest > most) {
-    problem << most << " m at most: the workspace of " << workspace.extent_m << " m less "
-            << workspace.room_m << " m on each side for the hand";
+    problem << "at most " << most << " m, the workspace of " << workspace.extent_m << " m minus "
+            << workspace.room_m << " m of clearance for the hand on each side";
   } else {
-    problem << workspace.least_m << " m at least: the hand presses so deep";
+    problem << "at least " << workspace.least_m << " m, the depth to which the hand presses";
   }
   std::ostringstream hint;
   if (const auto size_m = fitting_size_m(workspace, bounds_device, largest_extent_m)) {
-    hint << "scale it with `SceneSettings::fit_size_m` " << *size_m
-         << ", which `fitting_size_m()` does";
+    hint << "scale the scene with `SceneSettings::fit_size_m` " << *size_m
+         << ", the value of `fitting_size_m()`";
   } else {
-    hint << "turn it with `RunSettings::place` so that it has an extent along the sensed axes";
+    hint
+        << "rotate the scene with `RunSettings::place`, to give it an extent along the sensed axes";
   }
   return Error{ErrorCode::kInvalidArgument, "", "scene", problem.str(), hint.str()};
 }

@@ -20,14 +20,14 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t kWorthAThread = 100000;  // elements: a millisecond of work
 
-// Elements of equal size at equal distances. All of them lie within first.
+// Elements of equal size at equal distances. All of them lie within `first`.
 struct ElementRange {
-  Bytes first;  // from the first byte of element 0 on
+  Bytes first;  // begins at the first byte of element 0
   std::size_t stride = 0;
   std::size_t count = 0;
 };
 
-// What one element of an accessor is made of.
+// The components of one element of an accessor.
 struct ElementLayout {
   int component_type = 0;  // TINYGLTF_COMPONENT_TYPE_...
   std::size_t components = 1;
@@ -58,10 +58,10 @@ std::string name_of(int component_type) {
 
 struct ViewContent {
   Bytes bytes;
-  std::size_t encoded_stride = 0;  // of the elements that a codec wrote; 0: no codec
+  std::size_t encoded_stride = 0;  // distance of the elements that a codec wrote; 0: no codec
 };
 
-// What a buffer view holds, decoded if it is compressed.
+// The content of a buffer view, decoded if it is compressed.
 Result<ViewContent> view_content(const GltfAsset& asset, std::size_t view_id) {
   const auto decoded = asset.compressed_views.decoded(view_id);
   if (!decoded) return decoded.error();
@@ -83,7 +83,7 @@ Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
   const Bytes view = content->bytes;
   const std::size_t declared_stride = asset.model.bufferViews[view_id].byteStride;
   const std::size_t stride = declared_stride == 0 ? element_bytes : declared_stride;
-  // A codec writes elements, not bytes: read at another distance they would be noise.
+  // A codec writes whole elements; read at another stride they would be meaningless.
   if (content->encoded_stride != 0 && content->encoded_stride != stride) {
     return gltf_invalid(element, "has elements " + std::to_string(stride) +
                                      " bytes apart, but the compressed bufferView " +
@@ -95,7 +95,7 @@ Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
                         "is " + std::to_string(stride) + ", but an element of " + element +
                             " has " + std::to_string(element_bytes) + " bytes");
   }
-  // Written with divisions and differences only, because the sums and products may wrap.
+  // Only divisions and differences are used, because sums and products may overflow.
   const bool fits = byte_offset <= view.size() && element_bytes <= view.size() - byte_offset &&
                     count - 1 <= (view.size() - byte_offset - element_bytes) / stride;
   if (!fits) {
@@ -108,13 +108,13 @@ Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
   return ElementRange{view.subspan(byte_offset), stride, count};
 }
 
-// Section 3.7.2.1 and 3.6.2.3: indices lie without gaps. Readers differ in what they make of a
-// stride, so the file does not say which triangles are meant.
+// Sections 3.7.2.1 and 3.6.2.3: indices are tightly packed. Readers treat a stride differently, so
+// the triangles of such a file are ambiguous.
 std::optional<Error> check_no_stride(const GltfAsset& asset, int view_id) {
   const auto view = static_cast<std::size_t>(view_id);
   if (asset.model.bufferViews[view].byteStride == 0) return std::nullopt;
   return gltf_invalid(gltf_element("bufferViews", view, "byteStride"),
-                      "is there; expected none for indices");
+                      "is present; indices must not have it");
 }
 
 template <typename Component, typename Out>
@@ -157,7 +157,7 @@ void decode(const ElementRange& range, const ElementLayout& layout, const Target
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
       return decode_as<std::uint32_t>(range, layout, target, out);
     default:
-      // Indices, decoded into integers, are never floats: converting those could overflow.
+      // Indices are decoded to integers and are never floats, whose conversion could overflow.
       if constexpr (std::is_floating_point_v<Out>) decode_as<float>(range, layout, target, out);
   }
 }
@@ -168,8 +168,8 @@ bool is_index_type(int component_type) {
          component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-// Which elements of an accessor are replaced, of those that are wanted. The indices rise, so that
-// no more of them need to be looked at.
+// The indices of the replaced elements among the wanted ones. The indices increase, so that later
+// ones need not be read.
 Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
                                                   const tinygltf::Accessor& accessor,
                                                   const std::string& element, std::size_t wanted) {
@@ -178,7 +178,7 @@ Result<std::vector<std::uint32_t>> sparse_targets(const GltfAsset& asset,
   if (!is_index_type(layout.component_type)) {
     return gltf_invalid(
         element + "/sparse/indices/componentType",
-        "stands for " + name_of(layout.component_type) + "; expected unsigned integers");
+        "denotes " + name_of(layout.component_type) + "; expected unsigned integers");
   }
   if (auto error = check_no_stride(asset, sparse.indices.bufferView)) return *error;
   auto range = range_in_view(asset, static_cast<std::size_t>(sparse.indices.bufferView),
@@ -239,8 +239,8 @@ Result<ElementRange> base_range(const GltfAsset& asset, std::size_t accessor_id)
                        gltf_element("accessors", accessor_id));
 }
 
-// Checks the data of all elements and writes the first of them to out, which holds zeros and has
-// room for as many as are wanted.
+// Checks the data of all elements and writes the first of them to out. out: zeros, as many as the
+// wanted elements have components.
 template <typename Out>
 std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accessor_id,
                                      std::size_t wanted, Out* out) {
@@ -259,7 +259,7 @@ std::optional<Error> decode_accessor(const GltfAsset& asset, std::size_t accesso
   return apply_sparse(asset, accessor, layout, gltf_element("accessors", accessor_id), wanted, out);
 }
 
-// Common to all accessors; without it the sizes of the file must not be used to allocate.
+// The checks common to all accessors. They must precede any allocation by sizes of the file.
 std::optional<Error> check_data_and_count(const GltfAsset& asset, std::size_t accessor_id,
                                           std::size_t max_count) {
   const tinygltf::Accessor& accessor = asset.model.accessors[accessor_id];
@@ -282,17 +282,17 @@ std::optional<Error> check_data_and_count(const GltfAsset& asset, std::size_t ac
   return range ? std::nullopt : std::optional<Error>(range.error());
 }
 
-// An accessor that is all zeros but for its sparse values may be of any size in a tiny file.
+// An accessor of zeros with sparse values may have any size in a tiny file.
 std::optional<Error> check_unstored(const GltfAsset& asset, const tinygltf::Accessor& accessor,
                                     std::size_t accessor_id) {
   if (accessor.bufferView >= 0 || asset.buffers.take_unstored(accessor.count)) return std::nullopt;
   return gltf_error(ErrorCode::kLimitExceeded, gltf_element("accessors", accessor_id, "count"),
-                    "brings the elements without a bufferView to more than " +
-                        std::to_string(kMaxGltfUnstored) + ", the most that are read",
+                    "raises the number of elements without a bufferView to more than " +
+                        std::to_string(kMaxGltfUnstored) + ", the limit",
                     "store the zeros as well");
 }
 
-// The kind of the components of an accessor, 0 if it is none of those that GltfNumberFormat knows.
+// The kind of the components of an accessor; 0 if GltfNumberFormat has no such kind.
 unsigned kind_of_components(const tinygltf::Accessor& accessor) {
   switch (accessor.componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -337,7 +337,7 @@ std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t acc
   }
   if (asset.mesh_quantization && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return std::nullopt;
   return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
-                      "stands for " + name_of(type) + "; expected 32-bit floats for positions",
+                      "denotes " + name_of(type) + "; expected 32-bit floats for positions",
                       asset.mesh_quantization
                           ? "KHR_mesh_quantization allows 8-bit and 16-bit integers"
                           : "integers need KHR_mesh_quantization in extensionsUsed");
@@ -352,7 +352,7 @@ std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t access
   if (!is_index_type(accessor.componentType)) {
     return gltf_invalid(
         gltf_element("accessors", accessor_id, "componentType"),
-        "stands for " + name_of(accessor.componentType) + "; expected unsigned integers");
+        "denotes " + name_of(accessor.componentType) + "; expected unsigned integers");
   }
   if (accessor.normalized) {
     return gltf_invalid(gltf_element("accessors", accessor_id, "normalized"),
@@ -380,7 +380,7 @@ std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t acc
     if (kind != kGltfFloats) expected += " integers of 8 or 16 bits";
   }
   return gltf_invalid(gltf_element("accessors", accessor_id, "componentType"),
-                      "stands for " + name_of(accessor.componentType) +
+                      "denotes " + name_of(accessor.componentType) +
                           (accessor.normalized ? ", normalised" : "") + "; expected " + expected +
                           " for " + format.what);
 }
@@ -406,7 +406,7 @@ Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t acc
           asset.buffers.take_memory({bytes, bytes}, gltf_element("accessors", accessor_id))) {
     return *error;
   }
-  std::vector<Vec3> positions(accessor.count);  // not set to anything
+  std::vector<Vec3> positions(accessor.count);  // uninitialised
   if (accessor.bufferView < 0) std::fill(positions.begin(), positions.end(), Vec3::Zero());
   if (auto error =
           decode_accessor(asset, accessor_id, positions.size(), positions.front().data())) {

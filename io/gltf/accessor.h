@@ -1,9 +1,9 @@
 #pragma once
 
 // Decoding of accessors (glTF 2.0, section 3.6.2): base view and stride, sparse values with or
-// without a base view, all component types, normalised integers. The data are what counts: min and
-// max are not looked at, and offsets need not be multiples of the component size, because real
-// files have both wrong.
+// without a base view, all component types, normalised integers. Only the data are used: min and
+// max are ignored, and offsets need not be multiples of the component size, because real files have
+// errors in both.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,35 +25,36 @@ class Model;
 
 namespace palpate {
 
-// One asset while it is read. The ids in the model are within range (see gltf/schema.h); sizes and
-// offsets are not to be trusted.
+// The asset that is being read. The ids in the model are within range (see gltf/schema.h); sizes
+// and offsets are unchecked.
 struct GltfAsset {
   const tinygltf::Model& model;
-  const nlohmann::json& json;  // the whole of it: checked as far as the model goes, no farther
+  const nlohmann::json& json;  // the whole JSON; only the parts in the model are checked
   GltfBuffers& buffers;
   GltfMeshoptViews& compressed_views;
   bool mesh_quantization = false;  // integer positions are allowed
 };
 
-// The bytes of a buffer view, decoded if the view is compressed. Valid as long as the asset.
+// The bytes of a buffer view, decoded if the view is compressed. Valid for the lifetime of the
+// asset.
 Result<std::span<const std::uint8_t>> view_bytes(const GltfAsset& asset, std::size_t view);
 
-// The error if an accessor does not declare the type of positions, or of indices.
+// An error if an accessor does not declare a type that positions (or indices) can have.
 std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor);
 std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t accessor);
 
-// Appends what the components of one element stand for. element: as many bytes as the accessor
-// declares, which need not be its own; no alignment.
+// Appends the values of the components of one element. element: the bytes of an element of the
+// accessor's type, from any memory and without alignment.
 void append_components(const tinygltf::Accessor& accessor, const std::uint8_t* element,
                        std::vector<double>& values);
 
-// The elements of a VEC3 accessor: 32-bit floats, or, if integers are allowed, the values that
-// these stand for. All finite. Fails if it has more than max_count elements (kLimitExceeded) or
-// none, before anything is allocated.
+// The elements of a VEC3 accessor: 32-bit floats, or, if integers are allowed, the values that they
+// represent. All values are finite. An error if the accessor has no element or more than max_count
+// elements (kLimitExceeded); this is checked before any allocation.
 Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t max_count);
 
-// What the components of an accessor may be, in any combination.
+// The kinds of components that an accessor may have, in any combination.
 inline constexpr unsigned kGltfFloats = 1;
 inline constexpr unsigned kGltfNormalizedSigned = 2;    // of 8 or 16 bits
 inline constexpr unsigned kGltfNormalizedUnsigned = 4;  // of 8 or 16 bits
@@ -62,27 +63,28 @@ inline constexpr unsigned kGltfUnsigned = 16;           // of 8 or 16 bits, not 
 
 struct GltfNumberFormat {
   const char* type;     // "SCALAR", "VEC2", "VEC3", "VEC4" or "MAT4"
-  unsigned components;  // those of the kinds above that are allowed
+  unsigned components;  // the allowed kinds, a combination of the above
   const char* what;     // for messages: "weights of a skin"
 };
 
-// The error if the accessor is of another format.
+// An error if the accessor has another format.
 std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format);
 
-// The first count elements of an accessor, component by component, matrices by columns. All finite.
-// Fails if the accessor has fewer of them or is of another format. All elements of the accessor
-// must lie in the buffer, but time and memory are taken for count elements alone. Without a base
-// view these may be zeros that the file does not hold and kMaxGltfUnstored does not count: the
-// caller must have bounded them by what it has.
+// The first count elements of an accessor, component by component, matrices by columns. All values
+// are finite. An error if the accessor has fewer elements or another format. All elements of the
+// accessor must lie in the buffer, but only count elements cost time and memory. Without a base
+// view the elements may be zeros that the file does not store and that kMaxGltfUnstored does not
+// count: the caller must bound count by data that the file does store.
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// How many elements an accessor has: unsigned integer scalars, not normalised.
+// The number of elements of an accessor of unsigned integer scalars, not normalised; an error for
+// any other type and above max_count.
 Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
                                 std::size_t max_count);
 
-// All of them.
+// Reads all indices of the accessor.
 std::optional<Error> read_indices(const GltfAsset& asset, std::size_t accessor,
                                   std::span<std::uint32_t> indices);
 

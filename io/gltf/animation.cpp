@@ -18,10 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// So many animations are named in a message.
+// The largest number of animations named in a message.
 constexpr std::size_t kMostNamed = 8;
 
-// An array that a JSON object has under a name; null if there is none.
+// The array member of a JSON object with this name; null if absent.
 const Json* array_in(const Json& parent, const char* name) {
   if (!parent.is_object()) return nullptr;
   const auto found = parent.find(name);
@@ -115,7 +115,7 @@ Error no_such_pose(const GltfAsset& asset, const std::string& asked, const std::
   const bool has_any = animation_count(asset) > 0;
   return gltf_error(ErrorCode::kInvalidArgument, "pose " + in_quotes(asked), problem,
                     has_any ? "choose from " + choices_text(asset)
-                            : "the file has no animation; without a pose it is felt at rest");
+                            : "the file has no animation; leave the pose out to use the rest pose");
 }
 
 // "#7" -> 7
@@ -142,7 +142,7 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
     if (number && *number < count) return *number;
     return no_such_pose(
         asset, asked,
-        in_quotes(name) + " is none of the " + std::to_string(count) + " animations of the file");
+        in_quotes(name) + " is not among the " + std::to_string(count) + " animations of the file");
   }
   std::string numbers;
   for (std::size_t i = 0; i < std::min(found.size(), kMostNamed); ++i) {
@@ -154,7 +154,7 @@ Result<std::size_t> find_animation(const GltfAsset& asset, const std::string& as
   return gltf_error(
       ErrorCode::kInvalidArgument, "pose " + in_quotes(asked),
       in_quotes(name) + " is the name of " + std::to_string(found.size()) + " animations",
-      "say which by its number in the file: " + numbers);
+      "name the animation by its number in the file: " + numbers);
 }
 
 Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& asked) {
@@ -169,21 +169,21 @@ Result<PoseDescription> parse_pose(const GltfAsset& asset, const std::string& as
   if (failed != std::errc() || rest != end || !std::isfinite(time_s) || !(time_s >= 0.0)) {
     return no_such_pose(asset, asked,
                         in_quotes(asked.substr(at + 1)) +
-                            " is no time; expected a finite number of seconds, 0 or more");
+                            " is not a time; expected a finite number of seconds, 0 or more");
   }
   const auto animation = find_animation(asset, asked, asked.substr(0, at));
   if (!animation) return animation.error();
   return PoseDescription{static_cast<std::uint32_t>(*animation), time_s};
 }
 
-// What a channel moves.
+// The node and path that a channel animates.
 struct Target {
   std::size_t node = 0;
   GltfPath path = GltfPath::kTranslation;
   std::size_t weights = 0;
 };
 
-// Nothing if the channel is passed over.
+// Nothing if the channel is ignored.
 Result<std::optional<Target>> target_of(const GltfAsset& asset, const Json& channel,
                                         const std::string& element) {
   const std::optional<Target> none;
@@ -250,9 +250,9 @@ Result<GltfPose> GltfPose::choose(const GltfAsset& asset, const std::string& ask
     if (!*target) continue;
     const std::pair key((*target)->node, (*target)->path);
     if (const auto [first, is_new] = channel_of.emplace(key, c); !is_new) {
-      return gltf_invalid(
-          element + "/target",
-          "is that of channel " + std::to_string(first->second) + ", too; expected each once");
+      return gltf_invalid(element + "/target", "is also the target of channel " +
+                                                   std::to_string(first->second) +
+                                                   "; expected each target once");
     }
     auto value = keyframes.value(c, (*target)->path, (*target)->weights);
     if (!value) return value.error();

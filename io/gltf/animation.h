@@ -1,6 +1,6 @@
 #pragma once
 
-// The animations of an asset, and the one pose of them in which it is felt.
+// The animations of an asset, and the pose in which the asset is read.
 
 #include <cstddef>
 #include <map>
@@ -18,41 +18,42 @@
 
 namespace palpate {
 
-// All animations of the asset, in the order of the file, with the largest time of the keys of their
-// channels' samplers. What is wrong with them is no error here: such a length is not known. Reads
-// no more than kMaxGltfKeyTimes times. A section that is no array is a warning.
+// All animations of the asset, in the order of the file, with the largest key time of their
+// channels' samplers. An invalid animation is not an error here; its length is unknown. Reads at
+// most kMaxGltfKeyTimes times. A section that is not an array is a warning.
 std::vector<AnimationDescription> list_animations(const GltfAsset& asset,
                                                   std::vector<std::string>& warnings);
 
-// What one animation makes of the nodes that it moves, at one time (glTF 2.0, section 3.11).
+// The pose of the nodes that one animation moves, at one time (glTF 2.0, section 3.11).
 //
 // Channels without a node, paths other than translation, rotation, scale and weights
-// (KHR_animation_pointer), and weights of a node without a mesh are passed over.
+// (KHR_animation_pointer), and weights of a node without a mesh are ignored.
 class GltfPose {
  public:
-  // The rest pose: nodes are where the file has them.
+  // The rest pose: nodes have the transforms of the file.
   GltfPose() = default;
 
-  // The pose that is asked for as NAME@SECONDS, or "#number@SECONDS" with the number in the file,
-  // as names may be missing or repeat. The last @ counts; nothing asked for is the rest pose.
-  // Before the first key of a channel that one counts, behind its last key the last one.
+  // The pose named by NAME@SECONDS, or by "#number@SECONDS" with the animation's number in the
+  // file, because names may be missing or repeated. The last @ separates name and time; an empty
+  // text is the rest pose. Before the first key of a channel its first value applies, after the
+  // last key its last value.
   //
-  // The whole animation is checked, others are not looked at. Refused: an animation that is not
-  // there, a time that is not a finite number of seconds, 0 or more (kInvalidArgument; the hint
-  // says what there is); an animation without channels, a target that is no node, that has a
-  // matrix, or that two channels share; samplers as GltfKeyframes refuses them. pose_work: a
-  // budget; what is read is taken from it.
+  // The whole animation is checked; other animations are not. Errors: an unknown animation, or a
+  // time that is not a finite number of seconds, 0 or more (kInvalidArgument; the hint lists the
+  // animations); an animation without channels; a target that is not a node, that has a matrix, or
+  // that two channels share; the errors of GltfKeyframes. pose_work: a budget, reduced by the
+  // elements read.
   static Result<GltfPose> choose(const GltfAsset& asset, const std::string& asked,
                                  std::size_t& pose_work, std::vector<std::string>& warnings);
 
-  // Nothing for the rest pose.
+  // Absent for the rest pose.
   const std::optional<PoseDescription>& description() const { return description_; }
 
-  // What takes the place of the node's own translation, rotation and scale.
+  // The values that replace the node's own translation, rotation and scale.
   GltfTrs pose_of(std::size_t node) const;
 
-  // What takes the place of the node's own morph weights, as many as its mesh has targets. Null if
-  // nothing does.
+  // The values that replace the node's own morph weights, one for each target of its mesh. Null if
+  // the animation does not set them.
   const std::vector<double>* weights_of(std::size_t node) const;
 
  private:

@@ -19,7 +19,8 @@ Result<std::size_t> attribute_accessor(const GltfAsset& asset, const tinygltf::P
   }
   const auto accessor = static_cast<std::size_t>(found->second);
   const std::size_t count = asset.model.accessors[accessor].count;
-  const bool is_compressed = compressed && compressed->has(name);  // then as long as the others
+  const bool is_compressed =
+      compressed && compressed->has(name);  // has the same length as the others then
   if (!is_compressed && count != vertex_count) {
     return gltf_invalid(path, "accessor " + std::to_string(accessor) + " has " +
                                   std::to_string(count) + " elements, but the primitive has " +
@@ -58,12 +59,12 @@ Result<std::vector<std::array<double, 2>>> read_texture_coordinates(
                                 "texture coordinates"};
   const std::string name = "TEXCOORD_" + std::to_string(map.tex_coord);
   const auto accessor = attribute_accessor(asset, primitive, compressed, element, name,
-                                           vertex_count, "a texture map calls for it");
+                                           vertex_count, "a texture map requires it");
   if (!accessor) return accessor.error();
   const auto numbers = attribute_numbers(asset, compressed, name, *accessor, format, vertex_count);
   if (!numbers) return numbers.error();
-  // The matrix of KHR_texture_transform, translation * rotation * scale, turns from v towards u for
-  // a positive angle: counter-clockwise where v points down.
+  // The matrix of KHR_texture_transform, translation * rotation * scale, rotates from v towards u
+  // for a positive angle: counter-clockwise if v points down.
   const double c = std::cos(map.uv_rotation_rad);
   const double s = std::sin(map.uv_rotation_rad);
   std::vector<std::array<double, 2>> coordinates(vertex_count);

@@ -16,8 +16,8 @@ constexpr std::string_view kDataScheme = "data:";
 constexpr std::string_view kBase64Marker = ";base64";
 constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.com/spec/";
 
-// What a clone without Git LFS leaves in place of a large file; long enough to pass for the buffer
-// of a small mesh.
+// A clone without Git LFS contains pointers in place of large files; a pointer is long enough to be
+// mistaken for the buffer of a small mesh.
 bool is_lfs_pointer(const FileBytes& bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.starts_with(kLfsPointerStart);
@@ -57,7 +57,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::bytes(std::size_t index) {
     return gltf_invalid(gltf_element("buffers", index, "byteLength"),
                         "is " + std::to_string(expected) + ", but its data have " +
                             std::to_string(source->size()) + " bytes",
-                        "the data may have been cut short");
+                        "the data may be truncated");
   }
   return source->first(static_cast<std::size_t>(expected));
 }
@@ -81,7 +81,7 @@ std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::
 
 std::optional<Error> GltfBuffers::take_memory(const MemoryNeed& need, const std::string& element) {
   if (memory_ == nullptr) return std::nullopt;
-  memory_->begin("decoding it", element);
+  memory_->begin("decoding the data", element);
   return memory_->take(need);
 }
 
@@ -109,7 +109,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
                         "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
   }
   if (!buffer.loaded) {
-    // Data URIs may hold more than they declare, but are part of the JSON.
+    // A data URI may contain more bytes than declared; they are bounded as part of the JSON.
     const std::uint64_t left = kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes);
     if (buffer.declaration.byte_length > left) {
       return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
@@ -136,7 +136,7 @@ Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t ma
   if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
   const auto file = resolve_inside(folder_, uri);
   if (!file) return file.error();
-  // A pointer is told by its first line, also where less is wanted.
+  // The first line identifies a pointer, so it is read even if fewer bytes are wanted.
   auto bytes = read_regular_file(*file, max_bytes,
                                  std::max<std::uint64_t>(wanted_bytes, kLfsPointerStart.size()));
   if (bytes && is_lfs_pointer(*bytes)) {
@@ -147,7 +147,7 @@ Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t ma
   if (bytes) return bytes;
   Error error = bytes.error();
   error.problem = "the file " + in_quotes(uri) + " " + error.problem;
-  if (error.hint.empty()) error.hint = "it must lie beside the asset";
+  if (error.hint.empty()) error.hint = "put the file beside the asset";
   return error;
 }
 

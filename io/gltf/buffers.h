@@ -1,7 +1,7 @@
 #pragma once
 
-// The bytes of the buffers of one glTF asset, loaded when first asked for: a buffer that no
-// geometry uses may be missing.
+// The bytes of the buffers of one glTF asset, loaded at the first access: a buffer that no geometry
+// uses may be missing.
 
 #include <cstddef>
 #include <cstdint>
@@ -26,36 +26,38 @@ struct GltfBufferDeclaration {
 // Not thread-safe; one per call of read_gltf().
 class GltfBuffers {
  public:
-  // folder: that of the asset, which external buffers must not leave. bin_chunk must outlive this,
-  // and so must memory, if there is one.
+  // folder: the folder of the asset, which must contain all external buffers. bin_chunk and memory
+  // (may be null) must outlive this object.
   GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
               std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
               MemoryLedger* memory = nullptr);
 
-  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file, of
-  // which no more is read. Valid while this lives.
+  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file; no
+  // further bytes of the file are read. Valid for the lifetime of this object.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
-  // A part of them. element: what asks for it, for the message when it reaches beyond.
+  // A part of these bytes. element: the element that uses the part, for the error if the part
+  // exceeds the buffer.
   Result<std::span<const std::uint8_t>> part(std::size_t buffer, std::uint64_t byte_offset,
                                              std::uint64_t byte_length, const std::string& element);
 
-  // Takes from kMaxGltfUnstored; false, and nothing is taken, if fewer are left.
+  // Reserves elements from the limit kMaxGltfUnstored. Returns false, and reserves nothing, if
+  // fewer are left.
   bool take_unstored(std::size_t elements);
 
-  // Counts what is about to be decoded, beside all that has been: the error if that is more than
-  // may be taken. element: what it is made of, "/accessors/3".
+  // Reserves memory for data about to be decoded, in addition to all earlier reservations; an error
+  // if the total exceeds the limit. element: the source of the data, "/accessors/3".
   std::optional<Error> take_memory(const MemoryNeed& need, const std::string& element);
 
-  // What a URI of the asset holds, a data URI (base64, any media type) or a file in its folder of
-  // at most max_bytes, or its beginning if no more than wanted_bytes are called for. Not counted.
-  // Error::element is empty.
+  // The content of a URI of the asset: a data URI (base64, any media type), or a file in the
+  // asset's folder of at most max_bytes. Returns at most the first wanted_bytes. The bytes do not
+  // count as buffer bytes. Error::element is empty.
   Result<FileBytes> read_uri(
       const std::string& uri, std::uint64_t max_bytes,
       std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const;
 
-  // Counts bytes that are about to be decoded from a buffer like those of a buffer of their own:
-  // the error if that makes more than kMaxGltfBufferBytes. element: for messages.
+  // Counts bytes about to be decoded from a buffer in the same way as the bytes of a buffer; an
+  // error if the total exceeds kMaxGltfBufferBytes. element: for messages.
   std::optional<Error> count_decoded(std::uint64_t bytes, const std::string& element);
 
  private:

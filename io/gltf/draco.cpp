@@ -69,7 +69,7 @@ Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) co
   const draco::PointAttribute* stored = mesh_->GetAttributeByUniqueId(source.unique_id);
   if (stored == nullptr) {
     return gltf_invalid(element, "is " + std::to_string(source.unique_id) +
-                                     ", but its stream holds no attribute of this id");
+                                     ", but its stream has no attribute of this id");
   }
   DracoAttribute attribute{component_count(accessor), {}};
   const draco::DataType declared_type = data_type_of(accessor.componentType);
@@ -78,7 +78,7 @@ Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) co
   const bool same_type = stored->data_type() == declared_type;
   if ((!same_type && (!from || !to)) ||
       static_cast<std::size_t>(stored->num_components()) != attribute.components) {
-    return gltf_invalid(element, "its stream holds values of another type than " +
+    return gltf_invalid(element, "its stream contains values of another type than " +
                                      gltf_element("accessors", source.accessor) + " declares");
   }
   attribute.values.reserve(attribute.components * vertex_count());
@@ -92,7 +92,7 @@ Result<DracoAttribute> DracoPrimitive::attribute(const std::string& semantic) co
     const std::uint8_t* value = stored->GetAddress(index);
     if (!same_type) {
       if (!convert_draco_integers(value, *from, attribute.components, *to, converted)) {
-        return gltf_invalid(element, "its stream holds integers of another type than " +
+        return gltf_invalid(element, "its stream contains integers of another type than " +
                                          gltf_element("accessors", source.accessor) +
                                          " declares, and those of vertex " +
                                          std::to_string(point.value()) + " do not fit into that");
@@ -121,7 +121,7 @@ Result<std::vector<Vec3>> DracoPrimitive::positions() const {
   return positions;
 }
 
-// Reads the extension of one primitive and decodes what it names.
+// Reads the extension of one primitive and decodes its stream.
 class DracoReader {
  public:
   DracoReader(const GltfAsset& asset, std::size_t mesh, std::size_t primitive)
@@ -163,10 +163,11 @@ class DracoReader {
     if (mesh.num_points() != declared_.vertices ||
         !declared_.agrees_in_triangles(mesh.num_faces())) {
       result.warnings_.push_back(
-          primitive_element_ + ": its compressed stream holds " +
-          std::to_string(mesh.num_points()) + " vertices and " + std::to_string(mesh.num_faces()) +
-          " triangles, its accessors say " + std::to_string(declared_.vertices) + " vertices and " +
-          std::to_string(declared_.indices) + " indices; the stream is read");
+          primitive_element_ + ": its compressed stream has " + std::to_string(mesh.num_points()) +
+          " vertices and " + std::to_string(mesh.num_faces()) +
+          " triangles, but its accessors describe " + std::to_string(declared_.vertices) +
+          " vertices and " + std::to_string(declared_.indices) +
+          " indices; the numbers of the stream are used");
     }
     for (const auto& [semantic, source] : result.attributes_) {
       const tinygltf::Accessor& accessor = asset_.model.accessors[source.accessor];
@@ -176,21 +177,21 @@ class DracoReader {
         continue;
       }
       result.warnings_.push_back(element_ + "/attributes/" + shortened(semantic) +
-                                 ": its stream holds integers of another type than accessor " +
+                                 ": its stream contains integers of another type than accessor " +
                                  std::to_string(source.accessor) +
                                  " declares, which normalises them; they are divided by the " +
                                  "largest of the accessor's type");
     }
   }
 
-  // The library takes the indices of a sequential stream as they come.
+  // The library does not check the indices of a sequential stream.
   std::optional<Error> check_corners(const draco::Mesh& mesh) const {
     for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
       for (const auto& point : mesh.face(face)) {
         if (point.value() < mesh.num_points()) continue;
         return gltf_invalid(element_, "its stream names vertex " + std::to_string(point.value()) +
                                           " in triangle " + std::to_string(face.value()) +
-                                          ", but holds " + std::to_string(mesh.num_points()));
+                                          ", but has " + std::to_string(mesh.num_points()));
       }
     }
     return std::nullopt;
@@ -211,7 +212,7 @@ class DracoReader {
       }
       const auto accessor = primitive_.attributes.find(semantic);
       if (accessor == primitive_.attributes.end()) {
-        return gltf_invalid(path, "is no attribute of the primitive");
+        return gltf_invalid(path, "is not an attribute of the primitive");
       }
       const auto accessor_id = static_cast<std::size_t>(accessor->second);
       if (auto error = declare_attribute(accessor_id)) return error;

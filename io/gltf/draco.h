@@ -20,32 +20,33 @@ class Mesh;
 
 namespace palpate {
 
-// The values of one attribute: those of vertex v begin at v * components.
+// The values of one attribute; the values of vertex v begin at v * components.
 struct DracoAttribute {
   std::size_t components = 0;
-  std::vector<double> values;  // normalised integers stand for fractions, as in any accessor
+  std::vector<double> values;  // normalised integers are converted to fractions
 };
 
-// One decoded primitive. All of its attributes come from one decoding and share the order of their
-// vertices, which is the codec's. The asset must outlive it. Reading is thread-safe.
+// One decoded primitive. All of its attributes come from one decoding and share the codec's order
+// of vertices. The asset must outlive this object. Reading is thread-safe.
 class DracoPrimitive {
  public:
   std::size_t vertex_count() const;
-  // Three per triangle, each below vertex_count(), whatever the mode of the primitive.
+  // Three indices per triangle, each below vertex_count(), for every mode of the primitive.
   std::vector<std::uint32_t> indices() const;
 
-  // Whether the stream holds the attribute of this name: "POSITION", "JOINTS_0". The others of the
-  // primitive, if any, are not compressed.
+  // Whether the stream contains the attribute of this name: "POSITION", "JOINTS_0". Other
+  // attributes of the primitive are not compressed.
   bool has(const std::string& semantic) const { return attributes_.contains(semantic); }
-  // An attribute that it has, as its accessor declares it. Integers of the stream may be of another
-  // type, narrower or wider, signed or not: each is the same number in the accessor's type, and it
-  // is refused if that does not have it. (Exporters let the codec choose a narrower one.) Of other
-  // types the decoded one must be that of the accessor.
+  // The values of an attribute of the stream, in the type that its accessor declares. An integer
+  // type in the stream may differ from the accessor's, because exporters let the codec choose a
+  // narrower type; each integer is converted to the accessor's type, and an integer out of its
+  // range is an error. Any other decoded type must equal the accessor's type.
   Result<DracoAttribute> attribute(const std::string& semantic) const;
-  // The attribute POSITION, checked like read_positions() does it. All finite.
+  // The attribute POSITION, with the checks of read_positions(). All values are finite.
   Result<std::vector<Vec3>> positions() const;
 
-  // Where the stream is at odds with its accessors, one line each. The stream is what is read.
+  // The contradictions between the stream and its accessors, one line each. The values of the
+  // stream are used.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -64,18 +65,18 @@ class DracoPrimitive {
   std::shared_ptr<const draco::Mesh> mesh_;
 };
 
-// Decodes the primitive; nothing if it is not compressed. A version that is not compressed, which
-// may lie beside it, is not read.
+// Decodes the primitive; nothing if it is not compressed. An uncompressed fallback of the primitive
+// is not read.
 //
-// The stream may hold other numbers of vertices and triangles than its accessors say: it is what is
-// read, with a warning. The accessors must agree with each other.
+// If the numbers of vertices and triangles in the stream differ from those of its accessors, the
+// numbers of the stream are used, with a warning. The accessors must agree with each other.
 //
-// The numbers in the stream, by which the decoder allocates, are read and checked before it does;
-// its memory stays in proportion to what the accessors describe or, where the stream holds more, to
-// its length (see gltf/limits.h). What remains out of reach are the tables of its entropy coder:
-// the library checks that they have no more than 64 symbols for each byte of the stream, and takes
-// about 750 bytes for those while it decodes. Not more than max_vertices and max_triangles are
-// read, of the stream's own (kLimitExceeded).
+// The counts in the stream that determine the decoder's allocations are checked beforehand. The
+// decoder's memory is proportional to the data that the accessors describe or, if the stream
+// contains more, to the length of the stream (see gltf/limits.h). The tables of the entropy coder
+// cannot be checked here: the library limits them to 64 symbols for each byte of the stream, for
+// which it uses about 750 bytes while it decodes. A stream with more than max_vertices or
+// max_triangles is an error (kLimitExceeded).
 Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asset, std::size_t mesh,
                                                            std::size_t primitive,
                                                            std::size_t max_vertices,

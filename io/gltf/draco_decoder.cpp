@@ -16,9 +16,9 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Says whether the decoder may go on, by what it has read so far, and keeps the reason if not. The
-// stream's own counts are what counts: where the accessors say less, they are believed as far as a
-// stream of this length can be.
+// Decides from the counts read so far whether the decoder may continue, and keeps the reason if
+// not. The counts of the stream are used; if the accessors describe less, they are accepted up to a
+// limit that depends on the length of the stream.
 class Gate {
  public:
   Gate(GltfBuffers& buffers, const DracoDeclared& declared, const DracoRoom& room,
@@ -32,13 +32,13 @@ class Gate {
   const std::optional<Error>& error() const { return error_; }
 
   bool admit(const std::optional<DracoConnectivity>& connectivity) {
-    if (!connectivity) return refuse("its stream ends or breaks off in the connectivity");
+    if (!connectivity) return refuse("its stream ends within the connectivity");
     faces_ = connectivity->faces;
-    if (faces_ == 0) return refuse("its stream holds no triangle");
+    if (faces_ == 0) return refuse("its stream has no triangle");
     if (faces_ > room_.triangles) return refuse_count(faces_, "triangles", room_.triangles);
-    // What the decoder keeps per triangle: 3 corners in 4 arrays of 4 bytes, the same once more for
-    // the triangles and the order of decoding, up to 6 symbols of the contexts. Per corner and
-    // connectivity of an attribute: its vertex, its seams and their order.
+    // The decoder's memory per triangle: 3 corners in 4 arrays of 4 bytes; 3 corners in 2 arrays
+    // for the triangles and the order of decoding; up to 6 symbols of the contexts. For each corner
+    // and attribute connectivity: the vertex, the seams and their order.
     constexpr std::uint64_t kPerFace = 4 * 12 + 2 * 12 + 6 * 4;
     constexpr std::uint64_t kPerVertex = 8 * 4;
     constexpr std::uint64_t kPerTableFace = 4 * 12;
@@ -48,7 +48,8 @@ class Gate {
     return admit_bytes(connectivity_bytes_) && admit_memory(connectivity_bytes_);
   }
 
-  // The vertices and the descriptions of the attributes are known, their values are not.
+  // Called when the vertices and the descriptions of the attributes are decoded, but not the
+  // values.
   bool admit(const draco::PointCloud& points) {
     const std::uint64_t vertices = points.num_points();
     if (vertices > room_.vertices) return refuse_count(vertices, "vertices", room_.vertices);
@@ -56,7 +57,8 @@ class Gate {
     std::uint64_t per_point = 0;
     for (int i = 0; i < points.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *points.attribute(i);
-      // Values, the integers they are made from, and two indices: map and order.
+      // Per vertex: the values, the integers from which they are computed, and two indices (map and
+      // order).
       const auto value = static_cast<std::uint64_t>(draco::DataTypeLength(attribute.data_type()));
       per_point += (value + 4) * static_cast<std::uint8_t>(attribute.num_components()) + 2 * 4;
     }
@@ -76,18 +78,18 @@ class Gate {
   }
 
   bool refuse_count(std::uint64_t count, const char* what, std::size_t room) {
-    return refuse_limit("its stream holds " + std::to_string(count) + " " + what + "; at most " +
+    return refuse_limit("its stream has " + std::to_string(count) + " " + what + "; at most " +
                         std::to_string(room) + " can still be read");
   }
 
-  // What the stream holds beyond the word of the accessors counts like any decoded data.
+  // Data beyond the size that the accessors describe are counted as decoded data.
   bool admit_decoded(std::uint64_t bytes) {
     if (bytes <= declared_.bytes()) return true;
     const std::uint64_t excess = bytes - declared_.bytes();
     if (excess > kDracoUndeclaredBytes + kDracoUndeclaredFactor * stream_bytes_) {
-      return refuse_limit("its stream of " + std::to_string(stream_bytes_) + " bytes holds " +
-                          std::to_string(bytes) + " bytes, its accessors say " +
-                          std::to_string(declared_.bytes()) + "; so much more is not decoded");
+      return refuse_limit("its stream of " + std::to_string(stream_bytes_) + " bytes decodes to " +
+                          std::to_string(bytes) + " bytes, far more than the " +
+                          std::to_string(declared_.bytes()) + " bytes that its accessors describe");
     }
     error_ = buffers_.count_decoded(excess, element_);
     return !error_;
@@ -97,14 +99,13 @@ class Gate {
     const std::uint64_t accounted = std::max(kDracoWorkingFactor * declared_.bytes(),
                                              kDracoWorkingPerStreamByte * stream_bytes_);
     if (bytes <= kDracoWorkingBytes + accounted) return true;
-    return refuse("its stream of " + std::to_string(stream_bytes_) + " bytes asks for " +
-                  std::to_string(bytes) +
-                  " bytes of memory, far more than what its accessors describe takes, " +
-                  std::to_string(declared_.bytes()));
+    return refuse("its stream of " + std::to_string(stream_bytes_) + " bytes requires " +
+                  std::to_string(bytes) + " bytes of memory, far more than the " +
+                  std::to_string(declared_.bytes()) + " bytes that its accessors describe");
   }
 
-  // What is decoded is kept in our own form, which is counted by itself: no more than the tables of
-  // the connectivity, which are gone by then.
+  // The decoded data are later copied to vectors, which are counted separately. They need no more
+  // memory than the tables of the connectivity, which are freed before.
   bool admit_memory(std::uint64_t bytes) {
     error_ = buffers_.take_memory({0, bytes}, element_);
     return !error_;
@@ -120,7 +121,8 @@ class Gate {
   std::optional<Error> error_;
 };
 
-// A decoder of the library that asks the gate before each part that allocates by numbers.
+// A decoder of the library that calls the gate before each part in which counts determine
+// allocations.
 template <typename Decoder>
 class GatedDecoder : public Decoder {
  public:
@@ -166,7 +168,7 @@ Result<std::shared_ptr<const draco::Mesh>> decode_draco(Bytes bytes, GltfBuffers
                   ? decode_with(Edgebreaker(gate, peek_edgebreaker_draco), stream->bytes, *mesh)
                   : decode_with(Sequential(gate, peek_sequential_draco), stream->bytes, *mesh);
   } catch (const std::length_error&) {
-    // A container was asked for more than there can be.
+    // A container cannot have the requested size.
   }
   if (gate.error()) return *gate.error();
   if (!decoded) {

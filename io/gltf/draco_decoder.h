@@ -1,7 +1,7 @@
 #pragma once
 
-// Decodes Draco streams within limits: the decoder of the library is asked to stop before each part
-// that allocates by numbers of the stream which are not accounted for.
+// Decodes Draco streams within limits: the library's decoder is interrupted before each part in
+// which counts of the stream determine allocations, until these counts have been checked.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,34 +18,34 @@ class Mesh;
 
 namespace palpate {
 
-// What the accessors say of the decoded primitive.
+// The size of the decoded primitive according to its accessors.
 struct DracoDeclared {
   std::uint64_t vertices = 0;
   std::uint64_t indices = 0;
   bool strip = false;
-  std::uint64_t vertex_bytes = 0;  // of one vertex, in all of its accessors together
+  std::uint64_t vertex_bytes = 0;  // of one vertex, over all accessors
   std::uint64_t index_bytes = 0;   // of one index
 
-  // No product wraps: a count is at most 2^53 and an element has at most 64 bytes, and all of them
-  // together are no more than a buffer may have.
+  // No product overflows: a count is at most 2^53, an element has at most 64 bytes, and all
+  // elements together fit a buffer.
   std::uint64_t bytes() const { return bytes_of(vertices, indices); }
   std::uint64_t bytes_of(std::uint64_t vertex_count, std::uint64_t index_count) const {
     return vertex_count * vertex_bytes + index_count * index_bytes;
   }
-  // A strip may stand for the list that is decoded, or be as long as that list.
+  // The accessor of a strip may describe the strip or the decoded list of triangles.
   bool agrees_in_triangles(std::uint64_t faces) const {
     return strip ? faces + 2 <= indices : 3 * faces == indices;
   }
 };
 
-// How much more may be read.
+// The remaining budget.
 struct DracoRoom {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
 };
 
-// What is decoded beyond the word of the accessors is counted in the buffers, with the memory that
-// decoding takes. element: of the extension, for messages. Thread-safe as far as the buffers are.
+// Decodes a stream. Decoded data beyond the declared size, and the memory for decoding, are counted
+// in the buffers. element: of the extension, for messages. As thread-safe as the buffers.
 Result<std::shared_ptr<const draco::Mesh>> decode_draco(std::span<const std::uint8_t> bytes,
                                                         GltfBuffers& buffers,
                                                         const DracoDeclared& declared,

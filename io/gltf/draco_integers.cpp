@@ -12,7 +12,7 @@ constexpr DracoIntegerType integers() {
           sizeof(Integer)};
 }
 
-// The first of its bytes is the lowest.
+// Little-endian.
 std::int64_t integer_at(const std::uint8_t* bytes, const DracoIntegerType& type) {
   std::uint32_t bits = 0;
   std::memcpy(&bits, bytes, type.bytes);

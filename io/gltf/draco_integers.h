@@ -1,6 +1,6 @@
 #pragma once
 
-// The integers of a Draco stream, and the same numbers in another type.
+// The integer types of a Draco stream, and conversion between them.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace palpate {
 
-// The integers of a type, which are the same in Draco and in glTF.
+// The range and size of an integer type; Draco and glTF have the same types.
 struct DracoIntegerType {
   std::int64_t lowest = 0;
   std::int64_t highest = 0;
   std::size_t bytes = 0;
 };
 
-// Nothing for types that are none.
+// Nothing for types that are not integers.
 std::optional<DracoIntegerType> draco_integer_type(draco::DataType type);
 
-// Rewrites integers of one type as those of another. False if the other does not have them all.
+// Converts integers of one type to another. Returns false if any of them is out of range.
 bool convert_draco_integers(const std::uint8_t* stored, const DracoIntegerType& from,
                             std::size_t count, const DracoIntegerType& to,
                             std::vector<std::uint8_t>& converted);

@@ -22,8 +22,8 @@ std::optional<std::uint32_t> number(draco::DecoderBuffer& stream, bool varint) {
   return read ? std::optional(value) : std::nullopt;
 }
 
-// Steps over metadata: blocks of entries (name, size, value), nested to any depth, one for each
-// attribute named and one for all. Nothing of it is kept, as the library would.
+// Skips metadata: blocks of entries (name, size, value), nested to any depth, one for each named
+// attribute and one for the whole stream. Unlike the library, it stores none of them.
 class MetadataSkipper {
  public:
   explicit MetadataSkipper(draco::DecoderBuffer& stream) : stream_(stream) {}
@@ -38,7 +38,7 @@ class MetadataSkipper {
   }
 
  private:
-  // A block, the blocks inside it, each named, and so on: parents stand before their children.
+  // Skips a block and the named blocks inside it, recursively; parents precede their children.
   bool skip_tree() {
     std::uint64_t pending = 1;
     for (bool named = false; pending > 0; named = true, --pending) {
@@ -84,10 +84,10 @@ Result<CheckedDracoStream> check_draco_stream(Bytes bytes, const std::string& el
   draco::DecoderBuffer stream = draco_buffer(bytes);
   draco::DracoHeader header;
   if (!draco::PointCloudDecoder::DecodeHeader(&stream, &header).ok()) {
-    return gltf_invalid(element, "its data do not begin like a Draco stream");
+    return gltf_invalid(element, "its data do not begin with a Draco header");
   }
   if (header.encoder_type != draco::TRIANGULAR_MESH) {
-    return gltf_invalid(element, "its stream holds no triangles, but a cloud of points");
+    return gltf_invalid(element, "its stream contains a point cloud, not triangles");
   }
   const auto version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
   if (header.version_major < 1 || version > draco::kDracoMeshBitstreamVersion ||

@@ -29,7 +29,7 @@ inline std::string gltf_element(const std::string& section, std::size_t index,
   return element;
 }
 
-// In few digits, however large or small.
+// A number with at most four significant digits.
 inline std::string gltf_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);

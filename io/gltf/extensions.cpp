@@ -14,11 +14,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::string_view kMeshQuantization = "KHR_mesh_quantization";
-// These change looks, sound, motion, physics or metadata, not the triangles at rest; or are read;
-// so they may even be required. A name that is not here is unknown, whatever its prefix says. Some
-// look as if they did not belong here: the levels of MSFT_lod beside the finest are nodes outside
-// the scene, and what EXT_mesh_primitive_restart joins and EXT_mesh_polygon outlines is there as
-// plain triangles too.
+// Extensions that an asset may require. They are supported, or they affect appearance, sound,
+// motion, physics or metadata but not the triangles in the rest pose. Any other name is unknown,
+// whatever its prefix. Some entries may be surprising: the coarser levels of MSFT_lod are nodes
+// outside the scene, and the content of EXT_mesh_primitive_restart and EXT_mesh_polygon is also
+// present as plain triangles.
 constexpr std::string_view kHarmless[] = {
     "ADOBE_materials_clearcoat_specular",
     "ADOBE_materials_clearcoat_tint",
@@ -189,18 +189,18 @@ constexpr std::string_view kHarmless[] = {
     "VRMC_vrm_animation",
 };
 static_assert(std::is_sorted(std::begin(kHarmless), std::end(kHarmless)));
-// These are decoded.
+// Compression extensions, which are decoded.
 constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
                                               "EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 struct Unsupported {
   std::string_view name;
-  std::string_view hint;             // when required
-  std::string_view without_support;  // when only used; empty: nothing is lost
+  std::string_view hint;             // if the extension is required
+  std::string_view without_support;  // warning if it is only used; empty: no effect
 };
 
 constexpr Unsupported kUnsupported[] = {
-    {"CESIUM_RTC", "move the nodes by its center", "the scene is read without its offset"},
+    {"CESIUM_RTC", "move the nodes by its center", "the scene is read without the offset"},
     {"EXT_primitive_voxels", "export surfaces instead of voxels", "voxels are left out"},
     {"KHR_accessor_float16", "export positions as 32-bit floats", ""},
     {"KHR_accessor_float64", "export positions as 32-bit floats", ""},
@@ -213,7 +213,7 @@ constexpr Unsupported kUnsupported[] = {
      "splats are left out"},
     {"MAXAR_mesh_variants", "export one variant", "the default meshes are read"},
     {"MPEG_accessor_timed", "export the geometry of one moment",
-     "only what the file holds is read, nothing that is streamed"},
+     "only the data in the file are read, no streamed data"},
     {"KHR_node_visibility", "delete the hidden nodes", "hidden nodes are read like visible ones"},
 };
 
@@ -261,7 +261,7 @@ void warn_about(const std::string& name, std::vector<std::string>& warnings) {
   const Unsupported* known = find_unsupported(name);
   if (known && known->without_support.empty()) return;
   warnings.push_back("/extensionsUsed: " + in_quotes(name) + " is ignored: " +
-                     (known ? std::string(known->without_support) : "it is not known"));
+                     (known ? std::string(known->without_support) : "it is unknown"));
 }
 
 // "2.0" -> {2, 0}
@@ -283,7 +283,7 @@ std::optional<Error> check_asset_version(const Json& root) {
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object() || !asset->contains("version")) {
     return gltf_error(ErrorCode::kNotGltf, "/asset/version", "is missing; expected \"2.0\"",
-                      "not a glTF asset, or one of glTF 1.0: convert it to 2.0");
+                      "the asset is not glTF, or it is glTF 1.0: convert it to 2.0");
   }
   for (const char* name : {"version", "minVersion"}) {
     const auto text = asset->find(name);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the asset says about itself: the version of glTF and the extensions it uses.
+// Checks the glTF version and the extensions that the asset declares.
 
 #include <optional>
 #include <string>
@@ -12,16 +12,16 @@
 
 namespace palpate {
 
-// The error if /asset/version is not 2.x, or /asset/minVersion is beyond 2.0. Thread-safe.
+// An error if /asset/version is not 2.x, or /asset/minVersion is above 2.0. Thread-safe.
 std::optional<Error> check_asset_version(const nlohmann::json& root);
 
 struct GltfExtensions {
   bool mesh_quantization = false;     // KHR_mesh_quantization is listed
-  std::vector<std::string> warnings;  // one per extension that is used, but not known
+  std::vector<std::string> warnings;  // one for each unknown extension in use
 };
 
-// The error if the asset requires an extension without which its triangles cannot be read.
-// Thread-safe.
+// An error if the asset requires an unsupported extension without which its triangles cannot be
+// read. Thread-safe.
 Result<GltfExtensions> check_extensions(const nlohmann::json& root);
 
 }  // namespace palpate

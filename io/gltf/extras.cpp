@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using MaybeError = std::optional<Error>;
 
-// Far more than any material needs; they bound what a hostile file can make of a few bytes.
+// Far more than any material needs; they limit the cost of a hostile file.
 constexpr std::size_t kMaxKeyLength = 32;
 constexpr std::size_t kMaxListLength = 16;
 constexpr std::size_t kMaxParameters = 256;
@@ -46,7 +46,7 @@ MaybeError read_value(const Json& json, const std::string& element, MaterialValu
   } else if (json.is_array()) {
     return read_list(json, element, value);
   } else {
-    return gltf_expected(element, json, "a number, true or false, a text or a list of numbers");
+    return gltf_expected(element, json, "a number, true or false, a string or a list of numbers");
   }
   return std::nullopt;
 }
@@ -62,7 +62,7 @@ MaybeError check_key(const std::string& key, const std::string& parent_element) 
   if (auto error = check_length(key, parent_element)) return error;
   if (key.find('.') != std::string::npos) {
     return gltf_invalid(parent_element,
-                        "has the key " + in_quotes(key) + "; expected one without a dot",
+                        "has the key " + in_quotes(key) + "; expected a key without a dot",
                         "write \"a\": {\"b\": 1} instead of \"a.b\": 1");
   }
   return std::nullopt;
@@ -97,13 +97,13 @@ MaybeError PalpateExtras::read_entries(const Json& object, const std::string& el
       continue;
     }
     if (parameters.size() == kMaxParameters) {
-      return gltf_invalid(path, "is one entry too many; expected at most " +
-                                    std::to_string(kMaxParameters) + " together");
+      return gltf_invalid(path, "exceeds the number of entries; expected at most " +
+                                    std::to_string(kMaxParameters) + " in total");
     }
     if (left_ == 0) {
       return gltf_error(ErrorCode::kLimitExceeded, path,
-                        "brings the parameters of the asset to more than " +
-                            std::to_string(kMaxGltfParameters) + ", the most that are read");
+                        "raises the number of parameters of the asset to more than " +
+                            std::to_string(kMaxGltfParameters) + ", the limit");
     }
     --left_;
     MaterialParameter parameter{prefix + key, {}, path};
@@ -125,7 +125,7 @@ Result<MaterialParameter> parameter_of(const MaterialOverride& setting) {
   }
   if (auto error = check_length(setting.key, parameter.element)) return as_argument(*error);
   const Json json = Json::parse(setting.value, nullptr, false);
-  if (json.is_discarded()) return parameter;  // no JSON: the text as it stands
+  if (json.is_discarded()) return parameter;  // not JSON: plain text
   if (auto error = read_value(json, parameter.element, parameter.value)) {
     return as_argument(*error);
   }

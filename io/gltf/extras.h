@@ -1,7 +1,7 @@
 #pragma once
 
-// extras.palpate: what a file declares for Palpate alone, as keys and values; and the parameters
-// that a caller gives beside the file. Nothing is interpreted here. Thread-safe.
+// extras.palpate: the keys and values that a file declares for Palpate, and the parameters that a
+// caller sets outside the file. The values are not interpreted here. Thread-safe.
 
 #include <cstddef>
 #include <optional>
@@ -16,17 +16,17 @@
 
 namespace palpate {
 
-// What an object of the file has as extras.palpate; null if it has none. Extras may be of any type;
-// only those of an object can be meant for Palpate.
+// The member extras.palpate of an object of the file; null if absent. Extras may have any type;
+// only an object can contain the member palpate.
 const nlohmann::json* find_palpate_extras(const nlohmann::json& object);
 
-// Reads the extras of one asset, of which it bounds the number of parameters.
+// Reads the extras of one asset and limits the number of their parameters.
 class PalpateExtras {
  public:
-  // Appends the entries of object.extras.palpate, if there are any, in the order of their keys; an
-  // entry of an object inside it is "outer.inner", deeper it does not go. element: JSON path of the
-  // object. An error if what is there is no object, or a key or a value is none that
-  // MaterialParameter can hold, or too long.
+  // Appends the entries of object.extras.palpate, if any, in the order of their keys. An entry of a
+  // nested object has the key "outer.inner"; deeper nesting is an error. element: JSON path of the
+  // object. An error if palpate is not an object, or if MaterialParameter cannot represent a key or
+  // a value, or if either is too long.
   std::optional<Error> read(const nlohmann::json& object, const std::string& element,
                             std::vector<MaterialParameter>& parameters);
 
@@ -39,11 +39,11 @@ class PalpateExtras {
 };
 
 // The parameter that an override sets. An error (kInvalidArgument, element
-// "`SceneSettings::overrides` NAME.key") if its text is JSON, but neither a number, true, false, a
-// text nor a list of numbers; or if the key is empty or too long.
+// "`SceneSettings::overrides` NAME.key") if the key is empty or too long, or if the value is JSON
+// other than a number, a boolean, a string or a list of numbers.
 Result<MaterialParameter> parameter_of(const MaterialOverride& setting);
 
-// Puts the parameter in place of the one with its key, or where it belongs by its key.
+// Replaces the parameter with the same key, or inserts the parameter in the order of the keys.
 void set_parameter(const MaterialParameter& parameter, std::vector<MaterialParameter>& parameters);
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ namespace {
 class FileHandle {
  public:
   explicit FileHandle(const char* path)
-      // Non-blocking, because opening a pipe would otherwise wait for its writer.
+      // Non-blocking, because opening a pipe otherwise waits for its writer.
       : descriptor_(::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {}
   ~FileHandle() {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -40,7 +40,7 @@ Error file_error(ErrorCode code, const std::string& path, std::string problem,
   return {code, path, {}, std::move(problem), std::move(hint)};
 }
 
-// Reads a part of the file; returns the byte past which that could not be done, if there is one.
+// Reads a part of the file. If that fails, returns the byte at which reading stopped.
 std::optional<std::size_t> read_part(int descriptor, std::size_t begin, std::size_t end,
                                      FileBytes& bytes) {
   while (begin < end) {
@@ -144,7 +144,8 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {
-  const std::string hint = "keep the files of an asset in its own folder, named relative to it";
+  const std::string hint =
+      "keep the files of an asset in its folder, and name them relative to the folder";
   if (has_scheme(uri)) {
     return gltf_error(ErrorCode::kUnsupported, {}, "the URI " + in_quotes(uri) + " is not relative",
                       hint);

@@ -22,7 +22,7 @@ struct HapticList {
   const Json* list = nullptr;  // null if the asset has none
 };
 
-// That of the present name goes before that of the older one.
+// The list under the current name takes precedence over the list under the older name.
 Result<HapticList> find_haptic_list(const Json& root) {
   for (const char* name : kHapticNames) {
     const auto list = extension_list(root, name, "materials");
@@ -61,8 +61,8 @@ Result<HapticMaterialDescription> read_haptic_material(const Json& root, const J
     if (!maps->is_array()) return gltf_expected(list_element, *maps, "an array");
     if (maps->size() > kMaxGltfHapticMaps - material.maps.size()) {
       return gltf_error(ErrorCode::kLimitExceeded, list_element,
-                        "brings the maps of its material to more than " +
-                            std::to_string(kMaxGltfHapticMaps) + ", the most that are read");
+                        "raises the number of maps of its material to more than " +
+                            std::to_string(kMaxGltfHapticMaps) + ", the limit");
     }
     for (std::size_t i = 0; i < maps->size(); ++i) {
       auto map = read_map(root, (*maps)[i], list_element + "/" + std::to_string(i), property);

@@ -22,14 +22,14 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t kColours = 3;
 constexpr std::uint16_t kPer8BitStep = 257;  // 255 becomes 65535
-constexpr const char* kDamagedHint = "the image may be damaged or cut short";
+constexpr const char* kDamagedHint = "the image may be damaged or truncated";
 
 bool begins_with(Bytes bytes, std::span<const std::uint8_t> magic) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
 std::optional<Error> check_size(std::uint64_t width, std::uint64_t height, const ImageRoom& room) {
-  // As gltf/limits.h has it: what is decoded, what is kept of it, and what the decoder keeps.
+  // As in gltf/limits.h: the decoded pixels, the kept pixels and the decoder's own memory.
   constexpr std::uint64_t kBytesPerPixel = 16;
   const std::string size =
       "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; ";
@@ -59,7 +59,7 @@ std::vector<std::uint16_t> widened(const std::vector<std::uint8_t>& values) {
 
 // --- PNG -----------------------------------------------------------------------------------------
 
-// Throws std::bad_alloc where it is memory that the library did not have.
+// The error for a status of the library; throws std::bad_alloc if the library is out of memory.
 Error png_error(int status) {
   if (status == SPNG_EMEM) throw std::bad_alloc();
   return gltf_invalid({}, std::string("cannot be decoded as PNG: ") + spng_strerror(status),
@@ -76,7 +76,8 @@ std::vector<std::uint16_t> without_alpha(const std::vector<std::uint16_t>& rgba)
 }
 
 Result<ImageDescription> decode_png(Bytes bytes, const ImageRoom& room) {
-  // What no pixel is made of, such as a text, is stepped over; a profile is inflated before that.
+  // Chunks without pixels, such as texts, are skipped; a colour profile is inflated before it is
+  // skipped.
   constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 22;
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> png(spng_ctx_new(0), &spng_ctx_free);
   if (!png) return png_error(SPNG_EMEM);
@@ -112,8 +113,8 @@ struct CloseTurboJpeg {
   void operator()(void* decoder) const { tjDestroy(decoder); }
 };
 
-// Throws std::bad_alloc where it is memory that the library did not have, which it only tells in
-// words.
+// The last error of the library; throws std::bad_alloc if the library is out of memory, which only
+// its message shows.
 Error jpeg_error(tjhandle decoder) {
   const std::string reason = tjGetErrorStr2(decoder);
   const bool has_no_memory = reason.find("nsufficient memory") != std::string::npos ||
@@ -134,15 +135,14 @@ Result<ImageDescription> decode_jpeg(Bytes bytes, const ImageRoom& room) {
     return jpeg_error(decoder.get());
   }
   if (colour_space == TJCS_CMYK || colour_space == TJCS_YCCK) {
-    return gltf_error(ErrorCode::kUnsupported, {}, "has the colours of print, CMYK",
-                      "save it in grey or RGB");
+    return gltf_error(ErrorCode::kUnsupported, {}, "has CMYK colours", "save it in grey or RGB");
   }
   const auto columns = static_cast<std::uint32_t>(width);
   const auto rows = static_cast<std::uint32_t>(height);
   if (auto error = check_size(columns, rows, room)) return *error;
   std::vector<std::uint8_t> rgb(kColours * columns * rows);
-  // A file cut short is a mere warning of the library. The number of scans is bounded because each
-  // goes over the whole image, however few bytes it has.
+  // A truncated file is only a warning of the library. The number of scans is limited because each
+  // processes the whole image, however few bytes it has.
   constexpr int kFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS | TJFLAG_ACCURATEDCT;
   if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), rgb.data(), width, 0, height,
                     TJPF_RGB, kFlags) != 0) {
@@ -159,7 +159,7 @@ Result<ImageDescription> decode_image(Bytes bytes, const ImageRoom& room) {
   if (begins_with(bytes, kPng)) return decode_png(bytes, room);
   if (begins_with(bytes, kJpeg)) return decode_jpeg(bytes, room);
   return gltf_error(ErrorCode::kUnsupported, {}, "is neither PNG nor JPEG by its first bytes",
-                    "save it as PNG, of 16 bits if heights need them");
+                    "save it as PNG, with 16 bits if heights need them");
 }
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #pragma once
 
-// Encoded images to numbers. PNG is decoded by libspng, JPEG by the TurboJPEG interface of
-// libjpeg-turbo: both are made for data from anywhere, and neither jumps over C++ code.
+// Decodes images. libspng decodes PNG, and the TurboJPEG interface of libjpeg-turbo decodes JPEG.
+// Both are designed for untrusted data, and neither uses longjmp() across C++ code.
 
 #include <cstdint>
 #include <functional>
@@ -13,19 +13,19 @@
 
 namespace palpate {
 
-// How much an image may take.
+// The limits for one image.
 struct ImageRoom {
   std::uint64_t max_pixels = 0;
-  // Asked for the bytes that decoding takes, before it takes them: an Error ends it. May be empty.
+  // Called with the number of bytes for decoding before they are allocated; a returned Error ends
+  // the decoding. May be empty.
   std::function<std::optional<Error>(std::uint64_t bytes)> admit = {};
 };
 
-// The pixels of a PNG or JPEG, told apart by its content. Grey becomes red, green and blue; what is
-// transparent is taken as if it were not; gamma and colour profiles are not applied: the numbers
-// are those of the file. Refused: what is cut short or damaged, and, before anything is allocated
-// by them, a width or height beyond kMaxGltfImageSide, more than max_pixels (kLimitExceeded), and
-// what admit() refuses.
-// Memory while it decodes: see gltf/limits.h. Error::element is empty. Thread-safe.
+// The pixels of a PNG or JPEG; the content determines the format. Grey becomes equal red, green and
+// blue; transparency is ignored; gamma and colour profiles are not applied, so the numbers are
+// those of the file. Errors: a truncated or damaged image; and, before the allocations that depend
+// on them, a width or height above kMaxGltfImageSide, more than max_pixels (kLimitExceeded), and an
+// error of admit(). Memory for decoding: see gltf/limits.h. Error::element is empty. Thread-safe.
 Result<ImageDescription> decode_image(std::span<const std::uint8_t> bytes, const ImageRoom& room);
 
 }  // namespace palpate

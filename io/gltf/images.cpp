@@ -19,14 +19,14 @@ using Json = nlohmann::json;
 
 std::optional<Error> GltfImages::decode(TextureReference& reference, const std::string& wanted_by) {
   const auto with_caller = [&](Error error) {
-    error.hint += (error.hint.empty() ? "" : "; ") + ("it is called for by " + wanted_by);
+    error.hint += (error.hint.empty() ? "" : "; ") + ("the image is required by " + wanted_by);
     return error;
   };
   if (!reference.image) {
     return with_caller(gltf_error(ErrorCode::kUnsupported,
                                   gltf_element("textures", reference.texture, "source"),
                                   "is missing; expected an image",
-                                  "save it as PNG or JPEG, without an extension of its own"));
+                                  "save the image as PNG or JPEG, without a texture extension"));
   }
   const auto [known, is_new] =
       indices_.emplace(*reference.image, static_cast<std::uint32_t>(images_.size()));
@@ -60,7 +60,7 @@ Result<ImageDescription> GltfImages::decoded(std::size_t id) {
   return error;
 }
 
-// The bytes of the file, in the storage unless a buffer holds them.
+// The encoded bytes of the image; in `storage` unless a buffer contains them.
 Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id, FileBytes& storage) {
   const std::string element = gltf_element("images", id);
   const Json& image = asset_.json["images"][id];

@@ -1,6 +1,6 @@
 #pragma once
 
-// The images of one asset, decoded when a texture map is called for, and once.
+// The images of one asset; each is decoded once, when a material first uses a texture map with it.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,10 +21,11 @@ class GltfImages {
  public:
   explicit GltfImages(const GltfAsset& asset) : asset_(asset) {}
 
-  // Decodes the image of the texture, from a buffer view, a data URI or a file as buffers have
-  // them, unless that is done; and sets TextureReference::pixels. wanted_by: what calls for it, for
-  // the hint. An error that names the texture or the image if there is none, it is broken, of
-  // another format than PNG and JPEG or beyond gltf/limits.h.
+  // Decodes the image of the texture unless it is already decoded, and sets
+  // TextureReference::pixels. The image is stored in a buffer view, a data URI or a file, as
+  // buffers are. wanted_by: the element that requires the image, for the hint. An error, which
+  // names the texture or the image, if the image is absent, damaged, neither PNG nor JPEG, or above
+  // the limits of gltf/limits.h.
   std::optional<Error> decode(TextureReference& reference, const std::string& wanted_by);
 
   std::vector<ImageDescription> take() { return std::move(images_); }

@@ -16,13 +16,13 @@ using Json = nlohmann::json;
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 
-// The extension's table of attributes.
+// From the extension's table of attributes.
 constexpr GltfNumberFormat kInstanceTranslations{"VEC3", kGltfFloats, "translations of instances"};
 constexpr GltfNumberFormat kInstanceRotations{"VEC4", kGltfFloats | kGltfNormalizedSigned,
                                               "rotations of instances"};
 constexpr GltfNumberFormat kInstanceScales{"VEC3", kGltfFloats, "scales of instances"};
 
-// Reads one of the three lists into numbers, if the file gives it; the first one sets the count.
+// Reads one of the three lists into numbers if the file has it; the first list sets the count.
 std::optional<Error> read_list(const GltfAsset& asset, const Json& attributes,
                                const std::string& element, const char* name,
                                const GltfNumberFormat& format, std::size_t max_count,
@@ -34,8 +34,8 @@ std::optional<Error> read_list(const GltfAsset& asset, const Json& attributes,
   const std::size_t length = asset.model.accessors[**accessor].count;
   if (length > max_count) {
     return gltf_error(ErrorCode::kLimitExceeded, element + "/" + name,
-                      "brings the instances to more than " + std::to_string(kMaxGltfInstances) +
-                          ", the most that are read");
+                      "raises the number of instances to more than " +
+                          std::to_string(kMaxGltfInstances) + ", the limit");
   }
   if (count != 0 && length != count) {
     return gltf_invalid(element + "/" + name, "accessor " + std::to_string(**accessor) + " has " +
@@ -46,7 +46,7 @@ std::optional<Error> read_list(const GltfAsset& asset, const Json& attributes,
   if (asset.model.accessors[**accessor].bufferView < 0) {
     return gltf_error(ErrorCode::kUnsupported, element + "/" + name,
                       "accessor " + std::to_string(**accessor) +
-                          " has no bufferView, so that most instances would be the same");
+                          " has no bufferView, so most instances would be identical");
   }
   auto read = read_numbers(asset, **accessor, format, length);
   if (!read) return read.error();

@@ -1,6 +1,6 @@
 #pragma once
 
-// What JSON text takes once it is parsed, told before it is.
+// Estimates, before parsing, the memory that JSON text needs when parsed.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace palpate {
 
-// Numbers of one text.
+// Counts over one text.
 struct JsonExtent {
-  std::uint64_t values = 0;  // of arrays and objects, all levels together
+  std::uint64_t values = 0;  // in arrays and objects, on all levels together
   std::uint64_t objects = 0;
-  std::uint64_t largest = 0;  // values of one array or object, at most
+  std::uint64_t largest = 0;  // the most values of one array or object
 };
 
-// Does not check the grammar. Iterative; levels deeper than kMaxGltfJsonDepth are counted with the
-// one above.
+// Counts the values of a text without checking its grammar. Iterative; levels deeper than
+// kMaxGltfJsonDepth are counted with the level above.
 JsonExtent extent_of_json(std::string_view text);
 
-// What parsing the text of an asset takes: the JSON, and tinygltf's model of it.
+// The memory for parsing the text of an asset: for the JSON and for tinygltf's model of it.
 MemoryNeed memory_of_json(std::string_view text, const JsonExtent& extent);
 
-// What the JSON library takes to destroy it: it moves the values of what it destroys to a list.
+// The memory that the JSON library needs to destroy the JSON: it moves the values to a list first.
 std::size_t memory_to_destroy(std::string_view text, const JsonExtent& extent);
 
 }  // namespace palpate

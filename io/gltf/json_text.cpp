@@ -14,11 +14,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Keys that are there twice and are named, so that other warnings are not lost behind them.
+// The largest number of repeated keys that are listed, so that other warnings remain visible.
 constexpr std::size_t kMostListed = 20;
 
-// What the parser calls with each thing that it reads. The library's own builder of a document
-// replaces a key's value without a word.
+// Receives the parser's events and builds the document. The library's own builder silently replaces
+// the value of a repeated key.
 class DocumentBuilder {
  public:
   explicit DocumentBuilder(std::vector<std::string>& warnings) : warnings_(warnings) {}
@@ -35,7 +35,7 @@ class DocumentBuilder {
   bool number_unsigned(Json::number_unsigned_t value) { return put(value); }
   bool number_float(Json::number_float_t value, const std::string&) { return put(value); }
   bool string(std::string& value) { return put(std::move(value)); }
-  bool binary(Json::binary_t&) { return false; }  // there is none in a text
+  bool binary(Json::binary_t&) { return false; }  // text has no binary values
   bool start_object(std::size_t) { return open(Json::value_t::object); }
   bool start_array(std::size_t) { return open(Json::value_t::array); }
   bool end_object() { return close(); }
@@ -47,7 +47,7 @@ class DocumentBuilder {
     open_.back().key = &entry->first;
     slot_ = &entry->second;
     if (!is_new && ++duplicates_ <= kMostListed) {
-      warnings_.push_back(path() + ": is there more than once; the last one counts");
+      warnings_.push_back(path() + ": is present more than once; the last value is used");
     }
     return true;
   }
@@ -58,11 +58,11 @@ class DocumentBuilder {
   }
 
  private:
-  // An object or array that is not closed yet. It does not move: until then nothing comes behind
-  // it.
+  // An object or array that is still open. It does not move in memory, because no later element is
+  // added to its parent while it is open.
   struct Open {
     Json* value = nullptr;
-    const std::string* key = nullptr;  // the last one of an object
+    const std::string* key = nullptr;  // the last key of an object
   };
 
   template <typename Value>
@@ -83,7 +83,7 @@ class DocumentBuilder {
     return true;
   }
 
-  // Where the next value goes.
+  // The place of the next value.
   Json& place() {
     if (open_.empty()) return root_;
     Json& parent = *open_.back().value;
@@ -111,10 +111,10 @@ class DocumentBuilder {
 }  // namespace
 
 Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings) {
-  if (text.starts_with("\xEF\xBB\xBF")) {  // which the parser would pass over
-    return gltf_invalid("JSON", "begins with a byte order mark too many; expected {");
+  if (text.starts_with("\xEF\xBB\xBF")) {  // the parser would ignore it
+    return gltf_invalid("JSON", "begins with a second byte order mark; expected {");
   }
-  // The parser takes a zero byte for the end.
+  // The parser treats a zero byte as the end.
   const std::size_t end = text.find('\0');
   if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
     return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
@@ -124,7 +124,7 @@ Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& wa
     return gltf_invalid("JSON", builder.problem().substr(0, 200));
   if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
     warnings.push_back("JSON: " + std::to_string(others) +
-                       " further keys are there more than once; of each the last one counts");
+                       " further keys are present more than once; the last value of each is used");
   }
   return builder.take();
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The JSON of a glTF asset, from its text.
+// Parses the JSON of a glTF asset.
 
 #include <string>
 #include <string_view>
@@ -12,10 +12,10 @@
 
 namespace palpate {
 
-// Parses UTF-8 without a byte order mark, which check_json_size() has admitted. Zero bytes behind
-// the text, with which some exporters fill their GLB, are passed over. Where an object has a key
-// more than once, the last one counts, as in JavaScript, and that is a warning by the path of the
-// key. Error::element is "JSON". Thread-safe.
+// Parses UTF-8 text without a byte order mark that has passed check_json_size(). Zero bytes after
+// the text, with which some exporters pad their GLB, are ignored. If an object repeats a key, the
+// last value is used, as in JavaScript, and a warning names the path of the key. Error::element is
+// "JSON". Thread-safe.
 Result<nlohmann::json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings);
 
 }  // namespace palpate

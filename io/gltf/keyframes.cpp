@@ -48,8 +48,8 @@ std::string element_in(std::size_t animation, const std::string& list, std::size
   return gltf_element("animations", animation, list + "/" + std::to_string(index));
 }
 
-// The numbers of all keys of a sampler, key by key: `width` numbers each, or, of a spline, as many
-// for the tangent that comes in, the value, and the tangent that goes out.
+// The numbers of all keys of a sampler, key by key: `width` numbers each, or, for a spline, `width`
+// numbers each for the in-tangent, the value and the out-tangent.
 class Keys {
  public:
   Keys(std::span<const double> numbers, std::size_t width, bool is_cubic)
@@ -71,8 +71,8 @@ class Keys {
   bool is_cubic_;
 };
 
-// Appendix C.3, and C.4 for the shorter arc. At most a quarter turn of the sphere apart, the sine
-// is 0 only where both are the same.
+// Appendix C.3, and C.4 for the shorter arc. The quaternions are at most a quarter turn of the
+// sphere apart, so the sine is 0 only if they are equal.
 Vector4d slerp(const Vector4d& from, const Vector4d& to, double share) {
   const Vector4d a = from.normalized();
   const Vector4d b = a.dot(to) < 0.0 ? Vector4d(-to.normalized()) : Vector4d(to.normalized());
@@ -111,9 +111,9 @@ std::vector<double> cubic(const Keys& keys, const GltfKeyInterval& at) {
 
 }  // namespace
 
-// From behind: a key counts if its time is the least of those from it on.
+// Searches backwards: a key is used if no later key has an earlier time.
 GltfKeyInterval find_key_interval(const std::vector<double>& times_s, double time_s) {
-  std::size_t after = times_s.size();  // the first that counts and is later
+  std::size_t after = times_s.size();  // the first used key after time_s
   double least_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = times_s.size(); i-- > 0;) {
     if (times_s[i] > least_s) continue;
@@ -215,8 +215,9 @@ Result<std::vector<double>> GltfKeyframes::sample(const Sampler& sampler, GltfPa
   if (!is_rotation) return value;
   const Vector4d q = Vector4d(value.data()).stableNormalized();
   if (!(q.norm() > 0.5)) {
-    return gltf_invalid(sampler.element + "/output",
-                        "its spline goes through no rotation at " + std::to_string(time_s_) + " s");
+    return gltf_invalid(
+        sampler.element + "/output",
+        "its spline passes through a zero quaternion at " + std::to_string(time_s_) + " s");
   }
   return std::vector<double>(q.data(), q.data() + 4);
 }
@@ -247,17 +248,17 @@ void GltfKeyframes::warn_of_order(const Sampler& sampler, const std::vector<doub
   const auto warn = [&](std::size_t key, const char* is, const char* reading) {
     warnings_.push_back(sampler.element + "/input: key " + std::to_string(key) + " at " +
                         std::to_string(times_s[key]) + " s " + is +
-                        " the one before it; expected rising times. " + reading);
+                        " the previous key; expected increasing times. " + reading);
   };
   if (falls) {
-    warn(*falls, "is earlier than", "Keys that an earlier one follows are passed over");
+    warn(*falls, "is earlier than", "Keys are ignored if a key with an earlier time follows");
   }
   if (stays) {
-    warn(*stays, "has the time of", "Of keys at one time the last one counts from then on");
+    warn(*stays, "has the time of", "The last of several keys at one time is used from then on");
   }
 }
 
-// All elements, which must be there before memory is taken for them.
+// Reads all elements, after checking that they are present, before memory is allocated.
 Result<std::vector<double>> GltfKeyframes::read_all(std::size_t accessor_id,
                                                     const GltfNumberFormat& format,
                                                     const std::string& element) {
@@ -270,10 +271,10 @@ Result<std::vector<double>> GltfKeyframes::read_all(std::size_t accessor_id,
       (!is_stored && !asset_.buffers.take_unstored(accessor.count))) {
     return gltf_error(ErrorCode::kLimitExceeded, element,
                       is_stored
-                          ? "brings what must be read to pose the scene to more than " +
+                          ? "raises the data to read for the pose to more than " +
                                 std::to_string(kMaxGltfPoseWork) + " numbers"
-                          : "brings the elements without a bufferView to more than " +
-                                std::to_string(kMaxGltfUnstored) + ", the most that are read");
+                          : "raises the number of elements without a bufferView to more than " +
+                                std::to_string(kMaxGltfUnstored) + ", the limit");
   }
   pose_work_ -= accessor.count * components;
   return read_numbers(asset_, accessor_id, format, accessor.count);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The samplers of one animation, at one time (glTF 2.0, section 3.11 and appendix C).
+// Evaluates the samplers of one animation at one time (glTF 2.0, section 3.11 and appendix C).
 
 #include <cstddef>
 #include <map>
@@ -17,23 +17,24 @@ namespace palpate {
 
 enum class GltfPath { kTranslation, kRotation, kScale, kWeights };
 
-// Where a time falls among keys: at the key `before`, and by `share` of interval_s past it, towards
-// the key `after`. Before the first key and behind the last one the share is 0.
+// The position of a time among keys: after the key `before`, by `share` of interval_s towards the
+// key `after`. Before the first key and after the last key the share is 0.
 struct GltfKeyInterval {
   std::size_t before = 0;
   std::size_t after = 0;
   double interval_s = 0.0;
-  double share = 0.0;  // 0 to 1, 1 excluded
+  double share = 0.0;  // in [0, 1)
 };
 
-// times_s: not empty, finite. They should rise. Where they do not, a key counts unless an earlier
-// one follows it, and of keys at one time the last counts from that time on.
+// times_s: not empty, finite, and increasing in a valid file. If they do not increase, a key is
+// ignored if a key with an earlier time follows it, and the last of several keys at one time
+// applies from that time on.
 GltfKeyInterval find_key_interval(const std::vector<double>& times_s, double time_s);
 
-// Not thread-safe; must not outlive the asset, nor the warnings.
+// Not thread-safe; must not outlive the asset or the warnings.
 class GltfKeyframes {
  public:
-  // pose_work: a budget; what is read is taken from it.
+  // pose_work: a budget, reduced by the elements read.
   GltfKeyframes(const GltfAsset& asset, std::size_t animation, double time_s,
                 std::size_t& pose_work, std::vector<std::string>& warnings)
       : asset_(asset),
@@ -42,13 +43,13 @@ class GltfKeyframes {
         pose_work_(pose_work),
         warnings_(warnings) {}
 
-  // The value of the sampler of a channel, for a path: three numbers, four of a unit quaternion x,
-  // y, z, w, or `weights` of them. At a key it is that of the key, to the bit. STEP; LINEAR, for
-  // rotations along the shorter arc of the sphere; CUBICSPLINE, rotations divided by their length.
+  // The value of a channel's sampler for a path: three numbers, a unit quaternion x, y, z, w, or
+  // `weights` numbers. At a key the result is exactly the key's value. Interpolation: STEP; LINEAR,
+  // for rotations along the shorter arc on the sphere; CUBICSPLINE, with rotations normalised.
   //
-  // The whole sampler is checked, whatever the time is. Refused: ids, types and numbers of elements
-  // that are not as glTF asks for, numbers that are not finite, a negative time, a key that is no
-  // unit quaternion, a spline through no rotation at this time. Times that do not rise are a
+  // The whole sampler is checked for every time. Errors: ids, types and numbers of elements that
+  // violate glTF; non-finite numbers; a negative time; a key that is not a unit quaternion; a
+  // spline that passes through a zero quaternion at this time. Times that do not increase are a
   // warning.
   Result<std::shared_ptr<const std::vector<double>>> value(std::size_t channel, GltfPath path,
                                                            std::size_t weights);
@@ -76,14 +77,15 @@ class GltfKeyframes {
   std::size_t& pose_work_;
   std::vector<std::string>& warnings_;
   std::map<std::size_t, GltfKeyInterval> intervals_;  // by accessor
-  // By sampler, path and width: a hostile file may have any number of channels of one sampler.
+  // By sampler, path and width, because a hostile file may have any number of channels of one
+  // sampler.
   std::map<std::tuple<std::size_t, GltfPath, std::size_t>,
            std::shared_ptr<const std::vector<double>>>
       values_;
 };
 
-// The largest time of the keys of an accessor of times: nothing if they cannot be read, or are more
-// than the budget has left, from which they are taken.
+// The largest time of an accessor of key times. Nothing if the times cannot be read or exceed the
+// budget, which is reduced by the times read.
 std::optional<double> largest_key_time_s(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t& budget);
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// The largest asset read_gltf() takes. Beyond them it returns ErrorCode::kLimitExceeded. They bound
-// the memory and the time that a hostile file can cost; every one of them is checked before the
-// allocation it bounds. What an asset costs in memory, at most:
+// The limits of read_gltf(). Above a limit it returns ErrorCode::kLimitExceeded. The limits bound
+// the memory and the time that a hostile file can cost; each limit is checked before the allocation
+// that it bounds. The largest memory cost of an asset:
 //
 //   the file, as it stands            its size                        kMaxGltfFileBytes
 //   external buffers and data URIs    what they declare               kMaxGltfBufferBytes
@@ -17,16 +17,17 @@
 //   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
 //   joints                            250 bytes each                  kMaxGltfJoints
 //   instances                         300 bytes each                  kMaxGltfInstances
-//   images that are called for        their file, and 6 bytes a       kMaxGltfImageBytes,
+//   images that are decoded           their file, and 6 bytes a       kMaxGltfImageBytes,
 //                                     pixel, 16 while decoded         kMaxGltfPixels
 //   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
 //
-// That is what reading costs. Height maps, which the engine makes of images afterwards, have a
-// bound of their own: kMostMapTexels (engine/scene/surface_attributes.h).
+// The table covers reading only. Height maps, which the engine computes from images afterwards,
+// have a separate limit: kMostMapTexels (engine/scene/surface_attributes.h).
 //
 // A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
-// tests/engine/cli/corpus_test.py checks; tests/io/gltf/hostile_gltf_test.cpp checks the same of hostile ones, but for
-// elements, zeros and images of one colour, whose text is next to nothing.
+// tests/engine/cli/corpus_test.py checks; tests/io/gltf/hostile_gltf_test.cpp checks the same for
+// hostile assets, except for elements, zeros and images of one colour, which take almost no bytes
+// in the file.
 
 #include <algorithm>
 #include <cstddef>
@@ -41,19 +42,20 @@ inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
-// Of a short text there are fewer: one with a meaning takes 12 bytes and more, "{}," three.
+// The limit is lower for a short text: a meaningful element takes at least 12 bytes, an empty one
+// ("{},") three.
 constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
   constexpr std::size_t kOfAnyText = std::size_t{1} << 14;
   return std::min(kMaxGltfElements, kOfAnyText + text_bytes / 12);
 }
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
-// By which a node may scale a mesh, with its ancestors. Beyond them products of three lengths, such
-// as volumes, overflow or vanish.
+// Limits of the scale of a mesh by a node and its ancestors. Outside them products of three
+// lengths, such as volumes, overflow or underflow.
 inline constexpr double kMaxGltfScale = 1e100;
 inline constexpr double kMinGltfScale = 1e-100;
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all meshes of the scene
-// Elements of sparse accessors without a buffer view, which cost the file nothing.
+// Elements of sparse accessors without a buffer view, which take no bytes in the file.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
@@ -61,28 +63,29 @@ inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   //
 inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height
 inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 24;       // all images decoded
 inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
-// Of extras.palpate: used materials, the scene and its nodes together.
+// Entries of extras.palpate of used materials, the scene and its nodes together.
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
-// For every pose of a mesh: 16 for each primitive, 1 for each attribute, target and weight, and the
-// vertices of the morph targets that are decoded, and the numbers of the sets of joints. For the
-// animation that poses the scene: the elements of its samplers.
+// The work for poses. Each pose of a mesh costs 16 for each primitive, 1 for each attribute, target
+// and weight, the number of vertices of the decoded morph targets, and the number of values in the
+// sets of joints. The animation that poses the scene costs the number of elements of its samplers.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
-// Times of keys that are looked at to tell how long animations are.
+// Key times that are read to determine the lengths of the animations.
 inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
-// What a Draco stream may decode to, per byte of it. Its arithmetic coder writes what repeats in
-// almost no space, so the format has no bound of its own; a million triangles in a flat grid, the
-// most regular mesh there is, come to less than 500.
+// The largest number of decoded bytes for each byte of a Draco stream. The arithmetic coder stores
+// repetition in almost no space, so the format itself has no bound; a million triangles in a flat
+// grid, the most regular mesh, decode to less than 500 bytes for each byte.
 inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
-// Its decoder may use this many bytes, and so many for each that its accessors describe, or for
-// each of the stream if that is more. A triangle takes it some 130 bytes and real streams one or
-// two.
+// The memory of the Draco decoder: kDracoWorkingBytes, plus kDracoWorkingFactor for each byte that
+// the accessors describe or kDracoWorkingPerStreamByte for each byte of the stream, whichever is
+// more. A triangle needs about 130 bytes in the decoder, and one or two in real streams.
 inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
 inline constexpr std::uint64_t kDracoWorkingFactor = 16;
 inline constexpr std::uint64_t kDracoWorkingPerStreamByte = 128;
-// What a stream may decode to beyond what its accessors describe: so many bytes, and so many for
-// each of it. Real streams decode to some ten times their length.
+// The decoded size of a stream beyond the size that its accessors describe: kDracoUndeclaredBytes,
+// plus kDracoUndeclaredFactor for each byte of the stream. Real streams decode to about ten times
+// their length.
 inline constexpr std::uint64_t kDracoUndeclaredBytes = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kDracoUndeclaredFactor = 32;
 inline constexpr std::size_t kMaxGltfExtensionNames = std::size_t{1} << 16;  // per list

@@ -44,7 +44,7 @@ void warn_about_others(const Json& object, const std::string& element,
   }
   if (count == 0) return;
   const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
-  warnings.push_back(element + ": has " + first + more + ", which nothing is made of");
+  warnings.push_back(element + ": has " + first + more + ", which is not used");
 }
 
 }  // namespace palpate

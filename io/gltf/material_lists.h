@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of materials that extensions of the root hold, and what nobody knows in their elements.
+// The material lists of root extensions, and warnings about unknown properties of their elements.
 
 #include <span>
 #include <string>
@@ -12,12 +12,13 @@
 
 namespace palpate {
 
-// The array that an extension of the root has; null if the asset has none. An error
-// (kLimitExceeded) if it has more than kMaxGltfHapticMaterials elements.
+// The array `name` of a root extension; null if absent. An error (kLimitExceeded) if it has more
+// than kMaxGltfHapticMaterials elements.
 Result<const nlohmann::json*> extension_list(const nlohmann::json& root, const char* extension,
                                              const char* name);
 
-// One warning for all properties of an object that are not these and not of every glTF object.
+// Adds one warning for all properties of an object that are neither in `known` nor allowed in every
+// glTF object.
 void warn_about_others(const nlohmann::json& object, const std::string& element,
                        std::span<const char* const> known, std::vector<std::string>& warnings);
 

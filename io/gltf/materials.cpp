@@ -76,7 +76,7 @@ Error unknown_material(const std::string& name, const std::string& element,
 
 // --- Variants ------------------------------------------------------------------------------------
 
-// They change looks, so what is wrong with them is no reason to refuse the file.
+// Variants affect the appearance only, so an invalid one does not make the file an error.
 void note_variants(const Json& root, std::vector<std::string>& notes) {
   constexpr std::size_t kMaxNames = 8;
   constexpr const char* kName = "KHR_materials_variants";
@@ -130,8 +130,8 @@ void GltfMaterials::find_haptic_maps() {
   }
 }
 
-// Whether the overrides make triangles without a material flat. Those of a material that has this
-// name in the file are not for them.
+// Whether the overrides make triangles without a material flat. If a material of the file has the
+// default name, the overrides apply to that material instead.
 bool GltfMaterials::is_default_flat() const {
   const auto found = root_->find("materials");
   static const Json kNone = Json::array();

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the file declares about how triangles feel: glTF materials with extras.palpate, together
-// with the haptic materials of haptic_materials.h. Nothing is interpreted here. Thread-safe.
+// The haptic properties of triangles that the file declares: glTF materials with extras.palpate,
+// and the haptic materials of haptic_materials.h. The values are not interpreted here. Thread-safe.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,35 +23,36 @@ namespace palpate {
 // The glTF materials and the haptic materials of one asset while its meshes are read. Not
 // thread-safe; one per call of read_gltf().
 //
-// glTF materials are read when the first triangle has them, so those that no triangle has are not
-// looked at. Haptic materials are read at once, all of them; their meshes are bound by
-// haptic_material_of_mesh.
+// A glTF material is read when the first triangle with it is read, so unused materials are not
+// read. All haptic materials are read in open(); haptic_material_of_mesh() binds them to meshes.
 class GltfMaterials {
  public:
-  // An error if a haptic material is not as its convention asks, or an override has a value that
-  // nothing can have. root, as check_sections() has left it, and extras must outlive it.
+  // An error if a haptic material violates the extension's specification, or an override has a
+  // value that no parameter can have. root: the JSON after check_sections(). root and extras must
+  // outlive this object.
   static Result<GltfMaterials> open(const nlohmann::json& root, PalpateExtras& extras,
                                     std::span<const MaterialOverride> overrides);
 
-  // The index that the material of the file has in the scene, in the order of first use, with the
-  // overrides put in. An error if a declaration of it cannot be represented.
+  // The index in the scene of a material of the file, in the order of first use. The overrides are
+  // applied to the material. An error if one of its declarations cannot be represented.
   Result<std::uint32_t> index_of(std::uint32_t id);
 
-  // The maps that a run of this material in a mesh of this haptic material calls for, by their
-  // indices in the scene; null: none. Remembers that they were called for. Valid until the next
-  // index_of().
+  // The maps that a run of this material in a mesh of this haptic material needs; null: none.
+  // material and haptic: indices in the scene. The maps are marked for decode_maps(). Valid until
+  // the next index_of().
   struct Maps {
     const TextureReference* texture = nullptr;
     const TextureReference* friction = nullptr;
   };
   Maps call_maps(std::optional<std::uint32_t> material, std::optional<std::uint32_t> haptic);
 
-  // Decodes the images of the maps that were called for.
+  // Decodes the images of the maps that call_maps() has returned.
   std::optional<Error> decode_maps(GltfImages& images);
 
-  // Moves everything, warnings too, into a scene whose meshes have been read with index_of(). If an
-  // override is for "default" and no material has this name, the runs without material get one of
-  // their own. An error (kInvalidArgument) if an override is for a material that no triangle has.
+  // Moves all materials and warnings into a scene whose meshes have been read with index_of(). If
+  // an override names "default" and no material has this name, a default material is added for the
+  // runs without material. An error (kInvalidArgument) if an override names a material that no
+  // triangle has.
   std::optional<Error> finish(SceneDescription& scene);
 
  private:
@@ -63,14 +64,14 @@ class GltfMaterials {
 
   GltfMaterials(const nlohmann::json& root, PalpateExtras& extras)
       : root_(&root), extras_(&extras) {}
-  // Which maps are called for is asked for every primitive, so it is known for each material.
+  // The answers of call_maps() for each material, because every primitive queries them.
   struct KnownMaterial {
     bool has_map = false;
     bool is_flat = false;
     bool called = false;
   };
   struct KnownHaptic {
-    TextureReference* texture = nullptr;  // these two point into haptic_materials_
+    TextureReference* texture = nullptr;  // both point into haptic_materials_
     TextureReference* friction = nullptr;
     bool texture_called = false;
     bool friction_called = false;
@@ -93,7 +94,7 @@ class GltfMaterials {
   std::vector<std::string> warnings_;
 };
 
-// Names the variants of KHR_materials_variants, which are not read.
+// Adds a note with the names of the variants of KHR_materials_variants, which are not read.
 void note_variants(const nlohmann::json& root, std::vector<std::string>& notes);
 
 }  // namespace palpate

@@ -17,13 +17,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-// EXT first: an asset may carry both, and KHR allows newer codecs.
+// EXT first: an asset may have both, and KHR allows newer codecs.
 constexpr const char* kExtensionNames[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 enum class Mode { kAttributes, kTriangles, kIndices };
 enum class Filter { kNone, kOctahedral, kQuaternion, kExponential };
 
-// One extension object, its rules checked.
+// One checked extension object.
 struct CompressedView {
   std::size_t buffer = 0;
   std::uint64_t byte_offset = 0;
@@ -38,7 +38,7 @@ struct CompressedView {
 constexpr unsigned kCodecMask = 0xf0;
 struct Codec {
   unsigned first_byte;
-  unsigned newest_version;  // that the library decodes
+  unsigned newest_version;  // supported by the library
 };
 constexpr Codec codec_of(Mode mode) {
   switch (mode) {
@@ -51,14 +51,16 @@ constexpr Codec codec_of(Mode mode) {
   }
 }
 
-// The fewest bytes in which the codec of the mode can write so much. It bounds what a stream can
-// make us allocate: 64 bytes for one of vertices, 12 of triangles, 4 of single indices.
+// The least number of bytes in which the codec of the mode can encode the view. It bounds the
+// allocation for a stream: 64 decoded bytes for each byte of vertices, 12 of triangles, 4 of single
+// indices.
 std::uint64_t fewest_bytes(const CompressedView& view) {
   constexpr std::uint64_t kHeader = 1;
   switch (view.mode) {
     case Mode::kAttributes: {
-      // Per byte of the element, every 16 elements have a code of 2 bits, in whole bytes for each
-      // block of at most 256 elements. After the last block stands one element, padded to 32 bytes.
+      // For each byte of the element, every 16 elements have a code of 2 bits, in whole bytes for
+      // each block of at most 256 elements. One element, padded to 32 bytes, follows the last
+      // block.
       constexpr std::uint64_t kElementsPerCodeByte = 64;
       constexpr std::uint64_t kSmallestTail = 32;
       const std::uint64_t code_bytes =
@@ -139,7 +141,7 @@ class ViewParser {
       if (*value != name) continue;
       view_.filter = filter;
       if (filter == Filter::kNone || view_.mode == Mode::kAttributes) return std::nullopt;
-      return gltf_expected(element, *value, "NONE, since the mode is not ATTRIBUTES");
+      return gltf_expected(element, *value, "NONE, because the mode is not ATTRIBUTES");
     }
     if (*value == "COLOR") {
       return gltf_error(ErrorCode::kUnsupported, element, "is COLOR, which is not supported",
@@ -155,7 +157,7 @@ class ViewParser {
       return gltf_expected(element_ + "/byteStride", object_["byteStride"], expected);
     };
     if (view_.mode != Mode::kAttributes) {
-      return expect(stride == 2 || stride == 4, "2 or 4, as indices have");
+      return expect(stride == 2 || stride == 4, "2 or 4 for indices");
     }
     if (view_.filter == Filter::kOctahedral) {
       return expect(stride == 4 || stride == 8, "4 or 8 for the filter OCTAHEDRAL");
@@ -172,7 +174,7 @@ class ViewParser {
     if (view_.mode == Mode::kTriangles && view_.count % 3 != 0) {
       return gltf_expected(element, object_["count"], "a multiple of 3 for the mode TRIANGLES");
     }
-    // Neither product nor sum wraps: the count is at most 2^53, the stride 256.
+    // Neither the product nor the sum overflows: the count is at most 2^53, the stride at most 256.
     const std::uint64_t fewest = fewest_bytes(view_);
     if (view_.byte_length < fewest) {
       return gltf_invalid(element, "is " + std::to_string(view_.count) + ", which takes at least " +
@@ -209,7 +211,7 @@ std::optional<Error> check_codec(const CompressedView& view, std::uint8_t first_
                                  const std::string& element) {
   const Codec codec = codec_of(view.mode);
   if ((first_byte & kCodecMask) != codec.first_byte) {
-    return gltf_invalid(element, "its data do not begin like those of its mode",
+    return gltf_invalid(element, "its data do not begin with the header of its mode",
                         "the data may be damaged");
   }
   const unsigned version = first_byte & ~kCodecMask;
@@ -223,7 +225,7 @@ std::optional<Error> check_codec(const CompressedView& view, std::uint8_t first_
   return std::nullopt;
 }
 
-// True if the codec took all of the data.
+// True if the codec consumed all of the data.
 bool decode(const CompressedView& view, std::span<const std::uint8_t> source,
             std::vector<std::uint8_t>& bytes) {
   switch (view.mode) {

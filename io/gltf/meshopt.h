@@ -1,7 +1,7 @@
 #pragma once
 
 // Buffer views compressed by EXT_meshopt_compression, or by KHR_meshopt_compression with the same
-// codecs. Decoded when first asked for, and once.
+// codecs. Each view is decoded once, at its first use.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,20 +17,21 @@ namespace palpate {
 
 struct GltfDecodedView {
   std::vector<std::uint8_t> bytes;  // exactly byteLength of the view
-  std::size_t stride = 0;           // from element to element, in bytes
+  std::size_t stride = 0;           // distance between elements, in bytes
 };
 
-// The fallback that such a view may have in its own buffer is neither read nor needed. Not
+// The uncompressed fallback that such a view may have in its own buffer is not read. Not
 // thread-safe; one per call of read_gltf().
 class GltfMeshoptViews {
  public:
-  // root: the JSON of the asset, of the shape that gltf/schema.h checks. Both must outlive this.
+  // root: the JSON of the asset, checked by gltf/schema.h. Both must outlive this object.
   GltfMeshoptViews(const nlohmann::json& root, GltfBuffers& buffers)
       : root_(root), buffers_(buffers) {}
 
-  // The decoded view; null if the view is not compressed. Valid while this lives. Refused before
-  // anything is allocated: what breaks a rule of the extension, and more elements than so many
-  // compressed bytes can hold. Decoded views count among the bytes that kMaxGltfBufferBytes limits.
+  // The decoded view; null if the view is not compressed. Valid for the lifetime of this object.
+  // Checked before any allocation: a violation of the extension and more elements than the
+  // compressed bytes can encode are errors. kMaxGltfBufferBytes limits decoded views together with
+  // the buffers.
   Result<const GltfDecodedView*> decoded(std::size_t view);
 
  private:

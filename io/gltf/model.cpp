@@ -1,7 +1,8 @@
-// The implementation of tinygltf, compiled once with our switches. Do not link libtinygltf.so as
-// well: it was compiled with others. Its functions for single elements are known only here.
+// The implementation of tinygltf, compiled once with the macros of tinygltf.h. Do not also link
+// libtinygltf.so, which was compiled with other macros. tinygltf's functions for single elements
+// are visible only in this file.
 
-#include <fstream>  // its writer needs it, and without TINYGLTF_NO_FS it would include it itself
+#include <fstream>  // for tinygltf's writer, which does not include it with TINYGLTF_NO_FS
 
 #define TINYGLTF_IMPLEMENTATION
 #include <malloc.h>
@@ -19,11 +20,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr bool kKeepText = false;  // of extras and extensions, which are read beside tinygltf
+constexpr bool kKeepText = false;  // of extras and extensions, which are read without tinygltf
 
-// Elements that have been read. They go many at a time, and their memory back to the system: were
-// each freed at once, the few bytes that the next one needs for good would be taken from its place,
-// and keep the page.
+// Elements that have been read. They are destroyed in large groups, so that their memory returns to
+// the system: if each were freed at once, small permanent allocations of the next element would
+// reuse its place and keep the page in use.
 class SpentElements {
  public:
   void add(Json element) {
@@ -36,13 +37,13 @@ class SpentElements {
   }
 
  private:
-  static constexpr std::size_t kTogether = std::size_t{1} << 17;  // some 30 MB
+  static constexpr std::size_t kTogether = std::size_t{1} << 17;  // about 30 MB
 
   std::vector<Json> elements_;
 };
 
-// Newer versions of tinygltf (Debian 13) tell warnings from errors, and ask how strict they are to
-// be about Draco streams, which draco.h decodes instead.
+// Newer versions of tinygltf (Debian 13) distinguish warnings from errors, and have a strictness
+// parameter for Draco streams, which draco.h decodes instead.
 template <typename Text>
 bool parse_mesh(tinygltf::Mesh& mesh, tinygltf::Model& model, Text& problem, const Json& element) {
   if constexpr (requires { tinygltf::ParseMesh(&mesh, &model, &problem, element, kKeepText); }) {
@@ -53,8 +54,8 @@ bool parse_mesh(tinygltf::Mesh& mesh, tinygltf::Model& model, Text& problem, con
   }
 }
 
-// Reads the elements one after the other. tinygltf drops without a word what it cannot parse; after
-// the checks nothing should be.
+// Reads the elements one by one. tinygltf silently drops elements that it cannot parse; after the
+// checks there should be none.
 class ModelReader : public GltfElements {
  public:
   std::optional<Error> add(GltfSection section, Json element, Json rest) override {
@@ -62,7 +63,7 @@ class ModelReader : public GltfElements {
     spent_.add(std::move(element));
     spent_.add(std::move(rest));
     if (whole) return std::nullopt;
-    return gltf_invalid("JSON", "tinygltf cannot read it: " + problem_.substr(0, 200));
+    return gltf_invalid("JSON", "tinygltf cannot read the element: " + problem_.substr(0, 200));
   }
 
   void expect(GltfSection section, std::size_t count) override {
@@ -95,7 +96,8 @@ class ModelReader : public GltfElements {
     return false;
   }
 
-  // All of them, and which is the default; tinygltf has no function for one.
+  // Reads all scenes and the index of the default scene; tinygltf has no function for a single
+  // scene.
   bool read_scenes(Json& scenes) {
     scenes["asset"]["version"] = "2.0";
     const std::string text = scenes.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -117,7 +119,7 @@ class ModelReader : public GltfElements {
            mesh.primitives.size() == element["primitives"].size();
   }
 
-  // Their data URIs may be long, and tinygltf is not to load any.
+  // Buffers are not passed to tinygltf: data URIs may be long, and tinygltf must not load any.
   bool read_buffer(Json& element) {
     GltfBufferDeclaration& declaration = result_.buffers.emplace_back();
     declaration.byte_length = element["byteLength"].get<std::uint64_t>();

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the sections of the asset's JSON say that the core of glTF describes.
+// The core sections of the asset's JSON as a tinygltf model.
 
 #include <cstddef>
 #include <string>
@@ -19,9 +19,9 @@ struct GltfModel {
   std::vector<GltfBufferDeclaration> buffers;
 };
 
-// tinygltf reads each element of a section as check_sections() hands it over, by the functions by
-// which it reads those of a file, so that no section is written as text and parsed again. root,
-// text_bytes, warnings: as there. Thread-safe.
+// Builds the model. tinygltf's own functions parse each element as check_sections() provides it, so
+// that no section has to be written as text and parsed again. root, text_bytes, warnings: as for
+// check_sections(). Thread-safe.
 Result<GltfModel> read_model(nlohmann::json& root, std::size_t text_bytes,
                              std::vector<std::string>& warnings);
 

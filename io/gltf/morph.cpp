@@ -21,7 +21,7 @@ constexpr GltfNumberFormat kOffsets{"VEC3", kGltfFloats,
 constexpr GltfNumberFormat kQuantizedOffsets{
     "VEC3", kGltfFloats | kGltfSigned | kGltfNormalizedSigned, "positions of morph targets"};
 
-// The array "weights" of a node or a mesh, which must have that many numbers.
+// The array "weights" of a node or a mesh; an error unless it has `count` numbers.
 Result<std::optional<Weights>> weights_in(const Json& object, const std::string& parent,
                                           std::size_t count) {
   const auto found = object.find("weights");
@@ -55,8 +55,8 @@ std::optional<Error> check_target(const GltfAsset& asset, std::size_t accessor,
   }
   if (count > pose_work) {
     return gltf_error(ErrorCode::kLimitExceeded, element,
-                      "brings the vertices to pose to more than " +
-                          std::to_string(kMaxGltfPoseWork) + ", the most that are read");
+                      "raises the number of vertices to pose to more than " +
+                          std::to_string(kMaxGltfPoseWork) + ", the limit");
   }
   return std::nullopt;
 }

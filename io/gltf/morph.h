@@ -19,24 +19,25 @@ struct Primitive;
 
 namespace palpate {
 
-// How many morph targets a mesh has: those of its first primitive, which all must have.
+// The number of morph targets of a mesh, which is that of its first primitive; all primitives must
+// have the same number.
 std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh);
 
-// How much each morph target of a mesh counts where a node carries it: the weights of the pose,
-// else those of the node; nothing if neither gives any. Their number must be that of the targets.
-// The node must have a mesh.
+// The morph weights of a node: the weights of the pose, else those of the node; nothing if neither
+// has weights. An error unless the number of weights is that of the targets. The node must have a
+// mesh.
 Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& asset,
                                                              std::size_t node,
                                                              const GltfPose& pose);
 
-// The weights of a mesh where nodes give none: its own, else none.
+// The weights of a mesh for nodes without weights: the mesh's weights, else nothing.
 Result<std::optional<std::vector<double>>> default_morph_weights(const GltfAsset& asset,
                                                                  std::size_t mesh);
 
 // Adds weight times POSITION of each target to the positions of a primitive; targets of weight 0
-// are not decoded. Their accessors hold floats or, with KHR_mesh_quantization, signed integers of 8
-// or 16 bits, as many as there are positions. Takes from pose_work, a budget, what it decodes.
-// element: of the primitive.
+// are not decoded. Their accessors contain floats or, with KHR_mesh_quantization, signed integers
+// of 8 or 16 bits, one element for each position. pose_work: a budget, reduced by the decoded
+// elements. element: of the primitive.
 std::optional<Error> add_morph_targets(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                        const std::string& element, std::span<const double> weights,
                                        std::size_t& pose_work, std::span<Vec3> positions);

@@ -25,7 +25,7 @@ Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
       int& parent = parents[static_cast<std::size_t>(children[c])];
       if (parent != kNoParent) {
         return gltf_invalid(gltf_element("nodes", i, "children/" + std::to_string(c)),
-                            "node " + std::to_string(children[c]) + " already is a child of node " +
+                            "node " + std::to_string(children[c]) + " is already a child of node " +
                                 std::to_string(parent) + "; a node has one parent");
       }
       parent = static_cast<int>(i);
@@ -34,8 +34,7 @@ Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
   return parents;
 }
 
-// With one parent at most for each node, whatever cannot be reached from a root is in or below a
-// cycle.
+// Every node has at most one parent, so a node that no root reaches is in or below a cycle.
 std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vector<int>& parents) {
   std::vector<bool> reached(parents.size(), false);
   std::vector<int> pending;
@@ -51,7 +50,8 @@ std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vecto
   }
   for (std::size_t i = 0; i < reached.size(); ++i) {
     if (!reached[i]) {
-      return gltf_invalid(gltf_element("nodes", i), "is its own ancestor, or a descendant of one");
+      return gltf_invalid(gltf_element("nodes", i),
+                          "is its own ancestor, or a descendant of such a node");
     }
   }
   return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<std::size_t> scene_to_read(const tinygltf::Model& model) {
   return model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
 }
 
-// The nodes at which the scene that is read starts, in file order.
+// The root nodes of the scene, in file order.
 std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::size_t> scene,
                              const std::vector<int>& parents, std::vector<std::string>& warnings) {
   std::vector<int> roots;
@@ -74,10 +74,10 @@ std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::si
   }
   for (const int id : model.scenes[*scene].nodes) {
     if (const int parent = parents[static_cast<std::size_t>(id)]; parent != kNoParent) {
-      warnings.push_back(gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) +
-                         ": node " + std::to_string(id) + " is a child of node " +
-                         std::to_string(parent) +
-                         ", as no node of a scene may be; it is read without its parent");
+      warnings.push_back(
+          gltf_element("scenes", *scene, "nodes/" + std::to_string(roots.size())) + ": node " +
+          std::to_string(id) + " is a child of node " + std::to_string(parent) +
+          ", but a root of a scene must not have a parent; it is read without its parent");
     }
     roots.push_back(id);
   }
@@ -91,7 +91,7 @@ struct PendingNode {
   AffineTransform T_scene_parent;
 };
 
-// Last in, first out, so the first of the list must be pushed last.
+// The stack is last in, first out, so the first node of the list is pushed last.
 void push_all(const std::vector<int>& nodes, const PendingNode& common,
               std::vector<PendingNode>& pending) {
   for (auto id = nodes.rbegin(); id != nodes.rend(); ++id) {
@@ -100,7 +100,7 @@ void push_all(const std::vector<int>& nodes, const PendingNode& common,
   }
 }
 
-// Why the transform of a node, in that of its parent, has left the numbers.
+// The error for an overflow of the product of a node's transform with that of its ancestors.
 Error overflow_of(const tinygltf::Node& node, std::size_t node_id,
                   const AffineTransform& T_scene_parent, const AffineTransform& T_parent_node) {
   const std::string inherited = gltf_number(lengthening(T_scene_parent.linear));
@@ -114,7 +114,7 @@ Error overflow_of(const tinygltf::Node& node, std::size_t node_id,
   return gltf_invalid(gltf_element("nodes", node_id), named + cause);
 }
 
-// The transform of a node whose parent is placed.
+// The transform to the scene of a node whose parent's transform is known.
 Result<AffineTransform> place(const GltfAsset& asset, const GltfPose& pose,
                               const AffineTransform& T_scene_parent, std::size_t node) {
   const auto T_parent_node = local_transform(asset.model.nodes[node], node, pose.pose_of(node));

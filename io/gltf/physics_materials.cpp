@@ -76,11 +76,11 @@ MaybeError read_physics_list(const Json& root, SceneDescription& scene) {
 }
 
 struct Collider {
-  std::optional<std::uint32_t> material;     // in physicsMaterials
-  std::optional<std::size_t> geometry_node;  // in /nodes
+  std::optional<std::uint32_t> material;     // index into physicsMaterials
+  std::optional<std::size_t> geometry_node;  // index into /nodes
 };
 
-// What a node's collider says; nothing said is an empty one.
+// The collider of a node; empty if the node has none.
 Result<Collider> read_collider(const Json& root, std::size_t node, std::size_t material_count) {
   const std::string node_element = gltf_element("nodes", node);
   const auto extension = find_extension(root["nodes"][node], node_element, kPhysics);
@@ -121,17 +121,18 @@ MaybeError bind_physics_materials(const Json& root, SceneDescription& scene) {
     const auto [known, is_new] = named.emplace(*collider->geometry_node, *collider->material);
     if (is_new || known->second == *collider->material) continue;
     if (++disagreements > 1) continue;
-    first_disagreement = gltf_element("nodes", node) + ": its collider gives " +
+    first_disagreement = gltf_element("nodes", node) + ": its collider assigns " +
                          gltf_element("nodes", known->first) + " the physics material " +
                          std::to_string(*collider->material) +
-                         "; it keeps that of an earlier one, " + std::to_string(known->second);
+                         "; the material of an earlier collider is kept, " +
+                         std::to_string(known->second);
   }
   if (disagreements > 1) {
     first_disagreement +=
-        "; " + std::to_string(disagreements - 1) + " further colliders disagree like it";
+        "; " + std::to_string(disagreements - 1) + " further colliders disagree in the same way";
   }
   if (disagreements > 0) scene.notes.push_back(first_disagreement);
-  // Parents come before their children in the tree.
+  // Parents precede their children in the tree.
   Materials from_geometry(scene.tree.size());
   for (std::size_t i = 0; i < scene.tree.size(); ++i) {
     const TreeNode& node = scene.tree[i];

@@ -1,7 +1,7 @@
 #pragma once
 
-// The materials of KHR_physics_rigid_bodies (draft), and the nodes that they are bound to. Nothing
-// is interpreted here. Thread-safe.
+// The materials of KHR_physics_rigid_bodies (draft), and the nodes that they are bound to. The
+// values are not interpreted here. Thread-safe.
 
 #include <optional>
 
@@ -12,12 +12,12 @@
 
 namespace palpate {
 
-// Reads the physics materials, all of them, into a scene whose tree and nodes have been read, and
-// binds them: a node has that of its own collider; else that of a collider whose geometry names the
-// node or, nearest first, an ancestor (the geometry of a node includes its children). Where such
-// colliders disagree, the first in depth-first order wins, with a note. Colliders outside the scene
-// and triggers say nothing. An error if a declaration is not as its convention asks. The JSON is
-// as check_sections() has left it.
+// Reads all physics materials into a scene whose tree and nodes have been read, and binds them to
+// nodes. A node has the material of its own collider; otherwise that of a collider whose geometry
+// names the node or an ancestor, nearest first (the geometry of a node includes its children). If
+// such colliders disagree, the first in depth-first order is used, with a note. Colliders outside
+// the scene and triggers are ignored. An error if a declaration violates the extension's
+// specification. root: the JSON after check_sections().
 std::optional<Error> read_physics_materials(const nlohmann::json& root, SceneDescription& scene);
 
 }  // namespace palpate

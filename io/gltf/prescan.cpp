@@ -31,7 +31,7 @@ struct Chunk {
   std::span<const std::uint8_t> data;
 };
 
-// The chunk at the offset, which is moved to the next one.
+// The chunk at the offset; the offset advances to the next chunk.
 Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
                          std::size_t index) {
   const std::string element = "GLB chunk " + std::to_string(index);
@@ -46,17 +46,17 @@ Result<Chunk> next_chunk(std::span<const std::uint8_t> glb, std::size_t& offset,
     return gltf_invalid(element,
                         "its length is " + std::to_string(length) + " bytes, but the file has " +
                             std::to_string(glb.size() - offset) + " left",
-                        "the file may have been cut short");
+                        "the file may be truncated");
   }
   const Chunk chunk{type, glb.subspan(offset, length)};
   offset += length;
   return chunk;
 }
 
-// Passes over the mark of UTF-8. element: of the text, for messages.
+// Skips a UTF-8 byte order mark; an error for other encodings. element: of the text, for messages.
 std::optional<Error> check_encoding(GltfContainer& container, const std::string& element) {
   using namespace std::string_view_literals;
-  // Without a mark, the zeros beside the first brace tell.
+  // Without a mark, the zero bytes beside the first brace identify the encoding.
   constexpr std::pair<std::string_view, const char*> kOthers[] = {
       {"\xFF\xFE\0\0"sv, "UTF-32"}, {"\0\0\xFE\xFF"sv, "UTF-32"}, {"{\0\0\0"sv, "UTF-32"},
       {"\0\0\0{"sv, "UTF-32"},      {"\xFF\xFE"sv, "UTF-16"},     {"\xFE\xFF"sv, "UTF-16"},
@@ -87,13 +87,13 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
     return gltf_invalid("GLB header",
                         "its length is " + std::to_string(length) + " bytes, but the file has " +
                             std::to_string(file.size()),
-                        "the file may have been cut short");
+                        "the file may be truncated");
   }
   std::size_t offset = kHeaderBytes;
   const auto json = next_chunk(file, offset, 0);
   if (!json) return json.error();
   if (json->type != kJsonChunk) {
-    return gltf_invalid("GLB chunk 0", "is not of type JSON, as the first one must be");
+    return gltf_invalid("GLB chunk 0", "is not of type JSON, as the first chunk must be");
   }
   GltfContainer container;
   container.json = {reinterpret_cast<const char*>(json->data.data()), json->data.size()};
@@ -104,7 +104,7 @@ Result<GltfContainer> split_glb(std::span<const std::uint8_t> file) {
     if (!chunk) return chunk.error();
     if (chunk->type == kJsonChunk || (chunk->type == kBinChunk && index != 1)) {
       return gltf_invalid("GLB chunk " + std::to_string(index),
-                          "is one chunk too many of type JSON or BIN, or BIN is not the second");
+                          "repeats the type JSON or BIN, or BIN is not the second chunk");
     }
     if (chunk->type == kBinChunk) container.bin_chunk = chunk->data;
     container.misaligned |= chunk->data.size() % 4 != 0;

@@ -32,7 +32,7 @@ std::optional<TriangleMode> triangle_mode(int mode) {
   }
 }
 
-// The most indices that make no more than this many triangles.
+// The largest number of indices that gives at most this many triangles.
 std::size_t max_index_count(TriangleMode mode, std::size_t triangles) {
   return mode == TriangleMode::kList ? 3 * triangles : triangles + 2;
 }
@@ -78,17 +78,17 @@ class MeshReader {
   }
 
  private:
-  // The JSON is gone through for every pose, of which a small file can ask for many.
+  // The JSON of the mesh is read again for every pose, and a small file can require many poses.
   std::optional<Error> charge_pose(const tinygltf::Mesh& mesh) {
     if (!pose_.skin && pose_.morph_weights.empty()) return std::nullopt;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
-      constexpr std::size_t kPerPrimitive = 16;  // beside a vertex: names, look-ups, warnings
+      constexpr std::size_t kPerPrimitive = 16;  // relative to a vertex: names, look-ups, warnings
       const std::size_t cost =
           kPerPrimitive + primitive.attributes.size() + primitive.targets.size();
       if (cost > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("meshes", mesh_id_),
-                          "is posed in too many ways: more than " +
-                              std::to_string(kMaxGltfPoseWork) + " primitives and targets");
+                          "has too many poses: more than " + std::to_string(kMaxGltfPoseWork) +
+                              " primitives and targets");
       }
       budget_.pose_work -= cost;
     }
@@ -125,7 +125,7 @@ class MeshReader {
     return std::nullopt;
   }
 
-  // Its triangles are a list in any mode.
+  // Appends a compressed primitive, whose triangles are a list in every mode.
   std::optional<Error> append_compressed(const tinygltf::Primitive& primitive,
                                          const DracoPrimitive& compressed, std::size_t accessor,
                                          const std::string& element) {
@@ -142,7 +142,7 @@ class MeshReader {
 
   using Coordinates = std::vector<std::array<double, 2>>;
 
-  // What the coordinates in a map are made of.
+  // The source of the coordinates in a map.
   struct MapSource {
     int accessor = -1;
     std::array<double, 2> offset;
@@ -152,16 +152,16 @@ class MeshReader {
     auto operator<=>(const MapSource&) const = default;
   };
 
-  // What vertices are made of. Where it is equal, so are they.
+  // The source of vertices. Equal sources give equal vertices.
   struct VertexSource {
-    std::vector<int> positions;  // accessors, those of the pose included
+    std::vector<int> positions;  // accessors, including those of the pose
     std::optional<MapSource> texture;
     std::optional<MapSource> friction;
 
     auto operator<=>(const VertexSource&) const = default;
   };
 
-  // Decodes and poses the vertices, or finds it done.
+  // Decodes and poses the vertices unless that is already done.
   Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive, std::size_t accessor,
                                   const std::string& element) {
     const VertexSource source{sources_of(primitive), map_source(primitive, maps_.texture),
@@ -175,7 +175,7 @@ class MeshReader {
     return range;
   }
 
-  // Compressed vertices are in the order of their own stream, so no two primitives share them.
+  // Compressed vertices are in the order of their stream, so primitives do not share them.
   Result<VertexRange> vertices_of(const tinygltf::Primitive& primitive,
                                   const DracoPrimitive& compressed, std::size_t accessor,
                                   const std::string& element) {
@@ -193,7 +193,7 @@ class MeshReader {
     return append_vertices(primitive, &compressed, element, std::move(*positions));
   }
 
-  // With their coordinates in the maps that are called for.
+  // Appends the vertices with their coordinates in the required maps.
   Result<VertexRange> append_vertices(const tinygltf::Primitive& primitive,
                                       const DracoPrimitive* compressed, const std::string& element,
                                       std::vector<Vec3> positions) {
@@ -221,12 +221,13 @@ class MeshReader {
                                              const TextureReference* map) {
     if (map == nullptr) return std::nullopt;
     const auto attribute = primitive.attributes.find("TEXCOORD_" + std::to_string(map->tex_coord));
-    const bool missing = attribute == primitive.attributes.end();  // found out when it is read
+    const bool missing =
+        attribute == primitive.attributes.end();  // reported when the attribute is read
     return MapSource{missing ? -1 : attribute->second, map->uv_offset, map->uv_rotation_rad,
                      map->uv_scale};
   }
 
-  // The accessors that the posed positions are made of.
+  // The accessors from which the posed positions are computed.
   std::vector<int> sources_of(const tinygltf::Primitive& primitive) const {
     std::vector<int> sources = {primitive.attributes.at("POSITION")};
     if (pose_.skin) {
@@ -273,7 +274,7 @@ class MeshReader {
     if (auto error = check_index_count(mode, *count, element)) return *error;
     std::vector<Triangle> triangles;
     if (mode == TriangleMode::kList) {
-      // Nothing is to be assembled: its indices are those of triangles.
+      // The indices are already those of triangles.
       static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
       triangles.resize(*count / 3);
       const std::span<std::uint32_t> indices(triangles.front().data(), *count);
@@ -317,9 +318,9 @@ class MeshReader {
     return check_restart(primitive, mode, indices, element);
   }
 
-  // An index that stands for primitive restart, section 3.7.2.1, is not allowed. Real exporters use
-  // it for the last vertex of 256; a list has nothing to restart, so there it can mean nothing
-  // else.
+  // The index reserved for primitive restart (section 3.7.2.1) is not allowed. Real exporters use
+  // it for the last of 256 vertices. A list has nothing to restart, so in a list it can only be a
+  // vertex; elsewhere it is an error.
   std::optional<Error> check_restart(const tinygltf::Primitive& primitive, TriangleMode mode,
                                      std::span<const std::uint32_t> indices,
                                      const std::string& element) {
@@ -330,12 +331,13 @@ class MeshReader {
                                 std::to_string(reserved) +
                                 ", the largest of its type, which glTF does not allow";
     if (mode != TriangleMode::kList) return gltf_invalid(element + "/indices", problem);
-    warnings_.push_back(element + "/indices: " + problem + "; it is read as that vertex");
+    warnings_.push_back(element + "/indices: " + problem +
+                        "; it is read as an ordinary vertex index");
     return std::nullopt;
   }
 
-  // The triangles that follow have this material, by its id in the file; -1: none.
-  // Finds the maps that they call for.
+  // Begins a run of triangles with this material (id in the file; -1: none) and finds the maps that
+  // the run requires.
   std::optional<Error> begin_run(int file_material) {
     std::optional<std::uint32_t> material;
     if (file_material >= 0) {
@@ -373,7 +375,7 @@ class MeshReader {
   GltfBudget& budget_;
   std::vector<std::string>& warnings_;
   MeshDescription description_;
-  GltfMaterials::Maps maps_;  // of the primitive that is being read
+  GltfMaterials::Maps maps_;  // of the current primitive
   std::map<VertexSource, VertexRange> ranges_;
 };
 

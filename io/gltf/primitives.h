@@ -1,6 +1,6 @@
 #pragma once
 
-// The three ways in which glTF lists triangles, and what a whole mesh makes of its primitives.
+// The three triangle modes of glTF, and the triangles of a whole mesh.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,12 +19,12 @@ namespace palpate {
 
 enum class TriangleMode { kList, kStrip, kFan };
 
-// The triangles of a primitive, glTF 2.0, section 3.7.2.1: every second one of a strip is turned,
-// so that all keep the orientation of the first. A list with a remainder loses it, fewer than three
-// indices make no triangle: the caller must have refused both.
+// The triangles of a primitive (glTF 2.0, section 3.7.2.1). Every second triangle of a strip is
+// reversed, so that all have the orientation of the first. A remainder of a list is dropped, and
+// fewer than three indices give no triangle: the caller must have rejected both.
 std::vector<Triangle> assemble_triangles(TriangleMode mode, std::span<const std::uint32_t> indices);
 
-// How much more may be read; shared by all meshes of a scene.
+// The remaining budget, shared by all meshes of a scene.
 struct GltfBudget {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
@@ -33,14 +33,14 @@ struct GltfBudget {
 
 // How a node changes the shape of its mesh.
 struct MeshPose {
-  std::span<const double> morph_weights;  // empty: no target moves anything
+  std::span<const double> morph_weights;  // empty: no morph target is applied
   const GltfSkin* skin = nullptr;         // applied after the morph targets
 };
 
-// All triangles of one mesh, which may be none; its positions are in the scene frame if it has a
-// skin. Primitives that share their accessors share the vertices, unless these lie elsewhere in
-// their maps. Points, lines and primitives without POSITION are passed over with a warning. Takes
-// from the budget what it uses.
+// All triangles of one mesh, possibly none. Its positions are in the mesh frame, or in the scene
+// frame if it has a skin. Primitives that share their accessors share their vertices, unless their
+// texture coordinates differ. Points, lines and primitives without POSITION are skipped with a
+// warning. The budget is reduced by the use.
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
                                   GltfMaterials& materials, GltfBudget& budget,
                                   std::vector<std::string>& warnings);

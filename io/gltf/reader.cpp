@@ -43,10 +43,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Instances repeat the name of their node: so many bytes of it.
+// The largest number of bytes of a node's name that its instances repeat.
 constexpr std::size_t kMaxInstanceName = 32;
 
-// Cut between characters of UTF-8.
+// The name, cut between UTF-8 characters.
 std::string shortened(const std::string& name) {
   if (name.size() <= kMaxInstanceName) return name;
   std::size_t end = kMaxInstanceName;
@@ -54,10 +54,10 @@ std::string shortened(const std::string& name) {
   return name.substr(0, end) + "...";
 }
 
-// Makes the description of the scene from a model whose JSON has been checked.
+// Builds the description of the scene from a model whose JSON has been checked.
 class SceneReader {
  public:
-  // of_text: warnings of the file's form; of_extensions: of what is left out with them.
+  // of_text: warnings about the form of the file; of_extensions: about unsupported extensions.
   SceneReader(const GltfAsset& asset, const ReadOptions& options, std::vector<std::string> of_text,
               const std::vector<std::string>& of_extensions)
       : asset_(asset), options_(options) {
@@ -102,16 +102,16 @@ class SceneReader {
  private:
   using Weights = std::vector<double>;
 
-  // A mesh posed in one way, by its ids in the file.
+  // A mesh in one pose, by its ids in the file.
   struct PosedMesh {
     std::size_t mesh = 0;
     std::optional<std::size_t> skin;
-    const Weights* morph_weights = nullptr;  // in weights_: equal weights, equal pointers
+    const Weights* morph_weights = nullptr;  // in weights_; equal weights have equal pointers
 
     auto operator<=>(const PosedMesh&) const = default;
   };
 
-  // What the scene and its nodes declare.
+  // Reads the extras.palpate of the scene and its nodes.
   std::optional<Error> read_extras() {
     MaterialDescription& ours = scene_.scene_parameters;
     ours.name = "scene";
@@ -141,8 +141,7 @@ class SceneReader {
     if (find_palpate_extras(object)->contains("medium")) {
       scene_.regions.push_back(std::move(region));
     } else {
-      warn(region.element, name,
-           "has no \"medium\" there, the only thing that is understood of a node; it is ignored");
+      warn(region.element, name, "is ignored: the only known key of a node, \"medium\", is absent");
     }
     return std::nullopt;
   }
@@ -163,26 +162,26 @@ class SceneReader {
     return std::nullopt;
   }
 
-  // The node, or its instances, without a mesh yet.
+  // Adds the node or its instances, still without a mesh.
   std::optional<Error> add_placed(const PlacedNode& placed) {
     const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances - instance_count_);
     if (!instances) return instances.error();
     if (*instances) return add_instances(placed, **instances);
     const std::string& name = scene_.tree[placed.tree_node].name;
     const Mat3& linear = placed.T_scene_node.linear;
-    if (linear == Mat3::Identity()) {  // of most nodes of large scenes
+    if (linear == Mat3::Identity()) {  // the common case in large scenes
       add_description(placed, name, placed.T_scene_node);
       return std::nullopt;
     }
     const std::string element = gltf_element("nodes", placed.node);
     if (auto error = check_scale(linear, element, in_quotes(name))) return error;
     if (linear.isZero(0.0)) {
-      warn(element, name, "is scaled to nothing and is left out");
+      warn(element, name, "has scale zero and is left out");
     } else if (const double scale = lengthening(linear); scale < kMinGltfScale) {
       warn(element, name,
            "is scaled by " + gltf_number(scale) +
-               ", with its ancestors, and is left out; at least " + gltf_number(kMinGltfScale) +
-               " is read");
+               ", with its ancestors, and is left out; expected at least " +
+               gltf_number(kMinGltfScale));
     } else if (is_singular(linear)) {
       warn(element, name,
            "is left out: its transform, with those of its ancestors, flattens the mesh");
@@ -236,13 +235,13 @@ class SceneReader {
                                      ", with those of its ancestors, overflows");
   }
 
-  // Where the node lies is of no account: its mesh is posed in the scene frame.
+  // The node's own transform is not used: its mesh is posed in the scene frame.
   std::optional<Error> add_skinned(const PlacedNode& placed) {
     const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances);
     if (!instances) return instances.error();
     if (*instances) {
       return gltf_error(ErrorCode::kUnsupported, gltf_element("nodes", placed.node),
-                        "has a skin and EXT_mesh_gpu_instancing; expected one or the other");
+                        "has a skin and EXT_mesh_gpu_instancing; expected only one of them");
     }
     add_description(placed, scene_.tree[placed.tree_node].name, AffineTransform());
     return std::nullopt;
@@ -259,7 +258,7 @@ class SceneReader {
     scene_.nodes.push_back(std::move(description));
   }
 
-  // Reads the mesh when it is first asked for in this pose; nothing if it has no triangle.
+  // Reads the mesh at its first use in this pose; nothing if it has no triangle.
   Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed) {
     if (const auto known = meshes_.find(posed); known != meshes_.end()) return known->second;
     MeshPose pose{*posed.morph_weights, nullptr};
@@ -268,11 +267,11 @@ class SceneReader {
       if (!skin) return skin.error();
       pose.skin = *skin;
     }
-    // What one skinned pose warns of, all do.
-    std::vector<std::string> told;
+    // All skinned poses of a mesh give the same warnings, which are reported once.
+    std::vector<std::string> already_reported;
     const bool is_new = warned_.emplace(posed.mesh, posed.skin.has_value()).second;
-    auto mesh =
-        read_mesh(asset_, posed.mesh, pose, *materials_, budget_, is_new ? scene_.warnings : told);
+    auto mesh = read_mesh(asset_, posed.mesh, pose, *materials_, budget_,
+                          is_new ? scene_.warnings : already_reported);
     if (!mesh) return mesh.error();
     std::optional<std::uint32_t> index;
     if (!mesh->triangles.empty()) {
@@ -285,15 +284,15 @@ class SceneReader {
     return index;
   }
 
-  // The morph weights of a node's mesh; empty if no target moves anything. Those of the mesh are
-  // not gone through again for every node: many nodes may share many targets.
+  // The morph weights of a node's mesh; empty if no target has an effect. The weights of a mesh are
+  // read only once, because many nodes may share many targets.
   Result<const Weights*> weights_of(std::size_t node) {
     auto own = own_morph_weights(asset_, node, pose_);
     if (!own) return own.error();
     if (*own) {
       if ((*own)->size() > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("nodes", node),
-                          "brings the morph weights of all nodes to more than are read");
+                          "raises the number of morph weights of all nodes above the limit");
       }
       budget_.pose_work -= (*own)->size();
       return kept(std::move(**own));
@@ -358,24 +357,24 @@ class SceneReader {
   const GltfAsset& asset_;
   const ReadOptions& options_;
   SceneDescription scene_;
-  std::size_t first_loss_ = 0;  // of its warnings: the first that may be why there is no triangle
+  std::size_t first_loss_ = 0;  // index of the first warning that may explain an empty scene
   PalpateExtras extras_;
   GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
   std::set<Weights> weights_;
-  std::map<std::size_t, const Weights*> default_weights_;  // by id of the mesh in the file
-  std::set<std::pair<std::size_t, bool>> warned_;          // meshes that were read, with a skin?
+  std::map<std::size_t, const Weights*> default_weights_;  // by mesh id in the file
+  std::set<std::pair<std::size_t, bool>> warned_;          // meshes read, and whether with a skin
   std::map<std::size_t, GltfSkin> skins_;                  // by id in the file
   GltfPose pose_;
-  GltfNodeWalk* walk_ = nullptr;  // these two: while run() runs
+  GltfNodeWalk* walk_ = nullptr;  // both are valid during run()
   GltfMaterials* materials_ = nullptr;
   std::size_t joint_count_ = 0;     // of skins_
-  std::size_t instance_count_ = 0;  // those left out included
+  std::size_t instance_count_ = 0;  // including those left out
   std::size_t skinned_meshes_ = 0;
   std::size_t morphed_meshes_ = 0;
 };
 
-// As read_gltf_bytes, but it may throw, and Error::path is empty.
+// As read_gltf_bytes(), but may throw, and Error::path is empty.
 Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
                                     const ReadOptions& options, MemoryLedger& ledger) {
   const auto container = split_container(bytes);
@@ -389,7 +388,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   const MemoryReserve reserve(memory_to_destroy(container->json, extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
-    warnings.push_back("JSON: begins with a byte order mark, which is passed over");
+    warnings.push_back("JSON: begins with a byte order mark, which is ignored");
   }
   auto root = parse_gltf_json(container->json, warnings);
   if (!root) return root.error();
@@ -398,7 +397,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   if (!extensions) return extensions.error();
   auto sections = read_model(*root, container->json.size(), warnings);
   if (!sections) {
-    if (MemoryReserve::has_helped_out()) throw std::bad_alloc();  // tinygltf keeps it to itself
+    if (MemoryReserve::has_helped_out()) throw std::bad_alloc();  // tinygltf does not report it
     return sections.error();
   }
   GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder, &ledger);
@@ -412,7 +411,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   return SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
 }
 
-// What memory is not the cause of.
+// Handles the exceptions that are not caused by lack of memory.
 Result<SceneDescription> read_counted(std::span<const std::uint8_t> bytes,
                                       const std::string& folder, const ReadOptions& options,
                                       MemoryLedger& ledger) {

@@ -24,7 +24,7 @@ using MaybeError = std::optional<Error>;
 
 enum class Kind {
   kId,       // index into the section named by target
-  kIds,      // array of them
+  kIds,      // array of such indices
   kWhole,    // 0 to maximum
   kNumbers,  // array of exactly maximum finite numbers
   kFlag,
@@ -74,7 +74,7 @@ constexpr Property kAccessorProperties[] = {
     {"count", Kind::kWhole, true},
     {"type", Kind::kAccessorType, true},
 };
-// tinygltf keeps these in an int.
+// tinygltf stores these as int.
 constexpr Property kSparseProperties[] = {
     {"count", Kind::kWhole, true, "", kMaxInt},
 };
@@ -98,8 +98,8 @@ constexpr Property kBufferProperties[] = {
     {"uri", Kind::kText},
 };
 
-// Where something stands in the JSON. It is written out only for messages: of a million elements
-// that are well there is none.
+// The path of a value in the JSON. It is converted to text only for messages, so that a million
+// valid elements cost no text.
 class JsonPath {
  public:
   JsonPath() = default;
@@ -118,7 +118,7 @@ class JsonPath {
       : parent_(parent), name_(name), index_(index) {}
 
   const JsonPath* parent_ = nullptr;  // outlives this
-  std::string_view name_;             // no data: an index
+  std::string_view name_;             // null data: an index
   std::size_t index_ = 0;
 };
 
@@ -149,7 +149,8 @@ class Checker {
         elements_(elements) {}
 
   MaybeError run() {
-    // All of them before the first id, which would be out of range of a section that is no array.
+    // All sections are checked before the first id, which would be out of range of a section that
+    // is not an array.
     for (const Section& section : kSections) {
       const auto list = root_.find(section.name);
       if (list != root_.end() && !list->is_array()) {
@@ -171,7 +172,7 @@ class Checker {
     return section == root_.end() || !section->is_array() ? 0 : section->size();
   }
 
-  // scenes: becomes the object of which the scenes are handed over.
+  // scenes: receives the object that is passed on for the scenes.
   MaybeError check_section(const Section& section, Json& scenes) {
     const auto list = root_.find(section.name);
     if (list == root_.end()) return std::nullopt;
@@ -204,13 +205,13 @@ class Checker {
     return elements_.add(section.id, std::move(scenes), nullptr);
   }
 
-  // Each element costs much more memory than its text, which may be no longer than "{},".
+  // Each element costs much more memory than its text, which may be as short as "{},".
   MaybeError count_elements(std::size_t count, const JsonPath& path) {
     if (count > elements_left_) {
       return gltf_error(ErrorCode::kLimitExceeded, path.text(),
-                        "brings the elements of the asset to more than " +
+                        "raises the number of elements of the asset to more than " +
                             std::to_string(most_elements_) +
-                            ", the most that are read of so short a text");
+                            ", the limit for a text of this length");
     }
     elements_left_ -= count;
     return std::nullopt;
@@ -227,7 +228,7 @@ class Checker {
       case GltfSection::kAccessors:
         return check_accessor(object, path, taken);
       case GltfSection::kBufferViews:
-        // What is left of a view is compared with what its compressed data say.
+        // The view keeps its properties, which are compared with those of its compressed data.
         return take_properties(object, path, kBufferViewProperties, taken, Source::kKept);
       case GltfSection::kBuffers:
         return take_properties(object, path, kBufferProperties, taken);
@@ -316,7 +317,7 @@ class Checker {
     return take_part(*sparse, sparse_path, "values", kSparseValuesProperties, part);
   }
 
-  // Only a hint for other readers; what is read are the data.
+  // Min and max are only hints for other readers; the data are used.
   void check_extremes(const Json& accessor, const JsonPath& path, const std::string& type) {
     const auto low = accessor.find("min");
     const auto high = accessor.find("max");
@@ -327,8 +328,8 @@ class Checker {
           std::all_of(list->begin(), list->end(), [](const Json& n) { return n.is_number(); })) {
         return true;
       }
-      warnings_.push_back((path / name).text() + ": is no list of " + std::to_string(count) +
-                          " numbers, one for each component; it is ignored, the data count");
+      warnings_.push_back((path / name).text() + ": is not a list of " + std::to_string(count) +
+                          " numbers, one for each component; it is ignored and the data are used");
       return false;
     };
     const bool has_low = numbers_in(low, "min");
@@ -338,12 +339,12 @@ class Checker {
       if (!((*low)[i].get<double>() > (*high)[i].get<double>())) continue;
       warnings_.push_back(path.text() + ": its min " + (*low)[i].dump() + " is above its max " +
                           (*high)[i].dump() + " in component " + std::to_string(i) +
-                          "; both are ignored, the data count");
+                          "; both are ignored and the data are used");
       return;
     }
   }
 
-  // A required object inside another.
+  // Takes the properties of a required nested object.
   MaybeError take_part(Json& parent, const JsonPath& parent_path, const char* name,
                        std::span<const Property> properties, Json& parent_taken) {
     const JsonPath path = parent_path / name;
@@ -424,7 +425,7 @@ class Checker {
         return gltf_invalid(path.text(), "has " + std::to_string(value.size()) +
                                              " elements; expected each of the " +
                                              std::to_string(count) + " in /" + property.target +
-                                             " once at most");
+                                             " at most once");
       }
       Json id;
       if (auto error = take_id(value[i], path / i, property, id)) return error;

@@ -1,9 +1,9 @@
 #pragma once
 
-// The shape of the JSON of a glTF asset: types, required properties, ids within range.
+// Checks the schema of the JSON of a glTF asset: types, required properties, ids within range.
 //
-// tinygltf ignores a property of the wrong type without a word and checks no id. So it is given
-// only what was checked here, and needs no check of this kind behind it.
+// tinygltf silently ignores a property of the wrong type and checks no id. Therefore it parses only
+// elements that were checked here.
 
 #include <cstddef>
 #include <optional>
@@ -18,26 +18,27 @@ namespace palpate {
 
 enum class GltfSection { kScenes, kNodes, kMeshes, kAccessors, kBufferViews, kBuffers };
 
-// Takes what was checked.
+// Receives the checked elements.
 class GltfElements {
  public:
   virtual ~GltfElements() = default;
-  // So many elements of a section are about to come. The number is within the limits.
+  // Announces the number of elements of a section. The number is within the limits.
   virtual void expect(GltfSection section, std::size_t count) = 0;
-  // The next one: taken, an object with the properties that the reader uses, each of the type, the
-  // array length and the id range that glTF 2.0 asks for; a whole number written "3.0" is 3. The
-  // scenes come as one, {"scene": 0, "scenes": [...]}, before all others. rest: what is left of it
-  // in the document, if that is nothing, so that both can go together.
+  // The next element. taken: an object with the properties that the reader uses; each has the type,
+  // the array length and the id range that glTF 2.0 requires, and a whole number written "3.0" is
+  // 3. The scenes are passed first, as one element {"scene": 0, "scenes": [...]}. rest: the
+  // remainder of the element in the document if the document no longer needs it, so that taken and
+  // rest can be destroyed together.
   virtual std::optional<Error> add(GltfSection section, nlohmann::json taken,
                                    nlohmann::json rest) = 0;
 };
 
-// Checks the sections in the order of GltfSection and hands over their elements, one at a time. The
-// properties are moved out of root, so that they are not held twice: it keeps buffer views,
-// extensions, extras and what else is read beside tinygltf, and the lengths of all sections.
-// Error::element is the JSON path of the first property that breaks a rule. Min and max of an
-// accessor that contradict each other are a warning. text_bytes: of the JSON text, by which the
-// number of elements is bounded. Thread-safe.
+// Checks the sections in the order of GltfSection and passes their elements on, one at a time. The
+// properties are moved out of root to avoid a second copy; root keeps buffer views, extensions,
+// extras and all other content that is not read through tinygltf, and the lengths of all sections.
+// Error::element is the JSON path of the first invalid property. Min and max of an accessor that
+// contradict each other are a warning. text_bytes: length of the JSON text, which limits the number
+// of elements. Thread-safe.
 std::optional<Error> check_sections(nlohmann::json& root, std::size_t text_bytes,
                                     std::vector<std::string>& warnings, GltfElements& elements);
 

@@ -24,8 +24,8 @@ constexpr GltfNumberFormat kJointWeights{"VEC4", kGltfFloats | kGltfNormalizedUn
                                          "weights of joints"};
 constexpr std::size_t kJointsPerSet = 4;
 
-// What rounding of stored weights can add to their sum: half a step for each integer; a float is
-// the quotient of rounded numbers, so a few halves.
+// The largest error of the sum of a vertex's weights from rounding: half a step for each integer; a
+// few half steps for a float, which is a quotient of rounded numbers.
 double rounding_of(int component_type) {
   switch (component_type) {
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
@@ -61,8 +61,8 @@ Result<std::vector<std::size_t>> read_joints(const GltfAsset& asset, std::size_t
   }
   if (list->size() > max_joints) {
     return gltf_error(ErrorCode::kLimitExceeded, element + "/joints",
-                      "brings the joints to more than " + std::to_string(kMaxGltfJoints) +
-                          ", the most that are read");
+                      "raises the number of joints to more than " + std::to_string(kMaxGltfJoints) +
+                          ", the limit");
   }
   std::vector<std::size_t> joints;
   for (const Json& joint : *list) {
@@ -82,7 +82,7 @@ std::string named_node(const GltfAsset& asset, std::size_t node) {
   return "node " + std::to_string(node) + (name.empty() ? "" : " (" + in_quotes(name) + ")");
 }
 
-// Each joint is read as it stands, with its own inverse bind matrix.
+// Each of the joints of a node is used with its own inverse bind matrix.
 void warn_of_duplicates(const GltfAsset& asset, std::size_t skin,
                         const std::vector<std::size_t>& joints,
                         std::vector<std::string>& warnings) {
@@ -96,9 +96,10 @@ void warn_of_duplicates(const GltfAsset& asset, std::size_t skin,
             " and joint " + std::to_string(i);
   }
   if (others == 0) return;
-  warnings.push_back(gltf_element("skins", skin, "joints") + ": " + first +
-                     ", expected each node once; it moves what each of them holds" +
-                     (others > 1 ? "; so do " + std::to_string(others - 1) + " more" : ""));
+  warnings.push_back(
+      gltf_element("skins", skin, "joints") + ": " + first +
+      "; expected each node once. All its joints are used" +
+      (others > 1 ? "; " + std::to_string(others - 1) + " further joints are repeated" : ""));
 }
 
 Error joint_out_of_range(const GltfAsset& asset, std::size_t skin, std::size_t joint,
@@ -116,7 +117,7 @@ Error joint_out_of_range(const GltfAsset& asset, std::size_t skin, std::size_t j
                                    ", with its inverse bind matrix, overflows");
 }
 
-// 16 numbers for each joint, or none.
+// 16 numbers for each joint; empty if the skin has no inverse bind matrices.
 Result<std::vector<double>> read_inverse_binds(const GltfAsset& asset, std::size_t skin,
                                                std::size_t joint_count) {
   const auto accessor =
@@ -127,17 +128,17 @@ Result<std::vector<double>> read_inverse_binds(const GltfAsset& asset, std::size
   return read_numbers(asset, **accessor, kInverseBindMatrices, joint_count);
 }
 
-// One set of a primitive: which joints move a vertex, and how much.
+// One set of a primitive: the joints that move each vertex, and their weights.
 struct InfluenceSet {
   std::string element;         // of JOINTS_n
   std::vector<double> joints;  // kJointsPerSet for each vertex
   std::vector<double> weights;
 };
 
-// Numbers that a set decodes for a vertex.
+// The number of values in a set for one vertex.
 constexpr std::size_t kWorkPerVertex = 8;
 
-// Adds up what joints and weights say, set by set.
+// Accumulates the weighted joint transforms, set by set.
 class Skinning {
  public:
   Skinning(const GltfSkin& skin, std::span<Vec3> positions)
@@ -161,14 +162,14 @@ class Skinning {
     return std::nullopt;
   }
 
-  // rounding: how far the sum of a vertex's weights may be from 1 without a warning.
+  // rounding: the tolerated difference between 1 and the sum of a vertex's weights.
   std::optional<Error> finish(const std::string& element, double rounding,
                               std::vector<std::string>& warnings) {
     std::size_t off = 0;
     std::size_t unbound = 0;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       if (weights_[i] == 0.0) {
-        // What engines do: many files have such vertices, as a rule where no triangle uses them.
+        // Other engines do the same; many files have such vertices, usually without a triangle.
         const AffineTransform& T_scene_mesh = skin_.T_scene_mesh.front();
         positions_[i] = T_scene_mesh.linear * positions_[i] + T_scene_mesh.translation_m;
         ++unbound;
@@ -262,8 +263,8 @@ std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitiv
     const std::size_t work = kWorkPerVertex * positions.size();
     if (work > pose_work) {
       return gltf_error(ErrorCode::kLimitExceeded, element,
-                        "brings the vertices to pose to more than " +
-                            std::to_string(kMaxGltfPoseWork) + ", the most that are read");
+                        "raises the number of values to pose to more than " +
+                            std::to_string(kMaxGltfPoseWork) + ", the limit");
     }
     pose_work -= work;
     auto joint_numbers =

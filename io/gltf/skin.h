@@ -20,30 +20,31 @@ struct Primitive;
 
 namespace palpate {
 
-// Joint i takes a point of the mesh frame to T_scene_mesh[i] * point.
+// Joint i moves a point of the mesh frame to T_scene_mesh[i] * point.
 struct GltfSkin {
-  std::size_t id = 0;  // in the file
+  std::size_t id = 0;  // index in the file
   std::vector<AffineTransform> T_scene_mesh;
 };
 
-// place: the transform of a node to the scene. Refused: ids out of range, no joint, more than
-// max_joints (kLimitExceeded), fewer inverse bind matrices than joints, one that is not affine, a
-// scale beyond kMaxGltfScale (kLimitExceeded). Without inverse bind matrices they are the identity.
-// A node that is more than one joint, which glTF forbids, is a warning; it is each of them.
+// place: returns the transform of a node to the scene. Errors: ids out of range, no joint, more
+// than max_joints (kLimitExceeded), fewer inverse bind matrices than joints, a matrix that is not
+// affine, a scale above kMaxGltfScale (kLimitExceeded). Absent inverse bind matrices are the
+// identity. A node that is listed as several joints, which glTF forbids, is a warning; each of the
+// joints is used.
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin, std::size_t max_joints,
                            const std::function<Result<AffineTransform>(std::size_t)>& place,
                            std::vector<std::string>& warnings);
 
 class DracoPrimitive;
 
-// Moves the positions of a primitive from the mesh frame into the scene frame: the mean of where
-// its joints take a vertex, by all sets JOINTS_n and WEIGHTS_n. Weights are divided by their sum;
-// if a sum is farther from 1 than its type's rounding explains, that is a warning. Refused: a
-// missing set, sets of another length than the positions, negative weights, a joint with a weight
-// that the skin does not have. Joints whose weight is 0 are not looked at. Vertices without any
-// weight move with the first joint, which is a warning. Takes from pose_work, a budget, the numbers
-// of each set. element: of the primitive. compressed: the primitive as it was decoded, if it is
-// compressed, else null.
+// Moves the positions of a primitive from the mesh frame to the scene frame: each vertex becomes
+// the weighted mean of its positions under its joints, over all sets JOINTS_n and WEIGHTS_n.
+// Weights are divided by their sum; a sum that differs from 1 by more than the rounding of its type
+// is a warning. Errors: a missing set, sets of another length than the positions, negative weights,
+// a joint with non-zero weight that the skin does not have. Joints of weight 0 are ignored.
+// Vertices without any weight move with the first joint, which is a warning. pose_work: a budget,
+// reduced by the number of values of each set. element: of the primitive. compressed: the decoded
+// primitive if it is compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                 const DracoPrimitive* compressed, const std::string& element,
                                 const GltfSkin& skin, std::size_t& pose_work,

@@ -76,7 +76,7 @@ MaybeError read_wrap(const Json& sampler, const std::string& element, const char
                        "10497 (repeat), 33071 (clamp) or 33648 (mirror)");
 }
 
-// The sampler that a texture may have.
+// Reads the sampler of a texture, if any.
 MaybeError read_sampler(const Json& root, const Json& texture, const std::string& texture_element,
                         TextureReference& reference) {
   const auto id =

@@ -12,10 +12,9 @@
 
 namespace palpate {
 
-// What a textureInfo of an asset says; element is its JSON path. An error unless it leads to a
-// texture, and from there, where the texture has a source, to an image, both of them objects. The
-// content of the image is not looked at. TextureReference::scale and pixels are left as they are.
-// Thread-safe.
+// Reads a textureInfo of an asset; element is its JSON path. An error unless it refers to a texture
+// and the texture, if it has a source, refers to an image; both must be objects. The content of the
+// image is not read. TextureReference::scale and pixels keep their defaults. Thread-safe.
 Result<TextureReference> read_texture_reference(const nlohmann::json& root,
                                                 const nlohmann::json& info,
                                                 const std::string& element);

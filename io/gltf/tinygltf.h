@@ -1,8 +1,8 @@
 #pragma once
 
-// The one way to include tinygltf: these switches change its classes, so every translation unit
-// must see the same. Without a file system and an image decoder of its own it can neither open a
-// file nor decode an image, whatever the asset says.
+// Includes tinygltf. Every translation unit must include it through this header, because these
+// macros change its classes. They remove tinygltf's file access and image decoding, so that an
+// asset can neither make it open a file nor decode an image.
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE

@@ -17,9 +17,9 @@ double squared_length_of(const Eigen::Vector4d& q) {
   return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
 }
 
-// The rotation matrix of the quaternion x, y, z, w divided by its length. Written with the squared
-// length, so that quarter and half turns come out exact even when their float components do not
-// square to 1.
+// The rotation matrix of the normalised quaternion x, y, z, w. It is computed with the squared
+// length, so that quarter and half turns are exact even if the squares of their float components do
+// not add up to 1.
 Mat3 rotation_matrix(const Eigen::Vector4d& q) {
   const double squared_length = squared_length_of(q);
   const double x = q[0];
@@ -83,7 +83,7 @@ std::optional<Error> check_scale(const Mat3& linear_scene_mesh, const std::strin
                                  const std::string& what) {
   double scale = lengthening(linear_scene_mesh);
   if (scale <= kMaxGltfScale) return std::nullopt;
-  if (!std::isfinite(scale)) scale = linear_scene_mesh.cwiseAbs().maxCoeff();  // that, and more
+  if (!std::isfinite(scale)) scale = linear_scene_mesh.cwiseAbs().maxCoeff();  // a lower bound
   return gltf_error(ErrorCode::kLimitExceeded, element,
                     what + " is scaled by " + gltf_number(scale) +
                         ", with its ancestors; at most " + gltf_number(kMaxGltfScale) + " is read");
@@ -101,9 +101,9 @@ bool is_singular(const Mat3& linear) {
     if (!(length > 0.0)) return true;
     scaled.col(i) /= length;
   }
-  // Each entry is the sum of three products, and was rounded a few times on the way.
+  // Each entry is a sum of three products and has been rounded a few times.
   constexpr double kNoise = 16.0 * std::numeric_limits<double>::epsilon();
-  const Vec3 stretch = Eigen::JacobiSVD<Mat3>(scaled).singularValues();  // falling
+  const Vec3 stretch = Eigen::JacobiSVD<Mat3>(scaled).singularValues();  // descending
   return !(stretch[2] > kNoise * stretch[0]);
 }
 

@@ -32,7 +32,7 @@ class Trajectory : public testing::Test {
     return read_trajectory(path_);
   }
 
-  // The positions, or none and a failure.
+  // The positions; empty, with a test failure, on an error.
   std::vector<Vec3> positions(const std::string& text) {
     auto result = read(text);
     if (result) return *result;
@@ -40,7 +40,7 @@ class Trajectory : public testing::Test {
     return {};
   }
 
-  // The one-line message of the error that text must give.
+  // The one-line message of the expected error.
   std::string message(const std::string& text) {
     const auto result = read(text);
     if (!result) return result.error().to_string();
@@ -105,7 +105,7 @@ TEST_F(Trajectory, IgnoresALeadingTimeThatIncreases) {
   }
 }
 
-TEST_F(Trajectory, TakesNanAndInfinityForSamples) {
+TEST_F(Trajectory, AcceptsNanAndInfinityAsSamples) {
   const auto points = positions("nan NaN -nan\ninf -inf INF\n+inf infinity -Infinity\n");
   ASSERT_EQ(points.size(), 3u);
   EXPECT_TRUE(points[0].array().isNaN().all());
@@ -113,7 +113,7 @@ TEST_F(Trajectory, TakesNanAndInfinityForSamples) {
   EXPECT_EQ(points[2], Vec3(kInfinity, kInfinity, -kInfinity));
 }
 
-TEST_F(Trajectory, GivesEveryDoubleBackToTheBit) {
+TEST_F(Trajectory, RestoresEveryDoubleToTheBit) {
   Random random(7101);
   std::vector<Vec3> written;
   std::string text;
@@ -142,8 +142,8 @@ TEST_F(Trajectory, ReadsThePointAsDecimalInEveryLocale) {
   std::setlocale(LC_ALL, before.c_str());
 }
 
-TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNoNumber) {
-  expect_message("1 2 3\n# c\n1 2 3mm\n", "line 3: ", "column 3 is \"3mm\", expected a number");
+TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNotANumber) {
+  expect_message("1 2 3\n# c\n1 2 3mm\n", "line 3: ", "column 3 is \"3mm\"; expected a number");
   expect_message("1 2 o\n", "line 1: ", "column 3 is \"o\"");
   expect_message("x y z\nx y z\n", "line 2: ", "column 1 is \"x\"");
   expect_message("0x10 1 1\n", "line 1: ", "\"0x10\"");
@@ -151,7 +151,7 @@ TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNoNumber) {
   expect_message("1 2 +-3\n", "line 1: ", "\"+-3\"");
   expect_message("1 2 3\n1 2 1e400\n", "line 2: ", "range of a double");
   expect_message("1e400 2 3\n", "line 1: ", "range of a double");
-  expect_message("1;2;3\n1;2;3\n", "line 2: ", "found 1 column, expected 3 or 4");
+  expect_message("1;2;3\n1;2;3\n", "line 2: ", "has 1 column; expected 3 or 4");
   expect_message("1,,3\n", "line 1: ", "column 2 is empty");
   expect_message("1,2,3,\n", "line 1: ", "column 4 is empty");
   expect_message(",1,2\n", "line 1: ", "column 1 is empty");
@@ -159,12 +159,12 @@ TEST_F(Trajectory, NamesTheLineOfAFieldThatIsNoNumber) {
 }
 
 TEST_F(Trajectory, RefusesLinesOfAnotherLength) {
-  expect_message("1 2\n", "line 1: ", "found 2 columns, expected 3 or 4");
-  expect_message("1 2 3 4 5\n", "line 1: ", "found 5 columns");
+  expect_message("1 2\n", "line 1: ", "has 2 columns; expected 3 or 4");
+  expect_message("1 2 3 4 5\n", "line 1: ", "has 5 columns");
   expect_message("\n1 2 3\n1 2 3\n1 2 3 4\n",
-                 "line 4: ", "found 4 columns, expected 3 as in line 2");
-  expect_message("t x y z\n1 2 3\n", "line 2: ", "found 3 columns, expected 4 as in line 1");
-  expect_message("x y z\n0 1 2 3\n", "line 2: ", "found 4 columns, expected 3 as in line 1");
+                 "line 4: ", "has 4 columns; expected 3 columns as in line 2");
+  expect_message("t x y z\n1 2 3\n", "line 2: ", "has 3 columns; expected 4 columns as in line 1");
+  expect_message("x y z\n0 1 2 3\n", "line 2: ", "has 4 columns; expected 3 columns as in line 1");
 }
 
 TEST_F(Trajectory, RefusesAHeaderOfAnotherOrder) {
@@ -177,7 +177,7 @@ TEST_F(Trajectory, RefusesAHeaderOfAnotherOrder) {
 TEST_F(Trajectory, RefusesATimeThatDoesNotIncrease) {
   expect_message("0 1 2 3\n1 1 2 3\n1 1 2 3\n", "line 3: ", "time \"1\" does not increase");
   expect_message("0 1 2 3\n-0.5 1 2 3\n", "line 2: ", "does not increase");
-  expect_message("0 1 2 3\nnan 1 2 3\n", "line 2: ", "time is \"nan\", expected a finite number");
+  expect_message("0 1 2 3\nnan 1 2 3\n", "line 2: ", "time is \"nan\"; expected a finite number");
   expect_message("-inf 1 2 3\n", "line 1: ", "finite");
 }
 
@@ -201,12 +201,12 @@ TEST_F(Trajectory, ReadsTheDeviceOfATrace) {
   EXPECT_EQ(faults[1], Vec3(0.0, -kInfinity, 1.0));
 }
 
-TEST_F(Trajectory, RefusesATraceThatIsNotWhole) {
+TEST_F(Trajectory, RejectsAnIncompleteTrace) {
   const std::string start = "t,device_x,device_y,device_z,faults\n0,1,2,3,\n";
-  expect_message(start + "1,1,2,3", "line 3: ", "is cut off, expected 5 as in line 1");
+  expect_message(start + "1,1,2,3", "line 3: ", "is cut off; expected 5 columns as in line 1");
   expect_message(start + "1,1,2,3,jum", "line 3: ", "is cut off");
-  expect_message(start + "1,1,2,3\n", "line 3: ", "found 4 columns, expected 5 as in line 1");
-  expect_message(start + "1,1,2,3,,\n2,1,2,3,\n", "line 3: ", "found 6 columns");
+  expect_message(start + "1,1,2,3\n", "line 3: ", "has 4 columns; expected 5 columns as in line 1");
+  expect_message(start + "1,1,2,3,,\n2,1,2,3,\n", "line 3: ", "has 6 columns");
   expect_message(start + "1,1,,3,\n", "line 3: ", "column 3 is empty");
   expect_message(start + "1,1,two,3,\n", "line 3: ", "column 3 is \"two\"");
   expect_message(start + "0,1,2,3,\n", "line 3: ", "time \"0\" does not increase");
@@ -216,13 +216,13 @@ TEST_F(Trajectory, RefusesATraceThatIsNotWhole) {
     expect_message(std::string(header) + "\n1,2,3,4\n", "line 1: ", "device_x, device_y and");
   }
   const std::string said = message("device_x,device_y,device_z\n");
-  EXPECT_TRUE(said.starts_with(path_ + ": holds no sample")) << said;
+  EXPECT_TRUE(said.starts_with(path_ + ": contains no sample")) << said;
 }
 
 TEST_F(Trajectory, RefusesAFileWithoutSamples) {
   for (const char* text : {"", "\n\n", "# nothing\n", "x y z\n", "\xef\xbb\xbf"}) {
     const std::string said = message(text);
-    EXPECT_TRUE(said.starts_with(path_ + ": holds no sample")) << said;
+    EXPECT_TRUE(said.starts_with(path_ + ": contains no sample")) << said;
   }
 }
 
@@ -233,7 +233,7 @@ TEST_F(Trajectory, RefusesEndlessLinesWithoutReadingThem) {
   EXPECT_EQ(result.error().element, "line 1");
 }
 
-TEST_F(Trajectory, SaysWhyAFileCannotBeOpened) {
+TEST_F(Trajectory, StatesWhyAFileCannotBeOpened) {
   const auto missing = read_trajectory("no/such/file.txt");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);

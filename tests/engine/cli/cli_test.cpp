@@ -1514,7 +1514,7 @@ TEST_F(CommandLine, ProposesAnotherPlaneWhereTheOneThatIsGivenLeavesTooLittle) {
 TEST_F(CommandLine, PrintsNoMeansOfARunThatTouchedNothing) {
   const Outcome o = expect_not_comparable(
       {"run", kStar, "--virtual", "--seconds", "2", "--a4", "off", "--move", "#0=0 0 50 0 0 0"});
-  EXPECT_NE(o.out.find("touched nothing"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("touched no surface"), std::string::npos) << o.out;
   const json result =
       json::parse(expect_not_comparable({"run", kStar, "--virtual", "--seconds", "2", "--a4", "off",
                                          "--move", "#0=0 0 50 0 0 0", "--json"})

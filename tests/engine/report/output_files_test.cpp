@@ -1,4 +1,4 @@
-// The files of one command: together or not at all, and nobody else's.
+// The files of one command appear together or not at all; other files are not touched.
 
 #include "engine/report/output_files.h"
 
@@ -29,7 +29,7 @@ void write(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-// Whatever is below a folder: links by what they name, files by what they hold, folders as "/".
+// All entries below a folder: links with their target, files with their content, folders as "/".
 std::map<std::string, std::string> tree_of(const fs::path& folder) {
   std::map<std::string, std::string> tree;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -74,7 +74,7 @@ TEST_F(OutputFilesTest, AppearTogetherWhenTheyAreMoved) {
                           {"deep/er/out/c.svg", "2"}}));
 }
 
-TEST_F(OutputFilesTest, LeaveWhatWasThereUnlessTheyAreMoved) {
+TEST_F(OutputFilesTest, LeavePreviousFilesUnlessTheyAreMoved) {
   fs::create_directory(folder.path("out"));
   write(folder.path("out/a.csv"), "before");
   const Tree before = tree();
@@ -87,7 +87,7 @@ TEST_F(OutputFilesTest, LeaveWhatWasThereUnlessTheyAreMoved) {
   EXPECT_EQ(tree(), before);
 }
 
-TEST_F(OutputFilesTest, LeaveNoFolderThatTheyMade) {
+TEST_F(OutputFilesTest, RemoveFoldersThatTheyMade) {
   {
     OutputFiles files = created("deep/er/out");
     write(files.path("a.csv"), "half");
@@ -105,14 +105,14 @@ TEST_F(OutputFilesTest, LeaveNoFolderThatTheyMade) {
             (Tree{{"deep", "/"}, {"deep/notes", "somebody else's"}, {"file", ""}, {"there", "/"}}));
 }
 
-TEST_F(OutputFilesTest, RemoveOlderOnesOfTheirNamesAndTouchNothingElse) {
+TEST_F(OutputFilesTest, RemoveOlderFilesOfTheirNamesOnly) {
   const fs::path out = folder.path("out");
   fs::create_directories(out / "b.csv.d");
   for (const char* name : {"a.csv", "b.csv", "c.svg", "a.csv.bak", "A.csv", ".palpate-notes",
                            "b.csv.d/c.svg", ".palpate-unfinished-notes"}) {
     write(out / name, "old");
   }
-  fs::create_directory(out / ".palpate-unfinished-is-it");  // a character too many
+  fs::create_directory(out / ".palpate-unfinished-is-it");  // one character too long
   OutputFiles files = created("out");
   write(files.path("a.csv"), "new");
   ASSERT_FALSE(files.move_into_place());
@@ -126,7 +126,7 @@ TEST_F(OutputFilesTest, RemoveOlderOnesOfTheirNamesAndTouchNothingElse) {
                                 {"b.csv.d/c.svg", "old"}}));
 }
 
-TEST_F(OutputFilesTest, ReplaceLinksAndNeverWhatTheyLeadTo) {
+TEST_F(OutputFilesTest, ReplaceLinksAndKeepTheirTargets) {
   fs::create_directory(folder.path("real"));
   fs::create_directory_symlink("real", folder.path("out"));
   write(folder.path("elsewhere"), "mine");
@@ -142,7 +142,7 @@ TEST_F(OutputFilesTest, ReplaceLinksAndNeverWhatTheyLeadTo) {
       (Tree{{"out", "-> real"}, {"real", "/"}, {"real/a.csv", "new"}, {"elsewhere", "mine"}}));
 }
 
-TEST_F(OutputFilesTest, RefuseANameThatIsNoFileBeforeAnythingIsWritten) {
+TEST_F(OutputFilesTest, RejectANameThatIsNotAFileBeforeWriting) {
   fs::create_directories(folder.path("out/b.csv"));
   const auto files = OutputFiles::create(folder.path("out"), kNames);
   ASSERT_FALSE(files);
@@ -151,7 +151,7 @@ TEST_F(OutputFilesTest, RefuseANameThatIsNoFileBeforeAnythingIsWritten) {
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/b.csv", "/"}}));
 }
 
-TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
+TEST_F(OutputFilesTest, RejectAPathThatIsNotAFolder) {
   write(folder.path("file"), "mine");
   fs::create_symlink("nowhere", folder.path("dangling"));
   for (const std::string& path :
@@ -166,14 +166,14 @@ TEST_F(OutputFilesTest, RefuseAFolderThatIsNone) {
   EXPECT_EQ(tree(), (Tree{{"file", "mine"}, {"dangling", "-> nowhere"}}));
 }
 
-// Something takes a name while the command runs, so that one file cannot be moved.
-TEST_F(OutputFilesTest, PutBackWhatWasThereIfOneCannotBeMoved) {
+// Another entry takes a name while the command runs, so that one file cannot be moved.
+TEST_F(OutputFilesTest, RestorePreviousFilesIfAMoveFails) {
   const fs::path out = folder.path("out");
   fs::create_directory(out);
   for (const char* name : {"a.csv", "b.csv"}) write(out / name, "old");
   OutputFiles files = created("out");
   for (const char* name : {"a.csv", "b.csv", "c.svg"}) write(files.path(name), "new");
-  // "old/c.svg" in the hidden folder: what is in place cannot be moved aside onto a folder.
+  // "old/c.svg" in the hidden folder is a folder, so the file in place cannot be moved there.
   const fs::path hidden = fs::path(files.path("a.csv")).parent_path();
   fs::create_directories(hidden / "old" / "c.svg" / "full");
   write(out / "c.svg", "somebody's");
@@ -186,7 +186,7 @@ TEST_F(OutputFilesTest, PutBackWhatWasThereIfOneCannotBeMoved) {
   EXPECT_EQ(now.at("c.svg"), "somebody's");
 }
 
-TEST_F(OutputFilesTest, TellErrorsOfThePlaceTheFileIsFor) {
+TEST_F(OutputFilesTest, ReportErrorsUnderTheFinalPath) {
   const OutputFiles files = created("out");
   const Error error = files.in_place({ErrorCode::kFileUnwritable, files.path("b.csv"), "", "", ""});
   EXPECT_EQ(error.path, folder.path("out/b.csv"));
@@ -194,20 +194,20 @@ TEST_F(OutputFilesTest, TellErrorsOfThePlaceTheFileIsFor) {
             "scene.glb");
 }
 
-// Two commands at once do not see each other; the last one to finish has the folder.
-TEST_F(OutputFilesTest, OfTwoCommandsDoNotMix) {
+// Two concurrent commands do not affect each other; the last one to finish determines the content.
+TEST_F(OutputFilesTest, FromTwoCommandsAreNotMixed) {
   OutputFiles first = created("out");
   write(first.path("a.csv"), "first");
   write(first.path("b.csv"), "first");
   OutputFiles second = created("out");
   write(second.path("a.csv"), "second");
-  EXPECT_TRUE(fs::exists(first.path("a.csv"))) << "of a living command";
+  EXPECT_TRUE(fs::exists(first.path("a.csv"))) << "the command is still running";
   ASSERT_FALSE(first.move_into_place());
   ASSERT_FALSE(second.move_into_place());
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "second"}}));
 }
 
-TEST_F(OutputFilesTest, ThatAKilledCommandHasLeftGoWithTheNext) {
+TEST_F(OutputFilesTest, FromAKilledCommandAreRemovedByTheNext) {
   fs::create_directory(folder.path("out"));
   write(folder.path("out/a.csv"), "old");
   const pid_t child = ::fork();

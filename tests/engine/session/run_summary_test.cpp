@@ -209,10 +209,11 @@ bool mentions(const std::vector<std::string>& texts, const std::string& part) {
                      [&](const std::string& text) { return text.find(part) != std::string::npos; });
 }
 
-TEST(RunJudgement, TakesNoRunWhoseMeansAreNotPrinted) {
+TEST(RunJudgement, RejectsRunsWhoseMeansAreNotPrinted) {
   EXPECT_EQ(shortfalls(run_with(0)), std::vector{Shortfall::kNeverTouched});
   EXPECT_EQ(shortfalls(run_with(49)), std::vector{Shortfall::kLittleContact});
-  EXPECT_TRUE(mentions(reasons(run_with(49)), "in contact for 4.9 % of the run, expected 5 %"));
+  EXPECT_TRUE(
+      mentions(reasons(run_with(49)), "in contact for 4.9 % of the run; expected at least 5 %"));
   EXPECT_FALSE(mentions(reasons(run_with(49)), "slips off"));
   EXPECT_TRUE(is_comparable(run_with(50)));
   for (const std::uint64_t ticks : {0, 1, 49, 50, 51, 1000}) {
@@ -220,20 +221,20 @@ TEST(RunJudgement, TakesNoRunWhoseMeansAreNotPrinted) {
   }
 }
 
-TEST(RunJudgement, NamesWhatIsSmallBesideTheHandWhereContactIsLittle) {
+TEST(RunJudgement, NamesTheSmallObjectIfThereIsLittleContact) {
   ExplorationRun run = run_with(20);
   run.places_scene_m = {Vec3(1, 0, 0), Vec3(1.002, 0.001, 0)};
   run.contour_scene_m.clear();
-  EXPECT_TRUE(mentions(reasons(run), "which spans 2.0 mm, while it presses 4.0 mm deep"));
+  EXPECT_TRUE(mentions(reasons(run), "which spans only 2.0 mm where the hand presses 4.0 mm deep"));
 }
 
-TEST(RunJudgement, NamesTheSphereWhereTheWayIsLittle) {
+TEST(RunJudgement, NamesTheSphereIfLittleIsCovered) {
   ExplorationRun run = run_with(500);
   run.way_share = 0.5;
   EXPECT_FALSE(mentions(reasons(run), "radius_m"));
   run.proxy_radius_m = 0.01;
   EXPECT_TRUE(
-      mentions(reasons(run), "a sphere of `RunSettings::radius_m` 0.01 m is too large for"));
+      mentions(reasons(run), "the sphere of `RunSettings::radius_m` 0.01 m is too large to enter"));
 }
 
 TEST(StepTimes, AreThoseOfTheSmallestTickThatTheShareDoesNotExceed) {

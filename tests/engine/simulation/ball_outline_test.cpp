@@ -1,4 +1,4 @@
-// What a ball touches of outlines, against closed forms and against the circle itself.
+// The parts of outlines that a ball touches, compared with closed forms and with the circle itself.
 
 #include "engine/simulation/ball_outline.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using test::Random;
 
-// Legs for arcs, and what is left out: see ball_outline.cpp.
+// Tolerance for the legs of arcs and for detail left out, see ball_outline.cpp.
 constexpr double kPerRadius = 0.02;
 
 std::vector<Outline> touched_by_ball(const std::vector<Outline>& found, const Vec3& plane_normal,
@@ -81,7 +81,7 @@ TEST(BallOutlines, GoIntoAGrooveThatIsWiderAndRoundItsCorners) {
   }
 }
 
-TEST(BallOutlines, OfABallThatDoesNotFitIntoAHollowAreOutsideAlone) {
+TEST(BallOutlines, LeaveOutAHollowTooNarrowForTheBall) {
   Random random(8303);
   for (int i = 0; i < 100; ++i) {
     const ScaledPlane placed = random_plane(random);
@@ -143,9 +143,9 @@ std::vector<Outline> random_union(Random& random, const ScaledPlane& placed) {
   return *outlines(curves, placed.normal(), 1e-9 * placed.size);
 }
 
-// A place of an outline belongs to them if the circle that touches it there meets nothing else, and
-// does not if it overlaps something.
-TEST(BallOutlines, AreWhatACircleTouchesAndNothingElse) {
+// A place of an outline must be included if the circle that touches it there meets nothing else,
+// and must not be if the circle overlaps a solid.
+TEST(BallOutlines, ContainExactlyThePlacesThatACircleTouches) {
   Random random(8304);
   int touched = 0;
   int hidden = 0;
@@ -172,12 +172,12 @@ TEST(BallOutlines, AreWhatACircleTouchesAndNothingElse) {
         }
       }
     }
-    // Nowhere is the ball that follows them inside of anything.
+    // A ball that follows the outlines is never inside a solid.
     for (const Outline& outline : found) {
       const auto& points = outline.curve.points_m;
       for (std::size_t n = 0; n < points.size(); ++n) {
         const Vec3 way = points[(n + 1) % points.size()] - points[n];
-        if (way.norm() < kPerRadius * radius) continue;  // within what an arc's legs are off
+        if (way.norm() < kPerRadius * radius) continue;  // within the error of an arc's legs
         const Vec3 centre =
             points[n] + 0.5 * way + radius * way.cross(placed.normal()).normalized();
         EXPECT_GE(distance_to(centre, all), (1.0 - kPerRadius) * radius) << i;

@@ -1,4 +1,4 @@
-// The main job in virtual time: a simulated hand explores the models that are shipped.
+// The main use case in virtual time: a simulated hand explores the shipped models.
 
 #include "engine/simulation/exploration.h"
 
@@ -49,7 +49,7 @@ RunSettings options_of(int sensors, int actuators, ForceMode force = ForceMode::
 struct Condition {
   RunSettings options = options_of(2, 1);
   bool a4 = false;
-  double start_deg = 0.0;  // of the scene, about A3
+  double start_deg = 0.0;  // rotation of the scene about A3
 };
 
 Result<ExplorationRun> try_explore(const std::string& name, const Condition& condition,
@@ -105,7 +105,7 @@ std::size_t first_difference(const ExplorationRun& a, const ExplorationRun& b) {
   return a.records.size();
 }
 
-// ---- the paper's four objects ------------------------------------------------------------------
+// ---- the paper's four objects -------------------------------------------------------------------
 
 struct Turn {
   const char* name;
@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(BothStarts, PaperObject,
                                          Turn{"lock", 45}));
 
 TEST(Exploration, TurnsAroundAStarInTheUsualTimesOf25To30Seconds) {
-  for (const double seconds : {26.0, 31.0}) {  // one second of it is the approach
+  for (const double seconds : {26.0, 31.0}) {  // including one second for the approach
     for (const bool a4 : {false, true}) {
       EXPECT_GE(explored("star", {options_of(2, 1), a4, 0}, 1, seconds).way_share, 0.99);
     }
@@ -166,7 +166,7 @@ TEST(Exploration, KeepsTheHandAndTheProxyInThePlane) {
   }
 }
 
-// ---- one seed, one trace -----------------------------------------------------------------------
+// ---- one seed, one trace ------------------------------------------------------------------------
 
 TEST(Exploration, GivesTheSameBitsForTheSameSeed) {
   for (const int sensors : {2, 3}) {
@@ -180,7 +180,7 @@ TEST(Exploration, GivesTheSameBitsForTheSameSeed) {
   }
 }
 
-TEST(Exploration, GivesAnotherMotionForAnotherSeed) {
+TEST(Exploration, GivesADifferentMotionForADifferentSeed) {
   for (const int sensors : {2, 3}) {
     const Condition condition{options_of(sensors, 1), true, 0};
     const std::string name = sensors == 2 ? "star" : "torus";
@@ -190,7 +190,7 @@ TEST(Exploration, GivesAnotherMotionForAnotherSeed) {
   }
 }
 
-// dt is nominal: what the clock of the machine does changes nothing.
+// dt is nominal: the clock of the machine has no effect.
 TEST(Exploration, GivesTheSameBitsInRealTime) {
   ExplorationSettings settings;
   settings.seconds = 2.0;
@@ -202,8 +202,8 @@ TEST(Exploration, GivesTheSameBitsInRealTime) {
   EXPECT_EQ(first_difference(*real, simulated), 2000u);
 }
 
-// What was done until then is what a whole run does until then.
-TEST(Exploration, EndsInOrderWhenItIsInterrupted) {
+// An interrupted run equals the beginning of a complete run.
+TEST(Exploration, EndsCleanlyWhenInterrupted) {
   const Condition condition{options_of(2, 1), true, 0};
   const ExplorationRun whole = explored("star", condition, 5, 20.0);
   auto setup = make_setup(condition.options);
@@ -236,7 +236,7 @@ TEST(Exploration, EndsInOrderWhenItIsInterrupted) {
   }
 }
 
-TEST(Exploration, DoesNothingWhenItIsInterruptedBefore) {
+TEST(Exploration, DoesNothingIfInterruptedBeforeTheStart) {
   const Condition condition{options_of(2, 1), false, 0};
   const auto setup = make_setup(condition.options);
   ASSERT_TRUE(setup);
@@ -254,7 +254,7 @@ TEST(Exploration, DoesNothingWhenItIsInterruptedBefore) {
   }
 }
 
-// The device positions of a run, replayed, give the run.
+// Replaying the device positions of a run gives the same run.
 TEST(Exploration, CanBeReplayedFromItsDevicePositions) {
   const Condition condition{options_of(2, 1), true, 0};
   const ExplorationRun run = explored("star", condition, 2, 6.0);
@@ -273,7 +273,7 @@ TEST(Exploration, CanBeReplayedFromItsDevicePositions) {
   EXPECT_EQ(again->summary.work_lost_J, run.summary.work_lost_J);
 }
 
-// ---- the walk with three sensors ---------------------------------------------------------------
+// ---- the walk with three sensors ----------------------------------------------------------------
 
 TEST(Exploration, WalksOverATorusWithThreeSensors) {
   for (const int actuators : {1, 2}) {
@@ -285,7 +285,7 @@ TEST(Exploration, WalksOverATorusWithThreeSensors) {
         EXPECT_EQ(fault_count(*run), 0u);
         EXPECT_GT(run->summary.contact_ticks, 0.95 * 28000);
         EXPECT_GE(run->way_share, 0.95);
-        EXPECT_GT(run->summary.device_extent_m.maxCoeff(), 0.1) << "it goes somewhere";
+        EXPECT_GT(run->summary.device_extent_m.maxCoeff(), 0.1) << "the hand moves";
       }
       EXPECT_LT(on.summary.mean_contact_angle_deg, 0.5 * off.summary.mean_contact_angle_deg);
       EXPECT_GT(on.summary.share_within_30deg, 0.9);
@@ -293,7 +293,7 @@ TEST(Exploration, WalksOverATorusWithThreeSensors) {
   }
 }
 
-// Over edges the hand leaves the surface for a moment, and finds it again beyond them.
+// At an edge the hand leaves the surface briefly and touches it again beyond the edge.
 TEST(Exploration, WalksOverEdgesWithThreeSensors) {
   struct Walked {
     const char* name;
@@ -317,7 +317,7 @@ TEST(Exploration, WalksOverEdgesWithThreeSensors) {
   }
 }
 
-TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
+TEST(Exploration, DoesNotRotateAFullyActuatedScene) {
   for (const int sensors : {2, 3}) {
     const std::string name = sensors == 2 ? "star" : "torus";
     const ExplorationRun run = explored(name, {options_of(sensors, sensors), true, 20}, 1);
@@ -329,7 +329,7 @@ TEST(Exploration, DoesNotRotateWhatIsFullyActuated) {
   }
 }
 
-// ---- the paper's conditions: NoH, UaH and H, with and without rotation -------------------------
+// ---- the paper's conditions: NoH, UaH and H, with and without rotation --------------------------
 
 TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
   for (const bool a4 : {false, true}) {
@@ -340,7 +340,7 @@ TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
       EXPECT_EQ(fault_count(*run), 0u);
       EXPECT_GT(run->summary.contact_ticks, 20000u);
       EXPECT_GT(run->way_share, 0.9);
-      EXPECT_EQ(run->summary.mean_contact_angle_deg < 35.0, a4) << "whatever the force is";
+      EXPECT_EQ(run->summary.mean_contact_angle_deg < 35.0, a4) << "for every force condition";
     }
     EXPECT_EQ(none.summary.port_work_J, 0.0);
     EXPECT_NE(none.summary.work_lost_J, 0.0);
@@ -355,11 +355,11 @@ TEST(Exploration, RunsAllThreeForceConditionsWithAndWithoutRotation) {
   }
 }
 
-// ---- what was followed --------------------------------------------------------------------------
+// ---- coverage of the path -----------------------------------------------------------------------
 
-// By the definition, from what is written beside the results: steps along the contour, each asked
-// for the nearest place of the proxy.
-TEST(Exploration, TellsTheShareOfTheContourThatTheProxyCameNearTo) {
+// By the definition, from the written files: steps along the contour, each compared with the
+// nearest proxy position.
+TEST(Exploration, ReportsTheShareOfTheContourNearTheProxy) {
   for (const double seconds : {28.0, 8.0}) {
     const ExplorationRun run = explored("lock", {options_of(2, 1), false, 0}, 3, seconds);
     EXPECT_EQ(run.near_m, 2e-3);
@@ -385,7 +385,7 @@ TEST(Exploration, TellsTheShareOfTheContourThatTheProxyCameNearTo) {
   }
 }
 
-TEST(Exploration, TellsTheShareOfThePlacesThatTheProxyCameNearTo) {
+TEST(Exploration, ReportsTheShareOfThePlacesNearTheProxy) {
   const ExplorationRun run = explored("torus", {options_of(3, 1), true, 0}, 3);
   EXPECT_EQ(run.near_m, 0.01 * model("torus").statistics().extent_m.maxCoeff());
   EXPECT_TRUE(run.contour_scene_m.empty());
@@ -400,7 +400,7 @@ TEST(Exploration, TellsTheShareOfThePlacesThatTheProxyCameNearTo) {
             static_cast<double>(reached) / static_cast<double>(run.places_scene_m.size()));
 }
 
-TEST(Exploration, TellsTheLongestStretchWithoutContact) {
+TEST(Exploration, ReportsTheLongestIntervalWithoutContact) {
   const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 1);
   std::uint64_t gap = 0;
   std::uint64_t longest = 0;
@@ -414,7 +414,7 @@ TEST(Exploration, TellsTheLongestStretchWithoutContact) {
   EXPECT_EQ(run.summary.longest_gap_ticks, longest);
 }
 
-// ---- a hand that sees the proxy -----------------------------------------------------------------
+// ---- a hand that observes the proxy -------------------------------------------------------------
 
 struct Part {
   test::Soup soup;
@@ -455,18 +455,20 @@ void expect_followed(const std::vector<Part>& parts, double least_share, int sen
   }
 }
 
-// Without a motor along it the hand leaves a long wall late, and would turn the corner inside.
+// Without a motor along a long wall the hand lags behind, and could turn the corner inside the
+// wall.
 TEST(PathPlan, TurnsTheCornersOfABar) {
   expect_followed({{test::box_soup({0.015, 0.1, 0.02}), Vec3::Zero()}}, 0.9);
   expect_followed({{test::box_soup({0.1, 0.015, 0.02}), Vec3::Zero()}}, 0.9);
 }
 
-// Thinner than the hand presses.
-TEST(PathPlan, GoesRoundAThinPlate) {
+// The plate is thinner than the press depth.
+TEST(PathPlan, FollowsAThinPlateAllAround) {
   expect_followed({{test::box_soup({0.0005, 0.08, 0.02}), Vec3::Zero()}}, 0.9);
 }
 
-// It does not begin inside the other one, nor does it slip off where the contour ends.
+// The path does not begin inside the other part, and the hand does not slip off at the contour's
+// end.
 TEST(PathPlan, BeginsInFreeSpace) {
   const test::Soup box = test::box_soup({0.03, 0.03, 0.02});
   expect_followed({{box, Vec3(-0.033, 0.0, 0.0)}, {box, Vec3(0.033, 0.0, 0.0)}}, 0.85);
@@ -475,9 +477,8 @@ TEST(PathPlan, BeginsInFreeSpace) {
   expect_followed({{sheet, Vec3::Zero()}}, 0.9);
 }
 
-// What runs inside another part is none of the outline, and a shell without a bottom is a part,
-// too.
-TEST(PathPlan, GoesRoundTheUnionOfParts) {
+// Curves inside another part do not belong to the outline. A shell without a bottom is also a part.
+TEST(PathPlan, FollowsTheUnionOfPartsAllAround) {
   const test::Soup bar = test::box_soup({0.08, 0.02, 0.02});
   const test::Soup post = test::box_soup({0.02, 0.06, 0.02});
   expect_followed({{bar, Vec3::Zero()}, {post, Vec3::Zero()}}, 0.9);
@@ -496,7 +497,7 @@ TEST(PathPlan, WalksOverBoxesThatTouch) {
   expect_followed({{box, Vec3(-0.06, 0.0, 0.0)}, {box, Vec3(0.0, 0.0, 0.08)}}, 0.9, 3);
 }
 
-// A hand that slips off finds itself behind, and goes on there.
+// A hand that slips off is behind the sheet and continues there.
 TEST(PathPlan, WalksOverSheetsAndATriangle) {
   test::Soup sheet;
   sheet.add_quad({-0.1, -0.08, 0.0}, {0.1, -0.08, 0.0}, {0.1, 0.08, 0.0}, {-0.1, 0.08, 0.0});
@@ -522,7 +523,7 @@ TEST(Exploration, FlagsATravelBeyondTheWorkspace) {
   EXPECT_FALSE(large->exceeds_workspace);
 }
 
-// ---- what it refuses ---------------------------------------------------------------------------
+// ---- rejected settings --------------------------------------------------------------------------
 
 std::string refused_option(const Condition& condition, ExplorationSettings settings) {
   settings.virtual_time = true;
@@ -530,7 +531,7 @@ std::string refused_option(const Condition& condition, ExplorationSettings setti
   return run ? "" : run.error().element;
 }
 
-TEST(Exploration, RefusesSettingsThatMakeNoRun) {
+TEST(Exploration, RejectsInvalidSettings) {
   Condition outside;
   outside.options.plane_height_m = 0.5;
   EXPECT_EQ(refused_option(outside, {}), "plane_height_m");
@@ -553,19 +554,19 @@ TEST(Exploration, RefusesSettingsThatMakeNoRun) {
   Condition damped;
   damped.options.device.damping_Ns_per_m = 1e5;
   EXPECT_EQ(refused_option(damped, {}), "device.damping_Ns_per_m");
-  // What a loop would refuse in every tick, explore() does before the first.
+  // explore() rejects before the first tick the settings that a loop would reject in every tick.
   Condition hard;
   hard.options.stiffness_N_per_m = 1e300;
   EXPECT_EQ(refused_option(hard, {}), "coupling.stiffness_N_per_m");
   Condition large;
-  large.options.radius_m = 1e-3;  // of a scene that was loaded for a point
+  large.options.radius_m = 1e-3;  // the scene was loaded for a point
   EXPECT_EQ(refused_option(large, {}), "god_object.radius_m");
 }
 
-// ---- memory ------------------------------------------------------------------------------------
+// ---- memory -------------------------------------------------------------------------------------
 
-// What helps against one step that lacks memory does not help against another.
-TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
+// Each step that lacks memory has its own remedy.
+TEST(Exploration, ProposesARemedyForTheStepThatLacksMemory) {
   ExplorationSettings settings;
   settings.seconds = 2.0;
   const std::uint64_t records = 2000 * (sizeof(TickRecord) + sizeof(std::int64_t));
@@ -588,10 +589,10 @@ TEST(Exploration, ProposesWhatFitsTheStepThatLacksMemory) {
   EXPECT_EQ(cutting.hint.find("shorter run"), std::string::npos) << cutting.to_string();
 }
 
-// ---- display -----------------------------------------------------------------------------------
+// ---- display ------------------------------------------------------------------------------------
 
-// The camera metaphor only changes what is shown: To = 0, Ts = -Tu.
-TEST(CameraMetaphor, ChangesTheDisplayAndNotABitOfTheTrace) {
+// The camera metaphor changes only the display: To = 0, Ts = -Tu.
+TEST(CameraMetaphor, ChangesTheDisplayButNotTheTrace) {
   const ExplorationRun run = explored("star", {options_of(2, 1), true, 0}, 3, 6.0);
   auto setup = make_setup(options_of(2, 1));
   ASSERT_TRUE(setup);

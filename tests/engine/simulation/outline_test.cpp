@@ -1,4 +1,4 @@
-// What a hand can get at of curves that run inside one another.
+// The parts that a hand can reach of curves that overlap.
 
 #include "engine/simulation/outline.h"
 
@@ -36,7 +36,7 @@ struct Rectangle {
   }
 };
 
-// Material on the left, in the plane that the rotation turns z = 0 to.
+// Material on the left; in the plane z = 0 after the rotation.
 Polyline curve_of(const Rectangle& r, const Quat& rotation = Quat::Identity()) {
   Polyline curve;
   curve.closed = true;
@@ -59,9 +59,9 @@ std::vector<Polyline> crossing_bars(Random& random, int count) {
   return bars;
 }
 
-// Pieces that are hardly longer than what is merged, and three of which make a triangle, are cut
-// once and no more.
-TEST(Outlines, OfBarsThatCrossHundredsOfOthersAreFound) {
+// Pieces hardly longer than the merging distance, three of which form a triangle, are cut only
+// once.
+TEST(Outlines, AreFoundForBarsThatCrossHundredsOfOthers) {
   Random random(8202);
   for (const int count : {20, 200, 300}) {
     const auto found = outlines_of(crossing_bars(random, count), Vec3::UnitZ(), kSmall_m);
@@ -70,12 +70,12 @@ TEST(Outlines, OfBarsThatCrossHundredsOfOthersAreFound) {
   }
 }
 
-TEST(Outlines, OfCurvesThatCrossTooManyOthersAreNotWorkedOut) {
+TEST(Outlines, AreNotComputedForCurvesThatCrossTooManyOthers) {
   Random random(8203);
   EXPECT_FALSE(outlines(crossing_bars(random, 2000), Vec3::UnitZ(), kSmall_m));
 }
 
-TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
+TEST(Outlines, OfOverlappingCurvesAreTheOutlineOfTheirUnion) {
   Random random(8201);
   for (int i = 0; i < 50; ++i) {
     const Quat rotation = random.rotation();
@@ -96,7 +96,7 @@ TEST(Outlines, OfWhatOverlapsIsThatOfTheUnion) {
   }
 }
 
-TEST(Outlines, LeaveOutWhatIsInsideAndKeepTheRestToTheBit) {
+TEST(Outlines, LeaveOutInnerCurvesAndKeepTheRestToTheBit) {
   const Polyline outer = curve_of({0, 0, 0.1, 0.1});
   const Polyline inner = curve_of({0.02, 0, 0.05, 0.05});
   const Polyline apart = curve_of({0.5, 0, 0.05, 0.05});
@@ -106,7 +106,7 @@ TEST(Outlines, LeaveOutWhatIsInsideAndKeepTheRestToTheBit) {
   ASSERT_EQ(solid.size(), 2u);
   EXPECT_EQ(solid[0].curve.points_m, outer.points_m);
   EXPECT_EQ(solid[1].curve.points_m, apart.points_m);
-  // In a cavity nothing is hidden.
+  // Curves in a cavity are not hidden.
   EXPECT_EQ(outlines_of({outer, cavity, inner}, Vec3::UnitZ(), kSmall_m).size(), 3u);
 }
 
@@ -124,9 +124,9 @@ TEST(Outlines, OfASheetHaveTwoSidesAndEndWhereItEntersASolid) {
   EXPECT_NEAR(length_m(out->curve), 0.2, 1e-8);
 }
 
-// A shell without a bottom stands on a box: their outline goes over both. What stands in front of a
-// bent sheet, in a bowl, is not hidden.
-TEST(Outlines, TakeAShellForWhatItHasBehindIt) {
+// A shell without a bottom stands on a box: their outline covers both. A part in front of a bent
+// sheet, in a bowl, is not hidden.
+TEST(Outlines, TreatAShellAsTheSolidBehindIt) {
   const Polyline shell{
       {Vec3(0.05, 0.1, 0), Vec3(0.05, 0.15, 0), Vec3(-0.05, 0.15, 0), Vec3(-0.05, 0.1, 0)}, false};
   const auto found = outlines_of({curve_of({0, 0, 0.1, 0.1001}), shell}, Vec3::UnitZ(), kSmall_m);
@@ -139,8 +139,8 @@ TEST(Outlines, TakeAShellForWhatItHasBehindIt) {
   EXPECT_EQ(spoon.size(), 2u);
 }
 
-// Against every place of every side, asked on its own.
-TEST(Outlines, HoldWhatIsOutsideOfAllAndNothingElse) {
+// Compared with separate tests of places on every side.
+TEST(Outlines, ContainExactlyThePartsOutsideAllSolids) {
   Random random(8202);
   for (int i = 0; i < 100; ++i) {
     std::vector<Rectangle> rectangles;
@@ -175,7 +175,7 @@ TEST(Outlines, HoldWhatIsOutsideOfAllAndNothingElse) {
   }
 }
 
-// Where a test lays its plane, in whatever unit: all that a scene's points go through.
+// The plane and unit of a test: all transforms that a scene's points undergo.
 struct LaidPlane {
   RigidTransform pose;
   double size;
@@ -188,7 +188,7 @@ struct LaidPlane {
   Vec3 normal() const { return pose.direction(Vec3::UnitZ()); }
 };
 
-// Points of a few units of a lattice; translated by no more than that.
+// For points within a few units of a lattice; the translation is of the same size.
 LaidPlane lay_plane(Random& random, double extent) {
   const double size = std::pow(10.0, random.uniform(-3.0, 3.0));
   return {{random.rotation(), size * random.in_box(extent)}, size, random.index(2) == 0};
@@ -210,13 +210,13 @@ struct Lattice {
       for (int y = y0; y < y1; ++y) winding[x][y] += turns;
     }
   }
-  // What is around the lattice is free.
+  // Cells around the lattice are free.
   bool is_solid(int x, int y) const {
     return x >= 0 && y >= 0 && x < kCells && y < kCells && winding[x][y] > 0;
   }
 };
 
-// Solids and hollow ones that overlap, coincide, and touch along faces, edges and corners.
+// Solids and hollow solids that overlap, coincide, and touch along faces, edges and corners.
 Lattice random_lattice(Random& random, const LaidPlane& placed) {
   Lattice lattice;
   const auto between = [&](int low, int high) {
@@ -235,9 +235,9 @@ Lattice random_lattice(Random& random, const LaidPlane& placed) {
   return lattice;
 }
 
-// A number for each cell, the same for those of one kind that are connected: free ones by their
-// sides, for a point does not pass between two solids that touch in a corner; solid ones by corners
-// too.
+// The component number of each cell. Free cells are connected by their sides only, because a point
+// does not pass between two solids that touch in a corner; solid cells are also connected by
+// corners.
 std::map<std::pair<int, int>, int> components(const Lattice& lattice) {
   std::map<std::pair<int, int>, int> component;
   int count = 0;
@@ -269,7 +269,7 @@ std::map<std::pair<int, int>, int> components(const Lattice& lattice) {
   return component;
 }
 
-// Between a free component and a solid one that it touches there is one loop.
+// Each pair of a free and a solid component that touch has one loop.
 std::vector<double> loops_of(const Lattice& lattice) {
   const auto component = components(lattice);
   std::map<std::pair<int, int>, double> length;
@@ -289,8 +289,8 @@ std::vector<double> loops_of(const Lattice& lattice) {
   return loops;
 }
 
-// Against the cells alone: which are solid, and which are connected.
-TEST(Outlines, OfSolidsThatCoincideAndTouchAreTheBordersOfWhatIsFree) {
+// Compared with the cells: their solidity and connectivity.
+TEST(Outlines, OfTouchingSolidsBoundTheFreeRegions) {
   Random random(8203);
   for (int i = 0; i < 1500; ++i) {
     const LaidPlane placed = lay_plane(random, kCells);
@@ -335,7 +335,7 @@ Polygon random_polygon(Random& random) {
   return polygon;
 }
 
-// The length of what no other holds, side by side, cut wherever any meets another.
+// The length of the sides outside all other polygons, cut at every intersection.
 double free_length(const std::vector<Polygon>& polygons) {
   double free = 0.0;
   for (std::size_t p = 0; p < polygons.size(); ++p) {
@@ -367,8 +367,8 @@ double free_length(const std::vector<Polygon>& polygons) {
   return free;
 }
 
-// At scales at which what is small for a hand is all there is, or nothing.
-TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
+// At scales at which the detail that a hand ignores is everything or nothing.
+TEST(Outlines, SeparateSolidFromFreeCompletely) {
   Random random(8204);
   for (int i = 0; i < 1000; ++i) {
     const LaidPlane placed = lay_plane(random, 2.0);
@@ -397,7 +397,7 @@ TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
         };
         const Eigen::Vector2d a = flat(points[k]);
         const Eigen::Vector2d way = flat(points[(k + 1) % points.size()]) - a;
-        if (way.norm() < 1e-2) continue;  // in a wedge the other side may be as near
+        if (way.norm() < 1e-2) continue;  // in a wedge the other side may be equally near
         const Eigen::Vector2d right = 1e-5 * Eigen::Vector2d(way.y(), -way.x()).normalized();
         EXPECT_FALSE(holds(a + 0.5 * way + right)) << i;
         EXPECT_TRUE(holds(a + 0.5 * way - right)) << i;
@@ -407,8 +407,8 @@ TEST(Outlines, HaveSolidOnOneSideAndNoneOnTheOtherAndNothingIsMissing) {
   }
 }
 
-// The gap is narrower than what is small for the hand, but what is joined is what meets.
-TEST(Outlines, DoNotTakeANearEndForTheOneTheyEnter) {
+// The gap is narrower than the joining distance, but curves that meet are joined first.
+TEST(Outlines, DoNotJoinANearEndInsteadOfTheEnteredCurve) {
   const double thin = 4e-4;
   const auto found =
       outlines_of({curve_of({0, 0, 0.05, 0.05}), curve_of({0.06, 0, 0.04, 0.5 * thin})},
@@ -417,8 +417,8 @@ TEST(Outlines, DoNotTakeANearEndForTheOneTheyEnter) {
   EXPECT_NEAR(length_m(found[0].curve), 0.4 + 2 * 0.05, 0x1p-20 * 0.2);
 }
 
-// Walls that were drawn one by one, and do not quite meet.
-TEST(Outlines, JoinEndsThatDoNotQuiteMeetTheNearestFirst) {
+// Separately drawn walls that do not quite meet.
+TEST(Outlines, JoinTheNearestOpenEndsFirst) {
   const double gap = 0.3 * kSmall_m;
   const Polyline first{{Vec3(0, 0, 0), Vec3(0.1, 0, 0)}, false};
   const Polyline second{{Vec3(0.1 + gap, 0, 0), Vec3(0.1 + gap, 0.1, 0)}, false};

@@ -1,4 +1,4 @@
-// What is near a moving point, against steps along the curve that are each asked on their own.
+// Coverage of a curve by a moving point, compared with separate tests of steps along the curve.
 
 #include "engine/simulation/path_coverage.h"
 
@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-// Of steps along a curve, the share that has a point within near_m, and of those that cannot be
-// told apart by half a step.
+// The share of steps along a curve with a point within near_m, and the share that half a step
+// leaves undecided.
 double stepped_share(const std::vector<Vec3>& curve, const std::vector<Vec3>& points,
                      double near_m) {
   constexpr int kSteps = 200;
@@ -33,7 +33,7 @@ double stepped_share(const std::vector<Vec3>& curve, const std::vector<Vec3>& po
   return covered / length;
 }
 
-TEST(CurveCoverage, IsTheShareOfTheLengthThatHadAPointNearIt) {
+TEST(CurveCoverage, IsTheShareOfTheLengthNearAPoint) {
   test::Random random(7301);
   for (int i = 0; i < 200; ++i) {
     const double size_m = std::pow(10.0, random.uniform(-3.0, 3.0));
@@ -62,7 +62,7 @@ TEST(CurveCoverage, CountsNothingTwice) {
   EXPECT_NEAR(coverage.share(), 0.3, 1e-12);
 }
 
-TEST(CurveCoverage, IsAllOfACurveThatWasFollowedAndNoneOfOneWithoutLength) {
+TEST(CurveCoverage, IsOneForAFollowedCurveAndZeroWithoutLength) {
   CurveCoverage whole({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0)}, 0.02);
   for (double s = 0.0; s <= 2.0; s += 0.01) {
     whole.add(s < 1.0 ? Vec3(s, 0.01, 0.0) : Vec3(1.01, s - 1.0, 0.0));

@@ -11,7 +11,7 @@ namespace {
 
 using test::Random;
 
-// Wants to be in one place.
+// A plan with a constant target.
 class OnePlace final : public HandPlan {
  public:
   HandTarget target(double, const ScenePose&, const TickRecord&) noexcept override {
@@ -19,7 +19,7 @@ class OnePlace final : public HandPlan {
   }
 };
 
-// How far from where it wants to be a hand is after so many ticks, of the 0.1 m at the start.
+// The distance of a hand from its target after this many ticks; 0.1 m at the start.
 double distance_after(const PlantSettings& settings, double dt_s, int ticks) {
   OnePlace plan;
   SimulatedDevice device(settings, plan, Vec3::Zero(), {}, false);
@@ -31,9 +31,9 @@ double distance_after(const PlantSettings& settings, double dt_s, int ticks) {
   return distance_m;
 }
 
-// Without noise, friction and rounding a hand that is let in comes no farther away than it can
-// swing, and one that is refused, if not by a hair, flies off.
-TEST(SimulatedDevice, IsRefusedWhereItsStepsGrowAndNowhereElse) {
+// Without noise, friction and rounding, an accepted hand never moves farther away than its
+// overshoot, and a hand that is clearly rejected diverges.
+TEST(SimulatedDevice, IsRejectedExactlyWhereItsStepsDiverge) {
   Random random(1603);
   int refused = 0;
   int accepted = 0;
@@ -50,7 +50,7 @@ TEST(SimulatedDevice, IsRefusedWhereItsStepsGrowAndNowhereElse) {
       ASSERT_LE(distance_after(settings, dt_s, 2000), 1.0);
       continue;
     }
-    PlantSettings lighter = settings;  // damped by a little less: is that refused, too?
+    PlantSettings lighter = settings;  // slightly less damping: is it also rejected?
     lighter.device.damping_Ns_per_m *= 0.9;
     if (!check_plant(lighter, dt_s)) continue;
     ++refused;
@@ -60,7 +60,7 @@ TEST(SimulatedDevice, IsRefusedWhereItsStepsGrowAndNowhereElse) {
   EXPECT_GT(refused, 50);
 }
 
-TEST(SimulatedDevice, RoundsToNothingWhereAStepHasNoDigits) {
+TEST(SimulatedDevice, DoesNotRoundIfTheEncoderStepIsTooSmall) {
   PlantSettings settings;
   OnePlace plan;
   for (const double quantum_m : {0.0, 1e-310, 5e-324}) {

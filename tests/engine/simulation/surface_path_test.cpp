@@ -1,4 +1,4 @@
-// Paths over surfaces, by what makes a geodesic one, and where they may not go.
+// Paths over surfaces: the properties of geodesics, and the limits of the paths.
 
 #include "engine/simulation/surface_path.h"
 
@@ -79,7 +79,7 @@ SurfacePath path_over(const Scene& scene, std::uint64_t seed, double length_m = 
   return path ? *path : SurfacePath{};
 }
 
-// Rotation, uneven scale, shear, and a mirror in every second one.
+// Rotation, uneven scale and shear; every second transform mirrors.
 Mat3 random_linear(Random& random) {
   Mat3 shear = Mat3::Identity();
   shear(0, 1) = random.uniform(-0.5, 0.5);
@@ -98,7 +98,7 @@ bool is_in(const Vec3& p, const std::array<Vec3, 3>& corners, const Vec3& normal
   return true;
 }
 
-// Every leg lies in a triangle of the scene, and is pressed on from its front.
+// Every leg lies in a triangle of the scene and is touched from its front.
 void expect_on_surface(const Scene& scene, const HandPath& path) {
   std::vector<Vec3> positions_m;
   std::vector<Triangle> triangles;
@@ -119,8 +119,8 @@ void expect_on_surface(const Scene& scene, const HandPath& path) {
   }
 }
 
-// Across an edge a geodesic keeps its angle with it; between faces of one plane its direction.
-// Counts the edges.
+// Across an edge a geodesic keeps its angle with the edge; between coplanar faces it keeps its
+// direction. Counts the edges.
 void expect_straight(const HandPath& path, int& crossed) {
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     const HandPath::Point& at = path.points[i];
@@ -138,12 +138,12 @@ void expect_straight(const HandPath& path, int& crossed) {
       ASSERT_NEAR(in.dot(edge.normalized()), out.dot(edge.normalized()), 1e-6) << i;
       const double angle_rad = std::atan2(edge.norm(), path.points[i - 1].inward.dot(at.inward));
       ASSERT_NEAR(std::abs(at.fold_rad), angle_rad, 1e-9);
-      ASSERT_EQ(at.fold_rad > 0.0, at.inward.dot(in) < 0.0) << "sticks out if it leads down";
+      ASSERT_EQ(at.fold_rad > 0.0, at.inward.dot(in) < 0.0) << "convex if the path leads down";
     }
   }
 }
 
-TEST(SurfacePath, IsAGeodesicOnTheSurfaceOfNodesOfAnyPlaceShapeAndMirror) {
+TEST(SurfacePath, IsAGeodesicOnNodesWithAnyTransform) {
   Random random(8101);
   const std::vector<TriangleMesh> meshes{box({0.2, 0.15, 0.1}), icosphere(3, 0.1),
                                          torus(0.1, 0.04, 1), cylinder(12, 0.05, 0.1)};
@@ -162,7 +162,7 @@ TEST(SurfacePath, IsAGeodesicOnTheSurfaceOfNodesOfAnyPlaceShapeAndMirror) {
   EXPECT_GT(crossed, 500);
 }
 
-// Unrolled it is a straight line: along the axis it goes on at the same rate.
+// Unrolled, the path is a straight line, so its slope along the axis is constant.
 TEST(SurfacePath, KeepsItsSlopeOnACylinder) {
   const Scene scene = scene_of({placed(cylinder(200, 0.08, 0.4))});
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -182,7 +182,7 @@ TEST(SurfacePath, KeepsItsSlopeOnACylinder) {
   }
 }
 
-// Farthest that a leg gets from the plane of a great circle, of the radius.
+// The largest distance of a leg from the plane of a great circle, relative to the radius.
 double off_great_circle(int subdivisions) {
   const double radius_m = 0.1;
   const Scene scene = scene_of({placed(icosphere(subdivisions, radius_m))});
@@ -219,8 +219,8 @@ TEST(SurfacePath, TurnsAtTheEdgesOfASheet) {
   }
 }
 
-// Where two faces are oriented against each other, and where three meet.
-TEST(SurfacePath, TurnsWhereASurfaceHasNoTwoSides) {
+// At an edge of two faces with opposite orientations, and at an edge of three faces.
+TEST(SurfacePath, TurnsAtNonManifoldAndInconsistentlyOrientedEdges) {
   test::Soup turned = sheet(0.1);
   turned.add_quad({0.1, -0.1, 0}, {0.1, 0.1, 0}, {0.3, 0.1, 0}, {0.3, -0.1, 0});
   test::Soup three = sheet(0.1);
@@ -238,9 +238,9 @@ TEST(SurfacePath, TurnsWhereASurfaceHasNoTwoSides) {
   }
 }
 
-// However boxes overlap, the path keeps out of all but the one that it is on: farther than two
-// looks are apart it is in none.
-TEST(SurfacePath, EntersNoOtherBody) {
+// Whichever way boxes overlap, the path stays outside all boxes except its own, within the distance
+// between two tests.
+TEST(SurfacePath, DoesNotEnterOtherBodies) {
   Random random(8102);
   for (int i = 0; i < 60; ++i) {
     struct Solid {
@@ -263,7 +263,7 @@ TEST(SurfacePath, EntersNoOtherBody) {
     }
     const Scene scene = scene_of(parts);
     const SurfacePath found = path_over(scene, random.index(1000));
-    if (std::isfinite(found.free_m)) continue;  // may begin in a gap that is closed all around
+    if (std::isfinite(found.free_m)) continue;  // may begin in a closed gap
     for (const HandPath::Point& point : found.path.points) {
       for (const Solid& solid : solids) {
         ASSERT_LT(solid.depth_m(point.p_m), 0.25 * 4e-3 + 1e-9) << i;
@@ -272,7 +272,7 @@ TEST(SurfacePath, EntersNoOtherBody) {
   }
 }
 
-TEST(SurfacePath, IsTheSameForASeedAndAnotherForAnother) {
+TEST(SurfacePath, DependsOnlyOnTheSeed) {
   const Scene scene = scene_of({placed(torus(0.1, 0.04, 2))});
   const HandPath a = path_over(scene, 7).path;
   const HandPath b = path_over(scene, 7).path;
@@ -285,7 +285,7 @@ TEST(SurfacePath, IsTheSameForASeedAndAnotherForAnother) {
   EXPECT_NE(a.points.front().p_m, c.points.front().p_m);
 }
 
-// A triangle, slivers, and sizes far from a metre, with a hand to match.
+// A triangle, slivers, and sizes far from a metre, with a hand of matching size.
 TEST(SurfacePath, IsFoundOnAnyMesh) {
   Random random(8103);
   for (int i = 0; i < 60; ++i) {
@@ -341,7 +341,7 @@ TEST(SurfacePath, BeginsAnywhereOnNodesThatShareAMesh) {
   EXPECT_GT(most, 3.4);
 }
 
-// ---- a path that is made simpler ---------------------------------------------------------------
+// ---- simplified paths ---------------------------------------------------------------------------
 
 double distance_m(const Vec3& p, const HandPath& path) {
   double nearest_m = HUGE_VAL;
@@ -378,8 +378,8 @@ TEST(HandPath, IsSimplifiedWithinItsToleranceAndKeepsItsTurns) {
   }
 }
 
-// Over the edge of a plate that is thinner than the tolerance, and into a slit as thin.
-TEST(HandPath, TellsAnEdgeFromASlitWhenBothTurnRightBack) {
+// Over the edge of a plate thinner than the tolerance, and into an equally thin slit.
+TEST(HandPath, DistinguishesAnEdgeFromASlitIfBothTurnBack) {
   const Vec3 down = -Vec3::UnitZ();
   HandPath plate;
   plate.points = {{{0, 0, 0}, down},
@@ -391,7 +391,7 @@ TEST(HandPath, TellsAnEdgeFromASlitWhenBothTurnRightBack) {
                  {{0.1, 0, 0}, Vec3::UnitX(), -std::numbers::pi / 2},
                  {{0.1, 0, 1e-4}, -down, -std::numbers::pi / 2},
                  {{0, 0, 1e-4}, -down}};
-  // The same where the way back bends to the other side of the way there.
+  // The same if the path back bends to the other side of the path there.
   HandPath bent_plate = plate;
   bent_plate.points.back().p_m = {0.0, 0.05, 0.01};
   HandPath bent_slit = slit;

@@ -1,4 +1,4 @@
-// Where a scene is in the frame of a device: against all its vertices and its sections.
+// The position of a scene in the device frame, compared with all its vertices and its sections.
 
 #include "engine/simulation/workspace.h"
 
@@ -71,7 +71,7 @@ std::vector<Polyline> contours_at(const Scene& scene, const ScenePose& T_device_
                        height_m - T_device_scene.translation_m.z());
 }
 
-TEST(PlacedBounds, AreAroundAllVerticesAndNoLarger) {
+TEST(PlacedBounds, AreTightAroundAllVertices) {
   test::Random random(8101);
   for (int i = 0; i < 100; ++i) {
     const std::vector<Part> parts = random_parts(random);
@@ -103,7 +103,7 @@ TEST(PlaneHeight, IsTheMiddleOfAnObjectHoweverItIsPlaced) {
   }
 }
 
-TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
+TEST(PlaneHeight, HasAContourWheneverOneExists) {
   test::Random random(8103);
   for (int i = 0; i < 200; ++i) {
     const Scene scene = scene_of_parts(random_parts(random));
@@ -114,9 +114,9 @@ TEST(PlaneHeight, HasAContourWhereverThereIsOne) {
   }
 }
 
-// Two boxes with nothing in the middle between them: no height that is nearer to it than the one
-// that is taken has a contour, but for the way into the box.
-TEST(PlaneHeight, IsTheNearestThatHasAContour) {
+// Two boxes with free space between them at the middle: except for the offset into the box, no
+// height nearer to the middle has a contour.
+TEST(PlaneHeight, IsTheNearestHeightWithAContour) {
   const test::Soup box = test::box_soup(Vec3::Constant(0.01));
   const Scene scene = scene_of_parts({{box, Mat3::Identity(), Vec3(0, 0, -0.05)},
                                       {box, Mat3::Identity(), Vec3(0, 0, 0.04)},
@@ -129,8 +129,8 @@ TEST(PlaneHeight, IsTheNearestThatHasAContour) {
   EXPECT_TRUE(contours_at(scene, {}, 0.015).empty());
 }
 
-// Boxes that meet in faces at the middle, however they are turned: the nearest height beside them,
-// by the extent alone, and not by anything that lies in the plane.
+// Boxes that meet in faces at the middle, in any rotation: the nearest height beside the faces
+// depends only on the extent, not on geometry in the plane.
 TEST(PlaneHeight, IsBesideFacesThatLieInTheMiddle) {
   test::Random random(8105);
   for (int i = 0; i < 100; ++i) {
@@ -153,7 +153,7 @@ TEST(PlaneHeight, IsBesideFacesThatLieInTheMiddle) {
   }
 }
 
-// A stack of plates without gaps has faces everywhere but inside of the plates.
+// A stack of plates without gaps has faces at every height except inside the plates.
 TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
   std::vector<Part> parts;
   const double thick_m = 1e-4;
@@ -168,7 +168,7 @@ TEST(PlaneHeight, IsInsideOfAPlateOfAStack) {
   EXPECT_LE(std::abs(*height_m - 10 * thick_m), thick_m);
 }
 
-TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
+TEST(PlaneHeight, IsAbsentIfAllFacesArePerpendicularToA3) {
   test::Soup sheet;
   sheet.add_quad({-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0});
   const Scene scene = scene_of_parts({{sheet}, {sheet, Mat3::Identity(), Vec3(0, 0, 0.1)}});
@@ -177,24 +177,25 @@ TEST(PlaneHeight, IsNoneWhereAllFacesLieAcrossIt) {
   EXPECT_TRUE(height_with_contour_m(scene, turned));
 }
 
-TEST(Workspace, HoldsWhatLeavesTheHandItsRoom) {
+TEST(Workspace, FitsScenesThatLeaveClearanceForTheHand) {
   const Workspace planar{2, 0.4, 0.008, 0.004};
-  const Box box{Vec3(-1, -1, -5), Vec3(-1, -1, 5)};  // no extent along A1 and A2 yet
+  const Box box{Vec3(-1, -1, -5), Vec3(-1, -1, 5)};  // no extent along A1 and A2
   const auto wide = [&](double a1_m, double a2_m) {
     return Box{box.low, box.low + Vec3(a1_m, a2_m, 10.0)};
   };
-  EXPECT_FALSE(check_fits(planar, wide(0.38, 0.1), 10.0)) << "what is not sensed does not count";
+  EXPECT_FALSE(check_fits(planar, wide(0.38, 0.1), 10.0))
+      << "an axis that is not sensed does not count";
   EXPECT_TRUE(check_fits(planar, wide(0.39, 0.1), 10.0));
   EXPECT_TRUE(check_fits(planar, wide(0.1, 0.39), 10.0));
   EXPECT_FALSE(check_fits(planar, wide(0.005, 0.001), 10.0));
-  EXPECT_TRUE(check_fits(planar, wide(0.003, 0.003), 10.0)) << "the hand presses deeper";
+  EXPECT_TRUE(check_fits(planar, wide(0.003, 0.003), 10.0)) << "smaller than the press depth";
   EXPECT_TRUE(check_fits({3, 0.4, 0.008, 0.004}, wide(0.1, 0.1), 10.0));
   const auto no_room = check_fits({2, 0.01, 0.008, 0.004}, wide(0.1, 0.1), 10.0);
   ASSERT_TRUE(no_room);
   EXPECT_EQ(no_room->element, "device.workspace") << "no size fits";
 }
 
-// By the text of the error, as a user would.
+// Reads the size from the error's text, as a user does.
 TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
   test::Random random(8104);
   for (int i = 0; i < 100; ++i) {
@@ -204,7 +205,7 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
       part.linear *= size;
       part.translation_m *= size;
     }
-    // From the least that has room for a hand.
+    // Workspaces from the smallest with clearance for a hand.
     const double extent_m =
         random.index(2) == 0 ? random.uniform(0.1, 2.0) : random.uniform(0.0201, 0.04);
     const Workspace workspace{random.index(2) == 0 ? 2 : 3, extent_m, 0.008, 0.004};
@@ -227,23 +228,23 @@ TEST(Workspace, IsFittedByTheSizeThatTheErrorNames) {
   }
 }
 
-// A workspace of 20 mm holds one size alone, which no three digits name.
-TEST(Workspace, TooSmallForEverySizeIsRefusedWithTheLeastThatIsNot) {
+// A workspace of 20 mm fits a single size, which three digits cannot express.
+TEST(Workspace, TooSmallForEverySizeIsRejectedWithTheLeastUsableOne) {
   const Box box{Vec3::Zero(), Vec3::Constant(0.1)};
   for (const double extent_m : {0.001, 0.016, 0.02, 0.02005}) {
     const auto error = check_fits({2, extent_m, 0.008, 0.004}, box, 0.1);
     ASSERT_TRUE(error);
     EXPECT_EQ(error->element, "device.workspace");
-    EXPECT_NE(error->problem.find("0.0201 m at least"), std::string::npos) << error->problem;
+    EXPECT_NE(error->problem.find("at least 0.0201 m"), std::string::npos) << error->problem;
   }
   const auto error = check_fits({2, 0.0201, 0.008, 0.004}, box, 0.1);
   ASSERT_TRUE(error);
   EXPECT_EQ(error->element, "scene") << "a size fits";
 }
 
-// ---- room for a hand that walks ----------------------------------------------------------------
+// ---- clearance for a walking hand ---------------------------------------------------------------
 
-// Up to the first tick.
+// Plans an exploration and stops before its first tick.
 Result<ExplorationRun> planned(const Scene& scene, int sensors) {
   RunSettings options;
   options.sensors = sensors;
@@ -263,8 +264,8 @@ Scene beam(double length_m, double slenderness) {
       {{test::box_soup(Vec3(half_m, half_m / slenderness, half_m / slenderness))}});
 }
 
-// What the hint names is taken: the hand finds its way then.
-TEST(RoomForAHand, IsFoundWithWhatTheErrorProposes) {
+// With the option of the hint, the hand finds a path.
+TEST(RoomForAHand, IsFoundWithTheProposalOfTheError) {
   std::set<std::string> proposed;
   constexpr double length_m = 0.2;
   for (const double slenderness : {3000.0, 10000.0}) {

@@ -1,4 +1,5 @@
-// Animations at any time, against a sampler of its own in long double, and how one is chosen.
+// Animations at any time, compared with an independent sampler in long double; and the choice of an
+// animation.
 
 #include <algorithm>
 #include <array>
@@ -38,15 +39,14 @@ ReadOptions posed(const std::string& pose) {
   return options;
 }
 
-// Seconds as an option has them, every digit.
+// Seconds as in an option, with all digits.
 std::string text_of(double seconds) {
   std::array<char, 64> text;
   std::snprintf(text.data(), text.size(), "%.17g", seconds);
   return text.data();
 }
 
-// ---- the formulas of glTF 2.0, appendix C, as they stand there
-// -----------------------------------
+// ---- the formulas of glTF 2.0, appendix C, unchanged --------------------------------------------
 
 enum class Kind { kStep, kLinear, kCubicSpline };
 constexpr std::array<Kind, 3> kKinds = {Kind::kStep, Kind::kLinear, Kind::kCubicSpline};
@@ -55,7 +55,7 @@ const char* name_of(Kind kind) {
   return kind == Kind::kStep ? "STEP" : kind == Kind::kLinear ? "LINEAR" : "CUBICSPLINE";
 }
 
-// Of one channel: what the file holds, as exact numbers.
+// The keys of one channel in the file, as exact numbers.
 struct Curve {
   Kind kind = Kind::kLinear;
   bool is_rotation = false;
@@ -79,7 +79,7 @@ Numbers slerped(const Numbers& from, const Numbers& to, Long t) {
   const Long sign = d < 0.0L ? -1.0L : 1.0L;
   Numbers q(4);
   for (std::size_t i = 0; i < 4; ++i) {
-    // Of angles near zero the formula is that of a straight line.
+    // For angles near zero the formula is linear.
     q[i] = std::sin(angle) < 1e-9L
                ? (1.0L - t) * a[i] + t * sign * b[i]
                : (std::sin(angle * (1.0L - t)) * a[i] + sign * std::sin(angle * t) * b[i]) /
@@ -111,12 +111,11 @@ Numbers sampled(const Curve& curve, double time) {
   return curve.is_rotation ? normalized(value) : value;
 }
 
-// ---- random animations
-// ---------------------------------------------------------------------------
+// ---- random animations --------------------------------------------------------------------------
 
 struct Format {
   int component_type;
-  Long largest;  // what stands for 1; 0 of floats
+  Long largest;  // the integer for 1; 0 for floats
   bool is_signed;
 };
 constexpr std::array<Format, 5> kFormats = {{{GltfBuilder::kFloat, 0.0L, true},
@@ -125,7 +124,7 @@ constexpr std::array<Format, 5> kFormats = {{{GltfBuilder::kFloat, 0.0L, true},
                                              {GltfBuilder::kShort, 32767.0L, true},
                                              {GltfBuilder::kUnsignedShort, 65535.0L, false}}};
 
-// What a component becomes when it is stored and read again.
+// A component after it is stored and read again.
 Long stored(double x, const Format& format) {
   if (format.largest == 0.0L) return static_cast<float>(x);
   const double clamped = std::clamp(format.is_signed ? x : std::abs(x), -1.0, 1.0);
@@ -185,7 +184,7 @@ class RandomClip {
     asset.add_child({{"mesh", 0}, {"weights", {0.5, 0.25}}});
     asset.add_node({{"mesh", 1}, {"skin", 0}});
     asset.json["skins"] = {{{"joints", {0, 1, 2}}}};
-    // Another animation of the same nodes, which must not matter.
+    // Another animation of the same nodes, which must have no effect.
     asset.json["animations"] = Json::array();
     add_animation("Other");
     add_animation("Clip");
@@ -231,8 +230,8 @@ class RandomClip {
   GltfBuilder asset;
 
  private:
-  // Of a sampled value, rotation matrix, and products of four matrices; times are subtracted, which
-  // costs a spline's tangents the digits that an interval is shorter than the times.
+  // For a sampled value, a rotation matrix and products of four matrices. Subtracting times costs a
+  // spline's tangents as many digits as an interval is shorter than the times.
   static constexpr Long kRoundings = 256.0L;
   static constexpr std::size_t kKeys = 6;
   struct NodeCurves {
@@ -270,7 +269,7 @@ class RandomClip {
 
   const Format& any_format() { return kFormats[random_.index(kFormats.size())]; }
 
-  // Of a rotation a unit quaternion as good as the format can hold it.
+  // For a rotation, a unit quaternion as exact as the format allows.
   Numbers random_value(const Curve& curve, std::size_t width, const Format& format) {
     for (;;) {
       Numbers value;
@@ -342,8 +341,7 @@ TEST(GltfKeyframes, PoseNodesMorphTargetsAndJointsByTheFormulasOfTheSpecificatio
   }
 }
 
-// ---- one node
-// ------------------------------------------------------------------------------------
+// ---- one node -----------------------------------------------------------------------------------
 
 // A triangle whose node has one channel.
 GltfBuilder moving_triangle(const std::string& path, const std::vector<float>& times,
@@ -365,7 +363,7 @@ double x_at(const GltfBuilder& asset, const std::string& time) {
   return read_glb(asset, posed("Move@" + time)).nodes.at(0).translation_m.x();
 }
 
-TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastOneBehindTheirKeys) {
+TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastValueAfterTheirKeys) {
   for (const Kind kind : kKinds) {
     std::vector<float> values = {3, 0, 0, 7, 0, 0};
     if (kind == Kind::kCubicSpline) {
@@ -377,7 +375,7 @@ TEST(GltfKeyframes, HoldTheFirstValueBeforeAndTheLastOneBehindTheirKeys) {
   }
 }
 
-TEST(GltfKeyframes, HaveAnyNumberOfKeysFromOneOn) {
+TEST(GltfKeyframes, MayHaveAnyNumberOfKeysFromOne) {
   for (const char* time : {"0", "1", "2"}) {
     EXPECT_EQ(x_at(moving_triangle("translation", {1}, {3, 0, 0}), time), 3.0);
     EXPECT_EQ(
@@ -386,9 +384,9 @@ TEST(GltfKeyframes, HaveAnyNumberOfKeysFromOneOn) {
   }
 }
 
-TEST(GltfKeyframes, TurnByTheShorterArcAndStandStillBetweenEqualRotations) {
+TEST(GltfKeyframes, RotateAlongTheShorterArcAndStayBetweenEqualRotations) {
   const float h = std::sqrt(0.5f);
-  // A quarter turn about z, written as its negative: the way there is 45 degrees, not 315.
+  // A quarter turn about z, stored as the negated quaternion: halfway is 45 degrees, not 315.
   const GltfBuilder asset = moving_triangle("rotation", {0, 1}, {0, 0, 0, 1, 0, 0, -h, -h});
   const Mat3 half_way = read_glb(asset, posed("Move@0.5")).nodes.at(0).linear_scene_mesh;
   const double quarter_pi = std::atan(1.0);
@@ -398,7 +396,7 @@ TEST(GltfKeyframes, TurnByTheShorterArcAndStandStillBetweenEqualRotations) {
   EXPECT_EQ(read_glb(still, posed("Move@0.3")).nodes.at(0).linear_scene_mesh, Mat3::Identity());
 }
 
-TEST(GltfKeyframes, RefuseASplineThroughNoRotation) {
+TEST(GltfKeyframes, RejectASplineThroughAZeroQuaternion) {
   const GltfBuilder asset = moving_triangle(
       "rotation", {0, 1}, {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0},
       "CUBICSPLINE");
@@ -407,7 +405,7 @@ TEST(GltfKeyframes, RefuseASplineThroughNoRotation) {
                  posed("Move@0.5"));
 }
 
-TEST(GltfKeyframes, WarnOfTimesThatFallAndPassOverTheKeysThatAnEarlierOneFollows) {
+TEST(GltfKeyframes, WarnOfDecreasingTimesAndIgnoreKeysBeforeAnEarlierTime) {
   const GltfBuilder asset =
       moving_triangle("translation", {0, 2, 1, 3}, {0, 0, 0, 50, 0, 0, 10, 0, 0, 30, 0, 0});
   for (const auto& [time, x] : std::vector<std::pair<const char*, double>>{
@@ -416,10 +414,9 @@ TEST(GltfKeyframes, WarnOfTimesThatFallAndPassOverTheKeysThatAnEarlierOneFollows
   }
   const SceneDescription scene = read_glb(asset, posed("Move@0"));
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_EQ(
-      scene.warnings[0],
-      "/animations/0/samplers/0/input: key 2 at 1.000000 s is earlier than the one before it; "
-      "expected rising times. Keys that an earlier one follows are passed over");
+  EXPECT_EQ(scene.warnings[0],
+            "/animations/0/samplers/0/input: key 2 at 1.000000 s is earlier than the previous key; "
+            "expected increasing times. Keys are ignored if a key with an earlier time follows");
   EXPECT_TRUE(read_glb(asset).warnings.empty());
 }
 
@@ -433,15 +430,16 @@ TEST(GltfKeyframes, WarnOfTwoKeysAtOneTimeAndStepThere) {
   const SceneDescription scene = read_glb(asset, posed("Move@0"));
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_NE(scene.warnings[0].find("key 2 at 1.000000 s has the time of"), std::string::npos);
-  EXPECT_NE(scene.warnings[0].find("the last one counts"), std::string::npos);
+  EXPECT_NE(scene.warnings[0].find("The last of several keys at one time is used"),
+            std::string::npos);
   // All keys at one time: the first holds before, the last from then on.
   const GltfBuilder one = moving_triangle("translation", {1, 1}, {10, 0, 0, 50, 0, 0});
   EXPECT_EQ(x_at(one, "0.5"), 10.0);
   EXPECT_EQ(x_at(one, "1"), 50.0);
 }
 
-// Numbers that no valid file has, against the rule that the warning states.
-TEST(GltfKeyframes, TakeAnyOrderOfTimesAsTheWarningStates) {
+// Times that no valid file has, compared with the rule that the warning states.
+TEST(GltfKeyframes, ReadAnyOrderOfTimesAsTheWarningStates) {
   test::Random random(22);
   for (int round = 0; round < 200; ++round) {
     std::vector<float> times, values;
@@ -472,7 +470,7 @@ TEST(GltfKeyframes, TakeAnyOrderOfTimesAsTheWarningStates) {
   }
 }
 
-TEST(GltfKeyframes, CostNoMoreWhereManyChannelsShareASampler) {
+TEST(GltfKeyframes, CostNoMoreIfManyChannelsShareASampler) {
   GltfBuilder asset = moving_triangle("translation", {0, 1}, {1, 0, 0, 2, 0, 0});
   for (std::size_t n = 1; n < 2000; ++n) {
     asset.add_node({{"mesh", 0}});
@@ -484,8 +482,7 @@ TEST(GltfKeyframes, CostNoMoreWhereManyChannelsShareASampler) {
   for (const NodeDescription& node : scene.nodes) EXPECT_EQ(node.translation_m, Vec3(1.5, 0, 0));
 }
 
-// ---- choosing
-// ------------------------------------------------------------------------------------
+// ---- choosing -----------------------------------------------------------------------------------
 
 // Four clips of one node, which put it at x = 10, 20, 30 and 40; the second and the fourth have one
 // name, the third has none.
@@ -506,7 +503,7 @@ GltfBuilder four_clips() {
   return asset;
 }
 
-TEST(GltfPose, IsChosenByNameOrNumberAndTheLastAtCounts) {
+TEST(GltfPose, IsChosenByNameOrNumberBeforeTheLastAtSign) {
   const GltfBuilder asset = four_clips();
   for (const auto& [pose, x] : std::vector<std::pair<const char*, double>>{{"a@1@0", 10},
                                                                            {"#0@0.5", 10},
@@ -525,7 +522,7 @@ TEST(GltfPose, PrefersANameToANumber) {
   EXPECT_EQ(read_glb(asset, posed("#0@0")).nodes.at(0).translation_m.x(), 40.0);
 }
 
-TEST(GltfPose, RefusesWhatIsNotThereAndTellsWhatIs) {
+TEST(GltfPose, RejectsAnUnknownAnimationAndListsTheAnimations) {
   const GltfBuilder asset = four_clips();
   const std::string all =
       "choose from #0 \"a@1\" of 1 s, #1 \"Twice\" of 0.25 s, #2 \"animation 2\" of 0.5 s, #3 "
@@ -539,7 +536,7 @@ TEST(GltfPose, RefusesWhatIsNotThereAndTellsWhatIs) {
                    posed(pose));
   }
   expect_refused(asset, ErrorCode::kInvalidArgument, "pose \"Twice@0\"",
-                 "say which by its number in the file: \"#1\", \"#3\"", posed("Twice@0"));
+                 "name the animation by its number in the file: \"#1\", \"#3\"", posed("Twice@0"));
   expect_refused(GltfBuilder::one_triangle(), ErrorCode::kInvalidArgument, "pose \"Walk@0\"",
                  "the file has no animation", posed("Walk@0"));
 }
@@ -554,20 +551,20 @@ TEST(GltfPose, NamesAFewOfManyAnimations) {
                  posed("Twice@0"));
 }
 
-TEST(GltfPose, TellsInANoteWhichItIsAndWhereItsKeysEnd) {
+TEST(GltfPose, StatesInANoteTheAnimationAndItsLastKey) {
   const GltfBuilder asset = four_clips();
   const auto note = [&](const char* pose) { return read_glb(asset, posed(pose)).notes.at(0); };
   EXPECT_EQ(note(""), "pose: at rest");
   EXPECT_EQ(note("#3@0.5"), "pose: animation #3 \"Twice\" at 0.5 s");
-  EXPECT_EQ(note("#3@2"), "pose: animation #3 \"Twice\" at 2 s, behind its last key at 0.75 s");
+  EXPECT_EQ(note("#3@2"), "pose: animation #3 \"Twice\" at 2 s, after its last key at 0.75 s");
 }
 
-TEST(GltfPose, ListsAllAnimationsWithTheirLengthsWhateverIsWrongWithThem) {
+TEST(GltfPose, ListsAllAnimationsWithTheirLengthsEvenIfInvalid) {
   GltfBuilder asset = four_clips();
   Json& animations = asset.json["animations"];
   animations[0]["samplers"][0]["input"] = 999;
   animations[1]["channels"] = "none";
-  animations[2]["samplers"].push_back(animations[3]["samplers"][0]);  // no channel asks for it
+  animations[2]["samplers"].push_back(animations[3]["samplers"][0]);  // no channel uses it
   animations[3]["channels"].push_back({{"sampler", 1}, {"target", {{"path", "pointer"}}}});
   animations[3]["samplers"].push_back(
       {{"input", add_floats(asset, {0, 9, 5}, "SCALAR")}, {"output", 0}});

@@ -28,8 +28,8 @@
 
 namespace {
 
-// Bytes in use and the most there ever were, over every allocation of the process, those of the
-// codecs too.
+// The bytes in use and their maximum, over all allocations of the process, including those of the
+// codecs.
 std::atomic<std::size_t> live_bytes{0};
 std::atomic<std::size_t> peak_bytes{0};
 
@@ -60,7 +60,7 @@ void* operator new(std::size_t size) {
 void* operator new[](std::size_t size) {
   return counted_new(size);
 }
-// The sanitizers have these of their own, which would not be counted.
+// The sanitizers replace these operators by their own, which would not be counted.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   return counted_new_or_null(size);
 }
@@ -126,8 +126,8 @@ void expect_refused(const GltfBuilder& asset, ErrorCode code, const std::string&
   EXPECT_NE(error.to_string().find(text), std::string::npos) << error.to_string();
 }
 
-// How far above the present use of memory reading the asset goes, without what is set aside for
-// every file alike.
+// The peak memory of reading the asset above the current use, without the reserve that every file
+// needs.
 std::size_t peak_while_refused(const GltfBuilder& asset) {
   const std::string bytes = glb_bytes(asset);
   const MemoryReserve set_aside;
@@ -137,7 +137,7 @@ std::size_t peak_while_refused(const GltfBuilder& asset) {
   return peak_bytes - before;
 }
 
-// A grid of n x n squares over a wavy surface: what encoders are made for.
+// A grid of n x n squares on a wavy surface, the usual input of encoders.
 Points grid_points(std::size_t n) {
   Points points;
   for (std::size_t i = 0; i <= n; ++i) {
@@ -240,7 +240,7 @@ MeshoptAsset meshopt_grid(std::size_t n, const char* extension = kMeshopt) {
   return asset;
 }
 
-// Compressed triangles may begin at another corner.
+// Compression may change the first corner of a triangle.
 Triangle from_smallest(Triangle t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
@@ -291,7 +291,7 @@ TEST(Meshopt, ReadsBothIndexModesInBothWidths) {
   }
 }
 
-// Version 0.22 of meshoptimizer asks for a mode, too; this one is what older ones do.
+// Version 0.22 of meshoptimizer also has a mode parameter; this mode is that of older versions.
 template <typename Points>
 void encode_exponents(auto& filtered, const Points& points, int bits) {
   constexpr std::size_t kStride = sizeof(points[0]);
@@ -336,13 +336,13 @@ TEST(Meshopt, UndoesTheExponentialFilterBitForBit) {
       const double expected = std::ldexp(factor >= 1 << 23 ? factor - (1 << 24) : factor, exponent);
       const auto k = static_cast<Eigen::Index>(i % 3);
       EXPECT_EQ(scene.meshes.at(0).positions[i / 3][k], expected);
-      // One percent of the box: the right numbers at all.
+      // One percent of the box: only a check for gross errors.
       EXPECT_NEAR(expected, points[i / 3][k], 0.01);
     }
   }
 }
 
-// Random unit vectors as quantised positions behind a filter that takes four floats of each.
+// Random unit vectors as quantised positions, for a filter with four floats per vector.
 void expect_filtered(const std::string& filter, std::size_t stride, int component_type,
                      double bound) {
   test::Random random(7);
@@ -352,7 +352,7 @@ void expect_filtered(const std::string& filter, std::size_t stride, int componen
     for (int k = 0; k < 4; ++k) unit[k] = static_cast<float>(random.normal());
     if (filter == "OCTAHEDRAL") unit[3] = 0.0f;
     unit.normalize();
-    // The largest component of a quaternion is stored as positive, which turns all of it.
+    // The largest component of a quaternion is stored as positive, which may negate the quaternion.
     int largest = 0;
     unit.cwiseAbs().maxCoeff(&largest);
     if (filter == "QUATERNION" && unit[largest] < 0.0f) unit = -unit;
@@ -378,7 +378,7 @@ void expect_filtered(const std::string& filter, std::size_t stride, int componen
 
 TEST(Meshopt, UndoesTheFiltersOfUnitVectorsAndQuaternions) {
   // A few units of the format: the octahedron is twice as steep as the sphere at its corners, and
-  // one more rounding comes behind it.
+  // one more rounding follows.
   expect_filtered("OCTAHEDRAL", 4, GltfBuilder::kByte, 3.0 / 127.0);
   expect_filtered("OCTAHEDRAL", 8, GltfBuilder::kShort, 3.0 / 32767.0);
   expect_filtered("QUATERNION", 8, GltfBuilder::kShort, 3.0 / 32767.0);
@@ -399,14 +399,14 @@ TEST(Meshopt, ReadsQuantisedPositionsAtTheirStride) {
   EXPECT_EQ(scene.meshes[0].positions[1], Vec3(1, 0, 0));
   EXPECT_EQ(scene.meshes[0].positions[2], Vec3(0, 1, 13107.0 / 65535.0));
 
-  // The same bytes read as if they stood close would be other positions.
+  // The same bytes read without the stride would give other positions.
   asset.json["bufferViews"][vertices].erase("byteStride");
   expect_refused(asset, ErrorCode::kInvalidContent, "/accessors/0", "of 8 bytes");
 }
 
 TEST(Meshopt, DecodesAViewOnceForAllItsAccessors) {
-  // Two interleaved accessors in one view of 100 meshes: decoded per mesh, or counted per mesh, it
-  // would be more than is read of any asset.
+  // Two interleaved accessors of 100 meshes in one view: if it were decoded or counted for each
+  // mesh, it would exceed the limits.
   constexpr std::size_t kCount = 1u << 20;
   static_assert(100 * kCount * 24 > kMaxGltfBufferBytes);
   std::vector<float> interleaved(kCount * 6);
@@ -427,7 +427,7 @@ TEST(Meshopt, DecodesAViewOnceForAllItsAccessors) {
   EXPECT_EQ(scene.meshes[1].positions[1], Vec3(9, 10, 11));
 }
 
-TEST(Meshopt, DecodesEvenWhenAFallbackIsThere) {
+TEST(Meshopt, DecodesEvenIfAFallbackIsPresent) {
   MeshoptAsset asset = meshopt_grid(4);
   asset.json.erase("extensionsRequired");
   const std::size_t bytes = asset.json["buffers"][1]["byteLength"].get<std::size_t>();
@@ -437,13 +437,13 @@ TEST(Meshopt, DecodesEvenWhenAFallbackIsThere) {
   expect_positions(read(asset).meshes.at(0).positions, grid_points(4));
 }
 
-TEST(Meshopt, RefusesAFallbackReadAsIfItHeldData) {
+TEST(Meshopt, RejectsAFallbackUsedAsData) {
   MeshoptAsset asset = meshopt_grid(4);
   asset.json["bufferViews"][0].erase("extensions");
   expect_refused(asset, ErrorCode::kInvalidContent, "/buffers/1", "no data");
 }
 
-TEST(Meshopt, RefusesWhatBreaksARuleOfTheExtension) {
+TEST(Meshopt, RejectsViolationsOfTheExtension) {
   const std::string element = "/bufferViews/0/extensions/EXT_meshopt_compression";
   const auto refuse = [&](const char* property, const Json& value,
                           ErrorCode code = ErrorCode::kInvalidContent) {
@@ -476,7 +476,7 @@ TEST(Meshopt, RefusesWhatBreaksARuleOfTheExtension) {
   expect_refused(asset, ErrorCode::kInvalidContent, element);
 }
 
-TEST(Meshopt, RefusesStridesThatTheModeOrTheFilterDoesNotTake) {
+TEST(Meshopt, RejectsStridesThatTheModeOrTheFilterDoesNotAllow) {
   const std::string stride = "/bufferViews/0/extensions/EXT_meshopt_compression/byteStride";
   for (const char* filter : {"OCTAHEDRAL", "QUATERNION"}) {
     MeshoptAsset asset = meshopt_grid(4);
@@ -527,13 +527,13 @@ TEST(Meshopt, RefusesOtherCodecsByName) {
 
 TEST(Meshopt, RefusesDamagedData) {
   MeshoptAsset asset = meshopt_grid(15);
-  // One byte too many.
+  // One byte too long.
   asset.compressed(0)["byteLength"] = asset.compressed(0)["byteLength"].get<std::size_t>() + 1;
   expect_refused(asset, ErrorCode::kInvalidContent,
                  "/bufferViews/0/extensions/EXT_meshopt_compression", "decoded");
 }
 
-TEST(Meshopt, RefusesCountsThatSoFewBytesCannotHoldBeforeAllocating) {
+TEST(Meshopt, RejectsCountsTooLargeForTheBytesBeforeAllocating) {
   for (const std::size_t view : {0u, 1u}) {
     for (const std::uint64_t count : {std::uint64_t{30000}, std::uint64_t{3} << 20,
                                       std::uint64_t{3} << 28, std::uint64_t{3} << 46}) {
@@ -551,7 +551,7 @@ TEST(Meshopt, RefusesCountsThatSoFewBytesCannotHoldBeforeAllocating) {
   }
 }
 
-TEST(Meshopt, TakesTheMostThatTheCodecsCanCompress) {
+TEST(Meshopt, ReadsTheHighestCompressionOfTheCodecs) {
   // All elements equal: every group of 16 is a code of two bits, every triangle one byte.
   constexpr std::size_t kCount = 256 * 40;
   MeshoptAsset asset;
@@ -564,8 +564,8 @@ TEST(Meshopt, TakesTheMostThatTheCodecsCanCompress) {
   EXPECT_EQ(read(asset).meshes.at(0).positions.size(), kCount);
 }
 
-// Every byte of the buffer changed. Whatever the reader answers, it must answer, and soon: the
-// sanitizers watch.
+// Every byte of the buffer is changed. The reader must always return soon, with any result;
+// sanitizers check its accesses.
 void expect_corners_in_range(const SceneDescription& scene) {
   for (const MeshDescription& mesh : scene.meshes) {
     for (const Triangle& t : mesh.triangles) {
@@ -712,7 +712,7 @@ Json& draco_extension(GltfBuilder& asset) {
   return asset.json["meshes"][0]["primitives"][0]["extensions"][kDraco];
 }
 
-// What read_gltf() makes of the asset before it reads primitives, as far as these need it.
+// The parts of read_gltf()'s state that reading primitives needs.
 class OpenAsset {
  public:
   explicit OpenAsset(const GltfBuilder& builder)
@@ -750,7 +750,7 @@ class OpenAsset {
   GltfMeshoptViews views_;
 };
 
-// The decoded grid, put back into the order that it had before it was encoded.
+// The decoded grid, in its order before encoding.
 void expect_draco_grid(const GltfBuilder& builder, std::size_t n, double bound) {
   const Points points = grid_points(n);
   OpenAsset open(builder);
@@ -791,8 +791,8 @@ void expect_draco_grid(const GltfBuilder& builder, std::size_t n, double bound) 
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-// Numbers as the stream writes them: seven bits a byte, the lowest first; all but the last byte say
-// that another one follows.
+// A number in the stream's variable-length encoding: seven bits a byte, lowest first; the top bit
+// of all bytes except the last is set.
 std::string varint(std::uint64_t value) {
   std::string bytes;
   for (; value > 0x7f; value >>= 7) bytes += static_cast<char>((value & 0x7f) | 0x80);
@@ -816,7 +816,7 @@ TEST(Draco, ReadsEveryMethodToTheBitsItKeeps) {
   }
 }
 
-TEST(Draco, StepsOverMetadata) {
+TEST(Draco, SkipsMetadata) {
   for (DracoOptions options : kMethods) {
     options.metadata = true;
     const GltfBuilder asset = draco_grid(5, options);
@@ -826,7 +826,7 @@ TEST(Draco, StepsOverMetadata) {
 }
 
 TEST(Draco, KeepsNothingOfTheMetadata) {
-  // 20,000 attributes with an id each, no entry and nothing below them, in front of a good stream.
+  // 20,000 attributes with an id each, without entries and nested blocks, before a valid stream.
   GltfBuilder asset = draco_grid(5);
   std::string metadata = varint(20000) + std::string(3 * 20000, '\0') + varint(0) + varint(0);
   asset.bin[10] = '\x80';
@@ -839,7 +839,7 @@ TEST(Draco, KeepsNothingOfTheMetadata) {
   EXPECT_LT(peak_bytes - before, 200000u);
 }
 
-TEST(Draco, TakesAStripAsTheListThatWasDecoded) {
+TEST(Draco, ReadsAStripAsTheDecodedList) {
   const Points points = grid_points(5);
   const Indices indices = grid_indices(5);
   const std::string stream = draco_stream(points, indices);
@@ -855,7 +855,7 @@ TEST(Draco, TakesAStripAsTheListThatWasDecoded) {
   EXPECT_NE(odd.warnings[0].find("50 triangles"), std::string::npos) << odd.warnings[0];
 }
 
-TEST(Draco, DecodesEvenWhenAFallbackIsThere) {
+TEST(Draco, DecodesEvenIfAFallbackIsPresent) {
   GltfBuilder asset = draco_grid(4);
   asset.json.erase("extensionsRequired");
   const std::size_t zeros = asset.add_view(std::string(25 * 12, '\0'));
@@ -916,7 +916,7 @@ TEST(CompressedSeeds, OfTheFuzzTargetAreValid) {
   }
 }
 
-// A grid whose every second vertex goes up with its joint, the others down.
+// A grid of which every second vertex moves up with its joint, the others down.
 struct SkinnedGrid {
   Points points = grid_points(4);
   Indices indices = grid_indices(4);
@@ -944,7 +944,7 @@ struct SkinnedGrid {
     return draco_bytes(mesh, {.method = method});
   }
 
-  // joint_type: of the accessor. declared: how many vertices the accessors say there are.
+  // joint_type: of the accessor. declared: the number of vertices according to the accessors.
   GltfBuilder asset(const std::string& stream, int joint_type, std::size_t declared,
                     std::size_t declared_indices) const {
     GltfBuilder asset = draco_asset(stream, declared, declared_indices);
@@ -980,7 +980,7 @@ struct SkinnedGrid {
 
 constexpr int kBothMethods[] = {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING};
 
-TEST(Draco, PosesSkinsThatAreCompressed) {
+TEST(Draco, PosesCompressedSkins) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     const std::string stream = grid.stream<std::uint16_t>(method, draco::DT_UINT16);
@@ -991,7 +991,7 @@ TEST(Draco, PosesSkinsThatAreCompressed) {
   }
 }
 
-TEST(Draco, TakesIntegersOfAnotherTypeThanTheAccessorsAsTheNumbersTheyAre) {
+TEST(Draco, ConvertsIntegersToTheTypeOfTheAccessor) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     for (const std::string& stream : {grid.stream<std::uint8_t>(method, draco::DT_UINT8),
@@ -1009,8 +1009,8 @@ TEST(Draco, TakesIntegersOfAnotherTypeThanTheAccessorsAsTheNumbersTheyAre) {
   }
 }
 
-// As a vertex beyond its values would be read by wrapping them.
-TEST(Draco, RefusesIntegersThatTheTypeOfTheAccessorDoesNotHave) {
+// For example, out-of-range joints would be read with wrapped values.
+TEST(Draco, RejectsIntegersOutOfRangeOfTheAccessorsType) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     for (const std::string& stream : {grid.stream<std::uint16_t>(method, draco::DT_UINT16, 255),
@@ -1025,7 +1025,7 @@ TEST(Draco, RefusesIntegersThatTheTypeOfTheAccessorDoesNotHave) {
   }
 }
 
-TEST(Draco, DividesNormalisedIntegersByTheLargestOfTheAccessorsTypeAndSaysSo) {
+TEST(Draco, DividesNormalisedIntegersByTheLargestOfTheAccessorsTypeWithAWarning) {
   const std::vector<std::uint8_t> stored = {0, 0, 0, 255, 0, 0, 0, 255, 51};
   draco::Mesh mesh;
   mesh.set_num_points(3);
@@ -1061,7 +1061,7 @@ TEST(Draco, KeepsTheMaterialOfEachPrimitive) {
 }
 
 // Real exporters count before or after the codec has split vertices or dropped triangles.
-TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
+TEST(Draco, UsesTheNumbersOfTheStreamWithAWarningIfTheAccessorsDiffer) {
   for (const DracoOptions& options : kMethods) {
     const auto plain = read(draco_grid(5, options));
     for (const int vertices : {1, 35, 36, 37, 3600}) {
@@ -1085,8 +1085,8 @@ TEST(Draco, ReadsTheStreamWhereItsAccessorsSayOtherNumbersAndSaysSo) {
   }
 }
 
-// The type of their accessor does not hold the larger ones; what is read are those of the stream.
-TEST(Draco, TakesIndicesOfTheStreamWhateverTheTypeOfTheirAccessor) {
+// The accessor's type cannot represent the larger indices; the indices of the stream are used.
+TEST(Draco, UsesTheIndicesOfTheStreamForAnyTypeOfTheirAccessor) {
   for (const DracoOptions& options : kMethods) {
     GltfBuilder asset = draco_grid(20, options);
     for (const int type : {GltfBuilder::kUnsignedByte, GltfBuilder::kUnsignedShort}) {
@@ -1107,7 +1107,7 @@ TEST(Draco, RefusesAccessorsThatDisagreeWithEachOther) {
   }
 }
 
-TEST(Draco, PosesAsManyVerticesAsTheStreamHolds) {
+TEST(Draco, PosesAsManyVerticesAsTheStreamHas) {
   const SkinnedGrid grid;
   for (const int method : kBothMethods) {
     const std::string stream = grid.stream<std::uint8_t>(method, draco::DT_UINT8);
@@ -1117,7 +1117,7 @@ TEST(Draco, PosesAsManyVerticesAsTheStreamHolds) {
       grid.expect_posed(scene);
       EXPECT_EQ(scene.warnings.size(), 1u);
 
-      // What is not compressed must fit the stream, not the accessors that it overrules.
+      // Uncompressed attributes must match the stream, not the accessors that it overrides.
       const std::size_t count = grid.points.size();
       const std::vector<float> up(3 * count, 1.0f);
       const std::size_t target = asset.add_accessor(asset.add_view(test::bytes_of(up)),
@@ -1151,9 +1151,9 @@ TEST(Draco, AppliesLimitsToTheNumbersOfTheStream) {
   }
 }
 
-// What repeats takes a stream next to no space. The accessors may vouch for some of it; a stream
-// alone is believed as far as its length goes.
-TEST(Draco, BoundsWhatAStreamDecodesToBeyondItsAccessors) {
+// Repeated values take almost no space in a stream. Accessors may declare a large size; beyond it,
+// the decoded size is limited by the length of the stream.
+TEST(Draco, BoundsTheDecodedSizeBeyondTheAccessors) {
   constexpr std::size_t kSide = 300;
   const Indices indices = grid_indices(kSide);
   const std::size_t vertices = (kSide + 1) * (kSide + 1);
@@ -1174,7 +1174,7 @@ TEST(Draco, BoundsWhatAStreamDecodesToBeyondItsAccessors) {
   EXPECT_EQ(read(asset_of(vertices, indices.size())).meshes.at(0).positions.size(), vertices);
   const GltfBuilder lying = asset_of(3, 3);
   EXPECT_LT(peak_while_refused(lying), kDracoWorkingBytes + (std::size_t{8} << 20));
-  expect_refused(lying, ErrorCode::kLimitExceeded, kDracoElement, "so much more is not decoded");
+  expect_refused(lying, ErrorCode::kLimitExceeded, kDracoElement, "far more than the");
 }
 
 TEST(Draco, RefusesTypesThatDifferFromTheStream) {
@@ -1195,7 +1195,7 @@ TEST(Draco, RefusesTypesThatDifferFromTheStream) {
                  std::string(kDracoElement) + "/attributes/POSITION", "another type");
 }
 
-TEST(Draco, RefusesWhatBreaksARuleOfTheExtension) {
+TEST(Draco, RejectsViolationsOfTheExtension) {
   const std::string element = kDracoElement;
   const auto refuse = [&](const Json::json_pointer& pointer, const Json& value,
                           const std::string& where) {
@@ -1267,7 +1267,7 @@ std::string edgebreaker_stream(std::uint64_t vertices, std::uint64_t faces, int 
          varint(faces) + varint(splits) + std::string(padding, '\0');
 }
 
-TEST(Draco, RefusesNumbersThatSoFewBytesCannotHoldBeforeAllocating) {
+TEST(Draco, RejectsCountsTooLargeForTheBytesBeforeAllocating) {
   for (const std::uint64_t faces : {std::uint64_t{100000}, std::uint64_t{10000000}}) {
     for (const std::string& stream :
          {edgebreaker_stream(faces / 2, faces, 0, 0, 100),
@@ -1279,7 +1279,7 @@ TEST(Draco, RefusesNumbersThatSoFewBytesCannotHoldBeforeAllocating) {
   }
 }
 
-TEST(Draco, RefusesNumbersThatTheAccessorsDoNotShareBeforeAllocating) {
+TEST(Draco, RejectsCountsThatDifferFromTheAccessorsBeforeAllocating) {
   constexpr std::uint64_t kMany = 50000000;
   for (const std::string& stream :
        {edgebreaker_stream(kMany, 50, 0, 50, 1000), edgebreaker_stream(kMany, kMany, 0, 0, 1000),
@@ -1292,14 +1292,14 @@ TEST(Draco, RefusesNumbersThatTheAccessorsDoNotShareBeforeAllocating) {
 }
 
 TEST(Draco, BoundsTheMemoryOfConnectivitiesAndAttributes) {
-  // As many connectivities as the format can count, over more triangles than that goes with.
+  // As many connectivities as the format can count, with too many triangles for that number.
   constexpr std::uint64_t kFaces = 20000;
   const std::string tables = edgebreaker_stream(kFaces / 2, kFaces, 255, 0, 20000);
   const GltfBuilder asset = draco_asset(tables, kFaces / 2, 3 * kFaces);
   EXPECT_LT(peak_while_refused(asset), 1000000u);
   expect_refused(asset, ErrorCode::kInvalidContent, kDracoElement, "bytes of memory");
 
-  // Good triangles, and attributes of 127 doubles each that no accessor describes.
+  // Valid triangles, and attributes of 127 doubles each that no accessor describes.
   constexpr std::uint64_t kVertices = 3000;
   std::string stream = draco_header(0) + varint(kVertices) + varint(kVertices) + '\x01' +
                        std::string(3 * kVertices * sizeof(std::uint16_t), '\0');
@@ -1314,7 +1314,7 @@ TEST(Draco, BoundsTheMemoryOfConnectivitiesAndAttributes) {
 }
 
 TEST(Draco, KeepsHostileStreamsBelowTheDocumentedMemory) {
-  // As much as the accessors may describe for its length; there is nothing behind the numbers.
+  // As much as the accessors may describe for the stream's length; no data follow the counts.
   constexpr std::uint64_t kFaces = 2000000;
   constexpr std::uint64_t kDescribed = 12 * kFaces + (12 + 2) * kFaces / 2;
   const std::string stream =
@@ -1323,7 +1323,7 @@ TEST(Draco, KeepsHostileStreamsBelowTheDocumentedMemory) {
             (64u << 20) + 40 * kDescribed);
 }
 
-TEST(Draco, RefusesMetadataWithoutEnd) {
+TEST(Draco, RejectsEndlessMetadata) {
   std::string header = draco_header(1);
   header[10] = '\x80';
   for (const std::string& metadata : {varint(0xffffffffu), varint(0) + varint(0xffffffffu),

@@ -1,6 +1,6 @@
-// libFuzzer's target: the bytes of a .glb or .gltf, told apart by content, are read and, when they
-// make a small scene, compiled. Whatever they are, the answer is a scene or an Error.
-// PRESET=fuzz ./test.sh runs it.
+// libFuzzer's target: reads the bytes as a .glb or .gltf, whichever the content indicates, and
+// compiles the scene if it is small. For all bytes the result must be a scene or an Error.
+// PRESET=fuzz ./test.sh runs the target.
 
 #include <algorithm>
 #include <cmath>
@@ -18,20 +18,20 @@
 #include "io/gltf/reader.h"
 #include "tests/helpers/gltf_builder.h"
 
-// Of libFuzzer: changes the bytes in place, returns the new size.
+// From libFuzzer: changes the bytes in place and returns the new size.
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
 namespace palpate {
 namespace {
 
-// What an empty folder beside the asset must never let it read.
+// An empty folder for the asset, so that no external file exists.
 const std::string& empty_folder() {
   static const test::TemporaryFolder folder;
   static const std::string path = folder.path();
   return path;
 }
 
-// Few enough triangles and nodes that compiling them is as fast as reading.
+// So few triangles and nodes that compiling is as fast as reading.
 bool is_small(const SceneDescription& scene) {
   constexpr std::size_t kMaxNodes = 64;
   constexpr std::size_t kMaxPoints = 4096;
@@ -60,7 +60,7 @@ void check_materials(const SceneDescription& scene, const MeshDescription& mesh)
   }
 }
 
-// A map that is called for has its pixels, and every position of the mesh a place in it.
+// A required map has its pixels, and every position of the mesh has coordinates in it.
 void check_maps(const SceneDescription& scene, const MeshDescription& mesh) {
   const auto* haptic =
       mesh.haptic_material ? &scene.haptic_materials[*mesh.haptic_material] : nullptr;
@@ -85,7 +85,7 @@ void check_image(const ImageDescription& image) {
   require(image.rgb.size() == std::size_t{3} * image.width * image.height);
 }
 
-// A description that the engine could not trust is a bug, whatever the file.
+// An invalid description is a bug for every file.
 void check(const SceneDescription& scene) {
   require(!scene.meshes.empty() && !scene.nodes.empty());
   for (const MeshDescription& mesh : scene.meshes) {
@@ -109,7 +109,7 @@ void check(const SceneDescription& scene) {
   }
 }
 
-// --- Mutations that keep a GLB whole -------------------------------------------------------------
+// --- Mutations that keep a GLB valid -------------------------------------------------------------
 
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kChunkHeaderBytes = 8;
@@ -164,8 +164,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-// Lengths that no longer fit would be all that the reader ever saw of a GLB, so most mutations
-// change one chunk and put its length right.
+// With inconsistent lengths the reader would reject every mutated GLB at once, so most mutations
+// change one chunk and correct its length.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t max_size, unsigned int seed) {
   using namespace palpate;

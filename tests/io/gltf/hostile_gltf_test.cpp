@@ -1,5 +1,5 @@
-// Files made to hurt: each must be refused, or read with what hurts left out, by the right error
-// and without more memory than its bytes deserve. What is merely wrong is in gltf_reader_test.
+// Hostile files: each must be refused with the right error, or read without its harmful parts, with
+// memory in proportion to its size. Files that are merely invalid are tested in gltf_reader_test.
 
 #include <algorithm>
 #include <chrono>
@@ -28,10 +28,10 @@ using Json = nlohmann::json;
 using test::GltfBuilder;
 using test::TemporaryFolder;
 
-// What reading may hold. The promise is 64 MiB for all of a process, which holds more than a scene.
+// The memory that reading may use. The documented limit is 64 MiB for the whole process.
 constexpr std::size_t kBaseBytes = std::size_t{32} << 20;
 constexpr std::size_t kBytesPerByte = 40;
-// An element, such as a node, may have a text of two bytes, so it has an allowance of its own.
+// An element, such as a node, may have a text of two bytes, so elements have a separate allowance.
 constexpr std::size_t kBytesPerElement = 2048;
 
 struct Outcome {
@@ -89,7 +89,7 @@ std::string repeated(const std::string& text, std::size_t times) {
   return result;
 }
 
-// A list of so many elements, none first.
+// A list of count elements.
 std::string list_of(const std::string& element, std::size_t count) {
   return "[" + element + repeated("," + element, count - 1) + "]";
 }
@@ -105,7 +105,7 @@ TEST(HostileGltf, SeedsOfTheFuzzTargetAreValid) {
 
 // --- JSON ----------------------------------------------------------------------------------------
 
-TEST(HostileGltf, NestingThatIsClosedIsAsDeepAsOneThatIsNot) {
+TEST(HostileGltf, ClosedNestingIsLimitedLikeOpenNesting) {
   for (const std::size_t depth : {std::size_t{14500}, std::size_t{1000000}}) {
     for (const auto& [open, close] :
          {std::pair<std::string, std::string>{"[", "]"}, {"{\"a\":", "}"}}) {
@@ -143,7 +143,7 @@ bool has_warning(const SceneDescription& scene, const std::string& text) {
   });
 }
 
-TEST(HostileGltf, AByteOrderMarkIsPassedOverWithAWarning) {
+TEST(HostileGltf, AByteOrderMarkIsIgnoredWithAWarning) {
   const std::string mark = "\xEF\xBB\xBF";
   const std::string text = GltfBuilder::one_triangle().data_uri_text();
   for (const std::string& file : {mark + text, test::glb_of({{"JSON", mark + text}})}) {
@@ -152,13 +152,13 @@ TEST(HostileGltf, AByteOrderMarkIsPassedOverWithAWarning) {
     EXPECT_TRUE(has_warning(scene, "byte order mark"));
   }
   EXPECT_TRUE(read_or_fail(text).warnings.empty());
-  // One is passed over.
+  // Only one mark is ignored.
   expect_refused(mark + mark + text, ErrorCode::kNotGltf, "");
   expect_invalid(test::glb_of({{"JSON", mark + mark + text}}), "JSON");
   expect_refused(mark, ErrorCode::kNotGltf, "");
 }
 
-// Each character with so many zero bytes before and behind it.
+// Each character with this many zero bytes before and after it.
 std::string widened(const std::string& text, std::size_t before, std::size_t behind) {
   std::string wide;
   for (const char c : text) {
@@ -190,12 +190,12 @@ TEST(HostileGltf, TextInAnotherEncodingIsRefusedByItsName) {
   }
 }
 
-TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCountsAndItIsNamed) {
+TEST(HostileGltf, TheLastValueOfARepeatedKeyIsUsedWithAWarning) {
   const SceneDescription scene =
       read_or_fail(triangle_with(R"("nodes":[{},{"mesh":0}],"scenes":[{"nodes":[1]}])"));
   EXPECT_EQ(scene.nodes.at(0).name, "node 1");
-  EXPECT_TRUE(has_warning(scene, "/nodes: is there more than once"));
-  EXPECT_TRUE(has_warning(scene, "/scenes: is there more than once"));
+  EXPECT_TRUE(has_warning(scene, "/nodes: is present more than once"));
+  EXPECT_TRUE(has_warning(scene, "/scenes: is present more than once"));
   expect_invalid(triangle_with(R"("nodes":7)"), "/nodes");
   expect_invalid(triangle_with(R"("accessors":[])"), "/meshes/0/primitives/0/indices");
 
@@ -204,24 +204,24 @@ TEST(HostileGltf, OfAKeyThatIsThereTwiceTheLastCountsAndItIsNamed) {
                              R"("scenes":[{"nodes":[1]}])";
   const SceneDescription deep = read_or_fail(triangle_with(nested));
   EXPECT_EQ(deep.nodes.at(0).translation_m, Vec3(1, 2, 3));
-  EXPECT_TRUE(has_warning(deep, "/nodes/1/translation: is there more than once"));
-  EXPECT_TRUE(has_warning(deep, "/nodes/1/extras/1/a/b: is there more than once"));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/translation: is present more than once"));
+  EXPECT_TRUE(has_warning(deep, "/nodes/1/extras/1/a/b: is present more than once"));
 }
 
-TEST(HostileGltf, ManyKeysOfOneNameAreCounted) {
+TEST(HostileGltf, ManyRepeatedKeysAreCounted) {
   constexpr std::size_t kMany = 100000;
   const SceneDescription scene =
       read_or_fail(triangle_with("\"extras\":{\"k\":0" + repeated(",\"k\":[1]", kMany) + "}"));
-  EXPECT_TRUE(has_warning(scene, "/extras/k: is there more than once"));
+  EXPECT_TRUE(has_warning(scene, "/extras/k: is present more than once"));
   ASSERT_FALSE(scene.warnings.empty());
   EXPECT_LT(scene.warnings.size(), kMaxGltfWarnings);
   const std::size_t listed = scene.warnings.size() - 1;
   EXPECT_EQ(scene.warnings.back(), "JSON: " + std::to_string(kMany - listed) +
-                                       " further keys are there more than once; of each the last "
-                                       "one counts");
+                                       " further keys are present more than once; the last "
+                                       "value of each is used");
 }
 
-TEST(HostileGltf, ExtremesThatContradictEachOtherAreNamedAndIgnored) {
+TEST(HostileGltf, ContradictoryMinAndMaxAreNamedAndIgnored) {
   const auto warnings_of = [](const Json& low, const Json& high) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     asset.json["accessors"][0]["min"] = low;
@@ -237,10 +237,10 @@ TEST(HostileGltf, ExtremesThatContradictEachOtherAreNamedAndIgnored) {
   EXPECT_NE(above[0].find("/accessors/0: its min 0.5 is above its max -0.5 in component 1"),
             std::string::npos)
       << above[0];
-  // What exporters write for numbers that are not finite.
+  // Exporters write null for numbers that are not finite.
   const auto null = warnings_of({0, 0, 0}, {nullptr, nullptr, nullptr});
   ASSERT_EQ(null.size(), 1u);
-  EXPECT_NE(null[0].find("/accessors/0/max: is no list of 3 numbers"), std::string::npos);
+  EXPECT_NE(null[0].find("/accessors/0/max: is not a list of 3 numbers"), std::string::npos);
   EXPECT_EQ(warnings_of({0, 0}, "x").size(), 2u);
 }
 
@@ -250,7 +250,7 @@ Json scaled_by(double scale) {
   return {{"scale", {scale, scale, scale}}};
 }
 
-// The node "small" carries the mesh and is scaled by all of these, from the outside to the inside.
+// The node "small" has the mesh; all these scales apply to it, outermost first.
 GltfBuilder scaled_triangle(const std::vector<double>& scales) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"] = Json::array();
@@ -295,7 +295,7 @@ TEST(HostileGltf, AScaleBeyondTheLimitIsRefusedByTheNameOfTheNodeAndTheScale) {
                  {"\"small\"", "translation of 1e+300"});
 }
 
-TEST(HostileGltf, ScalesThatCancelAreThoseOfTheMesh) {
+TEST(HostileGltf, ScalesThatCancelDoNotAffectTheMesh) {
   for (const double scale : {1e30, 1e60, 1e155, 1e200, 1e300}) {
     for (const double first : {scale, 1.0 / scale}) {
       const SceneDescription scene =
@@ -303,7 +303,7 @@ TEST(HostileGltf, ScalesThatCancelAreThoseOfTheMesh) {
       ASSERT_EQ(scene.nodes.size(), 1u);
       const NodeDescription& node = scene.nodes[0];
       EXPECT_LE((node.linear_scene_mesh - Mat3::Identity()).norm(), 1e-15);
-      // What seams go by: neither overflowed nor vanished.
+      // The bound for seams has neither overflowed nor underflowed.
       EXPECT_LE((node.product.columns - Vec3::Ones()).norm(), 1e-12);
       EXPECT_NEAR(node.product.linear, 1.0, 1e-12);
     }
@@ -375,17 +375,17 @@ TEST(HostileGltf, ANodeThatIsSeveralJointsIsNamed) {
   EXPECT_TRUE(has_warning(scene, "so do 1 more"));
 }
 
-TEST(HostileGltf, TextBehindTheJsonIsRefused) {
+TEST(HostileGltf, TextAfterTheJsonIsRefused) {
   const std::string text = GltfBuilder::one_triangle().data_uri_text();
   for (const std::string& tail : {std::string("x"), std::string("{}"), std::string("]"),
                                   std::string("\0{}", 3), std::string("\0\0 ", 3)}) {
     expect_invalid(text + tail, "JSON");
   }
-  // What some exporters fill their GLB with.
+  // Some exporters pad their GLB with zero bytes.
   EXPECT_EQ(read_or_fail(text + std::string(3, '\0')).meshes.size(), 1u);
 }
 
-TEST(HostileGltf, WhatIsEmptyIsRefused) {
+TEST(HostileGltf, EmptyFilesAndListsAreRefused) {
   expect_refused("", ErrorCode::kNotGltf, "");
   expect_refused("{}", ErrorCode::kNotGltf, "/asset/version");
   expect_invalid(test::glb_of({{"JSON", ""}}), "JSON");
@@ -412,8 +412,8 @@ TEST(HostileGltf, LongArraysTakeMemoryLikeTheirText) {
 
 // --- The hierarchy -------------------------------------------------------------------------------
 
-TEST(HostileGltf, AGraphOfSixtyLevelsHasNoTreeInIt) {
-  // Two nodes on each level, and both are parents of both of the next: 2^60 ways down.
+TEST(HostileGltf, AGraphOfSixtyLevelsIsRefused) {
+  // Two nodes on each level, each a parent of both nodes of the next level: 2^60 paths down.
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"] = Json::array();
   for (std::size_t level = 0; level < 60; ++level) {
@@ -457,8 +457,8 @@ TEST(HostileGltf, ListsOfNodesAreNoLongerThanTheNodes) {
   expect_invalid(asset.glb_bytes(), "/nodes/0/children");
 }
 
-// How many elements a reader takes is bounded for all kinds together: scenes and morph targets cost
-// a file three bytes each.
+// The number of elements is bounded over all kinds: scenes and morph targets take only three bytes
+// each in a file.
 TEST(HostileGltf, ElementsOfEveryKindAreBounded) {
   const std::string most = list_of("{}", kMaxGltfElements + 1);
   expect_refused("{" + kAsset + ",\"scenes\":" + most + "}", ErrorCode::kLimitExceeded, "/scenes");
@@ -473,9 +473,9 @@ TEST(HostileGltf, ElementsOfEveryKindAreBounded) {
                  "", kMany);
 }
 
-// --- Sizes that wrap, vanish or explode ----------------------------------------------------------
+// --- Sizes that overflow or underflow ------------------------------------------------------------
 
-TEST(HostileGltf, HugeNumbersAreRefusedWhereverTheyStand) {
+TEST(HostileGltf, HugeNumbersAreRefusedEverywhere) {
   const std::uint64_t huge = std::uint64_t{1} << 53;
   const std::uint64_t wraps = std::numeric_limits<std::uint64_t>::max() - 11;  // + 12 is 0
   for (const char* pointer :
@@ -491,7 +491,7 @@ TEST(HostileGltf, HugeNumbersAreRefusedWhereverTheyStand) {
       const Outcome outcome = read_measured(file, "/nowhere");
       expect_modest(outcome, file);
       ASSERT_FALSE(outcome.scene.ok()) << pointer << " " << value;
-      // The element itself, or what it is too large for.
+      // The element itself, or the element that it exceeds.
       const std::string element = outcome.scene.error().element;
       EXPECT_TRUE(element == pointer || std::string(pointer).rfind(element + "/", 0) == 0)
           << pointer << " " << value << ": " << outcome.scene.error().to_string();
@@ -510,7 +510,7 @@ TEST(HostileGltf, SparseCountsBelowZeroAreRefused) {
   }
 }
 
-// A triangle whose accessor has so many elements, all but one of them zeros that are not stored.
+// A triangle whose accessor has count elements; all except one are zeros that are not stored.
 GltfBuilder triangle_of_zeros(std::size_t accessor, std::size_t count) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["accessors"][accessor].erase("bufferView");
@@ -560,7 +560,7 @@ TEST(HostileGltf, PositionsThatAreNotFiniteAreNamed) {
 
 // --- Containers and buffers ----------------------------------------------------------------------
 
-TEST(HostileGltf, NoLengthOfAGlbLeadsBeyondIt) {
+TEST(HostileGltf, NoLengthInAGlbLeadsToReadingBeyondIt) {
   const std::string good = GltfBuilder::one_triangle().glb_bytes();
   const std::size_t json_size = good.size() - 28 - 44;  // two headers and a BIN chunk of 44 bytes
   for (const std::size_t at : {std::size_t{8}, std::size_t{12}, 20 + json_size}) {
@@ -586,7 +586,7 @@ TEST(HostileGltf, TwentyThousandBuffersAreNotTwentyThousandCopies) {
   expect_invalid(asset.glb_bytes(), "/buffers/19999");
 }
 
-TEST(HostileGltf, OfABufferNoMoreIsReadThanItDeclares) {
+TEST(HostileGltf, NoMoreOfABufferIsReadThanItDeclares) {
   // Many buffers of few bytes each, all in one large file.
   const TemporaryFolder folder;
   GltfBuilder asset = GltfBuilder::one_triangle();
@@ -673,9 +673,9 @@ TEST(HostileGltf, NoUriLeadsOutOfTheFolder) {
   }
 }
 
-// --- What must not fail the file -----------------------------------------------------------------
+// --- Content that must not make a file invalid ---------------------------------------------------
 
-TEST(HostileGltf, WhatIsNotTouchedMayBeBroken) {
+TEST(HostileGltf, UnusedContentMayBeInvalid) {
   for (const char* text :
        {R"("images":[{"bufferView":4000000000},{"uri":"pipe"},{"uri":"data:image/png;base64,!"}])",
         R"("cameras":[{"type":"telescope"},7,{}])", R"("textures":[{"source":-3}])",
@@ -693,7 +693,7 @@ TEST(HostileGltf, TenThousandWarningsAreCountedNotListed) {
                  ErrorCode::kUnsupported, "/extensionsRequired/0");
 }
 
-TEST(HostileGltf, MessagesAreShortWhateverTheyQuote) {
+TEST(HostileGltf, MessagesAreShortForAnyQuotedText) {
   const std::string lengthy = repeated("n", 1000000);
   for (const std::string& file :
        {triangle_with("\"extensionsRequired\":[\"" + lengthy + "\"]"),

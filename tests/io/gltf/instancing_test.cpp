@@ -31,7 +31,7 @@ Json& instance_attributes_of(GltfBuilder& asset) {
   return asset.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
 }
 
-// The triangle at (1, 0, 0), and one instance after the other at z = 0, 10, 20.
+// The triangle at (1, 0, 0), with instances at z = 0, 10, 20.
 GltfBuilder three_instances() {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
@@ -104,7 +104,7 @@ TEST(GltfInstancing, MultipliesTranslationRotationAndScale) {
 template <typename T>
 void check_rotations(int component_type) {
   const T one = std::numeric_limits<T>::max();
-  const T minus_one = std::numeric_limits<T>::min();  // -1 once more
+  const T minus_one = std::numeric_limits<T>::min();  // also represents -1
   GltfBuilder asset = three_instances();
   const std::vector<T> quaternions = {one, 0, 0, 0, 0, minus_one, 0, 0, 0, 0, 0, one};
   instance_attributes_of(asset)["ROTATION"] =
@@ -146,7 +146,7 @@ TEST(GltfInstancing, ReadsNoMeshForNodesWithoutAnInstance) {
 TEST(GltfInstancing, CutsLongNames) {
   GltfBuilder asset = three_instances();
   std::string name(31, 'x');
-  name += "\xc3\xa4";  // two bytes, of which the second would be the 33rd
+  name += "\xc3\xa4";  // two bytes; the second would be the 33rd
   asset.json["nodes"][0]["name"] = name;
   EXPECT_EQ(read_glb(asset).nodes.at(2).name, std::string(31, 'x') + "... #2");
 }
@@ -192,7 +192,7 @@ TEST(GltfInstancing, RefusesInstancesOfASkinnedMesh) {
   expect_refused(asset, ErrorCode::kUnsupported, "/nodes/0");
 }
 
-TEST(GltfInstancing, RefusesToMakeInstancesOfNothing) {
+TEST(GltfInstancing, RejectsInstancesWithoutAMesh) {
   GltfBuilder asset = three_instances();
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint8_t>{2}));
   Json& accessor = asset.json["accessors"][2];
@@ -210,7 +210,7 @@ TEST(GltfInstancing, BoundsTheInstancesOfAllNodesBeforeAllocating) {
   asset.json["accessors"][2]["count"] = kMaxGltfInstances + 1;
   expect_refused(asset, ErrorCode::kLimitExceeded, kAttributes + "/TRANSLATION");
   asset.json["accessors"][2]["count"] = kMaxGltfInstances;
-  expect_invalid(asset, "/accessors/2");  // within the limit, beyond the data
+  expect_invalid(asset, "/accessors/2");  // within the limit, but more than the data
   asset = three_instances();
   Json second = asset.json["nodes"][0];
   second["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 3;

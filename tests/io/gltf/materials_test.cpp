@@ -48,7 +48,7 @@ Json triangle_primitive(std::size_t material) {
   return primitive;
 }
 
-// Material by material, as "3: none" or "0: 2"; the first triangle goes before the colon.
+// The runs as "3: none" or "0: 2": the first triangle and its material.
 std::vector<std::string> runs_of(const MeshDescription& mesh) {
   std::vector<std::string> runs;
   for (const MaterialRun& run : mesh.material_runs) {
@@ -100,7 +100,7 @@ TEST(GltfMaterials, KeepEveryKindOfParameterAsWritten) {
   EXPECT_EQ(material.parameters[6].element, "/materials/0/extras/palpate/texture/amplitude");
 }
 
-TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
+TEST(GltfMaterials, IgnoreOtherExtras) {
   for (const Json& extras : {Json("text"), Json(7), Json::array({1}), Json(nullptr),
                              Json({{"Palpate", 1}}), Json({{"palpate", Json::object()}})}) {
     const auto scene = read_glb(asset_with_material({{"extras", extras}}));
@@ -110,7 +110,7 @@ TEST(GltfMaterials, OfOtherExtrasDeclareNothing) {
   }
 }
 
-TEST(GltfMaterials, ThatCannotBeRepresentedAreRefusedByPath) {
+TEST(GltfMaterials, AreRefusedByPathIfTheyCannotBeRepresented) {
   const std::string palpate = "/materials/0/extras/palpate";
   for (const Json& wrong : {Json(1), Json("soft"), Json::array(), Json(nullptr), Json(true)}) {
     expect_invalid(asset_declaring(wrong), palpate, "an object");
@@ -160,7 +160,7 @@ TEST(GltfMaterials, ANumberThatOverflowsIsRefused) {
   EXPECT_FALSE(read_gltf(GltfBuilder::write_text(folder, text)).ok());
 }
 
-TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
+TEST(GltfMaterials, AreRefusedForAWrongTypeIfATriangleUsesThem) {
   expect_invalid(asset_with_material("steel"), "/materials/0", "an object");
   expect_invalid(asset_with_material({{"name", 3}}), "/materials/0/name", "a string");
   GltfBuilder unused = GltfBuilder::one_triangle();
@@ -168,7 +168,7 @@ TEST(GltfMaterials, OfTheWrongTypeAreRefusedWhenATriangleHasThem) {
   EXPECT_TRUE(read_glb(unused).materials.empty());
 }
 
-TEST(GltfMaterials, OfAllHaveABoundedNumberOfParameters) {
+TEST(GltfMaterials, HaveABoundedTotalNumberOfParameters) {
   Json palpate;
   for (int i = 0; i < 256; ++i) palpate["a" + std::to_string(i)] = i;
   GltfBuilder asset = GltfBuilder::one_triangle();
@@ -192,7 +192,7 @@ Result<SceneDescription> read_with(const GltfBuilder& asset, const Overrides& ov
   return read_gltf(asset.write_glb(folder), {overrides});
 }
 
-// Refused by an argument, which the error names.
+// Expects an invalid argument, which the error names.
 void expect_wrong(const GltfBuilder& asset, const MaterialOverride& setting,
                   const std::string& element, const std::string& text) {
   const auto scene = read_with(asset, {setting});
@@ -202,7 +202,7 @@ void expect_wrong(const GltfBuilder& asset, const MaterialOverride& setting,
   EXPECT_NE(scene.error().to_string().find(text), std::string::npos) << scene.error().to_string();
 }
 
-TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
+TEST(GltfMaterials, ApplyOverrides) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["materials"] = {
       {{"name", "skin"}, {"extras", {{"palpate", {{"damping", 3}, {"stiffness", 100}}}}}},
@@ -233,7 +233,7 @@ TEST(GltfMaterials, TakeWhatIsGivenBesideTheFile) {
   EXPECT_EQ(scene->materials[3].parameters[0].value, MaterialValue(2.0));
 }
 
-TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
+TEST(GltfMaterials, ReadOverridesAsJsonElseAsText) {
   const std::vector<std::pair<std::string, MaterialValue>> expected = {
       {"1e3", 1000.0},
       {" -0.5 ", -0.5},
@@ -254,7 +254,7 @@ TEST(GltfMaterials, TakeValuesAsJsonAndElseAsText) {
   }
 }
 
-TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
+TEST(GltfMaterials, RejectOverridesThatNoMaterialCanHave) {
   const GltfBuilder asset = asset_with_material({{"name", "a"}});
   expect_wrong(asset, {"a", "key", "null"}, "`SceneSettings::overrides` a.key", "null");
   expect_wrong(asset, {"a", "key", "{\"b\": 1}"}, "`SceneSettings::overrides` a.key", "an object");
@@ -266,7 +266,7 @@ TEST(GltfMaterials, RefuseWhatNoMaterialCanHave) {
                "`SceneSettings::overrides` a." + std::string(33, 'k'), "33 bytes");
 }
 
-TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
+TEST(GltfMaterials, AreListedIfAnOverrideNamesAnUnknownOne) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   Json primitives = Json::array();
   for (std::size_t i = 0; i < 11; ++i) {
@@ -277,13 +277,13 @@ TEST(GltfMaterials, ThatDoNotExistAreNamedWithThoseThatDo) {
   const std::string listed = R"("b", "c", "d", "e", "f", "g", "h", "i" and 2 more)";
   expect_wrong(asset, {"x", "key", "1"}, "`SceneSettings::overrides` x.key", listed);
   expect_wrong(asset, {"a", "key", "1"}, "`SceneSettings::overrides` a.key",
-               listed);  // no triangle has it
+               listed);  // not used by a triangle
   expect_wrong(asset, {"default", "key", "1"}, "`SceneSettings::overrides` default.key", listed);
   expect_wrong(GltfBuilder::one_triangle(), {"x", "key", "1"}, "`SceneSettings::overrides` x.key",
                "there are \"default\"");
 }
 
-TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
+TEST(GltfMaterials, AreNamedDefaultForTrianglesWithoutAMaterial) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["materials"] = Json::array({{{"name", "steel"}}});
   asset.json["meshes"][0]["primitives"] = {triangle_primitive(), triangle_primitive(0),
@@ -304,7 +304,7 @@ TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(runs_of(other->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
 
-  asset.json["materials"][0]["name"] = "default";  // so this is what the name means
+  asset.json["materials"][0]["name"] = "default";  // so the name refers to this material
   const auto named = read_with(asset, {{"default", "stiffness", "5"}});
   ASSERT_TRUE(named.ok());
   EXPECT_EQ(runs_of(named->meshes[0]), (Runs{"0: none", "1: 0", "2: none"}));
@@ -313,7 +313,7 @@ TEST(GltfMaterials, OfTrianglesWithoutOneAreCalledDefault) {
 
 // --- Scenes and nodes ----------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfTheSceneAreThoseOfTheOneThatIsRead) {
+TEST(GltfMaterials, SceneParametersAreThoseOfTheSceneRead) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
   asset.json["scenes"].push_back(asset.json["scenes"][0]);
@@ -336,7 +336,7 @@ TEST(GltfMaterials, OfTheSceneAreThoseOfTheOneThatIsRead) {
   EXPECT_TRUE(read_glb(asset).scene_parameters.parameters.empty());
 }
 
-TEST(GltfMaterials, OfANodeWithAMediumMakeARegion) {
+TEST(GltfMaterials, NodeWithAMediumMakesARegion) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   const Json sphere = {{"medium", "sphere"}, {"radius", 0.5}, {"viscosity", 4}};
   const auto child = asset.add_child(
@@ -360,7 +360,7 @@ TEST(GltfMaterials, OfANodeWithAMediumMakeARegion) {
   EXPECT_EQ(scene.regions[1].name, "node 4");
 }
 
-TEST(GltfMaterials, OfANodeWithoutAMediumAreWarnedOf) {
+TEST(GltfMaterials, NodeWithoutAMediumIsAWarning) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["name"] = "tip";
   asset.json["nodes"][0]["extras"]["palpate"] = {{"stiffness", 100}};
@@ -377,7 +377,7 @@ TEST(GltfMaterials, OfANodeWithoutAMediumAreWarnedOf) {
 
 // --- Runs ----------------------------------------------------------------------------------------
 
-TEST(GltfMaterials, RunOverThePrimitivesThatHaveThem) {
+TEST(GltfMaterials, RunsFollowThePrimitives) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   for (int i = 0; i < 6; ++i)
     asset.json["materials"].push_back({{"name", std::string(1, "abcdef"[i])}});
@@ -393,7 +393,7 @@ TEST(GltfMaterials, RunOverThePrimitivesThatHaveThem) {
   asset.add_node({{"mesh", other}});
   const auto scene = read_glb(asset);
   ASSERT_EQ(scene.meshes.size(), 2u);
-  // In the order of first use: e is 0, a is 1, f is 2; nobody asks for those of points.
+  // In the order of first use: e is 0, a is 1, f is 2; materials of points are not used.
   EXPECT_EQ(runs_of(scene.meshes[0]), (Runs{"0: none", "1: 0", "3: 1", "4: none"}));
   EXPECT_EQ(runs_of(scene.meshes[1]), (Runs{"0: 2", "1: 1", "2: 2"}));
   ASSERT_EQ(scene.materials.size(), 3u);
@@ -463,7 +463,7 @@ TEST(GltfMaterials, KeepTheirNormalTextureWithoutOpeningItsImage) {
   const auto turned = read_glb(asset_with_normal_texture(info)).materials.at(0).normal_texture;
   ASSERT_TRUE(turned);
   EXPECT_EQ(turned->texture, 1u);
-  EXPECT_FALSE(turned->image);  // an extension may know
+  EXPECT_FALSE(turned->image);  // an extension may name the image
   EXPECT_EQ(turned->tex_coord, 1u);
   EXPECT_EQ(turned->scale, -0.5);
   EXPECT_EQ(turned->uv_offset, (std::array<double, 2>{0.25, -1}));
@@ -471,7 +471,7 @@ TEST(GltfMaterials, KeepTheirNormalTextureWithoutOpeningItsImage) {
   EXPECT_EQ(turned->uv_scale, (std::array<double, 2>{2, 3}));
 }
 
-TEST(GltfMaterials, TexturesMustLeadToAnImage) {
+TEST(GltfMaterials, TexturesMustReferToAnImage) {
   const std::string element = "/materials/0/normalTexture";
   const auto refuse = [](const Json& info, const std::string& where) {
     expect_invalid(asset_with_normal_texture(info), where);
@@ -525,7 +525,7 @@ Ids physics_materials_of(const SceneDescription& scene) {
   return ids;
 }
 
-TEST(GltfMaterials, OfPhysicsAreReadAsWritten) {
+TEST(GltfMaterials, PhysicsMaterialsAreReadAsWritten) {
   const auto scene = read_glb(
       asset_with_physics({Json::object(),
                           {{"staticFriction", 0.8},
@@ -551,7 +551,7 @@ TEST(GltfMaterials, OfPhysicsAreReadAsWritten) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(GltfMaterials, OfPhysicsAreRefusedByPath) {
+TEST(GltfMaterials, InvalidPhysicsMaterialsAreRefusedByPath) {
   const std::string list = "/extensions/KHR_physics_rigid_bodies/physicsMaterials";
   expect_invalid(asset_with_physics(3), list, "an array");
   expect_invalid(asset_with_physics({Json::object(), 4}), list + "/1", "an object");
@@ -574,7 +574,7 @@ TEST(GltfMaterials, OfPhysicsAreRefusedByPath) {
   expect_refused(asset, ErrorCode::kLimitExceeded, list);
 }
 
-TEST(GltfMaterials, OfCollidersGoToTheNodeThatCarriesThem) {
+TEST(GltfMaterials, ColliderMaterialsApplyToTheColliderNode) {
   GltfBuilder asset = asset_with_physics();
   asset.json["nodes"][0] =
       with_collider({{"mesh", 0}}, {{"geometry", {{"shape", 7}}}, {"physicsMaterial", 2}});
@@ -584,7 +584,7 @@ TEST(GltfMaterials, OfCollidersGoToTheNodeThatCarriesThem) {
   EXPECT_EQ(physics_materials_of(read_glb(asset)), (Ids{2, std::nullopt, std::nullopt}));
 }
 
-TEST(GltfMaterials, OfCollidersGoToTheMeshesOfTheirGeometry) {
+TEST(GltfMaterials, ColliderMaterialsApplyToTheMeshesOfTheirGeometry) {
   GltfBuilder asset = asset_with_physics();
   // 0 is the geometry of 4, and so are its child 1 and grandchild 3; 2, a child of 1, has its own.
   asset.json["nodes"][0]["children"] = {1};
@@ -596,7 +596,7 @@ TEST(GltfMaterials, OfCollidersGoToTheMeshesOfTheirGeometry) {
   EXPECT_EQ(physics_materials_of(read_glb(asset)), (Ids{3, 3, 1, 3, std::nullopt}));
 }
 
-TEST(GltfMaterials, OfCollidersThatDisagreeComeFromTheNearestThenTheFirst) {
+TEST(GltfMaterials, DisagreeingCollidersAreResolvedByNearestThenFirst) {
   GltfBuilder asset = asset_with_physics();
   asset.json["nodes"][0]["children"] = {1};
   asset.add_child({{"mesh", 0}});
@@ -622,7 +622,7 @@ TEST(GltfMaterials, OfCollidersThatDisagreeComeFromTheNearestThenTheFirst) {
   EXPECT_NE(notes[0].find("3 further"), std::string::npos) << notes[0];
 }
 
-TEST(GltfMaterials, OfCollidersAreRefusedByPath) {
+TEST(GltfMaterials, InvalidCollidersAreRefusedByPath) {
   const std::string element = "/nodes/0/extensions/KHR_physics_rigid_bodies";
   const auto refuse = [](const Json& collider, const std::string& where) {
     GltfBuilder asset = asset_with_physics();
@@ -658,7 +658,7 @@ Json map_of(std::size_t texture, const std::string& type) {
   return {{"texture", {{"index", texture}}}, {"type", type}};
 }
 
-TEST(GltfMaterials, OfHapticTexturesAreReadUnderBothNames) {
+TEST(GltfMaterials, HapticTexturesAreReadUnderBothNames) {
   for (const char* name : {kHaptic, kOldHaptic}) {
     Json low = map_of(1, "Low_Resolution");
     low["texture"]["texCoord"] = 3;
@@ -706,7 +706,7 @@ TEST(GltfMaterials, OfHapticTexturesAreReadUnderBothNames) {
   }
 }
 
-TEST(GltfMaterials, OfHapticTexturesComeFromThePresentNameWhenBothAreThere) {
+TEST(GltfMaterials, HapticTexturesAreReadFromTheCurrentNameIfBothArePresent) {
   GltfBuilder asset = asset_with_haptics({{{"name", "old"}}, {{"name", "older"}}}, kOldHaptic);
   asset.json["extensions"][kHaptic]["materials"] = {{{"name", "new"}}};
   asset.json["meshes"][0]["extensions"][kOldHaptic]["hapticMaterialIndex"] = 0;
@@ -718,7 +718,7 @@ TEST(GltfMaterials, OfHapticTexturesComeFromThePresentNameWhenBothAreThere) {
   expect_invalid(asset, "/meshes/0/extensions/MPEG_material_haptic/hapticMaterialIndex");
 }
 
-TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
+TEST(GltfMaterials, InvalidHapticTexturesAreRefusedByPath) {
   for (const char* name : {kHaptic, kOldHaptic}) {
     const std::string list = std::string("/extensions/") + name + "/materials";
     const auto refuse = [&](const Json& materials, const std::string& where) {
@@ -753,8 +753,8 @@ TEST(GltfMaterials, OfHapticTexturesAreRefusedByPath) {
   }
 }
 
-// Nothing here calls for the image, which is not there.
-TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
+// The image is absent, and nothing here requires it.
+TEST(GltfMaterials, NeedNoImageIfTheTextureHeightIsZero) {
   const std::vector<Json> maps = {map_of(0, "Other")};
   GltfBuilder felt = asset_with_haptics({{{"vibrotactileTexture", maps}}});
   felt.json["materials"] = {{{"name", "felt"}}, {{"name", "lead"}}};
@@ -776,7 +776,7 @@ TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
     const auto* haptic =
         scene->haptic_materials.empty() ? nullptr : &scene->haptic_materials.front();
     EXPECT_EQ(texture_map(scene->materials.at(0), haptic), nullptr);
-    // The engine reports what is no number, so its map must be there.
+    // The engine reports a value that is not a number, so its map must be present.
     for (const char* called : {"0.01", "flat", "false"}) {
       EXPECT_FALSE(read_with(asset, {{name, "textureHeight", called}}).ok()) << called;
     }
@@ -784,19 +784,19 @@ TEST(GltfMaterials, OfNoTextureHeightNeedNoImage) {
   expect_flat(felt, "felt");
   expect_flat(normal, "felt");
   expect_flat(bare, "default");
-  // Here the name is of another material.
+  // Here the name belongs to another material.
   bare.json["materials"][1]["name"] = "default";
   EXPECT_FALSE(read_with(bare, {{"default", "textureHeight", "0"}}).ok());
-  // One flat material leaves the map to the other one.
+  // One flat material: the other material still uses the map.
   felt.json["meshes"][0]["primitives"] = {triangle_primitive(0), triangle_primitive(1)};
   EXPECT_FALSE(read_with(felt, {{"felt", "textureHeight", "0"}}).ok());
   EXPECT_TRUE(
       read_with(felt, {{"felt", "textureHeight", "0"}, {"lead", "textureHeight", "0"}}).ok());
 }
 
-// --- What is not known ---------------------------------------------------------------------------
+// --- Unknown properties --------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
+TEST(GltfMaterials, WarnAboutUnusedPropertiesOfExtensions) {
   const auto warnings_of = [](GltfBuilder asset, const char* extension, const char* list,
                               const Json& entry) {
     asset.json["extensions"][extension][list] = {Json::object(), entry};
@@ -815,15 +815,15 @@ TEST(GltfMaterials, OfOtherExtensionsWarnAboutPropertiesThatNothingIsMadeOf) {
   using Warnings = std::vector<std::string>;
   EXPECT_EQ(warnings_of(asset_with_physics(), kPhysics, "physicsMaterials", physics),
             Warnings{"/extensions/KHR_physics_rigid_bodies/physicsMaterials/1: has \"friction\", "
-                     "which nothing is made of"});
+                     "which is not used"});
   EXPECT_EQ(warnings_of(asset_with_haptics(Json::array()), kHaptic, "materials", haptic),
             Warnings{"/extensions/MPEG_haptic_material/materials/1: has \"roughness\" and 1 more, "
-                     "which nothing is made of"});
+                     "which is not used"});
 }
 
 // --- Variants ------------------------------------------------------------------------------------
 
-TEST(GltfMaterials, OfVariantsAreNotedAndTheDefaultStays) {
+TEST(GltfMaterials, VariantsAreNotedAndTheDefaultIsUsed) {
   GltfBuilder asset = asset_with_material({{"name", "beech"}});
   asset.json["extensionsRequired"] = {"KHR_materials_variants"};
   asset.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "oak"}}, 5};

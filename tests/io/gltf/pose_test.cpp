@@ -1,4 +1,4 @@
-// Skins, morph targets, and poses: at rest, and of one animation at one time.
+// Skins, morph targets, and poses: the rest pose, and one animation at one time.
 
 #include <cmath>
 #include <cstdint>
@@ -44,7 +44,7 @@ LongMatrix matrix_of_trs(const Vec3& t, const Eigen::Vector4d& q, const Vec3& s)
   return m;
 }
 
-// What a vertex must become, and how much rounding may move it.
+// The expected position of a vertex, and its tolerance for rounding.
 struct Expected {
   LongVector position = LongVector::Zero();
   long double bound = 0.0L;
@@ -98,7 +98,7 @@ class RandomSkin {
     asset.json["skins"][0]["inverseBindMatrices"] = add_floats(asset, numbers, "MAT4");
   }
 
-  // One set of attributes JOINTS_n and WEIGHTS_n. largest: what stands for 1.
+  // One set of attributes JOINTS_n and WEIGHTS_n. largest: the integer for 1.
   template <typename Joint, typename Weight>
   void add_set(int joint_type, int weight_type, long double largest) {
     std::vector<Joint> joints;
@@ -169,7 +169,7 @@ class RandomSkin {
   int set_count_ = 0;
 };
 
-TEST(GltfSkin, TakesVerticesWhereTheirJointsDoForAllComponentTypes) {
+TEST(GltfSkin, MovesVerticesWithTheirJointsForAllComponentTypes) {
   test::Random random(11);
   for (int round = 0; round < 10; ++round) {
     for (int kind = 0; kind < 6; ++kind) {
@@ -197,7 +197,7 @@ TEST(GltfSkin, TakesVerticesWhereTheirJointsDoForAllComponentTypes) {
   }
 }
 
-TEST(GltfSkin, TakesWhatLiesOutsideTheSceneFromItsOwnAncestors) {
+TEST(GltfSkin, PlacesJointsOutsideTheSceneByTheirAncestors) {
   test::Random random(12);
   RandomSkin skin(random);
   skin.add_set<std::uint8_t, float>(GltfBuilder::kUnsignedByte, GltfBuilder::kFloat, 1.0L);
@@ -214,7 +214,7 @@ GltfBuilder skinned_triangle() {
       add_numbers(asset, std::vector<std::uint8_t>(12, 0), GltfBuilder::kUnsignedByte, "VEC4");
   attributes["WEIGHTS_0"] = add_floats(asset, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
   asset.json["nodes"][0]["skin"] = 0;
-  asset.json["nodes"][0]["scale"] = {0, 0, 0};  // must not matter
+  asset.json["nodes"][0]["scale"] = {0, 0, 0};  // must have no effect
   asset.add_node({{"translation", {0, 0, 5}}, {"children", {2}}});
   asset.add_child({{"translation", {0, 0, 7}}});
   asset.json["skins"] = {{{"joints", {1, 2}}}};
@@ -268,7 +268,7 @@ TEST(GltfSkin, ReadsAMeshWithoutSkinWhereTheNodeIs) {
   EXPECT_TRUE(scene.notes.empty());
 }
 
-TEST(GltfSkin, SharesAMeshThatIsPosedTheSameWay) {
+TEST(GltfSkin, SharesAMeshInTheSamePose) {
   GltfBuilder asset = skinned_triangle();
   asset.add_node({{"mesh", 0}, {"skin", 0}});
   asset.add_node({{"mesh", 0}});
@@ -332,7 +332,7 @@ TEST(GltfSkin, ToleratesTheRoundingOfStoredWeightsOnly) {
   EXPECT_EQ(warnings_with(1.0f + 0x1p-20f, GltfBuilder::kFloat), 1u);
 }
 
-TEST(GltfSkin, LooksAtNoJointWhoseWeightIsZero) {
+TEST(GltfSkin, IgnoresJointsOfWeightZero) {
   GltfBuilder asset = skinned_triangle();
   set_joints(asset, {0, 9, 999, 65535, 0, 0, 0, 2, 0, 2, 0, 0});
   EXPECT_EQ(read_glb(asset).meshes.at(0).positions[0], Vec3(0, 0, 5));
@@ -340,7 +340,7 @@ TEST(GltfSkin, LooksAtNoJointWhoseWeightIsZero) {
   expect_invalid(asset, "/meshes/0/primitives/0/attributes/JOINTS_0", "vertex 2 names joint 2");
 }
 
-TEST(GltfSkin, TakesTheLastRowOfInverseBindMatricesAsExactAsFloatsAre) {
+TEST(GltfSkin, AcceptsTheLastRowOfInverseBindMatricesWithinFloatRounding) {
   for (const float last : {1.0f, 1.0f + 0x1p-19f, 1.0f + 0x1p-18f, 0.0f}) {
     GltfBuilder asset = skinned_triangle();
     std::vector<float> matrices = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 1, 1, last,
@@ -439,7 +439,7 @@ TEST(GltfSkin, RefusesBrokenJointsAndWeights) {
   });
 }
 
-// Real files have such vertices, most of them in no triangle.
+// Real files have such vertices, usually without a triangle.
 TEST(GltfSkin, VerticesWithoutAWeightMoveWithTheFirstJoint) {
   GltfBuilder asset = skinned_triangle();
   set_weights(asset, {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
@@ -472,10 +472,10 @@ TEST(GltfSkin, BoundsTheWorkOfManyPosesOfManyPrimitives) {
     asset.json["skins"].push_back({{"joints", {1}}});
     asset.add_node({{"mesh", 0}, {"skin", i}});
   }
-  expect_refused(asset, ErrorCode::kLimitExceeded, "/meshes/0", "posed in too many ways");
+  expect_refused(asset, ErrorCode::kLimitExceeded, "/meshes/0", "has too many poses");
 }
 
-TEST(GltfSkin, WarnsOnceOfWhatAllPosesOfAMeshShare) {
+TEST(GltfSkin, WarnsOnceForAllPosesOfAMesh) {
   GltfBuilder asset = skinned_triangle();
   set_weights(asset, {0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5, 0, 0, 0});
   asset.add_node({{"mesh", 0}});
@@ -620,7 +620,7 @@ void expect_invalid_posed(const GltfBuilder& asset, const std::string& pose,
 
 constexpr const char* kInterpolations[] = {"LINEAR", "STEP", "CUBICSPLINE"};
 
-// Adds an animation of one channel; a new one if animation is the number of those there are.
+// Adds a channel to an animation; to a new one if animation equals the number of animations.
 // values: of the first of two keyframes; the second is a half, four of which are a rotation.
 void animate(GltfBuilder& asset, std::size_t animation, std::size_t node, const std::string& path,
              const std::vector<float>& values, const std::string& interpolation = "LINEAR",
@@ -664,7 +664,7 @@ TEST(GltfAnimation, TakesTheFirstKeyframeOfEveryInterpolation) {
   }
 }
 
-TEST(GltfAnimation, KeepsWhatItDoesNotAnimate) {
+TEST(GltfAnimation, KeepsValuesThatItDoesNotAnimate) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["translation"] = {9, 8, 7};
   asset.json["nodes"][0]["scale"] = {5, 5, 5};
@@ -696,7 +696,7 @@ TEST(GltfAnimation, ReadsNormalisedIntegers) {
   check_normalized_rotation<std::uint16_t>(GltfBuilder::kUnsignedShort);
 }
 
-TEST(GltfAnimation, TakesOneAndNeverMergesTwo) {
+TEST(GltfAnimation, AppliesExactlyOneAnimation) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["scale"] = {5, 5, 5};
   animate(asset, 0, 0, "translation", {1, 2, 3});
@@ -742,7 +742,7 @@ TEST(GltfAnimation, SetsMorphWeights) {
   expect_invalid_posed(asset, "#0@0", "/animations/0/channels/0/target", "without morph targets");
 }
 
-TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
+TEST(GltfAnimation, IgnoresChannelsWithoutANodeOrWithAnotherPath) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   for (int i = 0; i < 5; ++i) animate(asset, 0, 0, "translation", {1, 2, 3});
   Json& channels = asset.json["animations"][0]["channels"];
@@ -762,13 +762,13 @@ TEST(GltfAnimation, PassesOverChannelsThatNameNoNodeOrAnotherPath) {
   EXPECT_TRUE(at_rest.warnings[0].starts_with("/animations: ")) << at_rest.warnings[0];
 }
 
-TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
+TEST(GltfAnimation, RejectsBrokenAnimationsOnlyIfChosen) {
   const auto expect_broken = [](const std::string& element, const auto& change) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "rotation", {0, 0, 0, 1});
     change(asset, asset.json["animations"][0]);
     expect_invalid_posed(asset, "#0@0", element);
-    // The same harms nobody who does not choose it.
+    // The same file is valid if the animation is not chosen.
     EXPECT_EQ(read_glb(asset).nodes.size(), 1u) << element;
     asset.add_node({{"mesh", 0}});
     animate(asset, 1, 1, "translation", {1, 2, 3});
@@ -816,7 +816,7 @@ TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
     a["samplers"][0]["output"] =
         add_floats(asset, {0, 0, 0, std::numeric_limits<float>::quiet_NaN(), 0, 0, 0, 1}, "VEC4");
   });
-  // Not the keys at hand alone have to be sound.
+  // All keys must be valid, not only those used.
   expect_broken(sampler + "/output", [](GltfBuilder& asset, Json& a) {
     a["samplers"][0]["output"] = add_floats(asset, {0, 0, 0, 1, 0, 0, 0, 1.1f}, "VEC4");
   });
@@ -836,7 +836,7 @@ TEST(GltfAnimation, RefusesBrokenAnimationsThatAreChosenOnly) {
   });
 }
 
-TEST(GltfAnimation, RefusesTargetsThatAreNoNode) {
+TEST(GltfAnimation, RejectsTargetsThatAreNotNodes) {
   for (const Json& id : {Json(1), Json(-1), Json("0")}) {
     GltfBuilder asset = GltfBuilder::one_triangle();
     animate(asset, 0, 0, "translation", {1, 2, 3});
@@ -859,11 +859,11 @@ TEST(GltfAnimation, RefusesSparseElementsInWrongOrder) {
   EXPECT_EQ(heights(read_posed(asset, "#0@0")), (std::vector<double>{1, 3, 3}));
 }
 
-TEST(GltfAnimation, TakesNoMemoryForKeyframesThatTheFileDoesNotHold) {
+TEST(GltfAnimation, AllocatesNoMemoryForKeyframesThatAreNotStored) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   animate(asset, 0, 0, "translation", {1, 2, 3});
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint32_t>{0, 1u << 31}));
-  for (const std::size_t id : {2, 3}) {  // zeros, but for two keyframes
+  for (const std::size_t id : {2, 3}) {  // zeros, except for two keyframes
     Json& accessor = asset.json["accessors"][id];
     accessor["sparse"] = {
         {"count", 2},

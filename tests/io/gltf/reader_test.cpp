@@ -142,18 +142,18 @@ TEST(GltfReader, ReadsTheSameFromGlbFileAndDataUri) {
   expect_same_geometry(glb, read_or_fail(asset.write_data_uri(folder, "")));
 }
 
-TEST(GltfReader, TellsTheContainerByContentNotByName) {
+TEST(GltfReader, RecognisesTheContainerByContentNotByName) {
   const TemporaryFolder folder;
   const std::string glb = GltfBuilder::one_triangle().write_glb(folder);
   std::filesystem::rename(glb, folder.path("wrong.gltf"));
   EXPECT_EQ(read_or_fail(folder.path("wrong.gltf")).meshes.size(), 1u);
 }
 
-TEST(GltfReader, TakesStripsAndFansAsTheEqualList) {
+TEST(GltfReader, ReadsStripsAndFansAsTheEquivalentList) {
   test::Random random(3);
   const auto points = random_points(random, 9);
   const std::vector<std::uint32_t> order = {4, 0, 7, 1, 8, 2};
-  // The specification spells these out: a strip turns every second triangle.
+  // The specification lists these: every second triangle of a strip is reversed.
   const std::vector<std::uint32_t> strip = {4, 0, 7, 0, 1, 7, 7, 1, 8, 1, 2, 8};
   const std::vector<std::uint32_t> fan = {0, 7, 4, 7, 1, 4, 1, 8, 4, 8, 2, 4};
   constexpr int kType = GltfBuilder::kUnsignedByte;
@@ -399,7 +399,7 @@ TEST(GltfReader, DividesOutTheLengthOfARoundedQuaternion) {
             16.0 * std::numeric_limits<double>::epsilon());
 }
 
-TEST(GltfReader, LeavesOutWhatIsScaledToNothing) {
+TEST(GltfReader, LeavesOutNodesWithScaleZero) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.add_node({{"mesh", 0}, {"scale", {0, 0, 0}}});
   const auto scene = read_glb(asset);
@@ -445,7 +445,7 @@ TEST(GltfReader, LeavesOutNodesWhoseMeshHasNoTriangle) {
   EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
-TEST(GltfReader, WarnsAboutUnknownExtensionsAndTakesHarmlessOnes) {
+TEST(GltfReader, WarnsAboutUnknownExtensionsOnly) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["extensionsUsed"] = {"KHR_materials_unlit", "VENDOR_secret",
                                   "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"};
@@ -457,7 +457,7 @@ TEST(GltfReader, WarnsAboutUnknownExtensionsAndTakesHarmlessOnes) {
   EXPECT_NE(scene.warnings[0].find("VENDOR_secret"), std::string::npos);
 }
 
-TEST(GltfReader, TakesWhatChangesNoTriangleAlsoWhenRequired) {
+TEST(GltfReader, AcceptsRequiredExtensionsThatDoNotAffectTriangles) {
   for (const char* name : {"KHR_materials_variants",
                            "KHR_materials_pbrSpecularGlossiness",
                            "KHR_texture_basisu",
@@ -485,7 +485,7 @@ TEST(GltfReader, TakesWhatChangesNoTriangleAlsoWhenRequired) {
   }
 }
 
-TEST(GltfReader, WarnsOfWhatChangesTrianglesAndRefusesItWhenRequired) {
+TEST(GltfReader, WarnsOfExtensionsThatAffectTrianglesAndRefusesRequiredOnes) {
   for (const char* name : {"KHR_gaussian_splatting", "KHR_displacement_mapping_shared",
                            "MAXAR_mesh_variants", "CESIUM_RTC", "EXT_primitive_voxels",
                            "MPEG_accessor_timed", "KHR_materials_of_tomorrow", "KHR_materials_"}) {
@@ -538,7 +538,7 @@ TEST(GltfReader, RefusesASceneWithoutTriangles) {
 
 // --- Files and containers ------------------------------------------------------------------------
 
-TEST(GltfReader, RefusesWhatIsNotARegularFile) {
+TEST(GltfReader, RefusesPathsThatAreNotRegularFiles) {
   const TemporaryFolder folder;
   expect_file_refused(folder.path("missing.glb"), ErrorCode::kFileNotFound, "");
   expect_file_refused(folder.path(), ErrorCode::kFileUnreadable, "", "folder");
@@ -551,11 +551,11 @@ TEST(GltfReader, RefusesWhatIsNotARegularFile) {
 TEST(GltfReader, RefusesFilesBeyondTheSizeLimit) {
   const TemporaryFolder folder;
   const std::string path = folder.write("large.glb", "glTF");
-  std::filesystem::resize_file(path, kMaxGltfFileBytes + 1);  // a hole, not written
+  std::filesystem::resize_file(path, kMaxGltfFileBytes + 1);  // a sparse file
   expect_file_refused(path, ErrorCode::kLimitExceeded, "", std::to_string(kMaxGltfFileBytes));
 }
 
-TEST(GltfReader, RefusesWhatIsNotGltf) {
+TEST(GltfReader, RefusesFilesThatAreNotGltf) {
   const TemporaryFolder folder;
   for (const char* text : {"", "   ", "solid cube", "[1, 2]", "\xEF\xBB\xBF{}", "{}",
                            R"({"asset": 5})", R"({"asset": {}})"}) {
@@ -631,7 +631,7 @@ TEST(GltfReader, RefusesABinChunkLongerThanTheFile) {
   expect_file_refused(folder.write("a.glb", bytes), ErrorCode::kInvalidContent, "GLB chunk 1");
 }
 
-TEST(GltfReader, PassesOverUnknownChunksAndFollowsUnalignedOnes) {
+TEST(GltfReader, IgnoresUnknownChunksAndReadsUnalignedOnes) {
   const GltfBuilder asset = GltfBuilder::one_triangle();
   Json root = asset.json;
   root["buffers"] = {{{"byteLength", asset.bin.size()}}};
@@ -719,7 +719,7 @@ TEST(GltfReader, LooksForBuffersBesideTheAssetOnly) {
   std::filesystem::current_path(before);
 }
 
-TEST(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
+TEST(GltfReader, RefusesBuffersThatAreNotRegularFiles) {
   const TemporaryFolder folder;
   GltfBuilder asset = GltfBuilder::one_triangle();
   ASSERT_EQ(::mkfifo(folder.path("pipe").c_str(), 0600), 0);
@@ -736,14 +736,14 @@ TEST(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
                       "lfs");
 }
 
-TEST(GltfReader, TakesLongerButNotShorterBuffers) {
+TEST(GltfReader, AcceptsLongerButNotShorterBuffers) {
   const TemporaryFolder folder;
   const GltfBuilder asset = GltfBuilder::one_triangle();
   const std::string path = asset.write_gltf(folder);
   folder.write("asset.bin", asset.bin + "more");
   EXPECT_EQ(read_or_fail(path).meshes.size(), 1u);
   folder.write("asset.bin", asset.bin.substr(1));
-  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "cut short");
+  expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength", "truncated");
   folder.write("asset.bin", "");
   expect_file_refused(path, ErrorCode::kInvalidContent, "/buffers/0/byteLength");
 }
@@ -756,7 +756,7 @@ TEST(GltfReader, RefusesBuffersWithoutData) {
   expect_file_invalid(asset, "/buffers/0/byteLength");
   asset.json["buffers"] = Json::array({Json::object()});
   expect_file_invalid(asset, "/buffers/0/byteLength", "missing");
-  // Twenty thousand buffers that would each be a copy of the BIN chunk.
+  // Twenty thousand buffers, each of which would be a copy of the BIN chunk.
   asset.json["buffers"] = Json::array();
   for (int i = 0; i < 20000; ++i) asset.json["buffers"].push_back({{"byteLength", 1}});
   asset.json["bufferViews"][0]["buffer"] = 1;
@@ -838,7 +838,7 @@ TEST(GltfReader, RefusesHugeCountsBeforeAllocating) {
 }
 
 TEST(GltfReader, BoundsTheVerticesOfAllMeshesTogether) {
-  // Sparse without base view: vertices that cost the file nothing.
+  // Sparse without base view: vertices that take no bytes in the file.
   GltfBuilder asset = GltfBuilder::one_triangle();
   const auto where = asset.add_view(test::bytes_of(std::vector<std::uint8_t>{1}));
   const auto values = asset.add_view(test::bytes_of(std::vector<float>{1, 1, 1}));
@@ -888,7 +888,7 @@ TEST(GltfReader, RefusesIndicesBeyondTheVertices) {
   }
 }
 
-TEST(GltfReader, TakesTheRestartIndexForAVertexInListsOnly) {
+TEST(GltfReader, ReadsTheRestartIndexAsAVertexInListsOnly) {
   const std::vector<Eigen::Vector3f> points = [] {
     std::vector<Eigen::Vector3f> line;
     for (int i = 0; i < 65536; ++i)
@@ -985,7 +985,7 @@ TEST(GltfReader, RefusesIdsOutOfRangeEverywhere) {
   }
 }
 
-TEST(GltfReader, TakesWholeNumbersWrittenWithAFraction) {
+TEST(GltfReader, AcceptsWholeNumbersWrittenWithAFraction) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["accessors"][0]["count"] = 3.0;
   asset.json["nodes"][0]["mesh"] = 0.0;
@@ -1061,7 +1061,7 @@ TEST(GltfReader, RefusesNumbersBeyondDouble) {
   }
 }
 
-TEST(GltfReader, RefusesTransformsThatOverflowAndLeavesOutThoseThatFlatten) {
+TEST(GltfReader, RefusesOverflowingTransformsAndLeavesOutFlatteningOnes) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0] = {{"children", {1}}, {"scale", {1e200, 1, 1}}};
   asset.add_child({{"mesh", 0}, {"scale", {1e200, 1, 1}}});
@@ -1126,7 +1126,7 @@ TEST(GltfReader, BoundsTheNumberOfNodes) {
 }
 
 TEST(GltfReader, SurvivesEveryCutAndEveryChangedByte) {
-  // Whatever it answers, it must answer: the sanitizers watch.
+  // The reader must return, with any result; sanitizers check its accesses.
   const TemporaryFolder folder;
   const std::string path = GltfBuilder::one_triangle().write_glb(folder);
   std::string good(std::filesystem::file_size(path), '\0');

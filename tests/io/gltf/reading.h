@@ -1,6 +1,6 @@
 #pragma once
 
-// Reading the assets of GltfBuilder, and the ways in which that must fail.
+// Functions that read assets of GltfBuilder and expect a scene or an error.
 
 #include <string>
 #include <utility>
@@ -20,7 +20,7 @@ inline SceneDescription read_glb(const GltfBuilder& asset, const ReadOptions& op
   return scene.ok() ? std::move(*scene) : SceneDescription{};
 }
 
-// Must be refused with this code and an error that names the element and, somewhere, the text.
+// Expects an error with this code that names the element and contains the text.
 inline void expect_refused(const GltfBuilder& asset, ErrorCode code, const std::string& element,
                            const std::string& text = {}, const ReadOptions& options = {}) {
   const TemporaryFolder folder;

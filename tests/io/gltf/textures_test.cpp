@@ -40,7 +40,7 @@ std::string grey_pixel() {
   return png_of({1, 1, 8, 0}, {128});
 }
 
-// One triangle whose material calls for its normal texture, texture 0 of image 0, by TEXCOORD_0:
+// One triangle whose material requires its normal texture, texture 0 of image 0, with TEXCOORD_0:
 // (0,0), (1,0), (0,1). The image has no data yet.
 GltfBuilder asset_without_data() {
   GltfBuilder asset = GltfBuilder::one_triangle();
@@ -88,7 +88,7 @@ ImageDescription decoded(const std::string& image) {
   return scene.images.empty() ? ImageDescription{} : scene.images[0];
 }
 
-TEST(GltfTextures, Of16BitsKeepTheirDigits) {
+TEST(GltfTextures, KeepAllDigitsOf16Bits) {
   const Samples samples = {0, 1, 2, 255, 256, 257, 32767, 32768, 40000, 65279, 65534, 65535};
   const ImageDescription image = decoded(png_of({2, 2, 16, 2}, samples));
   EXPECT_EQ(image.width, 2u);
@@ -98,7 +98,7 @@ TEST(GltfTextures, Of16BitsKeepTheirDigits) {
             (Samples{1, 1, 1, 65534, 65534, 65534}));
 }
 
-TEST(GltfTextures, Of8BitsAreSpreadOver16) {
+TEST(GltfTextures, AreScaledFrom8To16Bits) {
   EXPECT_EQ(decoded(png_of({1, 3, 8, 2}, {0, 1, 2, 3, 4, 5, 253, 254, 255})).rgb,
             (Samples{0, 257, 514, 771, 1028, 1285, 65021, 65278, 65535}));
   EXPECT_EQ(decoded(grey_pixel()).rgb, Samples(3, 128 * 257));
@@ -106,14 +106,14 @@ TEST(GltfTextures, Of8BitsAreSpreadOver16) {
             (Samples{0x4040, 0, 0, 0x2020, 0, 0}));  // of a palette
 }
 
-TEST(GltfTextures, TransparencyChangesNoNumber) {
+TEST(GltfTextures, AreNotAffectedByTransparency) {
   EXPECT_EQ(decoded(png_of({1, 1, 8, 6}, {10, 20, 30, 0})).rgb,
             (Samples{10 * 257, 20 * 257, 30 * 257}));
   EXPECT_EQ(decoded(png_of({1, 1, 16, 6}, {10, 20, 30, 7})).rgb, (Samples{10, 20, 30}));
   EXPECT_EQ(decoded(png_of({1, 1, 16, 4}, {300, 0})).rgb, (Samples{300, 300, 300}));
 }
 
-TEST(GltfTextures, ImagesWiderThanABlockOfDataAreWhole) {
+TEST(GltfTextures, AreCompleteIfWiderThanABlockOfData) {
   Samples samples;
   for (std::uint32_t i = 0; i < 300 * 200 * 3; ++i) {
     samples.push_back(static_cast<std::uint16_t>(i * 2654435761u >> 16));
@@ -136,7 +136,7 @@ std::string jpeg_of(int width, int height, std::uint8_t grey) {
   return file;
 }
 
-TEST(GltfTextures, OfJpegAreRead) {
+TEST(GltfTextures, AreReadFromJpeg) {
   const ImageDescription image = decoded(jpeg_of(20, 10, 77));
   EXPECT_EQ(image.width, 20u);
   EXPECT_EQ(image.height, 10u);
@@ -177,7 +177,7 @@ TEST(GltfTextures, AreNotReadFromOutsideTheFolder) {
   }
 }
 
-TEST(GltfTextures, WithoutOneSourceAreRefused) {
+TEST(GltfTextures, AreRefusedWithoutExactlyOneSource) {
   expect_invalid(asset_without_data(), "/images/0", "neither");
   GltfBuilder asset = asset_with(grey_pixel());
   asset.json["images"][0]["uri"] = "a.png";
@@ -190,16 +190,16 @@ TEST(GltfTextures, WithoutOneSourceAreRefused) {
   expect_refused(asset, ErrorCode::kUnsupported, "/textures/0/source", "PNG or JPEG");
 }
 
-// --- Images that hurt ----------------------------------------------------------------------------
+// --- Hostile images ------------------------------------------------------------------------------
 
-TEST(GltfTextures, OfOtherFormatsAreRefused) {
+TEST(GltfTextures, AreRefusedInOtherFormats) {
   for (const std::string image :
        {"GIF89a\1\0\1\0", "RIFF\4\0\0\0WEBP", "not an image", "\x89PNG", "P6 1 1 255 abc", "BM"}) {
     expect_refused(asset_with(image), ErrorCode::kUnsupported, "/images/0", "PNG");
   }
 }
 
-TEST(GltfTextures, ThatAreTooLargeAreRefusedByTheirHead) {
+TEST(GltfTextures, AreRefusedByTheirHeaderIfTooLarge) {
   for (const auto& [width, height] :
        {std::pair<std::uint32_t, std::uint32_t>{8193, 1}, {1, 8193}, {0x7fffffff, 0x7fffffff}}) {
     expect_refused(asset_with(png_of({width, height, 8, 0}, {1, 2})), ErrorCode::kLimitExceeded,
@@ -213,7 +213,7 @@ TEST(GltfTextures, ThatAreTooLargeAreRefusedByTheirHead) {
   expect_invalid(asset_with(png_of({0, 1, 8, 0}, {})), "/images/0");
 }
 
-TEST(GltfTextures, TooManyPixelsTogetherAreRefused) {
+TEST(GltfTextures, AreRefusedIfTheirPixelsExceedTheTotal) {
   GltfBuilder asset = asset_with(grey_pixel());
   asset.json["textures"].push_back({{"source", 1}});
   asset.json["images"].push_back({{"bufferView", asset.add_view(png_of({8192, 8192, 8, 0}, {1}))}});
@@ -222,10 +222,10 @@ TEST(GltfTextures, TooManyPixelsTogetherAreRefused) {
                  std::to_string(kMaxGltfPixels - 1) + " of a scene");
 }
 
-TEST(GltfTextures, CutShortAreRefused) {
+TEST(GltfTextures, AreRefusedIfTruncated) {
   for (const std::string& image :
        {png_of({3, 2, 16, 2}, Samples(18, 500)), png_of({4, 4, 8, 6}, Samples(64, 9))}) {
-    constexpr std::size_t kEndChunk = 12;  // which nothing depends on
+    constexpr std::size_t kEndChunk = 12;  // nothing depends on it
     for (std::size_t size = 8; size < image.size() - kEndChunk - 4; ++size) {
       expect_invalid(asset_with(image.substr(0, size)), "/images/0");
     }
@@ -237,10 +237,11 @@ TEST(GltfTextures, CutShortAreRefused) {
   expect_invalid(asset_with(png_of({3, 2, 8, 0}, {1, 2, 3})), "/images/0");  // one row of two
 }
 
-// What is behind the last pixel and its checksum is not looked at.
-TEST(GltfTextures, WithADamagedPixelAreRefused) {
+// Data after the last pixel and its checksum are not read.
+TEST(GltfTextures, AreRefusedWithADamagedPixel) {
   const std::string image = png_of({2, 2, 8, 0}, {1, 2, 3, 4});
-  constexpr std::size_t kHeadOfStream = 2 + 5;  // before the first row, and each row has a filter
+  constexpr std::size_t kHeadOfStream =
+      2 + 5;  // before the first row; each row begins with a filter
   const std::size_t first_row = image.find("IDAT") + 4 + kHeadOfStream;
   constexpr std::size_t kChecksum = 4;
   for (std::size_t i = first_row; i < first_row + 2 * 3 + kChecksum; ++i) {
@@ -252,9 +253,9 @@ TEST(GltfTextures, WithADamagedPixelAreRefused) {
   }
 }
 
-// --- Which are called for ------------------------------------------------------------------------
+// --- Required images -----------------------------------------------------------------------------
 
-TEST(GltfTextures, ThatNobodyCallsForAreNotOpened) {
+TEST(GltfTextures, AreNotOpenedUnlessRequired) {
   GltfBuilder asset = asset_with("no image");
   asset.json["materials"][0].erase("extras");
   asset.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
@@ -268,7 +269,7 @@ TEST(GltfTextures, ThatNobodyCallsForAreNotOpened) {
   EXPECT_EQ(friction_map(&scene.haptic_materials[0]), nullptr);
   EXPECT_EQ(friction_map(nullptr), nullptr);
 
-  // A height given beside the file calls for it.
+  // A height set by an override requires the image.
   const TemporaryFolder folder;
   const auto called =
       read_gltf(asset.write_glb(folder), {{{"material 0", "textureHeight", "0.1"}}});
@@ -276,7 +277,7 @@ TEST(GltfTextures, ThatNobodyCallsForAreNotOpened) {
   EXPECT_EQ(called.error().element, "/meshes/0/primitives/0/attributes/TEXCOORD_0");
 }
 
-TEST(GltfTextures, OfTheHapticMaterialGoFirst) {
+TEST(GltfTextures, OfTheHapticMaterialTakePrecedence) {
   GltfBuilder asset = asset_with("no image");  // of the normal texture
   asset.json["textures"] = {{{"source", 0}}, {{"source", 1}}, {{"source", 2}}};
   asset.json["images"].push_back({{"bufferView", asset.add_view(png_of({1, 1, 8, 0}, {1}))}});
@@ -303,7 +304,7 @@ TEST(GltfTextures, OfTheHapticMaterialGoFirst) {
   }
 }
 
-TEST(GltfTextures, OfAHapticMaterialNeedNoMaterial) {
+TEST(GltfTextures, OfAHapticMaterialNeedNoGltfMaterial) {
   GltfBuilder asset = asset_with(grey_pixel());
   asset.json["meshes"][0]["primitives"][0].erase("material");
   bind_haptic(asset, {{"vibrotactileTexture", {haptic_map({{"index", 0}})}}});
@@ -346,7 +347,7 @@ TEST(GltfTextures, HaveABoundedNumberOfMaps) {
 
 // --- Samplers ------------------------------------------------------------------------------------
 
-TEST(GltfTextures, WrapAsTheirSamplerSays) {
+TEST(GltfTextures, WrapAsTheirSamplerStates) {
   GltfBuilder asset = asset_with(grey_pixel());
   const auto wraps = [&] {
     const auto texture = read_glb(asset).materials.at(0).normal_texture;
@@ -391,25 +392,26 @@ TEST(GltfTextureCoordinates, AreThoseOfTheChosenSet) {
   EXPECT_EQ(read_glb(asset).meshes.at(0).texture_uv, second);
 }
 
-TEST(GltfTextureCoordinates, AreScaledThenTurnedThenMoved) {
+TEST(GltfTextureCoordinates, AreScaledThenRotatedThenTranslated) {
   GltfBuilder asset = asset_with(grey_pixel());
   Json& transform = normal_texture_of(asset)["extensions"]["KHR_texture_transform"];
   const auto transformed = [&] { return read_glb(asset).meshes.at(0).texture_uv; };
-  transform = {{"offset", {0, 1}}, {"scale", {1, -1}}};  // of the extension: a lower left origin
+  transform = {{"offset", {0, 1}},
+               {"scale", {1, -1}}};  // the extension's example of a lower left origin
   EXPECT_EQ(transformed(), (Coordinates{{0, 1}, {1, 1}, {0, 0}}));
   transform = {{"offset", {0.5, -2}}, {"scale", {3, 4}}};
   EXPECT_EQ(transformed(), (Coordinates{{0.5, -2}, {3.5, -2}, {0.5, 2}}));
-  // Of the extension: "only the lower left quadrant of the source image, rotated clockwise 90
+  // From the extension: "only the lower left quadrant of the source image, rotated clockwise 90
   // degrees". The cosine of the angle nearest to a quarter turn is not zero.
   transform = {{"offset", {0, 1}}, {"rotation", std::acos(0.0)}, {"scale", {0.5, 0.5}}};
   expect_near(transformed(), {{0, 1}, {0, 0.5}, {0.5, 1}}, std::numeric_limits<double>::epsilon());
-  // Towards smaller v from larger u, by atan(3/4).
+  // Rotates by atan(3/4), from larger u towards smaller v.
   transform = {{"rotation", std::atan2(3.0, 4.0)}, {"scale", {5, 10}}};
   expect_near(transformed(), {{0, 0}, {4, -3}, {6, 8}},
               16 * std::numeric_limits<double>::epsilon());
 }
 
-TEST(GltfTextureCoordinates, OfNormalisedIntegersAreFractions) {
+TEST(GltfTextureCoordinates, AreFractionsForNormalisedIntegers) {
   GltfBuilder asset = asset_with(grey_pixel());
   primitive_attributes_of(asset)["TEXCOORD_0"] = add_numbers<std::uint8_t>(
       asset, {0, 255, 51, 102, 1, 254}, GltfBuilder::kUnsignedByte, "VEC2", true);
@@ -421,7 +423,7 @@ TEST(GltfTextureCoordinates, OfNormalisedIntegersAreFractions) {
             (Coordinates{{0, 1}, {13107 / 65535.0, 1 / 65535.0}, {2 / 65535.0, 3 / 65535.0}}));
 }
 
-TEST(GltfTextureCoordinates, OfOtherIntegersNeedQuantization) {
+TEST(GltfTextureCoordinates, NeedQuantizationForOtherIntegers) {
   GltfBuilder asset = asset_with(grey_pixel());
   const auto shorts =
       add_numbers<std::int16_t>(asset, {-3, 7, 300, -32768, 0, 1}, GltfBuilder::kShort, "VEC2");
@@ -446,7 +448,7 @@ TEST(GltfTextureCoordinates, OfOtherIntegersNeedQuantization) {
             (Coordinates{{-0.5, 0.25}, {-0.5, 0}, {0.5 / 127, 0.25 * (2 / 127.0)}}));
 }
 
-TEST(GltfTextureCoordinates, ThatAreMissingOrWrongAreRefused) {
+TEST(GltfTextureCoordinates, AreRefusedIfMissingOrInvalid) {
   const std::string element = "/meshes/0/primitives/0/attributes/TEXCOORD_";
   GltfBuilder asset = asset_with(grey_pixel());
   normal_texture_of(asset)["texCoord"] = 1;
@@ -466,7 +468,7 @@ TEST(GltfTextureCoordinates, ThatAreMissingOrWrongAreRefused) {
 }
 
 // The positions of all corners of triangles, and their coordinates.
-TEST(GltfTextureCoordinates, VerticesAreSharedWhereTheseAreEqual) {
+TEST(GltfTextureCoordinates, AllowSharedVerticesOnlyIfEqual) {
   GltfBuilder asset = asset_with(grey_pixel());
   Json& primitives = asset.json["meshes"][0]["primitives"];
   const Json first = primitives[0];
@@ -505,7 +507,7 @@ TEST(GltfTextureCoordinates, VerticesAreSharedWhereTheseAreEqual) {
   EXPECT_TRUE(mesh.friction_uv.empty());
 }
 
-TEST(GltfTextureCoordinates, BehindTheLastMapAreZeros) {
+TEST(GltfTextureCoordinates, AreZeroAfterTheLastMap) {
   GltfBuilder asset = asset_with(grey_pixel());
   Json without = asset.json["meshes"][0]["primitives"][0];
   without.erase("material");
@@ -515,7 +517,7 @@ TEST(GltfTextureCoordinates, BehindTheLastMapAreZeros) {
             (Coordinates{{0, 0}, {1, 0}, {0, 1}, {0, 0}, {0, 0}, {0, 0}}));
 }
 
-TEST(GltfTextureCoordinates, OfTextureAndFrictionAreApart) {
+TEST(GltfTextureCoordinates, OfTextureAndFrictionAreSeparate) {
   GltfBuilder asset = asset_with(grey_pixel());
   primitive_attributes_of(asset)["TEXCOORD_1"] = add_floats(asset, {3, 3, 4, 4, 5, 5}, "VEC2");
   bind_haptic(asset, {{"friction", {haptic_map({{"index", 0}, {"texCoord", 1}})}}});
@@ -574,7 +576,7 @@ void expect_matched(const MeshDescription& mesh) {
   }
 }
 
-TEST(GltfTextureCoordinates, OfDracoGoWithTheirPositions) {
+TEST(GltfTextureCoordinates, OfDracoMatchTheirPositions) {
   constexpr const char* kDraco = "KHR_draco_mesh_compression";
   GltfBuilder asset = asset_with(grey_pixel());
   Json& primitive = asset.json["meshes"][0]["primitives"][0];
