@@ -68,10 +68,11 @@ std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& fil
 
 // An error if there is no room for the picture. Without gnuplot there is none, which is a warning,
 // and the traces are as good.
-Result<bool> draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
-                  const OutputFiles& files, std::vector<std::string>& warnings) {
+Result<bool> draw(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
+                  const std::string& scene_path, const OutputFiles& files,
+                  std::vector<std::string>& warnings) {
   const std::string name = std::filesystem::path(scene_path).filename().string();
-  const auto picture = write_path_picture(runs, name, files.path(kPicture));
+  const auto picture = write_path_picture(runs, actuation, name, files.path(kPicture));
   if (picture) return true;
   if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
   warnings.push_back(files.in_place(picture.error()).to_string());
@@ -194,7 +195,8 @@ int run(const RunRequest& command) {
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return tell_nothing_was_done();
   std::vector<std::string> warnings = not_understood_lines(prepared->scene);
-  const Result<bool> has_picture = draw(runs, command.scene.path, *files, warnings);
+  const Result<bool> has_picture =
+      draw(runs, prepared->setup.actuation, command.scene.path, *files, warnings);
   if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);

@@ -1,0 +1,85 @@
+#include "engine/cli/simplified_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+// A dropped vertex lies within `step` of the kept vertex before it. So every dropped segment does,
+// and the last one of them, which ends in the next kept vertex, is within `step` of the segment
+// between the two.
+std::vector<Point2> thinned(const std::vector<Point2>& line, double step) {
+  std::vector<Point2> kept;
+  for (const Point2& p : line) {
+    if (kept.empty() || (p - kept.back()).norm() > step) kept.push_back(p);
+  }
+  if (!line.empty() && kept.back() != line.back()) kept.push_back(line.back());
+  return kept;
+}
+
+// Directions in which a ray from an anchor passes all points since within a distance.
+class Sleeve {
+ public:
+  explicit Sleeve(double width) : width_(width) {}
+
+  void start(const Point2& anchor) {
+    anchor_ = anchor;
+    farthest_ = 0.0;
+    is_open_ = true;
+  }
+
+  // Whether the segment from the anchor to p passes all points since the anchor within the width:
+  // the ray does, and none of them is farther away than p. Takes p in if so.
+  bool take(const Point2& p) {
+    const Point2 away = p - anchor_;
+    const double distance = away.norm();
+    if (distance < farthest_) return false;
+    farthest_ = distance;
+    if (distance <= width_) return true;
+    const double angle = std::atan2(away.y(), away.x());
+    const double half = std::asin(width_ / distance);
+    if (is_open_) {
+      middle_ = angle;
+      low_ = -half;
+      high_ = half;
+      is_open_ = false;
+      return true;
+    }
+    const double turn = std::remainder(angle - middle_, 2.0 * std::numbers::pi);
+    if (turn < low_ || turn > high_) return false;
+    low_ = std::max(low_, turn - half);
+    high_ = std::min(high_, turn + half);
+    return true;
+  }
+
+ private:
+  double width_;
+  Point2 anchor_ = Point2::Zero();
+  double farthest_ = 0.0;
+  bool is_open_ = true;                           // every direction is in it
+  double middle_ = 0.0, low_ = 0.0, high_ = 0.0;  // rad; low and high from the middle
+};
+
+}  // namespace
+
+std::vector<Point2> simplified_line(const std::vector<Point2>& line, double tolerance) {
+  // The two steps add up to the tolerance. Without the first one, noise of a path that stands still
+  // would end a sleeve at every point.
+  const std::vector<Point2> points = thinned(line, 0.4 * tolerance);
+  if (points.size() < 3) return points;
+  std::vector<Point2> kept{points.front()};
+  Sleeve sleeve(0.6 * tolerance);
+  sleeve.start(points.front());
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (sleeve.take(points[i])) continue;
+    kept.push_back(points[i - 1]);
+    sleeve.start(points[i - 1]);
+    sleeve.take(points[i]);
+  }
+  kept.push_back(points.back());
+  return kept;
+}
+
+}  // namespace palpate

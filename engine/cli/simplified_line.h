@@ -1,0 +1,17 @@
+#pragma once
+
+// A polyline with fewer points that a picture cannot be told from.
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+using Point2 = Eigen::Vector2d;
+
+// Some of the points, in order, with the first and the last one: no point of the given line is
+// farther than `tolerance` from the returned line. Linear time. Expects finite points.
+std::vector<Point2> simplified_line(const std::vector<Point2>& line, double tolerance);
+
+}  // namespace palpate
