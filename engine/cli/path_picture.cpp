@@ -27,12 +27,12 @@ constexpr int kFontPx = 13;
 
 // Pixels, from the top left corner. Each run has a column with two panels.
 constexpr int kRunWidth = 480;
-constexpr int kHeight = 790;
+constexpr int kHeight = 816;
 constexpr int kPanelLeft = 76, kPanelWidth = 384;
 constexpr int kPathTop = 66, kPathHeight = 340;
-constexpr int kAngleTop = 512, kAngleHeight = 190;
+constexpr int kAngleTop = 524, kAngleHeight = 190;
 constexpr int kTitleMiddle = 18;
-constexpr int kPathKeyTop = 452, kAngleKeyTop = 748;
+constexpr int kPathKeyTop = 458, kAngleKeyTop = 768;
 
 constexpr double kTolerance = 0.4;         // px
 constexpr double kLargestTolerance = 1e3;  // px; every curve is one segment then
@@ -104,6 +104,10 @@ std::string tics(double low, double high) {
   return text.empty() ? "()" : text + ")";
 }
 
+bool is_device_axis(const Vec3& axis) {
+  return axis.cwiseAbs().maxCoeff() == 1.0;
+}
+
 // "A1", "A2", "A3", or the numbers of another direction.
 std::string axis_name(const Vec3& axis) {
   for (int k = 0; k < 3; ++k) {
@@ -120,11 +124,16 @@ std::string angle_name(const ActuationModel& actuation) {
   if (actuation.actuators() == actuation.sensors()) {
     return "contact angle (every sensed axis is actuated)";
   }
+  const Vec3& first = actuation.actuated_axis(0);
   if (actuation.actuators() == 1) {
-    return "angle of the contact normal to " + axis_name(actuation.actuated_axis(0));
+    return "angle of the contact normal to " + axis_name(first);
   }
-  return "angle of the contact normal to the plane of " + axis_name(actuation.actuated_axis(0)) +
-         " and " + axis_name(actuation.actuated_axis(1));
+  const Vec3& second = actuation.actuated_axis(1);
+  if (!is_device_axis(first) || !is_device_axis(second)) {
+    return "contact normal to the actuated plane, across " + axis_name(first.cross(second));
+  }
+  const auto [low, high] = std::minmax({axis_name(first), axis_name(second)});
+  return "angle of the contact normal to the plane of " + low + " and " + high;
 }
 
 // As much of a name as fits a line of the picture.
@@ -300,7 +309,7 @@ class Script {
          << tics(low.y(), high.y()) << "\nset xlabel "
          << gnuplot_quoted(with_unit("A2", unit_.name)) << " offset 0,0.3\nset ylabel "
          << gnuplot_quoted(with_unit("A1", unit_.name)) << " offset 1,0\nset title '"
-         << (runs_[i].a4 ? "with A4" : "without A4") << "'\nplot $followed" << i
+         << (runs_[i].a4 ? "with A4" : "without A4") << "' offset 0,-0.4\nplot $followed" << i
          << " with lines lw 2 lc rgb '" << kContourColour << "' title '"
          << (is_walk ? "path to follow, at the start" : "contour at the start") << "', $path" << i
          << " with lines lw 1.5 lc rgb '" << kPathColour << "' title 'path of the device'\n";

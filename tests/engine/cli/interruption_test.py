@@ -210,7 +210,7 @@ def check_killed(palpate, models, folder, generator):
 
 
 def check_search(palpate, models, folder):
-    """A run that is whole is judged though a signal ends the search for what to try instead."""
+    """A run that has ended is judged even if a signal ends the search for better options."""
     command = [palpate, "run", models / "gallery.glb", "--virtual", "--seconds", "3", "--out", "cut"]
     picture = folder / "cut" / "paths.svg"
     for _ in range(INTERRUPTIONS):
@@ -223,11 +223,11 @@ def check_search(palpate, models, folder):
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=120)
-        if process.returncode == 128 + signal.SIGINT and "results are whole" in err:
+        if process.returncode == 128 + signal.SIGINT and "results are complete" in err:
             break
-    check("the search for what to try was interrupted\n" in out, f"{out} {err}")
+    check("the search for better options was interrupted\n" in out, f"{out} {err}")
     check(out.startswith("not comparable\n  without A4: the proxy came near to "), out)
-    check("\ninterrupted when the runs were done; the results are whole\n" in out, out)
+    check("\ninterrupted after the runs had ended; the results are complete\n" in out, out)
 
 
 def check_nohup(palpate, models, folder):
