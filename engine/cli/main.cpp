@@ -58,12 +58,37 @@ std::string joined(const std::vector<CLI::App*>& apps) {
   return names;
 }
 
+// CLI11's message, or a clearer one for the commonest mistakes.
+std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& apps,
+                       const CLI::ParseError& error) {
+  const std::string message = error.what();
+  const auto chosen = program.get_subcommands();
+  if (chosen.empty()) {
+    if (error.get_name() == "RequiredError") return message + "; expected " + joined(apps);
+    if (program.remaining().empty()) return message;
+    const std::string name = program.remaining().front();
+    return name +
+           (name.starts_with("-") ? ": is not an option of palpate; expected "
+                                  : ": is not a subcommand; expected ") +
+           joined(apps);
+  }
+  const std::vector<std::string> extras = chosen.front()->remaining();
+  if (error.get_name() == "ExtrasError" && !extras.empty()) {
+    return extras.front() +
+           (extras.front().starts_with("-") ? ": is not an option of "
+                                            : ": is an unexpected argument of ") +
+           chosen.front()->get_name();
+  }
+  const std::size_t repeated = message.find(": At Most 1 required");
+  if (repeated != std::string::npos) {
+    return message.substr(0, repeated) + ": is given more than once; expected once";
+  }
+  return message;
+}
+
 int refuse_arguments(const CLI::App& program, const std::vector<CLI::App*>& apps,
                      const CLI::ParseError& error) {
-  std::string problem = error.what();
-  if (program.get_subcommands().empty() && !program.remaining().empty()) {
-    problem = program.remaining().front() + ": is not a subcommand; expected " + joined(apps);
-  }
+  std::string problem = problem_of(program, apps, error);
   std::replace(problem.begin(), problem.end(), '\n', ' ');
   const auto chosen = program.get_subcommands();
   const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";

@@ -42,15 +42,18 @@ template <typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices,
                         const std::string& usual, const std::string& help) {
-  std::vector<std::string> words;
-  for (const auto& choice : choices) words.push_back(choice.first);
-  const auto read = [&value, choices](const std::string& text) {
+  std::string words;
+  for (const auto& choice : choices) words += (words.empty() ? "" : ",") + choice.first;
+  const auto read = [&value, choices, name, words](const std::string& text) {
     for (const auto& choice : choices) {
-      if (choice.first == text) value = choice.second;
+      if (choice.first != text) continue;
+      value = choice.second;
+      return;
     }
+    throw CLI::ValidationError(name, "is \"" + text + "\"; expected one of " + words);
   };
   return app.add_option_function<std::string>(name, read, help)
-      ->check(CLI::IsMember(std::move(words)))
+      ->type_name("TEXT:{" + words + "}")
       ->default_str(usual);
 }
 

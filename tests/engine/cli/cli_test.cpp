@@ -254,7 +254,7 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
                                  const std::string& value) {
     const std::string text = help_of(help, option);
     const bool is_stated = text.find(value) != std::string::npos ||
-                         text.find("[" + value.substr(1) + "]") != std::string::npos;
+                           text.find("[" + value.substr(1) + "]") != std::string::npos;
     EXPECT_TRUE(is_stated) << text;
   };
   expect_default(run, "--sensors", "=2");
@@ -901,14 +901,14 @@ TEST_F(CommandLine, ReportsAppliedAndIgnoredValues) {
   std::vector<std::string> values;
   for (const json& h : wood["honoured"]) {
     values.push_back(h["key"].get<std::string>() + " " + h["value"].dump() + " " +
-                   h["unit"].get<std::string>() + " " + h["source"].get<std::string>() +
-                   (h["off"] ? " off" : ""));
+                     h["unit"].get<std::string>() + " " + h["source"].get<std::string>() +
+                     (h["off"] ? " off" : ""));
   }
   std::sort(values.begin(), values.end());
   EXPECT_EQ(values, (std::vector<std::string>{"dynamicFriction 0.4  KHR_physics_rigid_bodies",
-                                            "restitution 0.0  extras.palpate off",
-                                            "staticFriction 0.5  extras.palpate",
-                                            "stiffness 800.0 N/m --material"}));
+                                              "restitution 0.0  extras.palpate off",
+                                              "staticFriction 0.5  extras.palpate",
+                                              "stiffness 800.0 N/m --material"}));
   ASSERT_EQ(wood["not_understood"].size(), 1u);
   EXPECT_EQ(wood["not_understood"][0]["element"], "/materials/0/extras/palpate/hue");
   const std::string text = expect_done({"info", path}).out;
