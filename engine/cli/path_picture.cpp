@@ -41,7 +41,7 @@ constexpr double kLeastAngle_deg = -3.0, kMostAngle_deg = 93.0;
 
 using Curve = std::vector<Point2>;
 
-// What both path panels show: A2 and A1 of its middle, metres, and the scale.
+// The view of both path panels: A2 and A1 of its middle, metres, and the scale.
 struct View {
   Point2 middle_m = Point2::Zero();
   double px_per_m = 1.0;
@@ -66,13 +66,13 @@ Curve followed_m(const ExplorationRun& run) {
 View view_of(const std::vector<ExplorationRun>& runs) {
   Point2 low = Point2::Constant(std::numeric_limits<double>::infinity());
   Point2 high = -low;
-  const auto take = [&](const Point2& p) {
+  const auto add = [&](const Point2& p) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   };
   for (const ExplorationRun& run : runs) {
-    for (const Point2& p : followed_m(run)) take(p);
-    for (const TickRecord& r : run.records) take({r.device_m[1], r.device_m[0]});
+    for (const Point2& p : followed_m(run)) add(p);
+    for (const TickRecord& r : run.records) add({r.device_m[1], r.device_m[0]});
   }
   constexpr double kMargin = 1.12;
   constexpr double kLeastExtent_m = 1e-9;  // of a path that is one point
@@ -151,9 +151,9 @@ std::string shortened(const std::string& name, int width_px) {
   return characters <= most ? text : text.substr(0, end_of_part) + std::string(kCut);
 }
 
-// The contact angle of each stretch in contact, px: time from the left, angle from 0. Of the ticks
-// within a column the first, the last and the extremes are kept; a loss of contact that is shorter
-// than a column does not show.
+// The contact angle of each stretch in contact, px: time from the left, angle from 0. Each column
+// keeps its first and last tick and the extremes; a loss of contact shorter than a column does not
+// show.
 class AngleCurve {
  public:
   explicit AngleCurve(const ExplorationRun& run) {
@@ -164,7 +164,7 @@ class AngleCurve {
       const double column = std::floor(p.x() / kColumn);
       if (column != column_) end_column();
       column_ = column;
-      if (r.contact) take(p);
+      if (r.contact) add(p);
     }
     end_column();
     end_stretch();
@@ -175,7 +175,7 @@ class AngleCurve {
   static constexpr double kPxPerDeg = kAngleHeight / (kMostAngle_deg - kLeastAngle_deg);
 
  private:
-  void take(const Point2& p) {
+  void add(const Point2& p) {
     if (!first_) first_ = least_ = most_ = p;
     if (p.y() < least_.y()) least_ = p;
     if (p.y() > most_.y()) most_ = p;

@@ -7,9 +7,9 @@
 namespace palpate {
 namespace {
 
-// A dropped vertex lies within `step` of the kept vertex before it. So every dropped segment does,
-// and the last one of them, which ends in the next kept vertex, is within `step` of the segment
-// between the two.
+// Every dropped vertex lies within `step` of the kept vertex before it, and so do the segments
+// between dropped vertices. The segment from the last of them to the next kept vertex is within
+// `step` of the segment between the two kept vertices.
 std::vector<Point2> thinned(const std::vector<Point2>& line, double step) {
   std::vector<Point2> kept;
   for (const Point2& p : line) {
@@ -19,7 +19,7 @@ std::vector<Point2> thinned(const std::vector<Point2>& line, double step) {
   return kept;
 }
 
-// Directions in which a ray from an anchor passes all points since within a distance.
+// The directions in which a ray from an anchor passes all later points within a distance.
 class Sleeve {
  public:
   explicit Sleeve(double width) : width_(width) {}
@@ -31,8 +31,8 @@ class Sleeve {
   }
 
   // Whether the segment from the anchor to p passes all points since the anchor within the width:
-  // the ray does, and none of them is farther away than p. Takes p in if so.
-  bool take(const Point2& p) {
+  // the ray does, and none of them is farther away than p. If so, p becomes one of the points.
+  bool extend(const Point2& p) {
     const Point2 away = p - anchor_;
     const double distance = away.norm();
     if (distance < farthest_) return false;
@@ -73,10 +73,10 @@ std::vector<Point2> simplified_line(const std::vector<Point2>& line, double tole
   Sleeve sleeve(0.6 * tolerance);
   sleeve.start(points.front());
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if (sleeve.take(points[i])) continue;
+    if (sleeve.extend(points[i])) continue;
     kept.push_back(points[i - 1]);
     sleeve.start(points[i - 1]);
-    sleeve.take(points[i]);
+    sleeve.extend(points[i]);
   }
   kept.push_back(points.back());
   return kept;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A polyline with fewer points that a picture cannot be told from.
+// Simplifies a polyline within a tolerance.
 
 #include <vector>
 

@@ -681,7 +681,7 @@ TEST_F(CommandLine, RefusesUnknownNodesAndInvalidSizes) {
   expect_refused({"info", kCube, "--fit", "1", "--scale", "1"}, {"--fit", "--scale"});
 }
 
-// A triangle whose node goes from x = 0 to 4 within two seconds, and another clip.
+// A triangle whose node moves from x = 0 to 4 within two seconds, and another clip.
 GltfBuilder moving_triangle() {
   GltfBuilder gltf = GltfBuilder::one_triangle();
   const auto clip = [&](const char* name, float x) {
@@ -1027,7 +1027,7 @@ TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsActive) {
   EXPECT_NE(text.find("A4 turned the scene in 0 ticks"), std::string::npos) << text;
 }
 
-// Pressed to 49 mm, the hand goes sideways in steps of 4 mm: it sticks to 14.7 mm and slides on
+// Pressed to 49 mm, the hand moves sideways in steps of 4 mm: it sticks to 14.7 mm and slides on
 // from there, at 0.2 of the normal force.
 TEST_F(CommandLine, WritesToTheTraceWhetherAContactSticksOrSlides) {
   const std::string scene =
@@ -1324,7 +1324,7 @@ TEST_F(CommandLine, CommandsTheChosenForce) {
 
 TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
   write_path();
-  std::ostringstream moved;  // the same way, turned by 90 deg about z and moved
+  std::ostringstream moved;  // the same path, turned by 90 deg about z and moved
   for (const std::string& line : lines_of(content_of(folder.path("path.txt")))) {
     std::istringstream numbers(line);
     double x = 0.0;

@@ -3,8 +3,8 @@
 
 usage: compare_instructions.py BEFORE AFTER MODELS
 
-Callgrind counts them in HapticLoop::tick, on the trajectories and scenes of effects_build_test.py. Not
-a test of the suite: the script needs a program built from an older commit.
+Callgrind counts them in HapticLoop::tick, on the trajectories and scenes of effects_build_test.py.
+Not a test of the suite: the script needs a program built from an older commit.
 """
 
 import pathlib

@@ -4,8 +4,8 @@
 usage: compare_programs.py BEFORE AFTER MODELS
 
 BEFORE and AFTER are paths of the program, MODELS is the folder of the project's models. Printed text,
-exit codes and the names of files must be equal. The columns of BEFORE's CSV files must come first in
-AFTER's and be equal to the byte; AFTER may append columns, and add keys to JSON objects. Measured
+exit codes and the names of files must be equal. The columns of BEFORE's CSV files must come first
+in AFTER's and be equal to the byte; AFTER may append columns, and add keys to JSON objects. Measured
 times are left out. Not a test of the suite: the script needs a program built from an older commit.
 """
 

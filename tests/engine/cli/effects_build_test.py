@@ -3,9 +3,9 @@
 
 effects_build_test.py PALPATE PALPATE_NO_FRICTION PALPATE_NO_EFFECTS MODELS_DIR
 
-Plays the same trajectories with the program, with a program built without friction, and with a program
-built without any effect (PALPATE_EFFECTS), through scenes that do not declare the missing effects. The
-traces must agree to the bit, and the haptic loop must execute the same number of instructions per
+Plays the same trajectories with the program, with a program built without friction, and with
+a program built without any effect (PALPATE_EFFECTS), through scenes that do not declare the missing
+effects. The traces must agree to the bit, and the haptic loop must execute the same number of instructions per
 tick within 0.1 %, counted by Callgrind.
 """
 

@@ -34,7 +34,7 @@ LEAST_CONTACT_OF_MEANS = 0.05
 LEAST_CLOSED_SHARE = 0.8  # of closed models over CLOSED_TRIANGLES that must end comparable
 CLOSED_TRIANGLES = 1000
 STEPS_PER_NEAR = 8  # along the contour, at least
-LEAST_STEPS = 2000  # along the whole contour, so that one step is far below the tolerance of a share
+LEAST_STEPS = 2000  # along the whole contour: one step is far below the tolerance of a share
 
 
 def take_models(program, folder, count, skip):
