@@ -63,16 +63,16 @@ std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& ap
                        const CLI::ParseError& error) {
   const std::string message = error.what();
   const auto chosen = program.get_subcommands();
-  if (chosen.empty()) {
-    if (error.get_name() == "RequiredError") return message + "; expected " + joined(apps);
-    if (program.remaining().empty()) return message;
-    const std::string name = program.remaining().front();
-    return name +
-           (name.starts_with("-") ? ": is not an option of palpate; expected "
-                                  : ": is not a subcommand; expected ") +
+  const std::vector<std::string> extras = program.remaining(/* recurse = */ true);
+  if (chosen.empty() && !extras.empty()) {
+    return extras.front() +
+           (extras.front().starts_with("-") ? ": is not an option of palpate; expected "
+                                            : ": is not a subcommand; expected ") +
            joined(apps);
   }
-  const std::vector<std::string> extras = chosen.front()->remaining();
+  if (chosen.empty() && error.get_name() == "RequiredError") {
+    return message + "; expected " + joined(apps);
+  }
   if (error.get_name() == "ExtrasError" && !extras.empty()) {
     return extras.front() +
            (extras.front().starts_with("-") ? ": is not an option of "

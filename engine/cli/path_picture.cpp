@@ -39,15 +39,15 @@ constexpr double kLargestTolerance = 1e3;  // px; every curve is one segment the
 constexpr double kColumn = 0.5;            // px of the time axis, in which extremes are kept
 constexpr double kLeastAngle_deg = -3.0, kMostAngle_deg = 93.0;
 
-using Curve = std::vector<Point2>;
+using Curve = std::vector<PicturePoint>;
 
 // The view of both path panels: A2 and A1 of its middle, metres, and the scale.
 struct View {
-  Point2 middle_m = Point2::Zero();
+  PicturePoint middle_m = PicturePoint::Zero();
   double px_per_m = 1.0;
 
-  Point2 px(const Vec3& device_m) const {
-    return px_per_m * (Point2(device_m.y(), device_m.x()) - middle_m);
+  PicturePoint px(const Vec3& device_m) const {
+    return px_per_m * (PicturePoint(device_m.y(), device_m.x()) - middle_m);
   }
 };
 
@@ -64,19 +64,19 @@ Curve followed_m(const ExplorationRun& run) {
 }
 
 View view_of(const std::vector<ExplorationRun>& runs) {
-  Point2 low = Point2::Constant(std::numeric_limits<double>::infinity());
-  Point2 high = -low;
-  const auto add = [&](const Point2& p) {
+  PicturePoint low = PicturePoint::Constant(std::numeric_limits<double>::infinity());
+  PicturePoint high = -low;
+  const auto add = [&](const PicturePoint& p) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   };
   for (const ExplorationRun& run : runs) {
-    for (const Point2& p : followed_m(run)) add(p);
+    for (const PicturePoint& p : followed_m(run)) add(p);
     for (const TickRecord& r : run.records) add({r.device_m[1], r.device_m[0]});
   }
   constexpr double kMargin = 1.12;
   constexpr double kLeastExtent_m = 1e-9;  // of a path that is one point
-  const Point2 extent = kMargin * (high - low).cwiseMax(kLeastExtent_m);
+  const PicturePoint extent = kMargin * (high - low).cwiseMax(kLeastExtent_m);
   return {0.5 * (low + high), std::min(kPanelWidth / extent.x(), kPathHeight / extent.y())};
 }
 
@@ -160,7 +160,7 @@ class AngleCurve {
     const double end_s = run.records.back().time_s;
     const double px_per_s = end_s > 0.0 ? kPanelWidth / end_s : 0.0;
     for (const TickRecord& r : run.records) {
-      const Point2 p(px_per_s * r.time_s, kPxPerDeg * r.alpha_rad * 180.0 / std::numbers::pi);
+      const PicturePoint p(px_per_s * r.time_s, kPxPerDeg * r.alpha_rad * 180.0 / std::numbers::pi);
       const double column = std::floor(p.x() / kColumn);
       if (column != column_) end_column();
       column_ = column;
@@ -175,7 +175,7 @@ class AngleCurve {
   static constexpr double kPxPerDeg = kAngleHeight / (kMostAngle_deg - kLeastAngle_deg);
 
  private:
-  void add(const Point2& p) {
+  void add(const PicturePoint& p) {
     if (!first_) first_ = least_ = most_ = p;
     if (p.y() < least_.y()) least_ = p;
     if (p.y() > most_.y()) most_ = p;
@@ -183,9 +183,9 @@ class AngleCurve {
   }
   void end_column() {
     if (!first_) return end_stretch();
-    std::array<Point2, 4> points = {*first_, least_, most_, last_};
+    std::array<PicturePoint, 4> points = {*first_, least_, most_, last_};
     std::sort(points.begin(), points.end(),
-              [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
+              [](const PicturePoint& a, const PicturePoint& b) { return a.x() < b.x(); });
     stretch_.insert(stretch_.end(), points.begin(), points.end());
     first_.reset();
   }
@@ -200,8 +200,8 @@ class AngleCurve {
   }
 
   double column_ = 0.0;
-  std::optional<Point2> first_;  // of the column; no value without contact
-  Point2 least_, most_, last_;
+  std::optional<PicturePoint> first_;  // of the column; no value without contact
+  PicturePoint least_, most_, last_;
   Curve stretch_;
   std::vector<Curve> stretches_;
 };
@@ -252,8 +252,8 @@ class Script {
 
  private:
   // Columns of numbers that gnuplot draws as one line.
-  void write_line(const Curve& line_px, const Point2& scale, const Point2& origin) {
-    for (const Point2& p : simplified_line(line_px, tolerance_)) {
+  void write_line(const Curve& line_px, const PicturePoint& scale, const PicturePoint& origin) {
+    for (const PicturePoint& p : simplified_line(line_px, tolerance_)) {
       ++points_;
       out_ << origin.x() + scale.x() * p.x() << " " << origin.y() + scale.y() * p.y() << "\n";
     }
@@ -261,11 +261,11 @@ class Script {
 
   void write_data(std::size_t i) {
     const ExplorationRun& run = runs_[i];
-    const Point2 scale = Point2::Constant(unit_.factor / view_.px_per_m);
-    const Point2 origin = unit_.factor * view_.middle_m;
+    const PicturePoint scale = PicturePoint::Constant(unit_.factor / view_.px_per_m);
+    const PicturePoint origin = unit_.factor * view_.middle_m;
     Curve path, followed;
     for (const TickRecord& r : run.records) path.push_back(view_.px(vec3(r.device_m)));
-    for (const Point2& p : followed_m(run)) {
+    for (const PicturePoint& p : followed_m(run)) {
       followed.push_back(view_.px_per_m * (p - view_.middle_m));
     }
     out_ << "$path" << i << " << EOD\n";
@@ -274,10 +274,10 @@ class Script {
     write_line(followed, scale, origin);
     if (followed.empty()) out_ << "NaN NaN\n";
     out_ << "EOD\n$angle" << i << " << EOD\n";
-    const Point2 angle_scale(end_s(run) / kPanelWidth, 1.0 / AngleCurve::kPxPerDeg);
+    const PicturePoint angle_scale(end_s(run) / kPanelWidth, 1.0 / AngleCurve::kPxPerDeg);
     const AngleCurve curve(run);
     for (const Curve& stretch : curve.stretches()) {
-      write_line(stretch, angle_scale, Point2::Zero());
+      write_line(stretch, angle_scale, PicturePoint::Zero());
       out_ << "\n";
     }
     if (curve.stretches().empty()) out_ << "NaN NaN\n";
@@ -299,9 +299,10 @@ class Script {
   }
 
   void plot_path(std::size_t i) {
-    const Point2 half = 0.5 * unit_.factor / view_.px_per_m * Point2(kPanelWidth, kPathHeight);
-    const Point2 low = unit_.factor * view_.middle_m - half;
-    const Point2 high = unit_.factor * view_.middle_m + half;
+    const PicturePoint half =
+        0.5 * unit_.factor / view_.px_per_m * PicturePoint(kPanelWidth, kPathHeight);
+    const PicturePoint low = unit_.factor * view_.middle_m - half;
+    const PicturePoint high = unit_.factor * view_.middle_m + half;
     const bool is_walk = runs_[i].contour_scene_m.empty();
     place_panel(i, kPathTop, kPathHeight, kPathKeyTop);
     out_ << "set xrange [" << high.x() << ":" << low.x() << "]\nset yrange [" << low.y() << ":"

@@ -10,9 +10,9 @@ namespace {
 // Every dropped vertex lies within `step` of the kept vertex before it, and so do the segments
 // between dropped vertices. The segment from the last of them to the next kept vertex is within
 // `step` of the segment between the two kept vertices.
-std::vector<Point2> thinned(const std::vector<Point2>& line, double step) {
-  std::vector<Point2> kept;
-  for (const Point2& p : line) {
+std::vector<PicturePoint> thinned(const std::vector<PicturePoint>& line, double step) {
+  std::vector<PicturePoint> kept;
+  for (const PicturePoint& p : line) {
     if (kept.empty() || (p - kept.back()).norm() > step) kept.push_back(p);
   }
   if (!line.empty() && kept.back() != line.back()) kept.push_back(line.back());
@@ -24,7 +24,7 @@ class Sleeve {
  public:
   explicit Sleeve(double width) : width_(width) {}
 
-  void start(const Point2& anchor) {
+  void start(const PicturePoint& anchor) {
     anchor_ = anchor;
     farthest_ = 0.0;
     is_open_ = true;
@@ -32,8 +32,8 @@ class Sleeve {
 
   // Whether the segment from the anchor to p passes all points since the anchor within the width:
   // the ray does, and none of them is farther away than p. If so, p becomes one of the points.
-  bool extend(const Point2& p) {
-    const Point2 away = p - anchor_;
+  bool extend(const PicturePoint& p) {
+    const PicturePoint away = p - anchor_;
     const double distance = away.norm();
     if (distance < farthest_) return false;
     farthest_ = distance;
@@ -56,7 +56,7 @@ class Sleeve {
 
  private:
   double width_;
-  Point2 anchor_ = Point2::Zero();
+  PicturePoint anchor_ = PicturePoint::Zero();
   double farthest_ = 0.0;
   bool is_open_ = true;                           // every direction is in it
   double middle_ = 0.0, low_ = 0.0, high_ = 0.0;  // rad; low and high from the middle
@@ -64,12 +64,12 @@ class Sleeve {
 
 }  // namespace
 
-std::vector<Point2> simplified_line(const std::vector<Point2>& line, double tolerance) {
+std::vector<PicturePoint> simplified_line(const std::vector<PicturePoint>& line, double tolerance) {
   // The two steps add up to the tolerance. Without the first one, noise of a path that stands still
   // would end a sleeve at every point.
-  const std::vector<Point2> points = thinned(line, 0.4 * tolerance);
+  const std::vector<PicturePoint> points = thinned(line, 0.4 * tolerance);
   if (points.size() < 3) return points;
-  std::vector<Point2> kept{points.front()};
+  std::vector<PicturePoint> kept{points.front()};
   Sleeve sleeve(0.6 * tolerance);
   sleeve.start(points.front());
   for (std::size_t i = 1; i < points.size(); ++i) {

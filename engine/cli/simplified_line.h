@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-using Point2 = Eigen::Vector2d;
+using PicturePoint = Eigen::Vector2d;
 
 // Some of the points, in order, with the first and the last one: no point of the given line is
 // farther than `tolerance` from the returned line. Linear time. Expects finite points.
-std::vector<Point2> simplified_line(const std::vector<Point2>& line, double tolerance);
+std::vector<PicturePoint> simplified_line(const std::vector<PicturePoint>& line, double tolerance);
 
 }  // namespace palpate

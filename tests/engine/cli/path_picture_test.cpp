@@ -83,8 +83,9 @@ std::size_t count_of(const std::vector<std::string>& texts, const std::string& t
 }
 
 // The polylines that have the stroke "rgb(r, g, b)", pixels.
-std::vector<std::vector<Point2>> lines_of_colour(const std::string& svg, const std::string& rgb) {
-  std::vector<std::vector<Point2>> lines;
+std::vector<std::vector<PicturePoint>> lines_of_colour(const std::string& svg,
+                                                       const std::string& rgb) {
+  std::vector<std::vector<PicturePoint>> lines;
   for (std::size_t at = svg.find("<path"); at != std::string::npos;
        at = svg.find("<path", at + 1)) {
     const std::string element = svg.substr(at, svg.find('>', at) - at);
@@ -103,8 +104,8 @@ std::vector<std::vector<Point2>> lines_of_colour(const std::string& svg, const s
 
 // The contour of the first run, pixels. Legend samples, the second run and the line at 30 deg have
 // its colour; they lie elsewhere.
-std::vector<Point2> first_contour(const std::string& svg) {
-  std::vector<Point2> line;
+std::vector<PicturePoint> first_contour(const std::string& svg) {
+  std::vector<PicturePoint> line;
   for (const auto& part : lines_of_colour(svg, "rgb(213,  94,   0)")) {
     if (part.front().x() > 480.0 || part.front().y() > 410.0) continue;
     line.insert(line.end(), part.begin(), part.end());
@@ -112,14 +113,14 @@ std::vector<Point2> first_contour(const std::string& svg) {
   return line;
 }
 
-double distance_to_segment(const Point2& p, const Point2& a, const Point2& b) {
-  const Point2 along = b - a;
+double distance_to_segment(const PicturePoint& p, const PicturePoint& a, const PicturePoint& b) {
+  const PicturePoint along = b - a;
   const double length2 = along.squaredNorm();
   const double t = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
   return (p - a - t * along).norm();
 }
 
-double distance_to_line(const Point2& p, const std::vector<Point2>& line) {
+double distance_to_line(const PicturePoint& p, const std::vector<PicturePoint>& line) {
   double least = (p - line.front()).norm();
   for (std::size_t i = 1; i < line.size(); ++i) {
     least = std::min(least, distance_to_segment(p, line[i - 1], line[i]));
@@ -127,9 +128,9 @@ double distance_to_line(const Point2& p, const std::vector<Point2>& line) {
   return least;
 }
 
-double farthest(const std::vector<Point2>& points, const std::vector<Point2>& line) {
+double farthest(const std::vector<PicturePoint>& points, const std::vector<PicturePoint>& line) {
   double most = 0.0;
-  for (const Point2& p : points) most = std::max(most, distance_to_line(p, line));
+  for (const PicturePoint& p : points) most = std::max(most, distance_to_line(p, line));
   return most;
 }
 
@@ -225,12 +226,12 @@ TEST(PathPicture, DrawsAMillionPointsInASmallFileWithinTheTolerance) {
   const auto contour = wavy_contour(0.3, 60, 1'000'000);
   const std::string svg = drawn({run_along(contour, false), run_along(contour, true)});
   EXPECT_LE(svg.size(), kLargestPicture);
-  const std::vector<Point2> line = first_contour(svg);
+  const std::vector<PicturePoint> line = first_contour(svg);
   ASSERT_GT(line.size(), 200u);
   // The scale follows from the picture's extent: A2 to the left, A1 upwards. Both ends of the
   // extent may be off by the tolerance, so the scale adds as much.
   double left = 1e9, right = 0.0, top = 1e9, bottom = 0.0;
-  for (const Point2& p : line) {
+  for (const PicturePoint& p : line) {
     left = std::min(left, p.x());
     right = std::max(right, p.x());
     top = std::min(top, p.y());
@@ -242,7 +243,7 @@ TEST(PathPicture, DrawsAMillionPointsInASmallFileWithinTheTolerance) {
     most_y = std::max(most_y, std::abs(p.y()));
   }
   const double px_per_m = 0.25 * ((right - left) / most_y + (bottom - top) / most_x);
-  std::vector<Point2> expected;
+  std::vector<PicturePoint> expected;
   for (std::size_t i = 0; i < contour.size(); i += 100) {
     expected.emplace_back(0.5 * (left + right) - px_per_m * contour[i].y(),
                           0.5 * (top + bottom) - px_per_m * contour[i].x());
@@ -269,12 +270,12 @@ TEST(SimplifiedLine, DeviatesByTheToleranceAtMost) {
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 60; ++trial) {
     const double step = std::pow(10.0, -2.0 + 0.05 * trial);
-    std::vector<Point2> line{Point2::Zero()};
+    std::vector<PicturePoint> line{PicturePoint::Zero()};
     double heading = 0.0;
     for (int i = 0; i < 2000; ++i) {
       heading += (trial % 3) * 0.2 * normal(random);  // straight, winding, and a tangle
-      line.push_back(line.back() + step * Point2(std::cos(heading), std::sin(heading)) +
-                     (trial % 2) * 0.3 * Point2(normal(random), normal(random)));
+      line.push_back(line.back() + step * PicturePoint(std::cos(heading), std::sin(heading)) +
+                     (trial % 2) * 0.3 * PicturePoint(normal(random), normal(random)));
     }
     const auto simple = simplified_line(line, 0.4);
     EXPECT_EQ(simple.front(), line.front());
@@ -284,16 +285,17 @@ TEST(SimplifiedLine, DeviatesByTheToleranceAtMost) {
 }
 
 TEST(SimplifiedLine, KeepsTheCornersOfStraightLinesAndNothingElse) {
-  std::vector<Point2> line;
+  std::vector<PicturePoint> line;
   for (int i = 0; i <= 1000; ++i) line.emplace_back(0.1 * i, 0.0);
   for (int i = 1; i <= 1000; ++i) line.emplace_back(100.0, 0.1 * i);
   EXPECT_LE(simplified_line(line, 0.4).size(), 5u);
-  EXPECT_LE(simplified_line(std::vector<Point2>(1000, Point2(1.0, 2.0)), 0.4).size(), 2u);
+  EXPECT_LE(simplified_line(std::vector<PicturePoint>(1000, PicturePoint(1.0, 2.0)), 0.4).size(),
+            2u);
   EXPECT_TRUE(simplified_line({}, 0.4).empty());
 }
 
 TEST(SimplifiedLine, KeepsTheTurningPointsOfALineThatGoesBack) {
-  std::vector<Point2> line;
+  std::vector<PicturePoint> line;
   for (int i = 0; i <= 1000; ++i) line.emplace_back(0.1 * i, 0.0);
   for (int i = 999; i >= -500; --i) line.emplace_back(0.1 * i, 0.0);
   for (int i = -499; i <= 0; ++i) line.emplace_back(0.1 * i, 0.0);
