@@ -339,7 +339,7 @@ class AccuracyCommand final : public Command {
 CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   CLI::App& app = *program.add_subcommand(
       "accuracy", "show what accuracy costs in time: a report of every knob, and of a scene");
-  app.footer(help_footer("For example: palpate accuracy your-scene.glb --quick --out report"));
+  set_help(app, "  ./run.sh accuracy models/star.glb --quick --knob a4_step --out report\n");
   add_scene(app, request_.scene, false);
   app.add_flag("--quick", request_.quick, "within a minute: coarser meshes, shorter paths");
   app.add_option("--out", request_.out_dir, "folder for report, tables and diagrams")

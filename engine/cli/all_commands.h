@@ -1,7 +1,7 @@
 #pragma once
 
-// The subcommands of the program, in the order of its help. A new one is declared and listed here;
-// the rest of it is a file of its own.
+// The subcommands of the program, in the order of the help. A new subcommand is declared and listed
+// here, and defined in its own file.
 
 #include <memory>
 #include <vector>

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-// Whether one option takes the place of another.
+// Whether one option replaces another.
 bool excludes(const std::string& option, const std::string& other) {
   return option == other || (option == "--fit" && other == "--scale");
 }
@@ -24,7 +24,7 @@ std::vector<std::string> with_options(std::vector<std::string> arguments,
       if (!may_be_option || !excludes(option, name)) {
         kept.push_back(arguments[i]);
       } else if (name == arguments[i]) {
-        ++i;  // the value of its own
+        ++i;  // skips the value
       }
     }
     const auto end_of_options = std::find(kept.begin(), kept.end(), "--");

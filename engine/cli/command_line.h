@@ -1,6 +1,6 @@
 #pragma once
 
-// Command lines that the program proposes.
+// Command lines that the program proposes to the user.
 
 #include <optional>
 #include <string>
@@ -10,16 +10,16 @@ namespace palpate {
 
 struct OptionSetting {
   std::string option;
-  std::optional<std::string> value;  // nothing: the command line goes without the option
+  std::optional<std::string> value;  // no value: the option is removed
 };
 
-// The arguments with each option set to its value, or left out, in place of what was given for it
-// and for what excludes it. Every option named in changes takes one value, as "--fit 0.2" or
-// "--fit=0.2".
+// The arguments with each option in `changes` set to its value, or removed. Earlier settings of the
+// option, and of options that exclude it, are removed. Every such option has one value, written
+// "--fit 0.2" or "--fit=0.2".
 std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 
-// "palpate" and the arguments, quoted for a POSIX shell where they need it.
+// "palpate" and the arguments, quoted for a POSIX shell where necessary.
 std::string shell_line(const std::vector<std::string>& arguments);
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kBadInput = 2;
 
-// Of the terminal on stderr, one at least.
+// Columns of the terminal on stderr, at least 1; 80 if unknown.
 std::size_t terminal_columns() {
   constexpr std::size_t kUsual = 80;
   winsize size{};
@@ -29,7 +29,7 @@ std::size_t terminal_columns() {
 
 Error lost_output() {
   return {ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
-          "check where it goes and the space left"};
+          "check its target and the free space"};
 }
 
 }  // namespace
@@ -40,7 +40,8 @@ int refuse(const Error& error) {
 }
 
 void print(const nlohmann::ordered_json& json) {
-  // In ASCII: what commands a terminal is written as \u001b, and a program reads it as it was.
+  // ASCII only: an escape sequence is written as \u001b, so it cannot command a terminal; a JSON
+  // parser restores it.
   std::cout << json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 
@@ -53,7 +54,7 @@ int finish_output(const std::vector<std::string>& warnings) {
 }
 
 std::optional<Error> check_output() {
-  // A device that is full, and a descriptor that is none or is for reading, refuse nothing as well.
+  // A full device, a closed descriptor and a read-only descriptor refuse even an empty write.
   if (::write(STDOUT_FILENO, "", 0) < 0) return lost_output();
   return std::nullopt;
 }
@@ -61,7 +62,7 @@ std::optional<Error> check_output() {
 std::string progress_line(const std::string& label, double share, double total_s,
                           std::size_t columns) {
   constexpr std::size_t kMostBar = 40;
-  constexpr std::size_t kLeastBar = 5;  // a shorter one says nothing
+  constexpr std::size_t kLeastBar = 5;  // a shorter bar shows no progress
   const double done = std::clamp(share, 0.0, 1.0);
   std::array<char, 64> text{};
   std::string seconds;
@@ -72,14 +73,14 @@ std::string progress_line(const std::string& label, double share, double total_s
   std::snprintf(text.data(), text.size(), " %3.0f %%", 100 * done);
   const std::string percent = text.data();
   constexpr std::size_t kFrame = 3;  // a blank and the brackets
-  const std::size_t taken = label.size() + seconds.size() + percent.size() + kFrame;
-  if (taken + kLeastBar <= columns) {
-    const std::size_t bar = std::min(kMostBar, columns - taken);
+  const std::size_t used = label.size() + seconds.size() + percent.size() + kFrame;
+  if (used + kLeastBar <= columns) {
+    const std::size_t bar = std::min(kMostBar, columns - used);
     const auto full = static_cast<std::size_t>(done * static_cast<double>(bar));
     return label + " [" + std::string(full, '#') + std::string(bar - full, ' ') + "]" + seconds +
            percent;
   }
-  // Where there is no room for all, the most telling part of it.
+  // Too narrow for a bar: the most informative part that fits.
   for (const std::string& line : {label + seconds + percent, label + percent, percent}) {
     if (line.size() <= columns) return line;
   }
@@ -91,17 +92,17 @@ ProgressBar::ProgressBar(std::string label, double total_s)
 
 ProgressBar::~ProgressBar() {
   if (shown_.empty()) return;
-  // All of the line: a terminal shows "^C" behind what was there.
+  // Clears the whole line: a terminal shows "^C" behind the bar.
   std::fprintf(stderr, "\r%s\r", std::string(terminal_columns() - 1, ' ').c_str());
   std::fflush(stderr);
 }
 
 void ProgressBar::show(const std::string& label, double share) {
   if (!has_terminal_) return;
-  // In the last column some terminals go on to the next line.
+  // Writing in the last column makes some terminals wrap.
   const std::string line = progress_line(label, share, total_s_, terminal_columns() - 1);
   if (line == shown_) return;
-  // Blanks over what the last one has more.
+  // Blanks overwrite the rest of a longer line.
   const std::size_t rest = shown_.size() > line.size() ? shown_.size() - line.size() : 0;
   std::fprintf(stderr, "\r%s%s", line.c_str(), std::string(rest, ' ').c_str());
   std::fflush(stderr);

@@ -18,7 +18,7 @@ ordered_json value_json(const MaterialValue& value) {
   return std::visit([](const auto& v) { return ordered_json(v); }, value);
 }
 
-// On one line, whatever the bytes of a text are.
+// One line, whatever bytes a text contains.
 std::string json_text(const ordered_json& json) {
   return printable(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
@@ -28,7 +28,7 @@ std::string value_line(const std::string& key, const MaterialValue& value,
   return key + " " + json_text(value_json(value)) + (unit.empty() ? "" : " " + unit);
 }
 
-// Keys are those of a file, too.
+// A key of a file, without its quotes; it may contain any bytes.
 std::string shown(const std::string& key) {
   const std::string text = json_text(key);
   return text.substr(1, text.size() - 2);
@@ -40,7 +40,7 @@ ordered_json parameters_json(const MaterialDescription& material) {
   return parameters;
 }
 
-// "    by default: a 1 m, b 2\n", or nothing if there is none.
+// "    defaults: a 1 m, b 2\n", or an empty text for an empty list.
 template <typename List, typename Item>
 std::string list_line(const char* what, const List& list, Item item) {
   std::string text;
@@ -48,25 +48,25 @@ std::string list_line(const char* what, const List& list, Item item) {
   return text.empty() ? text : std::string("    ") + what + ": " + text + "\n";
 }
 
-// Where a parameter is from: what goes before the file came by an option.
+// The source of a value as a user knows it: an override is the option --material.
 std::string source_name(const std::string& source) {
   return source == "override" ? "--material" : source;
 }
 
 std::string report_text(const MaterialReport& report) {
-  return list_line("honoured", report.honoured,
+  return list_line("applied", report.honoured,
                    [](const HonouredParameter& p) {
                      return value_line(p.key, p.value, p.unit) + " (" + source_name(p.source) +
                             (p.is_off ? ", off)" : ")");
                    }) +
-         list_line("by default", report.defaulted,
+         list_line("defaults", report.defaulted,
                    [](const DefaultedParameter& p) { return value_line(p.key, p.value, p.unit); }) +
-         list_line("not understood", report.not_understood, [](const IgnoredParameter& p) {
+         list_line("ignored", report.not_understood, [](const IgnoredParameter& p) {
            return value_line(shown(p.key), p.value, "") + " (" + with_option_names(p.why) + ")";
          });
 }
 
-// What the file declares of a material, in a line.
+// The file's parameters of a material, in one line.
 std::string parameters_text(const MaterialDescription& material) {
   std::string text;
   const ordered_json parameters = parameters_json(material);
@@ -180,7 +180,7 @@ std::vector<std::string> not_understood_lines(const Scene& scene) {
   const auto add = [&](const DeclarationReport& declaration) {
     for (const IgnoredParameter& p : declaration.report.not_understood) {
       lines.push_back(with_option_names(p.element) + ": " + p.key + " of \"" + declaration.name +
-                      "\" is not understood: " + with_option_names(p.why));
+                      "\" is ignored: " + with_option_names(p.why));
     }
   };
   const SceneEffectsReport& report = scene.effects();

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a scene declares about how it feels, and what was felt, told as JSON and as text.
+// Reports of a scene's haptic parameters and of the ticks in which effects were active, as JSON and
+// as text.
 
 #include <string>
 #include <string_view>
@@ -13,18 +14,18 @@
 
 namespace palpate {
 
-// effects, honoured, defaulted and not_understood of one part of a file.
+// The keys effects, honoured, defaulted and not_understood of one declaration.
 nlohmann::ordered_json declaration_json(const DeclarationReport& declaration);
-// The same of each material with its name and the parameters of its extras, as they are.
+// The same for each material, with its name and the unchanged parameters of its extras.
 nlohmann::ordered_json materials_json(const Scene& scene);
 nlohmann::ordered_json regions_json(const Scene& scene);
-// {"friction": {"ticks": n, "time_share": x}, ..., "a4": {"ticks": n}}: time_share if it was
+// {"friction": {"ticks": n, "time_share": x}, ..., "a4": {"ticks": n}}: time_share only if
 // measured.
 nlohmann::ordered_json effects_use_json(const RunSummary& summary, const Scene& scene);
 
-// What nothing was made of, a line each: which part of the file, key, place and reason.
+// One line for each ignored parameter: element of the file, key, name and reason.
 std::vector<std::string> not_understood_lines(const Scene& scene);
-// Lines for all that declares anything, and one with the effects of the scene.
+// Lines for every declaration with parameters, and one line with the effects of the scene.
 std::string declarations_text(const Scene& scene);
 // "12 ticks, 3.4 % of the time"
 std::string effect_use_text(const RunSummary& summary, std::string_view effect);

@@ -1,4 +1,4 @@
-// `info`: what a scene is made of.
+// The subcommand `info`: describes a scene.
 
 #include <iostream>
 #include <string>
@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/report.h"
 #include "engine/cli/scene_options.h"
@@ -18,9 +19,11 @@ namespace {
 class InfoCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override {
-    CLI::App& app = *program.add_subcommand("info", "tell what a scene is made of");
+    CLI::App& app =
+        *program.add_subcommand("info", "describe a scene: size, contours, materials, defects");
+    set_help(app, "  ./run.sh info models/gallery.glb\n");
     add_scene(app, scene_, true);
-    app.add_flag("--list", list_, "the tree of nodes instead");
+    app.add_flag("--list", list_, "print the tree of nodes instead");
     app.add_flag("--json", json_, "print as JSON");
     return &app;
   }

@@ -1,5 +1,5 @@
-// The command line of Palpate: reads arguments, calls a command, turns errors into exit codes. The
-// commands are listed in all_commands.h.
+// The program: reads the arguments, calls a command, and turns errors into exit codes.
+// all_commands.h lists the commands.
 
 #include <algorithm>
 #include <cstdio>
@@ -28,8 +28,8 @@ constexpr int kBadInput = 2;
 
 using Commands = std::vector<std::unique_ptr<palpate::Command>>;
 
-// CLI11 takes an empty value for none and keeps the default, `--stiffness "$K"` with K not set, or
-// takes the next argument for it, `--out=$OUT --virtual`.
+// CLI11 ignores an empty value and keeps the default (`--stiffness "$K"` with K unset), or uses the
+// next argument as the value (`--out=$OUT --virtual`).
 bool has_empty_argument(int argc, char** argv) {
   bool may_be_option = true;
   for (int i = 1; i < argc; ++i) {
@@ -42,7 +42,7 @@ bool has_empty_argument(int argc, char** argv) {
               << (lacks_value ? argument.substr(0, argument.size() - 1)
                   : i > 1     ? std::string_view(argv[i - 1])
                               : "palpate")
-              << ": nothing given, expected a value (palpate --help tells more)\n";
+              << ": has an empty value; expected a value (see palpate --help)\n";
     return true;
   }
   return false;
@@ -58,25 +58,53 @@ std::string joined(const std::vector<CLI::App*>& apps) {
   return names;
 }
 
+// CLI11's message, or a clearer one for the commonest mistakes.
+std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& apps,
+                       const CLI::ParseError& error) {
+  const std::string message = error.what();
+  const auto chosen = program.get_subcommands();
+  const std::vector<std::string> extras = program.remaining(/* recurse = */ true);
+  if (chosen.empty() && !extras.empty()) {
+    return extras.front() +
+           (extras.front().starts_with("-") ? ": is not an option of palpate; expected "
+                                            : ": is not a subcommand; expected ") +
+           joined(apps);
+  }
+  if (chosen.empty() && error.get_name() == "RequiredError") {
+    return message + "; expected " + joined(apps);
+  }
+  if (error.get_name() == "ExtrasError" && !extras.empty()) {
+    return extras.front() +
+           (extras.front().starts_with("-") ? ": is not an option of "
+                                            : ": is an unexpected argument of ") +
+           chosen.front()->get_name();
+  }
+  const std::size_t repeated = message.find(": At Most 1 required");
+  if (repeated != std::string::npos) {
+    return message.substr(0, repeated) + ": is given more than once; expected once";
+  }
+  return message;
+}
+
 int refuse_arguments(const CLI::App& program, const std::vector<CLI::App*>& apps,
                      const CLI::ParseError& error) {
-  std::string problem = error.what();
-  if (program.get_subcommands().empty() && !program.remaining().empty()) {
-    problem = program.remaining().front() + ": is no subcommand; expected " + joined(apps);
-  }
+  std::string problem = problem_of(program, apps, error);
   std::replace(problem.begin(), problem.end(), '\n', ' ');
-  std::cerr << "palpate: " << problem << " (palpate --help tells more)\n";
+  const auto chosen = program.get_subcommands();
+  const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
+  std::cerr << "palpate: " << problem << " (see palpate " << command << "--help)\n";
   return kBadArguments;
 }
 
 int run_program(int argc, char** argv) {
   if (has_empty_argument(argc, argv)) return kBadArguments;
   CLI::App program(
-      "Palpate: feel any triangle mesh through a point haptic device, with fewer "
-      "motors than sensors if need be.");
+      "Palpate renders any triangle-mesh scene through a point haptic device, which may have fewer "
+      "motors than sensors.");
   program.set_version_flag("--version", "palpate " PALPATE_VERSION);
   program.require_subcommand(1);
-  program.footer(palpate::help_footer("palpate COMMAND --help tells what a command takes."));
+  palpate::set_help(program, "  ./run.sh run models/star.glb --virtual\n",
+                    "./run.sh COMMAND --help lists the options of a command.\n");
   const Commands commands = palpate::all_commands();
   std::vector<CLI::App*> apps;
   for (const auto& command : commands) apps.push_back(command->add_to(program));
@@ -93,30 +121,30 @@ int run_program(int argc, char** argv) {
   return commands[static_cast<std::size_t>(chosen - apps.begin())]->run(arguments);
 }
 
-// A file that is opened later must not come to be what the program reads or writes as standard
-// input, output or error, if it was started without one of these. What is for reading alone refuses
-// to be written to, as what is closed does.
-void take_standard_descriptors() {
+// Opens /dev/null for each standard stream that is closed at the start, so that no file opened
+// later gets its descriptor. Writing to such a stream fails, as if it were still closed, because
+// /dev/null is opened for reading only.
+void occupy_standard_descriptors() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) >= 0) continue;
-    // The lowest that is free: this one.
-    [[maybe_unused]] const int taken = ::open("/dev/null", O_RDONLY);
+    // open() returns the lowest free descriptor: this one.
+    [[maybe_unused]] const int opened = ::open("/dev/null", O_RDONLY);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  take_standard_descriptors();
-  palpate::take_signals();
+  occupy_standard_descriptors();
+  palpate::install_signal_handlers();
   const palpate::PrintableStream out(std::cout);
   const palpate::PrintableStream err(std::cerr);
   try {
     return run_program(argc, argv);
-  } catch (const std::bad_alloc&) {  // where no step has named it: as results are told
+  } catch (const std::bad_alloc&) {  // outside of the steps that report it themselves
     std::fputs(
-        "palpate: there is not enough memory to go on (free some, or raise the "
-        "limit of the process, ulimit -v)\n",
+        "palpate: the system refused memory (free some, or raise the limit of the process, ulimit "
+        "-v)\n",
         stderr);
     return kBadInput;
   } catch (const std::exception& error) {

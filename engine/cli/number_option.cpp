@@ -9,11 +9,11 @@
 namespace palpate {
 namespace {
 
-// What was given, short and fit for one line of a message.
+// The argument, shortened and without line breaks, for a message.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMaxLength = 40;
-  return "\"" + printable(text.substr(0, kMaxLength)) +
-         (text.size() > kMaxLength ? "...\"" : "\"") + " given, expected ";
+  return "is \"" + printable(text.substr(0, kMaxLength)) +
+         (text.size() > kMaxLength ? "...\"" : "\"") + "; expected ";
 }
 
 Error error_of(const std::string& option, const std::string& problem) {
@@ -43,13 +43,13 @@ Result<std::uint64_t> parse_integer(const std::string& option, std::string_view 
     return value;
   }
   return error_of(option, quoted(text) + "a whole number from " + std::to_string(range.least) +
-                              " to " + std::to_string(range.most) + ", in digits alone");
+                              " to " + std::to_string(range.most) + ", in decimal digits");
 }
 
 Result<double> parse_real(const std::string& option, std::string_view text,
                           const RealRange& range) {
   std::string_view digits = text;
-  // from_chars knows no plus sign.
+  // from_chars refuses a plus sign.
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0.0;
   const char* const end = digits.data() + digits.size();

@@ -1,8 +1,8 @@
 #pragma once
 
-// Numbers of the command line, read as what they are. CLI11's own conversion takes octal and
-// hexadecimal integers, a largest one in place of what is larger, "nan" and, in newer versions,
-// separators of digits; so no option with a number uses it.
+// Numbers of the command line. CLI11's own conversion accepts octal and hexadecimal integers,
+// "nan" and, in newer versions, digit separators, and clamps an integer that is too large. So no
+// option with a number uses CLI11's conversion.
 
 #include <cstdint>
 #include <functional>
@@ -24,20 +24,20 @@ struct IntegerRange {
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 };
 
-// All finite numbers, without more.
+// By default all finite numbers.
 struct RealRange {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool is_least_out = false;  // itself out of the range
+  bool is_least_out = false;  // the range excludes `least` itself
 };
 inline constexpr RealRange kAboveZero{0.0, std::numeric_limits<double>::infinity(), true};
 inline constexpr RealRange kZeroOrMore{0.0};
 
-// Decimal digits and nothing else. The error says what was expected; its element is the option.
+// Accepts decimal digits only. The error states the range; its element is the option.
 Result<std::uint64_t> parse_integer(const std::string& option, std::string_view text,
                                     const IntegerRange& range);
 
-// A finite decimal number, with a point and an exponent if need be, in every locale.
+// Accepts a finite decimal number, with or without a point and an exponent, in every locale.
 Result<double> parse_real(const std::string& option, std::string_view text, const RealRange& range);
 
 template <typename T>
@@ -49,7 +49,7 @@ struct OptionValue<std::optional<T>> {
   using Type = T;
 };
 
-// Adds an option that `parse` reads into `value`, which a std::optional leaves without a default.
+// Adds an option that `parse` reads into `value`. An option with a std::optional has no default.
 template <typename T, typename Range, typename Parsed>
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, T& value, const Range& range,
                         Result<Parsed> (*parse)(const std::string&, std::string_view, const Range&),
@@ -69,7 +69,7 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, T& value, const 
   return option;
 }
 
-// range: within that of T.
+// range: within the range of T.
 template <typename T>
 CLI::Option* add_integer(CLI::App& app, const std::string& name, T& value,
                          const IntegerRange& range, const std::string& help) {

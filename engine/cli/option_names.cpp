@@ -64,7 +64,7 @@ std::string with_option_names(std::string text) {
 }
 
 Error with_option_names(Error error) {
-  // Of what a file holds, elements are places in it, which may have these names.
+  // In other errors the element is a place in a file, and may have such a name by chance.
   const bool is_of_settings = error.code == ErrorCode::kInvalidArgument ||
                               error.code == ErrorCode::kOutOfMemory ||
                               error.code == ErrorCode::kLimitExceeded;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The options of the command line, for the fields of settings that the library names.
+// Replaces fields of settings, which the library's messages name, by options of the command line.
 
 #include <string>
 
@@ -8,11 +8,12 @@
 
 namespace palpate {
 
-// The library names a field in a text as `Struct::field`, in backquotes. The same text with the
-// option in its place; so is a name in a file that is written so.
+// Returns the text with every `Struct::field` in backquotes replaced by its option. A name in a
+// file that is written in this form is replaced as well.
 std::string with_option_names(std::string text);
 
-// An error whose element is a field has the option in its place; its texts are as above.
+// Returns the error with its element replaced by the option, if it is a field, and its texts
+// changed as above.
 Error with_option_names(Error error);
 
 }  // namespace palpate

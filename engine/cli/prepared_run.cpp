@@ -15,14 +15,14 @@ Workspace workspace_of(const RunSetup& setup) {
 }
 
 std::optional<Error> check_fits(const PreparedRun& run) {
-  if (run.scene.objects().empty()) return std::nullopt;  // explore() says what it lacks
+  if (run.scene.objects().empty()) return std::nullopt;  // explore() has the error
   return check_fits(workspace_of(run.setup),
                     bounds_in_device(run.scene, run.setup.haptics.initial_pose),
                     run.scene.statistics().extent_m.maxCoeff());
 }
 
-// The same scene at the size that fits. The one that does not goes first: both together would take
-// twice what the user allows.
+// Loads the scene at the size that fits. The scene that does not fit is destroyed first: both
+// together would need twice the allowed memory.
 Result<PreparedRun> load_fitted(const RunRequest& command, PreparedRun run) {
   const auto size_m = fitting_size_m(workspace_of(run.setup),
                                      bounds_in_device(run.scene, run.setup.haptics.initial_pose),
@@ -37,7 +37,7 @@ Result<PreparedRun> load_fitted(const RunRequest& command, PreparedRun run) {
   return PreparedRun{std::move(*fitted), std::move(setup)};
 }
 
-std::optional<Error> lay_plane(const RunRequest& command, PreparedRun& run) {
+std::optional<Error> choose_plane(const RunRequest& command, PreparedRun& run) {
   if (!run.setup.actuation.is_planar() || command.options.settings.plane_height_m ||
       run.scene.objects().empty()) {
     return std::nullopt;
@@ -45,7 +45,7 @@ std::optional<Error> lay_plane(const RunRequest& command, PreparedRun& run) {
   const auto height_m = height_with_contour_m(run.scene, run.setup.haptics.initial_pose);
   if (!height_m) {
     return Error{ErrorCode::kInvalidArgument, "", "--plane-height",
-                 "every face lies across A3, so no height has a contour",
+                 "has no suitable value: every face lies across A3, so no height has a contour",
                  "turn the scene with --place \"0 0 0 0.7071068 0.7071068 0 0\", or use "
                  "--sensors 3"};
   }
@@ -60,12 +60,12 @@ Result<PreparedRun> prepare_run(const RunRequest& command) {
   if (!setup) return setup.error();
   if (command.scene.fits_workspace && command.scene.scale) {
     return Error{ErrorCode::kInvalidArgument, "", "--fit",
-                 "given together with --scale; expected one of them", ""};
+                 "is used together with --scale; use one of them", ""};
   }
   if (const auto error = check_exploration(command.exploration, setup->dt_s)) return *error;
-  SceneOptions as_it_is = command.scene;
-  as_it_is.fits_workspace = false;
-  auto scene = load_scene(as_it_is, command.options.settings);
+  SceneOptions unscaled = command.scene;
+  unscaled.fits_workspace = false;
+  auto scene = load_scene(unscaled, command.options.settings);
   if (!scene) return scene.error();
   PreparedRun run{std::move(*scene), std::move(*setup)};
   auto misfit = check_fits(run);
@@ -75,9 +75,9 @@ Result<PreparedRun> prepare_run(const RunRequest& command) {
     run = std::move(*fitted);
     misfit = check_fits(run);
   }
-  // A place that is too far away is named before what comes of it.
+  // A --place that is too far away is the cause of a misfit, so its error comes first.
   if (misfit) return check_setup(run.scene, run.setup).value_or(*misfit);
-  if (const auto error = lay_plane(command, run)) return *error;
+  if (const auto error = choose_plane(command, run)) return *error;
   return run;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What `run` makes of its options before the hand moves.
+// The scene and the settings of `run` before the hand moves.
 
 #include "engine/cli/run_command.h"
 #include "engine/scene/scene.h"
@@ -10,11 +10,11 @@ namespace palpate {
 
 struct PreparedRun {
   Scene scene;
-  RunSetup setup;  // with the plane height that was chosen where none was given
+  RunSetup setup;  // with a chosen plane height if the user stated none
 };
 
-// Loads the scene, at the size that fits the workspace if it is to be fitted; refuses one that does
-// not fit; and lays the plane of a planar device through it. An error names the option to change.
+// Loads the scene, scaled to the workspace under --fit auto, and chooses the plane of a planar
+// device. An error if the scene does not fit; it names the option to change.
 Result<PreparedRun> prepare_run(const RunRequest& command);
 
 }  // namespace palpate

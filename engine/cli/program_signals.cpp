@@ -8,16 +8,16 @@
 namespace palpate {
 namespace {
 
-// What the handler shares with the program: nothing but atomics that need no lock.
+// State that the handler shares with the program: lock-free atomics only.
 std::atomic<SignalPhase> phase{SignalPhase::kAtOnce};
 std::atomic<int> first_signal{0};
 StopFlag flag;
 static_assert(std::atomic<SignalPhase>::is_always_lock_free);
 static_assert(std::atomic<int>::is_always_lock_free);
 
-constexpr int kSignalBase = 128;  // of exit codes, as shells have it
+constexpr int kSignalBase = 128;  // shells add the signal's number to it
 
-bool has_terminal = false;  // on stderr: what a progress bar has written there is still in its line
+bool has_terminal = false;  // on stderr: a progress bar may have left the cursor in its line
 
 void say(std::string_view text) {
   [[maybe_unused]] const auto ignored = ::write(STDERR_FILENO, text.data(), text.size());
@@ -43,7 +43,7 @@ bool is_ignored(int signal) {
 
 }  // namespace
 
-void take_signals() {
+void install_signal_handlers() {
   has_terminal = ::isatty(STDERR_FILENO) != 0;
   struct sigaction action = {};
   action.sa_handler = on_signal;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What Ctrl-C (SIGINT), SIGTERM and a terminal that is closed (SIGHUP) do. They belong to the
-// program: the library leaves signals alone.
+// Reaction to Ctrl-C (SIGINT), SIGTERM and a closed terminal (SIGHUP). Only the program handles
+// signals; the library does not.
 
 #include <array>
 #include <csignal>
@@ -16,16 +16,16 @@ inline constexpr std::array kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
 enum class SignalPhase : std::uint8_t {
   kAtOnce,   // each signal ends the program, with exit code 128 + signal
   kInOrder,  // the first one sets signal_flag(), the second ends the program
-  kDeferred  // signals set signal_flag(), for moments that must not be cut in two
+  kDeferred  // every signal sets signal_flag(), for steps that must not be interrupted
 };
 
-// Once, at the start of the program: kAtOnce from here on. SIGINT and SIGTERM are taken even if the
-// program was started with them ignored, as shells do with what runs in the background; SIGHUP is
-// then left ignored, as nohup wants it. A write beyond the limit of file sizes fails and no longer
-// ends the program.
-void take_signals();
+// To be called once, at the start of the program; the phase is then kAtOnce. SIGINT and SIGTERM are
+// handled even if they were ignored at the start, as shells start background jobs; SIGHUP stays
+// ignored, as nohup requires. A write beyond the file size limit fails and does not end the
+// program.
+void install_signal_handlers();
 
-// The phase while this lives; then that of before.
+// Sets the phase for its lifetime, then restores the previous phase.
 class SignalPhaseScope {
  public:
   explicit SignalPhaseScope(SignalPhase phase);
@@ -39,7 +39,7 @@ class SignalPhaseScope {
 
 const StopFlag& signal_flag();
 
-// 128 + the first signal if one has come, else `code`.
+// 128 + the first signal if one arrived, else `code`.
 int exit_code_after_signals(int code);
 
 }  // namespace palpate

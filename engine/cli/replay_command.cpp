@@ -1,4 +1,4 @@
-// `replay`: a recorded path through a scene.
+// The subcommand `replay`: plays a recorded path through a scene.
 
 #include <iostream>
 #include <optional>
@@ -40,24 +40,27 @@ class ReplayCommand final : public Command {
 CLI::App* ReplayCommand::add_to(CLI::App& program) {
   RunSettings& settings = options_.settings;
   CLI::App& app = *program.add_subcommand(
-      "replay", "play a recorded device path through a scene, the same bits every time");
-  app.footer(
-      help_footer("For example: palpate replay scene.glb --trajectory path.txt --out felt.csv"));
+      "replay", "play a recorded device path through a scene, with the same bits every time");
+  set_help(app,
+           "  ./run.sh run models/star.glb --virtual\n"
+           "  ./run.sh replay models/star.glb --trajectory out/trace-off.csv --sensors 2 "
+           "--actuators 1\n",
+           "The first line of the example records the path that the second one plays.\n");
   app.add_option(
          "--trajectory", trajectory_,
-         "device positions, one \"[t] x y z\" in metres a line, or a trace of run or replay")
+         "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay")
       ->required();
   add_integer(app, "--repeat", repeat_, {1, 1000},
-              "passes, 1 to 1000; each tick's shortest time is kept");
+              "number of passes, 1 to 1000; the shortest time of each tick is kept");
   add_scene(app, scene_, true);
   add_place(app, options_);
-  add_device(app, options_, "step of the device's encoders, m, for the adaptive estimator");
+  add_device(app, options_, "step of the device's encoders, m; required by the adaptive estimator");
   add_touch(app, settings);
   add_choice<bool>(app, "--a4", settings.a4, {{"on", true}, {"off", false}}, "off",
-                   "rotate the scene while in contact")
+                   "turn the scene while in contact")
       ->group(kA4Group);
   add_rotation(app, settings);
-  app.add_option("--out", trace_, "CSV file for the trace")->group(kOutputGroup);
+  app.add_option("--out", trace_, "CSV file of the trace")->group(kOutputGroup);
   add_output(app, settings, json_);
   return &app;
 }
@@ -71,7 +74,7 @@ int ReplayCommand::run(const std::vector<std::string>&) {
   if (!scene) return refuse(scene.error());
   const Result<ReplayResult> result = palpate::replay(*scene, *setup, *path, repeat_);
   if (!result) return refuse(result.error());
-  // Now there is something to put in order: the file comes whole.
+  // From here on a signal may not leave half a file.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (!trace_.empty()) {
     if (const auto error = check_output()) return refuse(*error);

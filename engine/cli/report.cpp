@@ -30,12 +30,13 @@ double load_ms(const SceneStatistics& s) {
   return s.parse_ms + s.mesh_ms + s.index_ms;
 }
 
-// Of the whole and of its parts, and what surfaces make for each triangle that is kept.
+// Memory of the whole scene and of its parts, and bytes of the surfaces per triangle.
 std::string memory_text(const SceneStatistics& s) {
   const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
   const MemoryBreakdown& m = s.memory;
   return format(
-             "  memory %.1f MB, %.0f bytes a triangle: adjacency %.1f, positions %.1f, maps %.1f, ",
+             "  memory %.1f MB, %.0f bytes per triangle: adjacency %.1f, positions %.1f, maps "
+             "%.1f, ",
              megabytes(m.total()),
              static_cast<double>(m.total() - m.places) / static_cast<double>(s.cleaning.triangles),
              megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
@@ -54,7 +55,7 @@ std::string faults_text(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
-// A line of a table: what it is called, and how a run's value is written.
+// A line of a table: its name, and a function that formats a run's value.
 struct Line {
   std::string name;
   std::function<std::string(const ExplorationRun&)> value;
@@ -84,9 +85,9 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
        [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
       {"losses of contact",
        [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
-      {"work lost, missing motors (1)",
+      {"work of missing motors (1)",
        [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
-      {"work given by the device (2)",
+      {"energy returned (2)",
        [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.port_work_J); }},
       {"device travel A1 x A2 x A3",
        [](const Run& r) {
@@ -112,7 +113,7 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
        }},
   };
   for (const std::string& effect : scene.effects().effects) {
-    lines.push_back({effect + " felt in",
+    lines.push_back({effect + " active in",
                      [effect](const Run& r) { return effect_use_text(r.summary, effect); }});
   }
   return lines;
@@ -132,7 +133,7 @@ ordered_json box_json(const Box& box) {
           {"centre_m", vector_json(centre_of(box))}};
 }
 
-// null where there are too many to tell.
+// null if the scene has too many triangles there for the search.
 ordered_json contours_json(const Scene& scene) {
   const auto contours = scene_contours(scene);
   if (!contours) return nullptr;
@@ -159,7 +160,7 @@ ordered_json animations_json(const SceneStatistics& s) {
   return list;
 }
 
-// null at rest.
+// null for the rest pose.
 ordered_json pose_json(const SceneStatistics& s) {
   if (!s.pose) return nullptr;
   return {{"number", s.pose->animation},
@@ -174,8 +175,7 @@ std::string vector_text(const Vec3& v) {
 std::string contours_text(const Scene& scene) {
   const auto contours = scene_contours(scene);
   if (!contours) {
-    return "  contours through the centre: not looked for, the scene has too many triangles "
-           "there\n";
+    return "  contours through the centre: not computed, the scene has too many triangles there\n";
   }
   std::string text;
   for (std::size_t axis = 0; axis < contours->size(); ++axis) {
@@ -193,7 +193,7 @@ std::string contours_text(const Scene& scene) {
   return text;
 }
 
-// A line, or nothing for the rest pose.
+// One line; empty for the rest pose.
 std::string chosen_pose_text(const Scene& scene, const char* indent) {
   const SceneStatistics& s = scene.statistics();
   return s.pose ? indent + ("pose: " + printable(pose_text(s.animations, s.pose))) + "\n" : "";
@@ -356,14 +356,14 @@ std::string summary_text(const RunSummary& s, const Scene& scene) {
                  1e3 * s.max_penetration_m);
   text += format("  contact angle mean %.2f deg, within 30 deg %.1f %%\n", s.mean_contact_angle_deg,
                  100 * s.share_within_30deg);
-  text += format("  work lost %.4g mJ, work given by the device %.4g mJ\n", 1e3 * s.work_lost_J,
-                 1e3 * s.port_work_J);
+  text += format("  work of missing motors %.4g mJ, energy returned by the device %.4g mJ\n",
+                 1e3 * s.work_lost_J, 1e3 * s.port_work_J);
   text += format("  tick p50 %lld ns, p99 %lld ns, max %lld ns\n",
                  static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
                  static_cast<long long>(s.step_ns.max_ns));
   text += "  faults: " + faults_text(s) + "\n";
   for (const std::string& effect : scene.effects().effects) {
-    text += "  " + effect + " felt in " + effect_use_text(s, effect) + "\n";
+    text += "  " + effect + " active in " + effect_use_text(s, effect) + "\n";
   }
   text +=
       format("  A4 turned the scene in %llu ticks\n", static_cast<unsigned long long>(s.a4_ticks));
@@ -390,14 +390,13 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     text += "\n";
   }
   text +=
-      "(1) what all motors would have given the hand, less what these gave; below 0: they would\n"
-      "    have taken more from it\n"
-      "(2) above 0 the device gave energy to the hand, below 0 it took energy from it\n";
+      "(1) work on the hand of motors on all sensed axes, minus the work of the actual motors\n"
+      "(2) energy that the device returned to the hand; negative: the hand put energy in\n";
   text += chosen_pose_text(scene, "");
   bool exceeds = false;
   for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
   if (exceeds) {
-    text += "! more than the device's workspace: A4 unrolls a contour into one long stroke\n";
+    text += "! exceeds the device's workspace: A4 turns a closed contour into one long stroke\n";
   }
   return text;
 }

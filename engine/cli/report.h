@@ -1,6 +1,6 @@
 #pragma once
 
-// How results are told: as JSON for programs, as a table for people.
+// Results as JSON for programs and as tables for people.
 
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
 
 std::string scene_text(const std::string& path, const Scene& scene);
 std::string summary_text(const RunSummary& summary, const Scene& scene);
-// The runs side by side.
+// A table with one column per run.
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene);
 
 }  // namespace palpate

@@ -20,14 +20,14 @@ namespace {
 
 using Changes = std::vector<OptionSetting>;
 
-// Trials end when so many triangles have been loaded: some seconds of work.
+// Trials end after this many loaded triangles: some seconds of work.
 constexpr std::size_t kMostTriangles = 20'000'000;
 constexpr std::size_t kMostNodes = 3;
 
-// Three digits are wrong by half of the last one at most, of one number and of the other.
+// Covers the rounding of two numbers to three digits, half of the last digit each.
 constexpr double kMoreThanRounded = 1.02;
 
-// Of --place: the scene turned so that A3 is along its y axis, or its x axis.
+// Values of --place that turn the scene's y axis, or its x axis, along A3.
 constexpr const char* kOtherPlanes[] = {"0 0 0 0.7071068 0.7071068 0 0",
                                         "0 0 0 0.7071068 0 0.7071068 0"};
 
@@ -38,7 +38,7 @@ std::string text_of(double x, int digits = 3) {
   return text.str();
 }
 
-// With so many digits that the last one is less than a hundredth of the step.
+// Enough digits that the last digit is less than a hundredth of the step.
 std::string text_in_steps(double x, double step) {
   const double digits = 3 + std::ceil(std::log10(std::abs(x) / step));
   return text_of(x, static_cast<int>(std::clamp(digits, 3.0, 17.0)));
@@ -58,7 +58,7 @@ RunRequest changed(RunRequest command, const Changes& changes) {
     if (option == "--place") options.place = text;
     if (option == "--radius") settings.radius_m = number;
     if (option == "--actuated-axes") options.actuated_axes = text;
-    if (option == "--actuators") settings.actuators = std::nullopt;  // only ever left out
+    if (option == "--actuators") settings.actuators = std::nullopt;  // a change only removes it
     if (option == "--sensors") settings.sensors = static_cast<int>(number);
     if (option == "--node") command.scene.node = text;
     if (option == "--fit") {
@@ -70,21 +70,22 @@ RunRequest changed(RunRequest command, const Changes& changes) {
   return command;
 }
 
-// Leaves to a trial what the scene and the runs that are there do not take of what the user allows;
-// false if that is all of it.
-bool take_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs,
-                 RunRequest& command) {
-  if (command.scene.max_memory.empty()) return true;  // then it is half of what is free
-  std::uint64_t taken = prepared.scene.statistics().memory.total();
-  for (const ExplorationRun& run : runs) taken += run.record_bytes();
-  const std::uint64_t allowed = *parse_bytes(command.scene.max_memory);  // prepare_run() has, too
-  if (allowed <= taken) return false;
-  command.scene.max_memory = std::to_string(allowed - taken);
-  command.exploration.max_memory_bytes = allowed - taken;
+// Reduces the allowed memory of a trial by the memory of the present scene and runs; false if none
+// remains.
+bool limit_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs,
+                  RunRequest& command) {
+  if (command.scene.max_memory.empty()) return true;  // each load then uses half of the free memory
+  std::uint64_t used = prepared.scene.statistics().memory.total();
+  for (const ExplorationRun& run : runs) used += run.record_bytes();
+  const std::uint64_t allowed =
+      *parse_bytes(command.scene.max_memory);  // prepare_run() parsed it without an error
+  if (allowed <= used) return false;
+  command.scene.max_memory = std::to_string(allowed - used);
+  command.exploration.max_memory_bytes = allowed - used;
   return true;
 }
 
-// Both runs, or the one that was asked for, in simulated time.
+// The requested runs in simulated time; no value if one fails or is interrupted.
 std::optional<std::vector<ExplorationRun>> try_run(RunRequest command, const StopFlag* stop) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return std::nullopt;
@@ -103,7 +104,7 @@ std::optional<std::vector<ExplorationRun>> try_run(RunRequest command, const Sto
   return runs;
 }
 
-double least_way_share(const std::vector<ExplorationRun>& runs) {
+double least_path_share(const std::vector<ExplorationRun>& runs) {
   double least = 1.0;
   for (const ExplorationRun& run : runs) {
     least = std::min(least, run.summary.contact_ticks > 0 ? run.way_share : 0.0);
@@ -144,21 +145,22 @@ class Candidates {
     }
   }
 
-  // As large as the workspace allows.
+  // The largest size that the workspace allows.
   void add_size() {
     constexpr double kWorthIt = 1.3;
     constexpr double kPartToFill = 0.95;
     const Vec3 extent_m = bounds_.high - bounds_.low;
     const double widest_m = extent_m.head(command_.options.settings.sensors).maxCoeff();
-    const double room_m = 4 * PathPlanSettings{}.press_depth_m;
-    const double factor =
-        kPartToFill * (workspace_extent_m(command_.options.settings.device) - room_m) / widest_m;
+    const double clearance_m = 4 * PathPlanSettings{}.press_depth_m;
+    const double factor = kPartToFill *
+                          (workspace_extent_m(command_.options.settings.device) - clearance_m) /
+                          widest_m;
     const double largest_m = prepared_.scene.statistics().extent_m.maxCoeff();
     if (!(factor > kWorthIt) || !std::isfinite(factor * largest_m)) return;
     changes_.push_back({{"--fit", text_of(factor * largest_m)}});
   }
 
-  // A smaller sphere gets to more, and a point to most.
+  // A smaller sphere reaches more of the contour, a point reaches most.
   void add_radii() {
     const double radius_m = command_.options.settings.radius_m;
     if (!(radius_m > 0.0)) return;
@@ -177,26 +179,26 @@ class Candidates {
     if (command_.options.actuated_axes.empty()) changes_.push_back(other_sensors());
   }
 
-  // Parts that are small beside the hand at every size that fits: as wide as it presses deep four
-  // times, or sixteen.
+  // For parts that are small compared with the press depth at every size that fits: sizes of four
+  // or sixteen press depths.
   void add_workspaces() {
     const double depth_m = PathPlanSettings{}.press_depth_m;
     const double widest_m =
         (bounds_.high - bounds_.low).head(command_.options.settings.sensors).maxCoeff();
-    double way_m = std::numeric_limits<double>::infinity();
+    double path_m = std::numeric_limits<double>::infinity();
     for (const ExplorationRun& run : runs_) {
-      if (slips_off(run)) way_m = std::min(way_m, way_extent_m(run));
+      if (slips_off(run)) path_m = std::min(path_m, way_extent_m(run));
     }
-    if (!(way_m > 0.0) || !std::isfinite(way_m)) return;
+    if (!(path_m > 0.0) || !std::isfinite(path_m)) return;
     for (const double depths : {4.0, 16.0}) {
-      const double factor = depths * depth_m / way_m;
+      const double factor = depths * depth_m / path_m;
       const double size_m = factor * prepared_.scene.statistics().extent_m.maxCoeff();
       const double workspace_m = kMoreThanRounded * (factor * widest_m + 4 * depth_m);
       changes_.push_back({{"--workspace", text_of(workspace_m)}, {"--fit", text_of(size_m)}});
     }
   }
 
-  // A plane device has no third motor.
+  // With 2 sensors --actuators 3 is removed: a planar device has no third motor.
   Changes other_sensors() const {
     if (command_.options.settings.sensors == 2) return {{"--sensors", "3"}};
     if (command_.options.settings.actuators.value_or(0) <= 2) return {{"--sensors", "2"}};
@@ -207,8 +209,8 @@ class Candidates {
     return !command_.options.place.empty() || command_.options.settings.plane_height_m;
   }
 
-  // Without what the user has chosen, one option after the other and then all; and what was left
-  // out above for its sake.
+  // Removes options that fix the scene's place, one by one and then all; then tries the planes and
+  // sensors that those options had excluded above.
   void add_unpinned() {
     const RunOptions& options = command_.options;
     Changes all;
@@ -236,7 +238,7 @@ class Candidates {
     }
   }
 
-  // The largest on their own, each fitted to half of the workspace.
+  // Each of the largest nodes alone, fitted to half of the workspace.
   void add_nodes() {
     const auto& objects = prepared_.scene.objects();
     std::vector<std::pair<double, std::uint32_t>> by_extent;
@@ -245,10 +247,10 @@ class Candidates {
       by_extent.push_back({-(box.high - box.low).norm(), objects[i].tree_node});
     }
     std::sort(by_extent.begin(), by_extent.end());
-    std::set<std::uint32_t> taken;
+    std::set<std::uint32_t> added;
     for (const auto& [unused, node] : by_extent) {
-      if (taken.size() == kMostNodes) return;
-      if (!taken.insert(node).second) continue;
+      if (added.size() == kMostNodes) return;
+      if (!added.insert(node).second) continue;
       if (by_extent.size() == 1) return;
       const std::uint32_t number = prepared_.scene.tree()[node].file_index;
       changes_.push_back(
@@ -279,12 +281,12 @@ std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepa
     progress(static_cast<double>(i) / static_cast<double>(candidates.size()));
     loaded += triangles;
     RunRequest candidate = changed(command, candidates[i]);
-    if (!take_memory(prepared, runs, candidate)) break;
+    if (!limit_memory(prepared, runs, candidate)) break;
     const auto tried = try_run(std::move(candidate), stop);
     if (!tried) continue;
-    const double least = least_way_share(*tried);
+    const double least = least_path_share(*tried);
     const bool ends_comparable = are_comparable(*tried);
-    const double to_beat = best ? best->least_way_share : least_way_share(runs) + kFarther;
+    const double to_beat = best ? best->least_way_share : least_path_share(runs) + kFarther;
     if (!ends_comparable && least <= to_beat) continue;
     best =
         Advice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable, least};
@@ -306,13 +308,15 @@ std::string judgement_text(const std::vector<ExplorationRun>& runs,
   if (found.empty()) return {};
   std::string text = "not comparable\n" + found;
   if (!advice) {
-    return text + (is_search_cut ? "  the search for what to try was interrupted\n"
-                                 : "  nothing that was tried in simulated time does better\n");
+    return text + (is_search_cut
+                       ? "  the search for better options was interrupted\n"
+                       : "  no other options that were tried in simulated time did better\n");
   }
   text += "  try: " + advice->command_line + "\n";
   const auto percent = std::lround(100 * advice->least_way_share);
-  return text + "  (in simulated time the proxy then came near to " + std::to_string(percent) +
-         (advice->ends_comparable ? " % of the way)\n" : " %, which is farther, but not enough)\n");
+  return text + "  (in simulated time the proxy then came near " + std::to_string(percent) +
+         (advice->ends_comparable ? " % of the path)\n"
+                                  : " % of the path: more, but not enough)\n");
 }
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// What to change of a run whose figures mean nothing.
+// Proposes options for a run that is not comparable.
 
 #include <functional>
 #include <optional>
@@ -16,21 +16,22 @@ namespace palpate {
 struct Advice {
   std::string command_line;  // for a POSIX shell
   bool ends_comparable = false;
-  double least_way_share = 0.0;  // of its runs
+  double least_way_share = 0.0;  // the smallest of its runs
 };
 
-// Tries other options in simulated time, one after the other in a fixed order: more time, a larger
-// scene, a smaller sphere, other planes, single nodes, another number of sensors, a larger
-// workspace for parts that are small beside the hand; and at last those for which an option that
-// was given has to go: --place, --plane-height, --actuated-axes. Returns the first with which the
-// runs are comparable; else the one with which the hand gets farthest, if that is farther than the
-// runs got. Ends when it is asked to stop, with what it has found. Not for the haptic thread.
+// Tries other options in simulated time, in a fixed order: more time, a larger scene, a smaller
+// sphere, other planes, single nodes, another number of sensors, a larger workspace for parts that
+// are small compared with the press depth, and last the removal of the user's --place,
+// --plane-height and --actuated-axes. Returns the first options whose runs are comparable.
+// Otherwise returns the options whose proxy came near most of the path, if that exceeds the given
+// runs by 5 % of the path. A request to stop ends the search with the result so far. Not for the
+// haptic thread.
 std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepared,
                              const std::vector<ExplorationRun>& runs, const Progress& progress,
                              const StopFlag* stop = nullptr);
 
-// That runs are not comparable, why, and what to try; empty for runs that are. Runs that were
-// interrupted are not judged. is_search_cut: advise() was asked to stop, or not asked at all.
+// States that the runs are not comparable, why, and the advice; empty for comparable runs.
+// Interrupted runs are not judged. is_search_cut: advise() was stopped, or not called.
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
                            const std::optional<Advice>& advice, bool is_search_cut);
 

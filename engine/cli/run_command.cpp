@@ -34,7 +34,7 @@ constexpr int kNotComparable = 3;
 
 constexpr const char* kPicture = "paths.svg";
 
-// Every file that `run` writes, in one of its forms.
+// Every file that any form of `run` writes.
 std::vector<std::string> run_file_names() {
   std::vector<std::string> names{kPicture};
   for (const char* a4 : {"on", "off"}) {
@@ -45,7 +45,7 @@ std::vector<std::string> run_file_names() {
   return names;
 }
 
-// What the hand followed: a place a line, scene frame.
+// The contour or the places that the hand followed, scene frame: one point per line.
 std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& files) {
   const bool is_walk = run.contour_scene_m.empty();
   CsvLines lines("x,y,z");
@@ -66,34 +66,36 @@ std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& fil
   return std::nullopt;
 }
 
-// An error if there is no room for the picture. Without gnuplot there is none, which is a warning,
-// and the traces are as good.
-Result<bool> draw(const std::vector<ExplorationRun>& runs, const std::string& scene_path,
-                  const OutputFiles& files, std::vector<std::string>& warnings) {
+// True if the picture was drawn. An error if there is no space for its file; missing gnuplot only
+// adds a warning, since the traces do not need the picture.
+Result<bool> draw(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
+                  const std::string& scene_path, const OutputFiles& files,
+                  std::vector<std::string>& warnings) {
   const std::string name = std::filesystem::path(scene_path).filename().string();
-  const auto picture = write_path_picture(runs, name, files.path(kPicture));
+  const auto picture = write_path_picture(runs, actuation, name, files.path(kPicture));
   if (picture) return true;
   if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
   warnings.push_back(files.in_place(picture.error()).to_string());
   return false;
 }
 
-int tell_nothing_was_done() {
-  std::cerr << "palpate: interrupted before the first tick; nothing is written\n";
+int report_nothing_done() {
+  std::cerr << "palpate: interrupted before the first tick; no file was written\n";
   return exit_code_after_signals(0);
 }
 
-// A line that says what the results are, nothing if no signal has come.
+// A line that states what the results contain; empty if no signal arrived.
 std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_comparison) {
   if (!signal_flag().requested()) return {};
   const bool was_cut = std::any_of(runs.begin(), runs.end(),
                                    [](const ExplorationRun& run) { return run.interrupted; });
-  if (was_cut) return "interrupted; the results are of what was done until then\n";
+  if (was_cut) return "interrupted; the results cover the ticks until then\n";
   if (is_comparison && runs.size() < 2) return "interrupted before the run with A4 began\n";
-  return "interrupted when the runs were done; the results are whole\n";
+  return "interrupted after the runs had ended; the results are complete\n";
 }
 
-// Not if nobody can be told of it; but whoever has closed a terminal finds the results.
+// Refuses if stdout cannot be written to. After a signal the results are moved all the same: a user
+// who closed the terminal finds them.
 std::optional<Error> move_into_place(OutputFiles& files) {
   if (!signal_flag().requested()) {
     if (auto error = check_output()) return error;
@@ -107,7 +109,7 @@ Error with_path(Error error, const std::string& path) {
   return error;
 }
 
-// What runs the same for every run of a command.
+// The facts that all runs of a command share.
 std::string run_heading(const RunRequest& command, const PreparedRun& prepared) {
   const ActuationModel& actuation = prepared.setup.actuation;
   std::ostringstream text;
@@ -146,13 +148,13 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
   return json;
 }
 
-// Without A4 and with it, as asked for, until a signal comes.
+// The requested runs, without A4 before with A4, until a signal arrives.
 Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
                                                       const PreparedRun& prepared,
                                                       const OutputFiles& files) {
   const StopFlag& stop = signal_flag();
   ExplorationSettings exploration = command.exploration;
-  if (!command.scene.max_memory.empty()) {  // prepare_run() has parsed it
+  if (!command.scene.max_memory.empty()) {  // prepare_run() parsed it without an error
     exploration.max_memory_bytes = *parse_bytes(command.scene.max_memory);
     exploration.taken_memory_bytes = prepared.scene.statistics().memory.total();
   }
@@ -174,11 +176,11 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
   return runs;
 }
 
-// Of runs that ended by themselves and are not comparable.
+// Searches only if the runs are not comparable and no signal ended them.
 std::optional<Advice> find_advice(const RunRequest& command, const PreparedRun& prepared,
                                   const std::vector<ExplorationRun>& runs) {
   if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
-  ProgressBar bar("what to try");
+  ProgressBar bar("searching for better options");
   return advise(
       command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
 }
@@ -192,9 +194,10 @@ int run(const RunRequest& command) {
   const auto done = explore_and_write(command, *prepared, *files);
   if (!done) return refuse(done.error());
   const std::vector<ExplorationRun>& runs = *done;
-  if (runs.empty()) return tell_nothing_was_done();
+  if (runs.empty()) return report_nothing_done();
   std::vector<std::string> warnings = not_understood_lines(prepared->scene);
-  const Result<bool> has_picture = draw(runs, command.scene.path, *files, warnings);
+  const Result<bool> has_picture =
+      draw(runs, prepared->setup.actuation, command.scene.path, *files, warnings);
   if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
@@ -236,27 +239,28 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   settings.default_actuators = 1;
   CLI::App& app = *program.add_subcommand(
       "run", "let a simulated hand explore a scene in real time, without and with A4");
-  app.footer(help_footer("For example: palpate run your-scene.glb --fit 0.2 --virtual"));
+  set_help(app, "  ./run.sh run models/star.glb --virtual\n");
   add_scene(app, request_.scene, true);
   add_place(app, request_.options);
   add_device(app, request_.options,
              "step of the device's encoders, m [" + quantum_text() +
-                 "]; to be given for the adaptive estimator");
+                 "]; required by the adaptive estimator");
   ExplorationSettings& hand = request_.exploration;
   add_workspace(app, settings.device);
   for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
   add_real(app, "--seconds", hand.seconds, {2.0, 86400.0}, "length of a run, s, 2 to 86400")
       ->group(kHandGroup);
-  add_integer(app, "--seed", hand.seed, {}, "of the hand's noise and walk")->group(kHandGroup);
-  app.add_flag("--virtual", hand.virtual_time, "in simulated time, as fast as it goes")
+  add_integer(app, "--seed", hand.seed, {}, "seed of the hand's noise and walk")->group(kHandGroup);
+  app.add_flag("--virtual", hand.virtual_time,
+               "run in simulated time, as fast as the machine allows")
       ->group(kHandGroup);
   add_touch(app, settings);
   add_choice<A4Runs>(app, "--a4", request_.a4,
                      {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}, {"compare", A4Runs::kCompare}},
-                     "compare", "rotate the scene: on, off, or both runs compared")
+                     "compare", "turn the scene: on, off, or compare, which makes both runs")
       ->group(kA4Group);
   add_rotation(app, settings);
-  app.add_option("--out", request_.out_dir, "folder for traces and picture")
+  app.add_option("--out", request_.out_dir, "folder of the traces and the picture")
       ->capture_default_str()
       ->group(kOutputGroup);
   add_output(app, settings, request_.json);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What `run` is asked for.
+// The request of the subcommand `run`.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// Which runs are made.
+// The runs to make.
 enum class A4Runs : std::uint8_t { kOn, kOff, kCompare };
 
 struct RunRequest {
@@ -22,9 +22,9 @@ struct RunRequest {
   ExplorationSettings exploration;
   std::string out_dir = "out";
   bool json = false;
-  std::vector<std::string> arguments;  // of the program, as they were given
+  std::vector<std::string> arguments;  // of the program, unchanged
 
-  // Whether a run without A4, or with it, is asked for.
+  // Whether the request includes the run with A4, or the run without A4.
   bool wants(bool with_a4) const {
     return a4 == A4Runs::kCompare || (a4 == A4Runs::kOn) == with_a4;
   }

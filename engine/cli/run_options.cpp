@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// More than any tick that anybody waits for, and no sum of work overflows.
+// Longer than any useful tick, and small enough that no sum of work overflows.
 constexpr std::uint64_t kMostWorkBudget = 1'000'000'000'000;
 
 }  // namespace
@@ -21,8 +21,8 @@ void add_place(CLI::App& app, RunOptions& options) {
       ->group(kSceneGroup);
   app.add_option(
          "--move", options.moves,
-         "NODE=\"vx vy vz wx wy wz\": the node moves steadily, m/s and rad/s along and about "
-         "the axes of the scene; may be repeated")
+         "NODE=\"vx vy vz wx wy wz\": move the node at constant velocity, m/s and rad/s along and "
+         "about the axes of the scene; may be repeated")
       ->expected(1)
       ->take_all()
       ->group(kSceneGroup);
@@ -31,26 +31,27 @@ void add_place(CLI::App& app, RunOptions& options) {
 void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help) {
   RunSettings& settings = options.settings;
   add_integer(app, "--sensors", settings.sensors, {2, 3},
-              "sensed axes, 2 or 3: the first N of A1 A2 A3")
+              "number of sensed axes, 2 or 3: the first of A1 A2 A3")
       ->group(kDeviceGroup);
   add_integer(app, "--actuators", settings.actuators, {0, 3},
-              "actuated axes: the first M [" + std::to_string(settings.default_actuators) +
-                  ", but no more than sensors]")
+              "number of actuated axes: the first of A1 A2 A3 [" +
+                  std::to_string(settings.default_actuators) + ", at most the number of sensors]")
       ->group(kDeviceGroup);
-  app.add_option("--actuated-axes", options.actuated_axes,
-                 "directions that push instead, device frame, as \"0 0 1; 1 0 0\"")
+  app.add_option(
+         "--actuated-axes", options.actuated_axes,
+         "actuated directions in place of --actuators, device frame, such as \"0 0 1; 1 0 0\"")
       ->group(kDeviceGroup);
   add_choice<ForceMode>(
       app, "--force", settings.force,
       {{"none", ForceMode::kNone}, {"actuated", ForceMode::kActuated}, {"full", ForceMode::kFull}},
-      "actuated", "what the actuators are told")
+      "actuated", "the commanded force: none, its part along the actuated axes, or all of it")
       ->group(kDeviceGroup);
-  add_real(app, "--rate", settings.rate_Hz, {1.0 / kLongestTick_s}, "ticks a second, Hz")
+  add_real(app, "--rate", settings.rate_Hz, {1.0 / kLongestTick_s}, "ticks per second, Hz")
       ->group(kDeviceGroup);
   add_real(
       app, "--plane-height", settings.plane_height_m, {},
-      "with 2 sensors: where on A3 the plane A1 A2 lies, m; by default 0, and in `run` through "
-      "the middle of the object, or the nearest height with a contour")
+      "with 2 sensors: height of the sensed plane A1 A2 along A3, m [0; `run`: the middle of the "
+      "object, or the nearest height with a contour]")
       ->group(kDeviceGroup);
   add_real(app, "--encoder-quantum", settings.encoder_quantum_m, kAboveZero, quantum_help)
       ->group(kDeviceGroup);
@@ -64,41 +65,43 @@ void add_workspace(CLI::App& app, DeviceDescription& device) {
   };
   std::ostringstream usual;
   usual << workspace_extent_m(device);
-  app.add_option_function<std::string>("--workspace", read,
-                                       "extent of the device along an axis, m; more is flagged")
+  app.add_option_function<std::string>(
+         "--workspace", read,
+         "extent of the device's workspace along each axis, m; a longer path is flagged")
       ->type_name("NUMBER")
       ->default_str(usual.str())
       ->group(kDeviceGroup);
 }
 
 std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device) {
-  return {
-      add_real(app, "--device-mass", device.mass_kg, kAboveZero, "of the device at its tip, kg"),
-      add_real(app, "--device-damping", device.damping_Ns_per_m, kZeroOrMore,
-               "viscous, of the device, N s/m"),
-      add_real(app, "--device-friction", device.coulomb_friction_N, kZeroOrMore,
-               "Coulomb, of the device, N")};
+  return {add_real(app, "--device-mass", device.mass_kg, kAboveZero,
+                   "mass of the device at its tip, kg"),
+          add_real(app, "--device-damping", device.damping_Ns_per_m, kZeroOrMore,
+                   "viscous damping of the device, N s/m"),
+          add_real(app, "--device-friction", device.coulomb_friction_N, kZeroOrMore,
+                   "Coulomb friction of the device, N")};
 }
 
 void add_touch(CLI::App& app, RunSettings& settings) {
   add_real(app, "--stiffness", settings.stiffness_N_per_m, kZeroOrMore,
-           "coupling spring of surfaces without their own, N/m")
+           "stiffness of the coupling for surfaces that state none, N/m")
       ->group(kTouchGroup);
   add_real(app, "--damping", settings.damping_Ns_per_m, kZeroOrMore,
-           "coupling damper of surfaces without their own, N s/m")
+           "damping of the coupling for surfaces that state none, N s/m")
       ->group(kTouchGroup);
   add_real(app, "--radius", settings.radius_m, kZeroOrMore, "radius of the proxy, m; 0 is a point")
       ->group(kTouchGroup);
-  add_choice<Accuracy>(app, "--accuracy", settings.accuracy,
-                       {{"fast", Accuracy::fast()},
-                        {"balanced", Accuracy::balanced()},
-                        {"exact", Accuracy::exact()}},
-                       "balanced",
-                       "of the proxy: fast (few steps, uncertified), balanced, or exact")
+  add_choice<Accuracy>(
+      app, "--accuracy", settings.accuracy,
+      {{"fast", Accuracy::fast()},
+       {"balanced", Accuracy::balanced()},
+       {"exact", Accuracy::exact()}},
+      "balanced", "accuracy of the proxy: fast (few steps, no certificate), balanced, or exact")
       ->group(kTouchGroup);
-  add_integer(app, "--work-budget", settings.work_budget, {1, kMostWorkBudget},
-              "what a tick may do at most, in units of 10 to 20 ns; by default as --accuracy "
-              "says (5000, 20000 or 160000)")
+  add_integer(
+      app, "--work-budget", settings.work_budget, {1, kMostWorkBudget},
+      "largest work of a tick, in units of 10 to 20 ns [5000, 20000 or 160000 for --accuracy fast, "
+      "balanced or exact]")
       ->group(kTouchGroup);
   add_choice<VelocityMethod>(
       app, "--velocity-estimator", settings.velocity_estimator,
@@ -106,12 +109,13 @@ void add_touch(CLI::App& app, RunSettings& settings) {
        {"line", VelocityMethod::kLineFit},
        {"adaptive", VelocityMethod::kAdaptive}},
       "difference",
-      "of the damper: difference over the window, straight line fitted to it, or "
-      "adaptive: the longest window that is straight to an encoder's step")
+      "velocity for the damper: difference over the window, line fitted to the window, or "
+      "adaptive: "
+      "the longest window whose positions are on a line within an encoder's step")
       ->group(kTouchGroup);
-  add_integer(app, "--velocity-window", settings.velocity_window_ticks,
-              {1, VelocityEstimator::kMostTicks},
-              "window of the damper's velocity, 1 to 63 ticks: longer is less noisy, and later")
+  add_integer(
+      app, "--velocity-window", settings.velocity_window_ticks, {1, VelocityEstimator::kMostTicks},
+      "window of the damper's velocity, 1 to 63 ticks: a longer window has less noise and more lag")
       ->group(kTouchGroup);
 }
 
@@ -119,18 +123,19 @@ void add_rotation(CLI::App& app, RunSettings& settings) {
   add_choice<Table1Form>(
       app, "--table1", settings.table1,
       {{"corrected", Table1Form::kCorrected}, {"printed", Table1Form::kAsPrinted}}, "corrected",
-      "theoretical rotation: Table 1 corrected or printed")
+      "theoretical rotation: Table 1 of the paper, corrected or as printed")
       ->group(kA4Group);
-  add_choice<StepRule>(app, "--a4-step", settings.a4_step,
-                       {{"exact", StepRule::kExact}, {"paper", StepRule::kSpeedByDt}}, "exact",
-                       "elementary rotation: exact solution of the profile, or the paper's S dt")
+  add_choice<StepRule>(
+      app, "--a4-step", settings.a4_step,
+      {{"exact", StepRule::kExact}, {"paper", StepRule::kSpeedByDt}}, "exact",
+      "elementary rotation: exact solution of the speed profile, or the paper's S dt")
       ->group(kA4Group);
 }
 
 void add_output(CLI::App& app, RunSettings& settings, bool& json) {
   app.add_flag("--json", json, "print the results as JSON")->group(kOutputGroup);
   app.add_flag("--effect-times", settings.effect_times,
-               "measure each effect's share of the time of a tick, which takes some itself")
+               "measure each effect's share of the tick time; measuring lengthens ticks")
       ->group(kOutputGroup);
 }
 

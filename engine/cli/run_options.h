@@ -1,6 +1,6 @@
 #pragma once
 
-// What `run`, `replay` and `accuracy` let a user choose of a run.
+// Options of a run that `run`, `replay` and `accuracy` share.
 
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-// Numbers and choices are in the settings; what is written as a text is parsed by make_setup().
+// The settings hold numbers and choices; make_setup() parses the texts.
 struct RunOptions {
   RunSettings settings;
   std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
@@ -23,33 +23,37 @@ struct RunOptions {
 };
 
 void add_place(CLI::App& app, RunOptions& options);
-// quantum_help: of --encoder-quantum.
+// quantum_help: help text of --encoder-quantum.
 void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help);
 void add_workspace(CLI::App& app, DeviceDescription& device);
-// --device-mass, --device-damping and --device-friction, without a heading.
+// Adds --device-mass, --device-damping and --device-friction, without a heading.
 std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
 void add_touch(CLI::App& app, RunSettings& settings);
-// --table1 and --a4-step, which come after --a4.
+// Adds --table1 and --a4-step, to be called after --a4 was added.
 void add_rotation(CLI::App& app, RunSettings& settings);
 void add_output(CLI::App& app, RunSettings& settings, bool& json);
 
-// Checks ranges and finiteness; an error names the option, or the field that option_names.h maps.
+// Checks ranges and finiteness; an error names the option, or the field that option_names.h maps
+// to it.
 Result<RunSetup> make_setup(const RunOptions& options);
 
-// Adds an option that is one of a few words, each of which stands for a value.
+// Adds an option whose argument is one of a few words, each of which stands for a value.
 template <typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices,
                         const std::string& usual, const std::string& help) {
-  std::vector<std::string> words;
-  for (const auto& choice : choices) words.push_back(choice.first);
-  const auto read = [&value, choices](const std::string& text) {
+  std::string words;
+  for (const auto& choice : choices) words += (words.empty() ? "" : ",") + choice.first;
+  const auto read = [&value, choices, name, words](const std::string& text) {
     for (const auto& choice : choices) {
-      if (choice.first == text) value = choice.second;
+      if (choice.first != text) continue;
+      value = choice.second;
+      return;
     }
+    throw CLI::ValidationError(name, "is \"" + text + "\"; expected one of " + words);
   };
   return app.add_option_function<std::string>(name, read, help)
-      ->check(CLI::IsMember(std::move(words)))
+      ->type_name("TEXT:{" + words + "}")
       ->default_str(usual);
 }
 

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-// A size, or "auto".
+// The argument is a size or "auto".
 CLI::Option* add_fit(CLI::App& app, SceneOptions& scene) {
   const auto read = [&scene](const std::string& text) {
     scene.fits_workspace = text == "auto";
@@ -22,10 +22,10 @@ CLI::Option* add_fit(CLI::App& app, SceneOptions& scene) {
     scene.fit_size_m = *size_m;
   };
   return app
-      .add_option_function<std::string>(
-          "--fit", read,
-          "scale so that the largest extent becomes this, m; auto (run): so that the scene fits "
-          "the workspace, if it does not")
+      .add_option_function<std::string>("--fit", read,
+                                        "scale the scene to this largest extent, m; auto (only "
+                                        "run): to the workspace, if the scene "
+                                        "does not fit")
       ->type_name("NUMBER");
 }
 
@@ -34,23 +34,23 @@ CLI::Option* add_fit(CLI::App& app, SceneOptions& scene) {
 void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
   app.add_option("SCENE", scene.path, "glTF 2.0 file, .gltf or .glb")->required(is_required);
   app.add_option("--node", scene.node,
-                 "only this node and what is below it, by name or \"#number\" (info --list)")
+                 "load only this node and its descendants, by name or \"#number\" (info --list)")
       ->group(kSceneGroup);
-  add_real(app, "--scale", scene.scale, kAboveZero, "times the size that the file has")
+  add_real(app, "--scale", scene.scale, kAboveZero, "scale the scene by this factor")
       ->group(kSceneGroup);
   add_fit(app, scene)->group(kSceneGroup);
-  app.add_option(
-         "--pose", scene.pose,
-         "NAME@SECONDS: one animation at one time (\"#number@SECONDS\" as info numbers it); "
-         "otherwise the file's rest pose")
+  app.add_option("--pose", scene.pose,
+                 "NAME@SECONDS: pose of one animation at one time; \"#number@SECONDS\" uses the "
+                 "number that "
+                 "info prints [the file's rest pose]")
       ->group(kSceneGroup);
   app.add_option("--material", scene.materials,
-                 "NAME.key=value: goes before what the file says of this material; may be repeated")
+                 "NAME.key=value: replace a value of a material in the file; may be repeated")
       ->expected(1)
       ->take_all()
       ->group(kSceneGroup);
   app.add_option("--max-memory", scene.max_memory,
-                 "bytes that loading may take, such as 500M or 2GiB [half of what is free]")
+                 "memory limit of loading, bytes, such as 500M or 2GiB [half of the free memory]")
       ->group(kSceneGroup);
 }
 
@@ -60,11 +60,11 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   settings.node = options.node;
   settings.pose = options.pose;
   if (options.scale && options.fit_size_m) {
-    return invalid_argument("--fit", "given together with --scale; expected one of them");
+    return invalid_argument("--fit", "is used together with --scale; use one of them");
   }
   if (options.fits_workspace) {
-    return invalid_argument("--fit", "auto given without a workspace to fit to",
-                            "give the largest extent in metres, such as --fit 0.2");
+    return invalid_argument("--fit", "is auto, but only run has a workspace",
+                            "state the largest extent in metres, such as --fit 0.2");
   }
   if (options.scale) settings.scale = *options.scale;
   if (options.fit_size_m) settings.fit_size_m = *options.fit_size_m;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which scene a command is about: its options, and how it is loaded.
+// The options that select, scale and pose a scene, and its loading.
 
 #include <optional>
 #include <string>
@@ -14,16 +14,16 @@
 
 namespace palpate {
 
-// Which part of a file is loaded, and how large. As given on the command line.
+// The arguments, unchanged.
 struct SceneOptions {
   std::string path;
   std::string node;
   std::optional<double> scale;
   std::optional<double> fit_size_m;
-  bool fits_workspace = false;  // --fit auto: to the workspace, where it does not fit as it is
-  std::string pose;             // "NAME@SECONDS"; empty: at rest
+  bool fits_workspace = false;  // --fit auto: scale to the workspace if the scene does not fit
+  std::string pose;             // "NAME@SECONDS"; empty: rest pose
   std::vector<std::string> materials;  // "NAME.key=value" each
-  std::string max_memory;              // "500M"; empty: half of what is free
+  std::string max_memory;              // "500M"; empty: half of the free memory
 };
 
 void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
@@ -31,7 +31,8 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
 // Checks the options and loads the scene. An error names the option.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 
-// The same for a session: refuses what ticks at this rate cannot make felt.
+// The same for a session: an error if an effect needs a higher tick rate, such as a vibration above
+// half of it.
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run);
 
 }  // namespace palpate

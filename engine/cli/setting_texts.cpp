@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// Finite numbers separated by blanks or commas; nothing if anything else is there.
+// Finite numbers separated by blanks or commas; no value if the text contains anything else.
 std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   std::string blanks = text;
   for (char& c : blanks) {
@@ -19,7 +19,8 @@ std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   std::vector<double> numbers;
   for (std::string word; words >> word;) {
     const char* end = word.data() + word.size();
-    const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);  // which from_chars refuses
+    const char* begin =
+        word.data() + (word.starts_with('+') ? 1 : 0);  // from_chars refuses a plus sign
     double x = 0.0;
     const auto [rest, failed] = std::from_chars(begin, end, x);
     if (failed != std::errc() || rest != end || !std::isfinite(x)) return std::nullopt;
@@ -28,20 +29,21 @@ std::optional<std::vector<double>> parse_numbers(const std::string& text) {
   return numbers;
 }
 
-// The name may hold equals signs, the numbers do not.
+// The name may contain equals signs.
 Result<SteadyMotion> parse_move(const std::string& text) {
   const std::size_t equals = text.rfind('=');
   const auto n =
       equals == std::string::npos ? std::nullopt : parse_numbers(text.substr(equals + 1));
   if (!n || n->size() != 6 || equals == 0) {
-    return invalid_argument("--move", "\"" + text + "\" is not NODE=\"vx vy vz wx wy wz\"",
-                            "metres and radians a second along the axes of the scene");
+    return invalid_argument("--move", "is \"" + text + "\"; expected NODE=\"vx vy vz wx wy wz\"",
+                            "state m/s and rad/s along and about the axes of the scene");
   }
   const SteadyMotion motion{
       text.substr(0, equals), {(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
   if (!std::isfinite(motion.velocity_m_per_s.norm()) ||
       !std::isfinite(motion.turn_rad_per_s.norm())) {
-    return invalid_argument("--move", "\"" + text + "\" is too fast to be a motion");
+    return invalid_argument("--move", "is \"" + text + "\", whose speed overflows",
+                            "state a lower speed");
   }
   return motion;
 }
@@ -55,7 +57,7 @@ Result<std::vector<Vec3>> parse_axes(const std::string& text) {
     const auto numbers = parse_numbers(part);
     if (numbers && numbers->empty()) continue;  // after a closing semicolon
     if (!numbers || numbers->size() != 3) {
-      return invalid_argument("--actuated-axes", "\"" + part + "\" is not three numbers",
+      return invalid_argument("--actuated-axes", "has \"" + part + "\" in place of three numbers",
                               "write for example \"0 0 1; 1 0 0\"");
     }
     axes.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
@@ -68,17 +70,18 @@ Result<ScenePose> parse_place(const std::string& text) {
   if (text.empty()) return pose;
   const auto n = parse_numbers(text);
   if (!n || n->size() != 7) {
-    return invalid_argument("--place",
-                            "\"" + text + "\" is not seven numbers \"x y z qw qx qy qz\"",
-                            "metres and a quaternion, identity is \"0 0 0 1 0 0 0\"");
+    return invalid_argument(
+        "--place", "is \"" + text + "\"; expected seven numbers \"x y z qw qx qy qz\"",
+        "write metres and a unit quaternion; the identity is \"0 0 0 1 0 0 0\"");
   }
   const Quat q((*n)[3], (*n)[4], (*n)[5], (*n)[6]);
   const double norm = q.norm();
-  // Typed with six digits or more, a unit quaternion has this length; what has not is a mistake.
+  // A unit quaternion typed with six digits has this length; a larger deviation is a mistake.
   constexpr double kTypedUnit = 1e-4;
   if (!(std::abs(norm - 1.0) <= kTypedUnit)) {
     return invalid_argument("--place",
-                            "the quaternion has length " + std::to_string(norm) + ", expected 1");
+                            "has a quaternion of length " + std::to_string(norm) + "; expected 1",
+                            "divide the quaternion by its length");
   }
   pose.rotation = norm == 1.0 ? q : Quat(q.normalized());
   pose.translation_m = {(*n)[0], (*n)[1], (*n)[2]};
@@ -95,7 +98,7 @@ Result<std::vector<SteadyMotion>> parse_moves(const std::vector<std::string>& te
   return motions;
 }
 
-// The name may hold dots, the key does not; neither does the value hold equals signs.
+// The name may contain dots, the key may not; the value may not contain equals signs.
 Result<std::vector<MaterialOverride>> parse_overrides(const std::vector<std::string>& texts) {
   std::vector<MaterialOverride> overrides;
   for (const std::string& text : texts) {
@@ -106,8 +109,8 @@ Result<std::vector<MaterialOverride>> parse_overrides(const std::vector<std::str
     const bool is_whole =
         dot != std::string::npos && dot > 0 && dot + 1 < equals && equals + 1 < text.size();
     if (!is_whole) {
-      return invalid_argument("--material", "\"" + text + "\" is not NAME.key=value",
-                              "for example wood.stiffness=800");
+      return invalid_argument("--material", "is \"" + text + "\"; expected NAME.key=value",
+                              "write for example wood.stiffness=800");
     }
     overrides.push_back(
         {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)});

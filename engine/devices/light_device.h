@@ -1,6 +1,6 @@
 #pragma once
 
-// The device that the program assumes where nobody describes another one.
+// The default device of the program.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// What a device reaches along each of its axes: the least of the three extents, m.
+// The smallest of the workspace's three extents, m: the device reaches this far along every axis.
 inline double workspace_extent_m(const DeviceDescription& device) {
   double least_m = device.workspace_high_m[0] - device.workspace_low_m[0];
   for (std::size_t k = 1; k < 3; ++k) {
@@ -24,9 +24,9 @@ inline void set_workspace_extent(DeviceDescription& device, double extent_m) {
   device.workspace_high_m.fill(0.5 * extent_m);
 }
 
-// A light desktop device, such as users have: a pantograph or a small parallel arm, driven over
-// cables, with optical encoders. No motor is described: which of its axes push is what a user
-// chooses, and no limit of their force is known.
+// A light desktop device: a pantograph or a small parallel arm, driven by cables, with optical
+// encoders. The description contains no motors: the user chooses the actuated axes, and their force
+// limit is unknown.
 inline DeviceDescription light_device() {
   DeviceDescription device;
   device.name = "light desktop device";

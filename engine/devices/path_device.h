@@ -1,6 +1,6 @@
 #pragma once
 
-// A device that is where a path says, tick by tick, and gives way to no force.
+// A device that follows a recorded path, one position per tick, and ignores forces.
 
 #include <span>
 
@@ -11,7 +11,7 @@ namespace palpate {
 
 class PathDevice final : public Device {
  public:
-  // Device frame, metres. The path must outlive the device. What is read beyond its end is invalid.
+  // path_m: device frame, metres; must outlive the device. Samples beyond its end are invalid.
   explicit PathDevice(std::span<const Vec3> path_m) : path_m_(path_m) {
     description_.name = "recorded path";
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// One writer's latest value, for any number of readers, without waiting.
+// The latest value of one writer, for any number of readers, without waiting.
 
 #include <array>
 #include <atomic>
@@ -10,18 +10,18 @@
 
 namespace palpate {
 
-// publish() is wait-free and never disturbed by readers. read() takes a bounded number of steps: it
-// copies the newest slot and checks that the writer has not come round to that slot meanwhile,
-// which takes it kSlots - 1 further values (63 ms at 1 kHz); if it has, read() tries once more.
+// publish() is wait-free and independent of readers. read() takes a bounded number of steps: it
+// copies the newest slot and checks that the writer has not reused the slot meanwhile. The writer
+// reuses a slot after kSlots - 1 further values (63 ms at 1 kHz); read() then tries once more.
 //
-// Every word is atomic, so there is no data race to reason away: release stores and acquire loads
-// order the words against the slot's stamp.
+// Every word is atomic, so no data race exists: release stores and acquire loads order the words
+// against the slot's stamp.
 template <typename T, std::size_t kSlots = 64>
 class SnapshotRing {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  // One thread only. Safe on the haptic thread.
+  // To be called by one thread only. Safe on the haptic thread.
   void publish(const T& value) noexcept {
     const std::uint64_t stamp = ++written_;
     Slot& slot = slots_[stamp % kSlots];
@@ -35,8 +35,8 @@ class SnapshotRing {
     latest_.store(stamp, std::memory_order_release);
   }
 
-  // The newest value. False if nothing was published yet, or if this thread was held up twice for
-  // as long as the writer takes for kSlots values; `value` is then unchanged.
+  // Copies the newest value. False, with `value` unchanged, if no value was published yet or if the
+  // thread was suspended twice while the writer published kSlots values.
   bool read(T& value) const noexcept {
     for (int attempt = 0; attempt < 2; ++attempt) {
       const std::uint64_t stamp = latest_.load(std::memory_order_acquire);
@@ -63,7 +63,7 @@ class SnapshotRing {
 
   std::array<Slot, kSlots> slots_{};
   std::atomic<std::uint64_t> latest_{0};
-  std::uint64_t written_ = 0;  // the writer's own
+  std::uint64_t written_ = 0;  // used by the writer only
 };
 
 }  // namespace palpate

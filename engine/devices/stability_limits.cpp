@@ -11,16 +11,17 @@
 namespace palpate {
 namespace {
 
-// Where the search for the limit begins, as a part of the limit to first order, and its stride.
-// What is unstable there is so for its damper, which is too much for the period.
+// Start of the search as a fraction of the first-order limit, and its factor. A loop that is
+// unstable at the start has too much damping for its period.
 constexpr double kFirstPart = 1e-4;
 constexpr double kStride = 1.1;
 
-// Halvings that take a stride down to the digits of double.
+// Halvings that reduce one step of the search to the precision of double.
 constexpr int kHalvings = 52;
 
-// A plant whose damper stops it within less than this part of a period is no device, and the
-// exponential of its matrix loses as many digits as that has: here half of them.
+// Smallest time constant m / b, in periods. The exponential of the plant's matrix loses as many
+// digits as this number has: here half of a double's digits. No device is that light for its
+// damping.
 constexpr double kLeastPart = 0x1p-26;
 
 struct Plant {
@@ -37,8 +38,8 @@ Plant plant_of(const DeviceMechanics& device) {
   return plant;
 }
 
-// One period of (x, v T, f T^2 / m): the plant under a force that is held, by the exponential of
-// its matrix. All are lengths, so that the entries are alike in size.
+// One period of the state (x, v T, f T^2 / m): the plant under a held force, by the matrix
+// exponential. All components are lengths, so the entries have similar magnitudes.
 Mat3 plant_step(const Plant& plant, double period_s) {
   const double per_N = period_s * period_s / plant.mass_kg;
   Mat3 rate;
@@ -48,7 +49,7 @@ Mat3 plant_step(const Plant& plant, double period_s) {
   return rate.exp();
 }
 
-// The search makes it once and closes the loop for many stiffnesses.
+// The discrete plant, computed once; the search closes the loop for many stiffnesses.
 class SampledLoop {
  public:
   SampledLoop(const DeviceMechanics& device, const ServoTiming& timing)
@@ -57,17 +58,17 @@ class SampledLoop {
         period_s_(timing.period_s),
         delay_ticks_(timing.delay_ticks) {}
 
-  // State: x, v T, x a tick before, and the forces on their way as f T^2 / m, the latest first. The
-  // force of a tick is -K x - B (x - x before) / T.
+  // State: x, v T, x of the previous tick, and the delayed forces as f T^2 / m, the latest first.
+  // The force of a tick is -K x - B (x - x_previous) / T.
   double spectral_radius(const CouplingSettings& coupling) const {
-    const double of_before = m_per_N_ * coupling.damping_Ns_per_m / period_s_;
-    const double of_now = -m_per_N_ * coupling.stiffness_N_per_m - of_before;
+    const double of_previous = m_per_N_ * coupling.damping_Ns_per_m / period_s_;
+    const double of_now = -m_per_N_ * coupling.stiffness_N_per_m - of_previous;
     Eigen::MatrixXd tick = Eigen::MatrixXd::Zero(3 + delay_ticks_, 3 + delay_ticks_);
     tick.topLeftCorner<2, 2>() = step_.topLeftCorner<2, 2>();
     tick(2, 0) = 1.0;
     const auto add_force = [&](Eigen::Index row, double gain) {
       tick(row, 0) += gain * of_now;
-      tick(row, 2) += gain * of_before;
+      tick(row, 2) += gain * of_previous;
     };
     if (delay_ticks_ == 0) {
       for (const int row : {0, 1}) add_force(row, step_(row, 2));
@@ -76,7 +77,7 @@ class SampledLoop {
       for (int d = 1; d < delay_ticks_; ++d) tick(3 + d, 2 + d) = 1.0;
       tick.block<2, 1>(0, 2 + delay_ticks_) = step_.block<2, 1>(0, 2);
     }
-    // Of numbers that overflow there are no eigenvalues, and what is said to be them is anything.
+    // The eigenvalues of a matrix with overflowed entries are meaningless.
     if (!tick.allFinite()) return std::numeric_limits<double>::infinity();
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(tick, /* computeEigenvectors = */ false);
     if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
@@ -91,7 +92,7 @@ class SampledLoop {
   int delay_ticks_;
 };
 
-// The first stiffness from 0 on that is not stable.
+// The smallest unstable stiffness, approached from below.
 double stable_limit(const SampledLoop& loop, double damping_Ns_per_m, double first_order_N_per_m) {
   double stable = 0.0;
   double unstable = kFirstPart * first_order_N_per_m;
@@ -137,7 +138,7 @@ std::optional<Error> check(const Checked& number) {
   return Error{ErrorCode::kInvalidArgument, "", number.name,
                "is " + std::to_string(number.value) + "; expected a finite number " +
                    (number.may_be_zero ? "of at least 0" : "above 0"),
-               "SI units"};
+               "state the value in SI units"};
 }
 
 std::optional<Error> check_all(const DeviceMechanics& device, double coupling_damping_Ns_per_m,
@@ -160,7 +161,7 @@ std::optional<Error> check_all(const DeviceMechanics& device, double coupling_da
   return Error{ErrorCode::kInvalidArgument, "", "delay",
                "is " + std::to_string(timing.delay_ticks) + " ticks; expected 0 to " +
                    std::to_string(ServoTiming::kMostDelayTicks),
-               ""};
+               "state the delay in whole ticks"};
 }
 
 }  // namespace
@@ -189,10 +190,10 @@ Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
   const Plant plant = plant_of(device);
   if (!(plant.mass_kg >= kLeastPart * plant.damping_Ns_per_m * timing.period_s)) {
     return Error{ErrorCode::kInvalidArgument, "", "mass",
-                 "is too little for the damping: it is stopped within 2^-26 of a period",
-                 "give the mass and the damping of the device at its tip, in SI units"};
+                 "is too small for the damping, which stops it within 2^-26 of a period",
+                 "state the mass and the damping of the device at its tip, in SI units"};
   }
-  // How old a held force is on average.
+  // Mean age of the held force.
   const double held_s = (0.5 + timing.delay_ticks) * timing.period_s;
   StabilityLimits limits;
   find_passive(device, coupling_damping_Ns_per_m, held_s, limits);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A device by two calls, for what is simulated: position out, force in, as vectors.
+// Base class of simulated devices: two functions exchange position and force as vectors.
 
 #include <cstdint>
 #include <utility>
@@ -15,7 +15,7 @@ class VectorDevice : public Device {
   explicit VectorDevice(DeviceDescription description = {})
       : description_(std::move(description)) {}
 
-  // Position in the device frame, metres. dt_s: since the last call, nominal.
+  // Position in the device frame, metres. dt_s: nominal time since the previous call.
   virtual Vec3 read_position_m(double dt_s) noexcept = 0;
   // Force on the hand in the device frame, newtons, held until the next call.
   virtual void command_force_N(const Vec3& force_device) noexcept = 0;

@@ -1,4 +1,4 @@
-// The program as a user or a script meets it: exit codes, what goes to stdout and stderr, files.
+// The program as a user or a script runs it: exit codes, stdout, stderr and files.
 // Needs PALPATE_PROGRAM, the program, and PALPATE_MODELS_DIR, the folder of the models.
 
 #include <algorithm>
@@ -45,12 +45,12 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 class CommandLine : public testing::Test {
  protected:
-  // stdout_path: where its output goes instead.
+  // stdout_path: redirects stdout.
   Outcome call(std::vector<std::string> arguments, const std::string& stdout_path = {}) const {
     return test::run_program(folder, std::move(arguments), stdout_path);
   }
 
-  // The same by a shell, as `palpate ... >&-`.
+  // Runs the program in a shell, as `palpate ... >&-`.
   Outcome call_with_output_closed(const std::vector<std::string>& arguments) const {
     const std::string err = folder.path("stderr");
     std::string line = "cd '" + folder.path() + "' && '" PALPATE_PROGRAM "'";
@@ -89,7 +89,7 @@ class CommandLine : public testing::Test {
     EXPECT_TRUE(o.exit_code == 0 || o.exit_code == 3) << o.err;
     return o;
   }
-  // A run whose time is too short to get round.
+  // A run whose time is too short for the whole contour.
   Outcome expect_not_comparable(const std::vector<std::string>& arguments) const {
     return expect_done(arguments, 3);
   }
@@ -124,7 +124,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
   return rows;
 }
 
-// Of a trace, without the columns that the clock fills.
+// A trace without the columns of measured times.
 std::string without_times(const std::string& csv) {
   std::string text;
   std::vector<bool> is_time;
@@ -171,7 +171,7 @@ const std::vector<std::string> kSummaryKeys{"ticks",
 
 // ---- help and version --------------------------------------------------------------------------
 
-TEST_F(CommandLine, TellsItsVersion) {
+TEST_F(CommandLine, PrintsItsVersion) {
   const Outcome o = expect_done({"--version"});
   EXPECT_TRUE(std::regex_match(o.out, std::regex("palpate [0-9]+\\.[0-9]+\\.[0-9]+\n"))) << o.out;
   EXPECT_EQ(o.err, "");
@@ -184,32 +184,32 @@ TEST_F(CommandLine, NamesItsCommandsInTheHelp) {
   }
 }
 
-// An option, and what its line of help must say: the unit, or the choices.
-struct Told {
+// An option, and a part of its help: the unit, or the choices.
+struct OptionHelp {
   const char* option;
   const char* says;
 };
 
-const std::vector<Told> kSharedOptions{{"--sensors", "2 or 3"},
-                                       {"--actuators", "axes"},
-                                       {"--actuated-axes", "0 0 1"},
-                                       {"--force", "none,actuated,full"},
-                                       {"--rate", "Hz"},
-                                       {"--stiffness", "N/m"},
-                                       {"--damping", "N s/m"},
-                                       {"--velocity-estimator", "difference,line,adaptive"},
-                                       {"--velocity-window", "ticks"},
-                                       {"--encoder-quantum", " m"},
-                                       {"--radius", " m"},
-                                       {"--plane-height", " m"},
-                                       {"--place", "x y z qw qx qy qz"},
-                                       {"--table1", "corrected"},
-                                       {"--a4-step", "exact"},
-                                       {"--json", "JSON"},
-                                       {"--a4", "on,off"},
-                                       {"--material", "NAME.key=value"},
-                                       {"--pose", "NAME@SECONDS"},
-                                       {"--effect-times", "share"}};
+const std::vector<OptionHelp> kSharedOptions{{"--sensors", "2 or 3"},
+                                             {"--actuators", "axes"},
+                                             {"--actuated-axes", "0 0 1"},
+                                             {"--force", "none,actuated,full"},
+                                             {"--rate", "Hz"},
+                                             {"--stiffness", "N/m"},
+                                             {"--damping", "N s/m"},
+                                             {"--velocity-estimator", "difference,line,adaptive"},
+                                             {"--velocity-window", "ticks"},
+                                             {"--encoder-quantum", " m"},
+                                             {"--radius", " m"},
+                                             {"--plane-height", " m"},
+                                             {"--place", "x y z qw qx qy qz"},
+                                             {"--table1", "corrected"},
+                                             {"--a4-step", "exact"},
+                                             {"--json", "JSON"},
+                                             {"--a4", "on,off"},
+                                             {"--material", "NAME.key=value"},
+                                             {"--pose", "NAME@SECONDS"},
+                                             {"--effect-times", "share"}};
 
 // The part of a help text about an option: its line and the continuation of it.
 std::string help_of(const std::string& help, const std::string& option) {
@@ -221,40 +221,41 @@ std::string help_of(const std::string& help, const std::string& option) {
   return std::regex_search(rest, next, std::regex("\n  -")) ? next.prefix().str() : rest;
 }
 
-void expect_told(const std::string& help, const std::vector<Told>& options) {
-  for (const Told& told : options) {
-    const std::string text = help_of(help, told.option);
-    EXPECT_FALSE(text.empty()) << told.option << " is not in the help";
-    EXPECT_NE(text.find(told.says), std::string::npos) << told.says << " is not in: " << text;
+void expect_help(const std::string& help, const std::vector<OptionHelp>& options) {
+  for (const OptionHelp& expected : options) {
+    const std::string text = help_of(help, expected.option);
+    EXPECT_FALSE(text.empty()) << expected.option << " is not in the help";
+    EXPECT_NE(text.find(expected.says), std::string::npos)
+        << expected.says << " is not in: " << text;
   }
 }
 
-TEST_F(CommandLine, TellsEveryOptionWithItsUnit) {
+TEST_F(CommandLine, DescribesEveryOptionWithItsUnit) {
   const Outcome run = expect_done({"run", "--help"});
-  expect_told(run.out, kSharedOptions);
-  expect_told(run.out, {{"--seconds", " s"},
+  expect_help(run.out, kSharedOptions);
+  expect_help(run.out, {{"--seconds", " s"},
                         {"--seed", "seed"},
                         {"--virtual", "simulated time"},
                         {"--workspace", " m"},
                         {"--out", "folder"},
                         {"--a4", "compare"}});
   const Outcome replayed = expect_done({"replay", "--help"});
-  expect_told(replayed.out, kSharedOptions);
-  expect_told(replayed.out, {{"--trajectory", "metres"}, {"--out", "CSV"}, {"--repeat", "passes"}});
+  expect_help(replayed.out, kSharedOptions);
+  expect_help(replayed.out, {{"--trajectory", "metres"}, {"--out", "CSV"}, {"--repeat", "passes"}});
   const Outcome info = expect_done({"info", "--help"});
-  expect_told(info.out, {{"--json", "JSON"}});
+  expect_help(info.out, {{"--json", "JSON"}});
 }
 
-TEST_F(CommandLine, TellsTheDefaultsOfTheTwoCommands) {
+TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
   const std::string run = expect_done({"run", "--help"}).out;
   const std::string replayed = expect_done({"replay", "--help"}).out;
   // CLI11 2.4 prints a default as "[2]", older versions as "=2".
   const auto expect_default = [](const std::string& help, const char* option,
                                  const std::string& value) {
     const std::string text = help_of(help, option);
-    const bool is_told = text.find(value) != std::string::npos ||
-                         text.find("[" + value.substr(1) + "]") != std::string::npos;
-    EXPECT_TRUE(is_told) << text;
+    const bool is_stated = text.find(value) != std::string::npos ||
+                           text.find("[" + value.substr(1) + "]") != std::string::npos;
+    EXPECT_TRUE(is_stated) << text;
   };
   expect_default(run, "--sensors", "=2");
   expect_default(run, "--actuators", "[1");
@@ -274,7 +275,7 @@ TEST_F(CommandLine, TellsTheDefaultsOfTheTwoCommands) {
 
 // ---- bad arguments -----------------------------------------------------------------------------
 
-TEST_F(CommandLine, RefusesWhatItDoesNotKnow) {
+TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
   expect_refused({}, {"subcommand"});
   expect_refused({"feel"}, {"feel"});
@@ -293,7 +294,7 @@ TEST_F(CommandLine, RefusesWhatItDoesNotKnow) {
   expect_refused(replay({"--place", ""}), {"--place"});
 }
 
-TEST_F(CommandLine, RefusesDevicesThatMakeNoSense) {
+TEST_F(CommandLine, RefusesImpossibleDevices) {
   write_path();
   expect_refused(replay({"--sensors", "1", "--actuators", "1"}), {"sensors", "1"});
   expect_refused(replay({"--sensors", "1", "--actuators", "0"}), {"sensors", "1"});
@@ -306,7 +307,7 @@ TEST_F(CommandLine, RefusesDevicesThatMakeNoSense) {
   expect_refused({"run", kStar, "--actuators", "3"}, {"actuators"});
 }
 
-TEST_F(CommandLine, RefusesActuatedAxesThatMakeNoSense) {
+TEST_F(CommandLine, RefusesInvalidActuatedAxes) {
   write_path();
   const auto expect = [&](const char* axes, const std::vector<std::string>& more,
                           const std::vector<std::string>& names) {
@@ -327,7 +328,7 @@ TEST_F(CommandLine, RefusesActuatedAxesThatMakeNoSense) {
   expect("0 1 0", {"--actuators", "2"}, {"--actuators", "2"});
 }
 
-TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
+TEST_F(CommandLine, RefusesNumbersOutOfRange) {
   write_path();
   for (const char* option : {"--rate", "--stiffness", "--damping", "--radius"}) {
     for (const char* value : {"nan", "inf", "-1", "1e999"}) {
@@ -341,7 +342,7 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
     expect_refused(replay({"--rate", slow}), {"--rate", "at least 1"});
   }
   expect_done(replay({"--rate", "1"}));
-  // What no double holds the force of, or no index the sphere.
+  // The force overflows a double, or the sphere exceeds the index.
   expect_refused(replay({"--stiffness", "1e300"}), {"--stiffness", "overflows"});
   expect_refused(replay({"--damping", "1e300"}), {"--damping", "overflows"});
   expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--stiffness", "1e300"},
@@ -363,9 +364,9 @@ TEST_F(CommandLine, RefusesNumbersThatMakeNoSense) {
   }
 }
 
-// Digits and nothing else: what the option would take for another number, or for the largest that
-// it knows, is refused by name, with what was expected.
-TEST_F(CommandLine, RefusesCountsThatAreNotWrittenInDigits) {
+// Only decimal digits: a text that another parser would read as a different number, or clamp, is an
+// error that names the option and the range.
+TEST_F(CommandLine, RefusesIntegersThatAreNotWrittenInDigits) {
   write_path();
   const std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "2"};
   const std::vector<std::string> bad{"-1",    "+1",
@@ -383,8 +384,7 @@ TEST_F(CommandLine, RefusesCountsThatAreNotWrittenInDigits) {
     for (const std::string& value : bad) {
       std::vector<std::string> arguments = command;
       arguments.insert(arguments.end(), {option, value});
-      expect_refused(arguments,
-                     {option, "given, expected a whole number", range, value.substr(0, 40)});
+      expect_refused(arguments, {option, "expected a whole number", range, value.substr(0, 40)});
     }
   };
   expect(run, "--seed", "from 0 to 18446744073709551615");
@@ -401,7 +401,7 @@ TEST_F(CommandLine, RefusesCountsThatAreNotWrittenInDigits) {
   expect_run(largest);
 }
 
-TEST_F(CommandLine, TakesLeadingZerosAsDecimal) {
+TEST_F(CommandLine, ReadsLeadingZerosAsDecimal) {
   write_path();
   const auto trace = [&](const char* window) {
     expect_done(
@@ -411,7 +411,7 @@ TEST_F(CommandLine, TakesLeadingZerosAsDecimal) {
   EXPECT_EQ(trace("010"), trace("10")) << "an octal number";
 }
 
-TEST_F(CommandLine, RefusesRealNumbersThatAreNoneOrNotFinite) {
+TEST_F(CommandLine, RefusesInvalidAndInfiniteRealNumbers) {
   write_path();
   const std::vector<std::string> run{"run", kStar, "--virtual"};
   const std::vector<std::string> accuracy{"accuracy", kStar, "--quick"};
@@ -423,7 +423,7 @@ TEST_F(CommandLine, RefusesRealNumbersThatAreNoneOrNotFinite) {
           "+-1", "--1",  ".",     "e5",     "1'000",    "one"}) {
       std::vector<std::string> arguments = command;
       arguments.push_back(std::string(option) + "=" + value);
-      expect_refused(arguments, {option, "given, expected a finite number" + range, value});
+      expect_refused(arguments, {option, "expected a finite number" + range, value});
     }
   };
   for (const char* option : {"--rate", "--stiffness", "--damping", "--radius", "--plane-height",
@@ -444,13 +444,13 @@ TEST_F(CommandLine, RefusesRealNumbersThatAreNoneOrNotFinite) {
   }
 }
 
-TEST_F(CommandLine, RefusesOptionsWithNothingAfterTheEqualsSign) {
-  expect_refused({"run", kStar, "--out=", "--virtual"}, {"--out", "nothing given"});
-  expect_refused({"run", kStar, "--seed=", "5"}, {"--seed", "nothing given"});
+TEST_F(CommandLine, RefusesEmptyValuesAfterTheEqualsSign) {
+  expect_refused({"run", kStar, "--out=", "--virtual"}, {"--out", "empty value"});
+  expect_refused({"run", kStar, "--seed=", "5"}, {"--seed", "empty value"});
   expect_refused({"run", kStar, "--seed=5", "--seed", "5"}, {"--seed"});
 }
 
-TEST_F(CommandLine, RefusesVelocitiesThatMakeNoSense) {
+TEST_F(CommandLine, RefusesInvalidVelocityEstimators) {
   write_path();
   for (const char* window : {"0", "-1", "64", "2.5", "long", "99999999999"}) {
     expect_refused(replay({"--velocity-window", window}), {"--velocity-window"});
@@ -464,7 +464,7 @@ TEST_F(CommandLine, RefusesVelocitiesThatMakeNoSense) {
   expect_refused({"run", kStar, "--virtual", "--velocity-window", "64"}, {"--velocity-window"});
 }
 
-TEST_F(CommandLine, RefusesRunsThatMakeNoSense) {
+TEST_F(CommandLine, RefusesInvalidRunSettings) {
   const auto expect = [&](const std::vector<std::string>& more,
                           const std::vector<std::string>& names) {
     std::vector<std::string> arguments{"run", kStar, "--virtual"};
@@ -540,7 +540,7 @@ TEST_F(CommandLine, RefusesToWriteWhereItCannot) {
 
 TEST_F(CommandLine, RefusesToWriteWhereItMayNot) {
   write_path();
-  // Nobody makes a file in /proc, root included.
+  // No user can create a file in /proc, not even root.
   expect_refused(replay({"--out", "/proc/trace.csv"}), {"/proc/trace.csv"});
   expect_refused({"run", kStar, "--virtual", "--out", "/proc/out"}, {"/proc/out"});
   expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", "/proc"}, {"/proc"});
@@ -570,7 +570,7 @@ std::vector<std::string> files_in(const std::string& folder) {
   return sorted(names);
 }
 
-TEST_F(CommandLine, LeavesWhatWasThereWhenADiskIsFull) {
+TEST_F(CommandLine, KeepsOlderFilesWhenADiskIsFull) {
   write_path();
   const std::vector<std::string> names{"a4_step.svg", "raw.csv", "trace-off.csv", "trace-on.csv"};
   for (const std::string& name : names) folder.write("out/" + name, "old");
@@ -588,7 +588,7 @@ TEST_F(CommandLine, LeavesWhatWasThereWhenADiskIsFull) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("new")));
 }
 
-TEST_F(CommandLine, RemovesItsOlderResultsAndNothingElse) {
+TEST_F(CommandLine, RemovesItsOlderResultsAndNoOtherFile) {
   const std::vector<std::string> others{"notes.txt", "raw.csv", "trace-on.csv.bak"};
   for (const std::string& name : others) folder.write("out/" + name, "mine");
   const std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "2", "--out", "out"};
@@ -622,7 +622,7 @@ TEST_F(CommandLine, LeavesNoFolderOfACommandThatFailed) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("a")));
 }
 
-TEST_F(CommandLine, LeavesWhatWasThereWhenNobodyCanBeToldOfIt) {
+TEST_F(CommandLine, KeepsOlderFilesWhenItsOutputCannotBeWritten) {
   write_path();
   folder.write("out/trace-off.csv", "old");
   for (const char* output : {"/dev/full", ""}) {
@@ -632,23 +632,22 @@ TEST_F(CommandLine, LeavesWhatWasThereWhenNobodyCanBeToldOfIt) {
           replay({"--out", "out/trace-off.csv"})}) {
       const Outcome o = *output ? call(arguments, output) : call_with_output_closed(arguments);
       EXPECT_EQ(o.exit_code, 2);
-      EXPECT_EQ(o.err,
-                "palpate: standard output: cannot be written (check where it goes and the space "
-                "left)\n");
+      EXPECT_EQ(
+          o.err,
+          "palpate: standard output: cannot be written (check its target and the free space)\n");
       EXPECT_EQ(files_in(folder.path("out")), std::vector<std::string>{"trace-off.csv"});
       EXPECT_EQ(content_of(folder.path("out/trace-off.csv")), "old");
     }
   }
 }
 
-TEST_F(CommandLine, TellsWhenItsOutputGetsLost) {
+TEST_F(CommandLine, ReportsLostOutput) {
   const Outcome o = call({"info", kStar}, "/dev/full");
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
 }
 
-// ---- part, size and motion of a scene
-// ------------------------------------------------------------
+// ---- part, size and motion of a scene ----------------------------------------------------------
 
 TEST_F(CommandLine, ListsTheNodesOfAScene) {
   EXPECT_EQ(expect_done({"info", kStar, "--list"}).out,
@@ -673,7 +672,7 @@ TEST_F(CommandLine, LoadsAPartInAnySize) {
   EXPECT_EQ(extent({"--node", "#0"}), as_it_is);
 }
 
-TEST_F(CommandLine, RefusesPartsAndSizesThatAreNone) {
+TEST_F(CommandLine, RefusesUnknownNodesAndInvalidSizes) {
   expect_refused({"info", kCube, "--node", "sphere"}, {kCube, "sphere", "--list"});
   for (const char* size : {"0", "-1", "nan", "inf", "1e-400"}) {
     expect_refused({"info", kCube, "--scale", size}, {"--scale"});
@@ -682,7 +681,7 @@ TEST_F(CommandLine, RefusesPartsAndSizesThatAreNone) {
   expect_refused({"info", kCube, "--fit", "1", "--scale", "1"}, {"--fit", "--scale"});
 }
 
-// A triangle whose node goes from x = 0 to 4 within two seconds, and another clip.
+// A triangle whose node moves from x = 0 to 4 within two seconds, and another clip.
 GltfBuilder moving_triangle() {
   GltfBuilder gltf = GltfBuilder::one_triangle();
   const auto clip = [&](const char* name, float x) {
@@ -737,7 +736,7 @@ TEST_F(CommandLine, PosesASceneByOneAnimationAtOneTime) {
             std::string::npos);
 }
 
-TEST_F(CommandLine, RefusesPosesThatAreNone) {
+TEST_F(CommandLine, RefusesInvalidPoses) {
   const std::string path = moving_triangle().write_glb(folder);
   for (const char* pose : {"Go", "Go@", "Go@x", "Go@-1", "Go@nan", "@1", "Went@0", "#2@0"}) {
     expect_refused({"info", path, "--pose", pose}, {pose, "#0 \"Go\" of 2 s, #1 \"Jump\" of 2 s"});
@@ -765,7 +764,7 @@ TEST_F(CommandLine, MovesNodesTheSameWayEveryTime) {
   EXPECT_EQ(trace({"--move", "star=0 0 0 0 0 0"}), resting);
 }
 
-TEST_F(CommandLine, DampsByTheVelocityThatIsAskedFor) {
+TEST_F(CommandLine, DampsByTheChosenVelocityEstimator) {
   write_path();
   const auto trace = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments =
@@ -786,7 +785,7 @@ TEST_F(CommandLine, DampsByTheVelocityThatIsAskedFor) {
   EXPECT_EQ(trace({"--velocity-window", "1", "--velocity-estimator", "line"}), one_tick);
 }
 
-TEST_F(CommandLine, RefusesMotionsThatAreNone) {
+TEST_F(CommandLine, RefusesInvalidMotions) {
   write_path();
   for (const char* move : {"star", "star=", "star=1 2 3", "=0 0 0 0 0 0", "star=0 0 0 0 0 x",
                            "star=0 0 0 0 0 0 0", "star=0 0 0 0 0 inf"}) {
@@ -797,7 +796,7 @@ TEST_F(CommandLine, RefusesMotionsThatAreNone) {
 
 // ---- info --------------------------------------------------------------------------------------
 
-TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
+TEST_F(CommandLine, DescribesASceneInJson) {
   const Outcome o = expect_done({"info", kCube, "--json"});
   EXPECT_EQ(o.err, "");
   const json info = json::parse(o.out);
@@ -851,7 +850,7 @@ TEST_F(CommandLine, TellsWhatASceneIsMadeOf) {
   EXPECT_EQ(info["memory_bytes"], sum);
 }
 
-TEST_F(CommandLine, TellsWhatMaterialsDeclare) {
+TEST_F(CommandLine, PrintsTheParametersOfMaterials) {
   GltfBuilder gltf = GltfBuilder::one_triangle();
   gltf.json["materials"] = {
       {{"name", "a \"b\"\n"},
@@ -885,7 +884,7 @@ GltfBuilder triangle_of(const json& palpate) {
   return gltf;
 }
 
-TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
+TEST_F(CommandLine, ReportsAppliedAndIgnoredValues) {
   GltfBuilder gltf = triangle_of({{"staticFriction", 0.5}, {"restitution", 0.0}, {"hue", 3}});
   gltf.json["extensionsUsed"] = {"KHR_physics_rigid_bodies"};
   gltf.json["extensions"]["KHR_physics_rigid_bodies"]["physicsMaterials"] = {
@@ -899,31 +898,31 @@ TEST_F(CommandLine, TellsWhatBecameOfEachDeclaredValue) {
   const json& wood = info["materials"][0];
   EXPECT_EQ(wood["effects"], json({"friction", "stiffness"}));
   EXPECT_EQ(wood["parameters"]["stiffness"], 800);
-  std::vector<std::string> told;
+  std::vector<std::string> values;
   for (const json& h : wood["honoured"]) {
-    told.push_back(h["key"].get<std::string>() + " " + h["value"].dump() + " " +
-                   h["unit"].get<std::string>() + " " + h["source"].get<std::string>() +
-                   (h["off"] ? " off" : ""));
+    values.push_back(h["key"].get<std::string>() + " " + h["value"].dump() + " " +
+                     h["unit"].get<std::string>() + " " + h["source"].get<std::string>() +
+                     (h["off"] ? " off" : ""));
   }
-  std::sort(told.begin(), told.end());
-  EXPECT_EQ(told, (std::vector<std::string>{"dynamicFriction 0.4  KHR_physics_rigid_bodies",
-                                            "restitution 0.0  extras.palpate off",
-                                            "staticFriction 0.5  extras.palpate",
-                                            "stiffness 800.0 N/m --material"}));
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(values, (std::vector<std::string>{"dynamicFriction 0.4  KHR_physics_rigid_bodies",
+                                              "restitution 0.0  extras.palpate off",
+                                              "staticFriction 0.5  extras.palpate",
+                                              "stiffness 800.0 N/m --material"}));
   ASSERT_EQ(wood["not_understood"].size(), 1u);
   EXPECT_EQ(wood["not_understood"][0]["element"], "/materials/0/extras/palpate/hue");
   const std::string text = expect_done({"info", path}).out;
   for (const char* line :
-       {"    honoured: ", "staticFriction 0.5 (extras.palpate)",
+       {"    applied: ", "staticFriction 0.5 (extras.palpate)",
         "restitution 0.0 (extras.palpate, off)", "dynamicFriction 0.4 (KHR_physics_rigid_bodies)",
-        "    not understood: hue 3.0", "  effects: friction\n"}) {
+        "    ignored: hue 3.0", "  effects: friction\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << " is not in " << text;
   }
   EXPECT_GT(info["memory"]["effects"], 0);
 }
 
-// What is refused is told in one line, whatever else there is to say.
-TEST_F(CommandLine, WarnsOfWhatWasNotUnderstoodWhenNothingIsRefused) {
+// An error is one line: warnings are printed only if no error occurs.
+TEST_F(CommandLine, WarnsOfIgnoredKeysUnlessAnErrorOccurs) {
   GltfBuilder gltf = triangle_of({{"hue", 3}});
   const std::string path = gltf.write_glb(folder);
   const std::string trajectory = folder.write("path.txt", "0.2 0.2 0.1\n0.2 0.2 -0.1\n");
@@ -943,7 +942,7 @@ TEST_F(CommandLine, WarnsOfWhatWasNotUnderstoodWhenNothingIsRefused) {
                  {"--plane-height"});
 }
 
-TEST_F(CommandLine, TakesPhysicsMaterialsThatWriteOneCoefficient) {
+TEST_F(CommandLine, CompletesPhysicsMaterialsThatStateOneCoefficient) {
   GltfBuilder gltf = triangle_of(json::object());
   gltf.json["extensionsUsed"] = {"KHR_physics_rigid_bodies"};
   gltf.json["extensions"]["KHR_physics_rigid_bodies"]["physicsMaterials"] = {
@@ -961,7 +960,7 @@ TEST_F(CommandLine, TakesPhysicsMaterialsThatWriteOneCoefficient) {
   EXPECT_EQ(off["effects"], json::array());
 }
 
-TEST_F(CommandLine, TellsDefaultsThatItTook) {
+TEST_F(CommandLine, ReportsTheDefaultsInUse) {
   const std::string path = triangle_of({{"restitution", 0.5}}).write_glb(folder);
   const json info = json::parse(expect_done({"info", path, "--json"}).out);
   EXPECT_EQ(info["materials"][0]["defaulted"],
@@ -969,7 +968,7 @@ TEST_F(CommandLine, TellsDefaultsThatItTook) {
                   {{"key", "impactDuration"}, {"value", 0.005}, {"unit", "s"}}}));
 }
 
-TEST_F(CommandLine, RefusesMaterialsThatMakeNoSense) {
+TEST_F(CommandLine, RefusesInvalidMaterialValues) {
   const std::string good = triangle_of({{"stiffness", 500}}).write_glb(folder);
   expect_refused({"info", good, "--material", "wood.1.stiffness=-1"},
                  {"--material wood.1.stiffness", "wood.1", "stiffness is -1", "1e+06 N/m"});
@@ -997,7 +996,7 @@ TEST_F(CommandLine, RefusesMaterialsThatMakeNoSense) {
                  {bad, "/materials/0/extras/palpate/magnetForce", "wood.1", "magnetRange"});
 }
 
-TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsFelt) {
+TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsActive) {
   const std::string scene =
       triangle_of({{"stiffness", 500}, {"dynamicFriction", 0.2}, {"staticFriction", 0.3}})
           .write_glb(folder);
@@ -1022,15 +1021,15 @@ TEST_F(CommandLine, CountsTheTicksInWhichAnEffectIsFelt) {
   EXPECT_GT(timed["effects"]["a4"]["ticks"], 0);
   EXPECT_LE(timed["effects"]["a4"]["ticks"], timed["contact_ticks"]);
   const std::string text = expect_done({"replay", scene, "--trajectory", file}).out;
-  EXPECT_NE(text.find("friction felt in " + plain["contact_ticks"].dump() + " ticks\n"),
+  EXPECT_NE(text.find("friction active in " + plain["contact_ticks"].dump() + " ticks\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("A4 turned the scene in 0 ticks"), std::string::npos) << text;
 }
 
-// Pressed to 49 mm, the hand goes sideways in steps of 4 mm: it sticks to 14.7 mm and slides on
+// Pressed to 49 mm, the hand moves sideways in steps of 4 mm: it sticks to 14.7 mm and slides on
 // from there, at 0.2 of the normal force.
-TEST_F(CommandLine, TellsInTheTraceWhetherAContactSticksOrSlides) {
+TEST_F(CommandLine, WritesToTheTraceWhetherAContactSticksOrSlides) {
   const std::string scene =
       triangle_of({{"dynamicFriction", 0.2}, {"staticFriction", 0.3}}).write_glb(folder);
   std::ostringstream path;
@@ -1063,7 +1062,7 @@ TEST_F(CommandLine, CountsTheTrianglesOfEveryNode) {
   EXPECT_NE(info["warnings"][0].get<std::string>().find("vanished"), std::string::npos);
 }
 
-TEST_F(CommandLine, TellsPeopleWhatASceneIsMadeOf) {
+TEST_F(CommandLine, DescribesASceneAsText) {
   const Outcome o = expect_done({"info", kStar});
   EXPECT_NE(o.out.find("36 of 36"), std::string::npos) << o.out;
   EXPECT_NE(o.out.find("extent"), std::string::npos);
@@ -1101,7 +1100,7 @@ TEST_F(CommandLine, ReplaysATrajectoryIntoATraceOfTheAgreedColumns) {
   EXPECT_EQ(rows[1][2], "0.1195") << "17 significant digits are those the number needs";
 }
 
-// The columns against each other, in the frames and units they are told in.
+// The columns agree with each other in their frames and units.
 TEST_F(CommandLine, WritesTracesThatAddUp) {
   write_path();
   const double turn = std::sqrt(0.5);  // the scene lies turned by 90 deg: x_device = -y_scene
@@ -1140,7 +1139,7 @@ TEST_F(CommandLine, WritesTracesThatAddUp) {
   EXPECT_GT(contact_ticks, 50);
 }
 
-TEST_F(CommandLine, GivesTheSameTraceEveryTimeButForTheClock) {
+TEST_F(CommandLine, WritesTheSameTraceEveryTimeExceptMeasuredTimes) {
   write_path();
   const std::vector<std::vector<std::string>> ways{
       {}, {"--sensors", "2", "--actuators", "1", "--a4", "on", "--damping", "2"}};
@@ -1157,7 +1156,7 @@ TEST_F(CommandLine, GivesTheSameTraceEveryTimeButForTheClock) {
   }
 }
 
-TEST_F(CommandLine, SumsAReplayUpInJson) {
+TEST_F(CommandLine, SummarisesAReplayInJson) {
   write_path();
   const Outcome o = expect_done(replay({"--json", "--out", folder.path("trace.csv")}));
   EXPECT_EQ(o.err, "");
@@ -1191,7 +1190,7 @@ TEST_F(CommandLine, SumsAReplayUpInJson) {
   EXPECT_EQ(summary["effects"], json({{"a4", {{"ticks", 0}}}}));
 }
 
-TEST_F(CommandLine, SumsAReplayUpForPeople) {
+TEST_F(CommandLine, SummarisesAReplayAsText) {
   write_path();
   const std::string out = expect_done(replay({})).out;
   for (const char* what : {"ticks 250", "penetration", "contact angle", "work", "faults: none"}) {
@@ -1199,7 +1198,7 @@ TEST_F(CommandLine, SumsAReplayUpForPeople) {
   }
 }
 
-TEST_F(CommandLine, TakesNanAndInfAsSamplesThatAreFaults) {
+TEST_F(CommandLine, RecordsNanAndInfSamplesAsFaults) {
   folder.write("path.txt", "0.12 0 0\n0.05 0 0\nnan 0 0\n0.05 0 0\n0 inf 0\n0.04 0 0\n");
   const auto arguments = replay({"--json", "--out", folder.path("trace.csv")});
   const json summary = json::parse(expect_done(arguments).out);
@@ -1218,7 +1217,7 @@ TEST_F(CommandLine, TakesNanAndInfAsSamplesThatAreFaults) {
   }
 }
 
-// Faults are told by name: summed up, and of each tick in the trace.
+// The summary counts faults by name; the trace names the faults of each tick.
 TEST_F(CommandLine, NamesTheFaultsOfEachTick) {
   folder.write("path.txt", "0.12 0 0\n0.05 0 0\n1e30 0 0\nnan 0 0\n-3 0 0\n0.05 0 0\n");
   const auto arguments = replay({"--json", "--out", folder.path("trace.csv")});
@@ -1244,7 +1243,8 @@ TEST_F(CommandLine, ReadsTrajectoriesWithHeaderTimesAndComments) {
   EXPECT_EQ(summary["ticks"], 3);
 }
 
-// All of a trace but the clock: device, goal, proxy, normal, force, pose, friction, faults.
+// Compares all columns except measured times: device, goal, proxy, normal, force, pose, friction,
+// faults.
 TEST_F(CommandLine, ReplaysTheTraceOfARunToTheSameTrace) {
   const std::vector<std::vector<std::string>> devices{
       {"--sensors", "2", "--actuators", "1", "--damping", "2"},
@@ -1277,7 +1277,7 @@ TEST_F(CommandLine, ReplaysTheFaultsOfATrace) {
             without_times(content_of(folder.path("first.csv"))));
 }
 
-TEST_F(CommandLine, TakesTheTimeStepFromTheRateAndNotFromTheFile) {
+TEST_F(CommandLine, UsesTheTimeStepOfTheRateAndNotOfTheFile) {
   folder.write("path.txt", "0 0.12 0 0\n5 0.11 0 0\n7 0.1 0 0\n");
   expect_done(replay({"--rate", "4000", "--out", folder.path("trace.csv")}));
   const auto rows = rows_of(content_of(folder.path("trace.csv")));
@@ -1286,7 +1286,7 @@ TEST_F(CommandLine, TakesTheTimeStepFromTheRateAndNotFromTheFile) {
   EXPECT_EQ(rows[2][1], "0.00050000000000000001");
 }
 
-TEST_F(CommandLine, TakesActuatedAxesInPlaceOfTheirNumber) {
+TEST_F(CommandLine, AcceptsActuatedAxesInPlaceOfTheirNumber) {
   write_path();
   const auto trace = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--out", folder.path("trace.csv"), "--a4", "on"});
@@ -1299,8 +1299,8 @@ TEST_F(CommandLine, TakesActuatedAxesInPlaceOfTheirNumber) {
   EXPECT_NE(trace({"--sensors", "2", "--actuated-axes", "0 1 0"}), counted);
 }
 
-// Work with force held over a tick, from the traces: what --force commands and what it leaves out.
-TEST_F(CommandLine, CommandsTheForceThatWasAskedFor) {
+// --force none, actuated and full command no force, its actuated part, and all of it.
+TEST_F(CommandLine, CommandsTheChosenForce) {
   write_path();
   const auto forces = [&](const char* force) {
     expect_done(replay({"--sensors", "2", "--actuators", "1", "--force", force, "--out",
@@ -1324,7 +1324,7 @@ TEST_F(CommandLine, CommandsTheForceThatWasAskedFor) {
 
 TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
   write_path();
-  std::ostringstream moved;  // the same way, turned by 90 deg about z and moved
+  std::ostringstream moved;  // the same path, turned by 90 deg about z and moved
   for (const std::string& line : lines_of(content_of(folder.path("path.txt")))) {
     std::istringstream numbers(line);
     double x = 0.0;
@@ -1399,7 +1399,7 @@ TEST_F(CommandLine, RunsWithOrWithoutA4Only) {
   }
 }
 
-TEST_F(CommandLine, TellsPeopleBothRunsSideBySide) {
+TEST_F(CommandLine, PrintsBothRunsSideBySide) {
   const std::string out =
       expect_done({"run", kStar, "--virtual", "--seconds", "26", "--out", folder.path("o")}).out;
   for (const char* what : {"without A4", "with A4", "contact angle", "within 30 deg", "penetration",
@@ -1441,7 +1441,7 @@ TEST_F(CommandLine, WalksWithThreeSensorsAndRunsWithoutActuators) {
   }
 }
 
-// As a script would take what is proposed.
+// A script can run the proposed command line.
 TEST_F(CommandLine, ProposesACommandLineForARunThatIsNotComparable) {
   const std::string text =
       expect_not_comparable({"run", kStar, "--virtual", "--seconds", "5", "--a4", "on"}).out;
@@ -1464,7 +1464,7 @@ TEST_F(CommandLine, ProposesACommandLineForARunThatIsNotComparable) {
   EXPECT_TRUE(std::filesystem::exists(folder.path("out/trace-on.csv")));
 }
 
-// What the program proposes for a run that is not comparable, as a script would take it.
+// The words of the command line that the program proposes for a run that is not comparable.
 std::vector<std::string> proposed_words(const json& result) {
   EXPECT_TRUE(result["try"].is_string());
   std::istringstream line(result.value("try", std::string()));
@@ -1485,7 +1485,7 @@ bool has_word(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-TEST_F(CommandLine, ProposesASmallerSphereWhereOneIsTooLarge) {
+TEST_F(CommandLine, ProposesASmallerSphereForASphereThatIsTooLarge) {
   const json result = json::parse(expect_not_comparable({"run", kStar, "--virtual", "--a4", "off",
                                                          "--radius", "0.02", "--json"})
                                       .out);
@@ -1499,7 +1499,7 @@ TEST_F(CommandLine, ProposesASmallerSphereWhereOneIsTooLarge) {
 }
 
 // Near its top a ball of 380 mm has a contour of a millimetre.
-TEST_F(CommandLine, ProposesAnotherPlaneWhereTheOneThatIsGivenLeavesTooLittle) {
+TEST_F(CommandLine, ProposesAnotherPlaneForAContourThatIsTooShort) {
   const std::string sphere = std::string(PALPATE_MODELS_DIR) + "/sphere.glb";
   const json result =
       json::parse(expect_not_comparable({"run", sphere, "--virtual", "--a4", "off", "--fit", "0.38",
@@ -1511,7 +1511,7 @@ TEST_F(CommandLine, ProposesAnotherPlaneWhereTheOneThatIsGivenLeavesTooLittle) {
   expect_done(words);
 }
 
-TEST_F(CommandLine, PrintsNoMeansOfARunThatTouchedNothing) {
+TEST_F(CommandLine, PrintsNoMeansForARunWithoutContact) {
   const Outcome o = expect_not_comparable(
       {"run", kStar, "--virtual", "--seconds", "2", "--a4", "off", "--move", "#0=0 0 50 0 0 0"});
   EXPECT_NE(o.out.find("touched no surface"), std::string::npos) << o.out;
@@ -1541,7 +1541,7 @@ TEST_F(CommandLine, FitsASceneToTheWorkspace) {
   expect_refused({"run", kStar, "--virtual", "--fit", "large"}, {"--fit", "auto"});
 }
 
-TEST_F(CommandLine, LaysThePlaneThroughTheSceneAsItIsPlaced) {
+TEST_F(CommandLine, ChoosesThePlaneHeightAfterPlacingTheScene) {
   const json result = json::parse(
       expect_done({"run", kStar, "--virtual", "--place", "0 0 1 1 0 0 0", "--json"}).out);
   EXPECT_EQ(result["plane_height_m"], 1.0);
@@ -1549,12 +1549,12 @@ TEST_F(CommandLine, LaysThePlaneThroughTheSceneAsItIsPlaced) {
 
 // ---- accuracy ----------------------------------------------------------------------------------
 
-TEST_F(CommandLine, AccuracyWritesAPageATableAndADiagramAKnob) {
+TEST_F(CommandLine, AccuracyWritesAPageATableAndADiagramPerKnob) {
   const Outcome done =
       call({"accuracy", "--quick", "--knob", "a4_step", "--knob", "mesh_depth", "--out", "it's"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.out.find("mesh_depth"), std::string::npos);
-  EXPECT_EQ(done.out.find("servo_rate"), std::string::npos) << "only what was asked for";
+  EXPECT_EQ(done.out.find("servo_rate"), std::string::npos) << "only the requested knobs";
   const std::string page = content_of(folder.path("it's/report.html"));
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find("Your scene"), std::string::npos);
@@ -1568,7 +1568,7 @@ TEST_F(CommandLine, AccuracyWritesAPageATableAndADiagramAKnob) {
   EXPECT_EQ(done.err, "") << "no progress bar where there is no terminal";
 }
 
-TEST_F(CommandLine, AccuracyTellsOfAScene) {
+TEST_F(CommandLine, AccuracyReportsOnAScene) {
   const Outcome done = call({"accuracy", kStar, "--quick", "--knob", "a4_step", "--stiffness",
                              "900", "--device-damping", "0.4", "--encoder-quantum", "0"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
@@ -1583,7 +1583,7 @@ TEST_F(CommandLine, AccuracyTellsOfAScene) {
   }
 }
 
-TEST_F(CommandLine, AccuracyRefusesWhatItCannotMeasure) {
+TEST_F(CommandLine, AccuracyRefusesInvalidRequests) {
   expect_refused({"accuracy", "--knob", "speed"}, {"--knob", "speed", "mesh_depth", "a4_step"});
   expect_refused({"accuracy", "none.glb"}, {"none.glb"});
   expect_refused({"accuracy", kStar, "--quick", "--device-mass", "0"}, {"--device-mass"});

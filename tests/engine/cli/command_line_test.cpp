@@ -1,4 +1,4 @@
-// Command lines that the program proposes, read again by a shell.
+// Command lines that the program proposes, parsed by a shell.
 
 #include "engine/cli/command_line.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// What a shell makes of the line's arguments.
+// The line's arguments as a shell parses them.
 Words words_of(const std::string& line) {
   const std::string program = "palpate";
   EXPECT_EQ(line.substr(0, program.size()), program);
@@ -33,7 +33,7 @@ Words words_of(const std::string& line) {
   return words;
 }
 
-TEST(ShellLine, GivesAShellTheSameArguments) {
+TEST(ShellLine, IsParsedByAShellIntoTheSameArguments) {
   const Words words = {
       "run",           "a b.glb",  "it's",       "$HOME",     "`id`", "a\"b", "*",
       "0 0 0 1 0 0 0", "#7",       "back\\lash", "new\nline", "~",    "",     "x=1",
@@ -42,7 +42,7 @@ TEST(ShellLine, GivesAShellTheSameArguments) {
   EXPECT_EQ(shell_line({"run", "star.glb", "--fit", "0.2"}), "palpate run star.glb --fit 0.2");
 }
 
-TEST(WithOptions, TakesThePlaceOfWhatWasGiven) {
+TEST(WithOptions, ReplacesEarlierSettings) {
   EXPECT_EQ(with_options({"run", "a.glb", "--fit", "1", "--virtual"}, {{"--fit", "0.2"}}),
             (Words{"run", "a.glb", "--virtual", "--fit", "0.2"}));
   EXPECT_EQ(with_options({"run", "--fit=1", "a.glb"}, {{"--fit", "0.2"}}),
@@ -53,7 +53,7 @@ TEST(WithOptions, TakesThePlaceOfWhatWasGiven) {
             (Words{"run", "a=b.glb", "--node", "#2", "--fit", "0.2"}));
 }
 
-TEST(WithOptions, LeaveOutWhatHasNoValue) {
+TEST(WithOptions, RemovesOptionsWithoutAValue) {
   EXPECT_EQ(with_options({"run", "--place", "0 0 1 1 0 0 0", "a.glb"}, {{"--place", {}}}),
             (Words{"run", "a.glb"}));
   EXPECT_EQ(with_options({"run", "a.glb", "--plane-height=1"},
@@ -61,11 +61,11 @@ TEST(WithOptions, LeaveOutWhatHasNoValue) {
             (Words{"run", "a.glb", "--sensors", "2"}));
 }
 
-TEST(WithOptions, StandBeforeWhereOptionsEnd) {
+TEST(WithOptions, InsertsOptionsBeforeTheEndOfOptions) {
   EXPECT_EQ(with_options({"run", "--", "-a.glb"}, {{"--fit", "0.2"}}),
             (Words{"run", "--fit", "0.2", "--", "-a.glb"}));
   EXPECT_EQ(with_options({"run", "--", "--fit"}, {{"--fit", {}}}), (Words{"run", "--", "--fit"}))
-      << "a file of this name";
+      << "a file with this name";
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compares all that two builds of the program print and write, on twenty command lines.
+"""Compares the output and the files of two builds of the program, on twenty command lines.
 
 usage: compare_programs.py BEFORE AFTER MODELS
 
 BEFORE and AFTER are paths of the program, MODELS is the folder of the project's models. Printed text,
-exit codes and the names of files must be equal. In a CSV file the columns that BEFORE wrote must be
-there first and equal to the byte; AFTER may add columns behind them, and keys to an object of JSON. Columns, keys and lines that tell
-measured times are left out. Not a test of the suite: it needs a program built from an older commit.
+exit codes and the names of files must be equal. The columns of BEFORE's CSV files must come first
+in AFTER's and be equal to the byte; AFTER may append columns, and add keys to JSON objects. Measured
+times are left out. Not a test of the suite: the script needs a program built from an older commit.
 """
 
 import csv
@@ -17,14 +17,14 @@ import subprocess
 import sys
 import tempfile
 
-# What a clock says, which no two runs share.
+# Measured times, which differ between any two runs.
 TIME_COLUMNS = re.compile(r"_(ns|us|ms)$")
 TIME_KEYS = {"step_ns", "load_ms", "load_parts_ms", "time_share", "loading_ms"}
 TIME_LINES = re.compile(r"^.*(loaded in|tick p50|of the time of a tick).*$", re.M)
 
 
 def command_lines(models, scratch):
-    """Name and arguments of each; what a command writes goes to OUT, its working folder."""
+    """The arguments of each command; it writes into its working folder."""
     star, labyrinth, lock = (models / f"{n}.glb" for n in ("star", "labyrinth", "lock"))
     path = scratch / "path.txt"
     path.write_text("".join(f"{0.11 - 1e-4 * n:.17g} {2e-5 * n:.17g} {1e-5 * n:.17g}\n"
@@ -56,7 +56,7 @@ def command_lines(models, scratch):
 
 
 class Outcome:
-    """What one command left behind."""
+    """Output and files of one command."""
 
     def __init__(self, program, arguments, folder):
         folder.mkdir()
@@ -82,7 +82,7 @@ def without_times(value):
 
 
 def table_differences(before, after):
-    """Of two CSV files."""
+    """Differences between two CSV files."""
     with before.open() as b, after.open() as a:
         old, new = csv.reader(b), csv.reader(a)
         header, header_after = next(old), next(new)
@@ -97,7 +97,7 @@ def table_differences(before, after):
 
 
 def json_differences(before, after, place=""):
-    """Of two values; keys that are new are told, and are no difference."""
+    """Differences between two values; new keys are printed and are not differences."""
     if isinstance(before, dict) and isinstance(after, dict):
         added = [key for key in after if key not in before]
         if added:

@@ -3,12 +3,12 @@
 
 usage: corpus_test.py PROGRAM DEFAULT_FOLDER [--sanitized]
 
-The folder is that of PALPATE_CORPUS, or the default; without it the test is skipped (exit code 77).
-Each file must be read, or refused with exit code 2, one line, and a reason that is known here and,
-where it can be looked up in the file, true. A crash, a report of a sanitizer, a run beyond 5 s of
-processor time or beyond the memory below fails the test. A file INDEX.tsv in the folder may name
-the kind of each file, after a tab; a file that is "real" there must be read, or its reason must be
-looked up and true, or such that no reader could do better.
+PALPATE_CORPUS or the default names the folder; without it the test is skipped (exit code 77).
+Each file must be read, or refused with exit code 2 and one line. The line's reason must be known to
+this test, and must be true if the test can verify it in the file. A crash, a sanitizer report, more
+than 5 s of processor time or more memory than allowed below fails the test. INDEX.tsv in the folder
+may name the kind of each file after a tab. A file of kind "real" must be read, unless its reason is
+verified or no reader could accept the file.
 """
 
 import base64
@@ -28,13 +28,13 @@ import urllib.parse
 
 SKIPPED = 77
 WORKERS = 2
-SECONDS = 5  # of processor time, whatever else the machine does
-SANITIZED_SECONDS = 60  # the same work costs several times as much
-WAITING = 12  # a child that waits instead of working is ended after so many times as long
+SECONDS = 5  # of processor time
+SANITIZED_SECONDS = 60  # sanitizers slow the program several times
+WAITING = 12  # a child that sleeps is killed after this many times SECONDS
 BASE_BYTES = 64 << 20
 BYTES_PER_BYTE = 40
 
-# Reasons in the order in which they are tried: the first whose expression is found in the message.
+# Reasons, in the order of the search: the first whose expression occurs in the message applies.
 REASONS = [
     ("no regular file, or it cannot be opened", r"cannot be opened|is not a regular file|is a folder"),
     ("buffer is a Git LFS pointer", r"Git LFS pointer"),
@@ -63,14 +63,14 @@ REASONS = [
     ("buffers", r"/buffers(/\d+\S*)?: "),
     ("materials", r"/materials(/\d+\S*)?: "),
 ]
-# For these a real file may be refused without its being looked up that it is so.
+# A real file may be refused for these reasons without verification.
 EXCUSES = {"buffer is a Git LFS pointer", "buffer without data", "no triangle"}
 
 Answer = collections.namedtuple("Answer", "code signal timed_out peak_bytes out err")
 
 
 def run(program, path, seconds):
-    """One file in a child of its own, with its peak memory."""
+    """Reads one file in a child process; measures its peak memory."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         limit = f"ulimit -St {seconds}; exec \"$@\""  # beyond it SIGXCPU
         child = subprocess.Popen(["sh", "-c", limit, "sh", program, "info", "--json", path],
@@ -85,7 +85,7 @@ def run(program, path, seconds):
         timer.start()
         _, status, usage = os.wait4(child.pid, 0)
         timer.cancel()
-        child.returncode = status  # reaped here: subprocess must not wait for it again
+        child.returncode = status  # wait4() has reaped the child; subprocess must not wait again
         out.seek(0)
         err.seek(0)
         return Answer(os.waitstatus_to_exitcode(status), os.WIFSIGNALED(status) and status & 0x7F,
@@ -94,7 +94,7 @@ def run(program, path, seconds):
 
 
 def json_text(path):
-    """The bytes of the JSON of a .gltf or .glb; None where there is none."""
+    """The bytes of the JSON of a .gltf or .glb; None if the file has no JSON."""
     data = path.read_bytes()
     if data[:4] != b"glTF":
         return data
@@ -133,7 +133,7 @@ def instances_of(node, accessors):
 
 
 def referenced_bytes(root):
-    """What the geometry of an asset refers to, each reference counted, decoded sizes."""
+    """Decoded bytes of the geometry of an asset; every reference counts."""
     accessors = root.get("accessors", [])
     total = 0
 
@@ -169,7 +169,7 @@ def referenced_bytes(root):
 
 
 def source_bytes(path, root):
-    """What is read as it stands: the file and the files it names."""
+    """Bytes of the file and of the files that it names."""
     total = path.stat().st_size
     for buffer in root.get("buffers", []):
         uri = buffer.get("uri", "data:")
@@ -179,7 +179,7 @@ def source_bytes(path, root):
 
 
 def buffer_bytes(path, root, number):
-    """The bytes of a buffer, from where it has them."""
+    """The bytes of a buffer: BIN chunk, data URI or file."""
     uri = at(root["buffers"], number).get("uri")
     if uri is None:
         data = path.read_bytes()
@@ -191,7 +191,7 @@ def buffer_bytes(path, root, number):
 
 
 def has_wrong_index(path, root):
-    """Whether any primitive has an index beyond its vertices, or the one that means a restart."""
+    """Whether any primitive has an index beyond its vertices, or the restart index."""
     for mesh in root["meshes"]:
         for primitive in mesh["primitives"]:
             indices = at(root["accessors"], primitive.get("indices"))
@@ -218,7 +218,7 @@ def has_wrong_node_ids(root):
 
 
 def walk(value, pointer):
-    """What a JSON pointer leads to; None where it leads nowhere."""
+    """The value at a JSON pointer; None if it does not exist."""
     for key in pointer.split("/"):
         try:
             value = at(value, int(key) if isinstance(value, list) else key)
@@ -228,7 +228,7 @@ def walk(value, pointer):
 
 
 def is_wrong_id(message, root):
-    """Whether the element that a message names as an id out of range is one."""
+    """Whether the id that a message names is out of range."""
     match = re.match(r"/(\S+): is .*; expected an index into /(\S+),", message)
     if not match:
         return None
@@ -237,7 +237,7 @@ def is_wrong_id(message, root):
 
 
 def is_true(reason, message, path, root):
-    """Whether the file bears out the reason; None where that is not looked up."""
+    """Whether the file confirms the reason; None if this test cannot verify it."""
     if "expected an index into /" in message:
         return is_wrong_id(message, root)
     if reason == "required extension":
@@ -282,7 +282,7 @@ class Judge:
 
     def judge(self, name, path, answer, kind):
         if answer.timed_out or answer.signal == signal.SIGXCPU:
-            return self.fail(name, "does not come to an end")
+            return self.fail(name, "does not terminate")
         if answer.signal or answer.code not in (0, 2) or "Sanitizer" in answer.err or \
                 "runtime error" in answer.err:
             return self.fail(name, f"exit code {answer.code}\n{answer.err[-2000:]}")
@@ -290,7 +290,7 @@ class Judge:
             root = parsed(path)
             self.judge_memory(name, path, root, answer)
         except (AttributeError, TypeError, OverflowError):
-            root = {}  # not of the shape of a glTF file: then it has no size to be measured by
+            root = {}  # not a glTF structure: no expected size
         if answer.code == 0:
             json.loads(answer.out)
             return self.count("read", kind)
@@ -299,13 +299,13 @@ class Judge:
             self.fail(name, f"its error is not one line: {message}")
         reason = reason_of(message)
         if reason is None:
-            return self.fail(name, f"refused for a reason that is not known here: {message}")
+            return self.fail(name, f"refused for an unknown reason: {message}")
         try:
             truth = is_true(reason, message, path, root)
         except (AttributeError, KeyError, LookupError, TypeError, ValueError):
-            truth = None  # the file is not of the shape that the lookup takes it to be
+            truth = None  # the file lacks the expected structure
         if truth is False:
-            self.fail(name, f"refused for a reason that is not so: {message}")
+            self.fail(name, f"refused for a false reason: {message}")
         if kind == "real" and not truth and reason not in EXCUSES:
             self.fail(name, f"a real file is refused: {message}")
         self.count(reason, kind)
@@ -341,7 +341,7 @@ def main(program, default_folder, sanitized):
     paths = sorted(path for path in folder.rglob("*") if path.suffix in (".gltf", ".glb"))
     kinds = kinds_in(folder)
     seconds = SANITIZED_SECONDS if sanitized else SECONDS
-    # All runs come first: a child's peak begins with what its parent holds, and judging holds JSON.
+    # All runs come first: a child's peak includes the memory of its parent, which judging enlarges.
     with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
         answers = list(pool.map(lambda path: run(program, str(path), seconds), paths))
     judge = Judge(sanitized)

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What a scene does not call for is not there: proof against programs built without it.
+"""Effects that a scene does not declare cost nothing, compared with programs built without them.
 
 effects_build_test.py PALPATE PALPATE_NO_FRICTION PALPATE_NO_EFFECTS MODELS_DIR
 
-Plays the same trajectories with the program, with one built without friction and with one built
-without any effect (PALPATE_EFFECTS), through scenes that do not call for what is missing: the traces
-must agree to the bit, and the haptic loop must execute the same number of instructions a tick,
-within 0.1 %, counted by Callgrind.
+Plays the same trajectories with the program, with a program built without friction, and with
+a program built without any effect (PALPATE_EFFECTS), through scenes that do not declare the missing
+effects. The traces must agree to the bit, and the haptic loop must execute the same number of instructions per
+tick within 0.1 %, counted by Callgrind.
 """
 
 import csv
@@ -18,16 +18,16 @@ import subprocess
 import sys
 import tempfile
 
-# Of a tick: what differs is where the linker puts things, not what is done.
+# Relative difference of a tick's instructions; the layout of the linker causes a small one.
 LARGEST_DIFFERENCE = 1e-3
 
 TICKS = 3000
 
-# Scenes without friction, and those of them without any effect.
-BARE = ["star.glb", "torus.glb", "thin_plate.glb"]
+# Scenes without any effect, and scenes with effects other than friction.
+NO_EFFECTS = ["star.glb", "torus.glb", "thin_plate.glb"]
 WITHOUT_FRICTION = ["effect_texture.glb", "effect_shading.glb", "effect_magnet.glb"]
 
-# In the trace, not of the trace.
+# Columns that the clock fills.
 TIME_COLUMNS = {"step_ns"}
 
 
@@ -43,16 +43,16 @@ def extent_m(palpate, scene):
 
 
 def write_trajectory(path, extent):
-    """Taps across the top of the scene, then a way from outside into its middle and about there."""
+    """Taps across the top of the scene, then a path from outside into its middle and around there."""
     half = [0.5 * e for e in extent]
     with path.open("w") as file:
         for i in range(TICKS):
             t = i / TICKS
-            deep = max(0.3, 2.5 - 4.0 * t)
-            x = half[0] * math.cos(9.0 * t) * (0.9 if t < 0.5 else deep)
-            y = half[1] * math.sin(7.0 * t) * (0.9 if t < 0.5 else deep)
+            depth = max(0.3, 2.5 - 4.0 * t)
+            x = half[0] * math.cos(9.0 * t) * (0.9 if t < 0.5 else depth)
+            y = half[1] * math.sin(7.0 * t) * (0.9 if t < 0.5 else depth)
             z = half[2] * (1.1 + 0.3 * math.cos(60.0 * t) if t < 0.5 else
-                           max(deep, 0.9) * math.cos(5.0 * t))
+                           max(depth, 0.9) * math.cos(5.0 * t))
             file.write(f"{x:.17g} {y:.17g} {z:.17g}\n")
 
 
@@ -68,7 +68,7 @@ def trace(palpate, scene, trajectory, out):
 
 
 def instructions(palpate, scene, trajectory, out):
-    """Executed in HapticLoop::tick, by all ticks of a replay."""
+    """Instructions that all ticks of a replay execute in HapticLoop::tick."""
     run("valgrind", "--tool=callgrind", f"--callgrind-out-file={out}",
         "--toggle-collect=palpate::HapticLoop::tick(*", palpate, "replay", scene, "--trajectory",
         trajectory, "--sensors", 3, "--actuators", 1, "--a4", "on", "--damping", 1)
@@ -88,7 +88,7 @@ def check(programs, scene, without_effects, scratch):
     contact = rows["all effects"][0].index("contact")
     contacts = sum(row[contact] == "1" for row in rows["all effects"][1:])
     if contacts < TICKS // 10:
-        print(f"{scene.name}: only {contacts} of {TICKS} ticks in contact: proves nothing")
+        print(f"{scene.name}: only {contacts} of {TICKS} ticks in contact: too few for a comparison")
         failures += 1
     for name in names[1:]:
         same = rows[name] == rows["all effects"]
@@ -96,7 +96,7 @@ def check(programs, scene, without_effects, scratch):
         good = same and abs(difference) <= LARGEST_DIFFERENCE
         failures += not good
         print(f"{scene.name}: {name}: traces {'equal' if same else 'DIFFER'}, "
-              f"{counts[name] / TICKS:.1f} instructions a tick, {100 * difference:+.4f} % of "
+              f"{counts[name] / TICKS:.1f} instructions per tick, {100 * difference:+.4f} % of "
               f"{counts['all effects'] / TICKS:.1f}{'' if good else '  FAILED'}")
     return failures
 
@@ -105,8 +105,8 @@ def main():
     palpate, no_friction, no_effects, models = map(pathlib.Path, sys.argv[1:])
     programs = {"all effects": palpate, "no friction": no_friction, "no effects": no_effects}
     with tempfile.TemporaryDirectory() as scratch:
-        failures = sum(check(programs, models / name, name in BARE, pathlib.Path(scratch))
-                       for name in BARE + WITHOUT_FRICTION)
+        failures = sum(check(programs, models / name, name in NO_EFFECTS, pathlib.Path(scratch))
+                       for name in NO_EFFECTS + WITHOUT_FRICTION)
     sys.exit(f"{failures} failed" if failures else 0)
 
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Ctrl-C at any instant leaves no half of anything.
+"""Ctrl-C at any instant leaves complete results or none.
 
 interruption_test.py PALPATE MODELS_DIR
 
-Sends SIGINT, SIGTERM or SIGHUP, as a terminal does to the whole process group, at random instants of `run` in
-real time and virtual time, of `replay` and of `accuracy`. The folder of results holds files of an
-older run before. Checks the exit code, that every line of every CSV file is whole, that no file of the
-older run stands beside new ones, that nothing else in the folder has changed, and that JSON and traces
-agree. Random instants come from PALPATE_SEED, which is printed when a check fails.
+Sends SIGINT, SIGTERM or SIGHUP to the whole process group, as a terminal does, at random instants of
+`run` in real and virtual time, of `replay` and of `accuracy`. The output folder contains files of an
+older run. Checks the exit code, that every CSV line is complete, that files of two runs are not mixed,
+that other files in the folder are unchanged, and that JSON and traces agree. PALPATE_SEED, which a
+failed check prints, determines the instants.
 """
 
 import itertools
@@ -23,10 +23,10 @@ import time
 
 SEED = int(os.environ.get("PALPATE_SEED", "20"))
 
-# Of each kind of run, interrupted by a signal that came before its end.
+# Interruptions of each kind of run by a signal before its end.
 INTERRUPTIONS = 20
 
-DONE = (0, 3)  # exit codes; 3: done, and not comparable
+DONE = (0, 3)  # exit codes; 3: not comparable
 
 OLD = "of an older run\n"
 RUN_FILES = ["trace-on.csv", "trace-off.csv", "contour-on.csv", "contour-off.csv", "places-on.csv",
@@ -54,13 +54,13 @@ def signals_of(process, kind):
 
 
 def takes_signals(process):
-    """Whether the program has come so far that it handles signals: before, the system ends it."""
+    """Whether the program handles signals already; before, the system ends it."""
     caught = signals_of(process, "SigCgt:")
     return all(caught >> (number - 1) & 1 for number in SIGNALS)
 
 
 def interrupted(command, folder, delays_s, number):
-    """Exit code, stdout and stderr of the command, and whether it lived when the last signal came."""
+    """Exit code, stdout and stderr, and whether the process was alive at the last signal."""
     process = subprocess.Popen([str(part) for part in command], cwd=folder, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                start_new_session=True)
@@ -81,7 +81,7 @@ def check_table(path, is_old_allowed):
     if text == OLD:
         check(is_old_allowed, f"{path.name} is of an older run")
         return 0
-    check(text.endswith("\n"), f"the last line of {path.name} is not whole: {text[-80:]!r}")
+    check(text.endswith("\n"), f"the last line of {path.name} is incomplete: {text[-80:]!r}")
     header, *rows = text.splitlines()
     fields = header.count(",")
     for number, row in enumerate(rows):
@@ -96,11 +96,11 @@ def check_picture(path, is_old_allowed):
     if text == OLD:
         check(is_old_allowed, f"{path.name} is of an older run")
         return
-    check("<svg" in text and text.rstrip().endswith("</svg>"), f"{path.name} is not whole")
+    check("<svg" in text and text.rstrip().endswith("</svg>"), f"{path.name} is incomplete")
 
 
 def check_results(out, stdout, is_old_allowed):
-    """What is in the folder, and that the JSON on stdout tells of it."""
+    """Checks the files in the folder and their agreement with the JSON on stdout."""
     for name in BYSTANDERS:
         check((out / name).read_text() == OLD, f"{name} has changed")
     left = {path.name for path in out.iterdir()} - set(BYSTANDERS)
@@ -114,11 +114,11 @@ def check_results(out, stdout, is_old_allowed):
             rows[name] = check_table(out / name, is_old_allowed)
     if not stdout:
         return hidden
-    told = json.loads(stdout)
-    for run in told["runs"]:
+    result = json.loads(stdout)
+    for run in result["runs"]:
         name = "trace-on.csv" if run["a4"] else "trace-off.csv"
-        check(rows.pop(name) == run["ticks"], f"{name} has not the ticks that are told")
-    check(not any(name.startswith("trace-") for name in rows), f"traces too many: {rows}")
+        check(rows.pop(name) == run["ticks"], f"the number of ticks in {name} differs from the JSON")
+    check(not any(name.startswith("trace-") for name in rows), f"unexpected traces: {rows}")
     check(not hidden, f"left behind: {hidden}")
     check("paths.svg" in left, "no picture: gnuplot was stopped, or is not installed")
     return hidden
@@ -138,7 +138,7 @@ def seconds_of(command, folder):
 
 
 def check_runs(palpate, models, folder, generator, options):
-    """INTERRUPTIONS of a run, each by one signal. Some find it loading, some writing, some done."""
+    """Interrupts runs by one signal each: while loading, running or writing, or after the end."""
     command = [palpate, "run", models / "star.glb", "--json", "--out", "out", *options]
     out = folder / "out"
     prepare(out)
@@ -151,9 +151,9 @@ def check_runs(palpate, models, folder, generator, options):
         number = next(signals)
         code, stdout, stderr, lived = interrupted(command, folder,
                                                   [generator.uniform(0.0, whole_s)], number)
-        if code in DONE:  # it was on its last way out, or gone
+        if code in DONE:  # the process was about to exit or had exited
             seen["too late"] += 1
-            whole_s *= 0.95  # the machine has less to do than before
+            whole_s *= 0.95  # the machine is less busy than before
             check_results(out, stdout, is_old_allowed=False)
             continue
         check(lived, f"exit code {code} without a signal: {stderr}")
@@ -172,7 +172,7 @@ def check_runs(palpate, models, folder, generator, options):
 
 
 def check_second_signals(palpate, models, folder, generator):
-    """A second signal ends it at once, whatever it is doing; what is left goes with the next run."""
+    """A second signal ends the program at once; the next run removes its leftovers."""
     command = [palpate, "run", models / "star.glb", "--json", "--out", "out", "--virtual",
                "--seconds", "60"]
     out = folder / "out"
@@ -192,7 +192,7 @@ def check_second_signals(palpate, models, folder, generator):
 
 
 def check_killed(palpate, models, folder, generator):
-    """SIGKILL leaves the older files, or the new ones, and the next run cleans up behind it."""
+    """SIGKILL leaves the older or the new files; the next run removes its leftovers."""
     command = [palpate, "run", models / "star.glb", "--virtual", "--out", "deep/out", "--seconds",
                "30"]
     whole_s = seconds_of(command, folder)
@@ -210,7 +210,7 @@ def check_killed(palpate, models, folder, generator):
 
 
 def check_search(palpate, models, folder):
-    """A run that is whole is judged though a signal ends the search for what to try instead."""
+    """A run that has ended is judged even if a signal ends the search for better options."""
     command = [palpate, "run", models / "gallery.glb", "--virtual", "--seconds", "3", "--out", "cut"]
     picture = folder / "cut" / "paths.svg"
     for _ in range(INTERRUPTIONS):
@@ -223,15 +223,15 @@ def check_search(palpate, models, folder):
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=120)
-        if process.returncode == 128 + signal.SIGINT and "results are whole" in err:
+        if process.returncode == 128 + signal.SIGINT and "results are complete" in err:
             break
-    check("the search for what to try was interrupted\n" in out, f"{out} {err}")
+    check("the search for better options was interrupted\n" in out, f"{out} {err}")
     check(out.startswith("not comparable\n  without A4: the proxy "), out)
-    check("\ninterrupted when the runs were done; the results are whole\n" in out, out)
+    check("\ninterrupted after the runs had ended; the results are complete\n" in out, out)
 
 
 def check_nohup(palpate, models, folder):
-    """A run that was started with SIGHUP ignored outlives its terminal, and obeys Ctrl-C."""
+    """A run started with SIGHUP ignored outlives its terminal and still obeys Ctrl-C."""
     command = [str(palpate), "run", str(models / "star.glb"), "--out", "nohup", "--seconds", "60"]
     process = subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, start_new_session=True,
@@ -240,7 +240,7 @@ def check_nohup(palpate, models, folder):
         time.sleep(0.0005)
     os.killpg(process.pid, signal.SIGHUP)
     time.sleep(2.0)
-    check(process.poll() is None, "SIGHUP ends a run that was started with it ignored")
+    check(process.poll() is None, "SIGHUP ends a run that was started with SIGHUP ignored")
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=120)
     check(process.returncode == 128 + signal.SIGINT, f"exit code {process.returncode}: {err}")
@@ -248,7 +248,7 @@ def check_nohup(palpate, models, folder):
 
 
 def check_replays(palpate, models, folder, generator):
-    """The trace is the older one or the new one, and nothing is beside it."""
+    """The folder contains the older or the new trace and no other file."""
     ticks = 60000
     (folder / "path.txt").write_text("".join(
         f"{0.12 - 0.1 * (n % 1000) / 1000:.6f} {1e-6 * n:.6f} 0\n" for n in range(ticks)))
@@ -291,7 +291,7 @@ def check_studies(palpate, folder, generator):
 
 def main():
     palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
-    for number in SIGNALS:  # whoever runs this may have them ignored
+    for number in SIGNALS:  # the caller may ignore them
         signal.signal(number, signal.SIG_DFL)
     generator = random.Random(SEED)
     try:

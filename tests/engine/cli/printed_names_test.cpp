@@ -1,5 +1,5 @@
-// Names in files that command terminals, forge lines or are markup, in all that the program prints
-// and draws. Needs PALPATE_PROGRAM, the program.
+// Names in files that contain terminal commands, line breaks or markup do not reach the output of
+// the program as such. Needs PALPATE_PROGRAM, the program.
 
 #include <algorithm>
 #include <array>
@@ -30,11 +30,11 @@ using test::GltfBuilder;
 using test::Outcome;
 using test::TemporaryFolder;
 
-// A line of its own in what is printed can only come from an end of line in a name.
+// Only a line break in a name can put this text at the beginning of a printed line.
 constexpr const char* kForged = "FORGED";
 
-// Escapes, controls of both kinds, ends of lines, changes of direction, markup, and more bytes than
-// a message shows, of characters that it would cut in two; and some of all at once.
+// Escape sequences, C0 and C1 controls, line ends, changes of writing direction, markup, a name of
+// multi-byte characters that is longer than a message shows, and a mixture.
 const std::array<std::string, 7> kNames = {
     "\x1b[31mred\x1b[0m\x1b]0;title\x07\r\b\x7f",
     "two\nFORGED: line\r\nFORGED",
@@ -52,12 +52,12 @@ const std::array<std::string, 7> kNames = {
 class PrintedNames : public testing::TestWithParam<std::size_t> {
  protected:
   PrintedNames() : name(kNames[GetParam()]) {
-    // A key has no dot and is short.
+    // A key may not contain a dot, and must be short.
     for (const char c : name.substr(0, 30)) key += c == '.' ? '_' : c;
     key = as_utf8(key);
   }
 
-  // Without a character that was cut in two at the end, as JSON must be.
+  // Removes a truncated character at the end, which JSON does not allow.
   static std::string as_utf8(std::string text) {
     while (json(text).dump(-1, ' ', false, json::error_handler_t::replace).find("\ufffd") !=
            std::string::npos) {
@@ -103,9 +103,9 @@ class PrintedNames : public testing::TestWithParam<std::size_t> {
     EXPECT_EQ(o.exit_code, 2);
     EXPECT_EQ(o.out, "");
     expect_printable(o.err);
-    // Before the last line may be told what was not understood.
-    const auto told = arguments.front() == "run" ? 4 : 1;
-    EXPECT_LE(std::count(o.err.begin(), o.err.end(), '\n'), told);
+    // Warnings about ignored keys may precede the error.
+    const auto lines = arguments.front() == "run" ? 4 : 1;
+    EXPECT_LE(std::count(o.err.begin(), o.err.end(), '\n'), lines);
   }
 
   // A box of 0.1 m in which whatever may have a name has this one, and keys that nobody knows.
@@ -141,7 +141,7 @@ class PrintedNames : public testing::TestWithParam<std::size_t> {
     return asset;
   }
 
-  // Under a name that is as bad, but for what a file's cannot have, or would be the caller's own.
+  // Uses the name as a file name, without the characters that a file name cannot have.
   std::string write(const GltfBuilder& asset) const {
     std::string file = name.substr(0, 120);
     for (char& c : file) c = c == '/' || c == '\n' ? '_' : c;
@@ -155,7 +155,7 @@ class PrintedNames : public testing::TestWithParam<std::size_t> {
 
 INSTANTIATE_TEST_SUITE_P(All, PrintedNames, testing::Range(std::size_t{0}, kNames.size()));
 
-TEST_P(PrintedNames, CommandNoTerminalWhereASceneIsTold) {
+TEST_P(PrintedNames, DoNotControlTheTerminalInADescriptionOfAScene) {
   const std::string path = write(named_box());
   const json info = json::parse(expect_done({"info", path, "--json"}).out);
   EXPECT_EQ(info["materials"][0]["name"], name);
@@ -166,14 +166,14 @@ TEST_P(PrintedNames, CommandNoTerminalWhereASceneIsTold) {
   EXPECT_EQ(json::parse(expect_done({"info", path, "--json", "--pose", name + "@1"}).out)["pose"],
             json({{"number", 0}, {"name", name}, {"time_s", 1.0}}));
   const std::string text = expect_done({"info", path, "--pose", "#0@0.5"}).out;
-  for (const char* told :
-       {"animation #0", "pose: animation", "material", "region", "warning: ", "not understood: "}) {
-    EXPECT_NE(text.find(told), std::string::npos) << told << " is not in " << text;
+  for (const char* part :
+       {"animation #0", "pose: animation", "material", "region", "warning: ", "ignored: "}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in " << text;
   }
   expect_done({"info", path, "--list"});
 }
 
-TEST_P(PrintedNames, CommandNoTerminalWhereSomethingIsRefused) {
+TEST_P(PrintedNames, DoNotControlTheTerminalInErrors) {
   const std::string path = write(named_box());
   expect_refused({"info", path, "--node", name});
   expect_refused({"info", path, "--node", name + name});
@@ -213,7 +213,7 @@ TEST_P(PrintedNames, CommandNoTerminalWhereSomethingIsRefused) {
   expect_refused({"info", folder.write("bytes.gltf", "\xff\x1b[31m" + name)});
 }
 
-TEST_P(PrintedNames, CommandNoTerminalAndAreNoMarkupWhereAHandFeels) {
+TEST_P(PrintedNames, DoNotControlTheTerminalAndAreNotMarkupInRuns) {
   const std::string path = write(named_box());
   expect_done({"run", path, "--virtual", "--seconds", "3", "--out", "out"});
   for (const char* arguments : {"--json", "--effect-times"}) {
@@ -221,7 +221,7 @@ TEST_P(PrintedNames, CommandNoTerminalAndAreNoMarkupWhereAHandFeels) {
     if (o.out.starts_with("{")) {
       EXPECT_FALSE(json::parse(o.out).empty());
     }
-    EXPECT_NE(o.err.find("is not understood"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find("is ignored"), std::string::npos) << o.err;
   }
   const std::string picture = content_of(folder.path("out/paths.svg"));
   EXPECT_NE(picture.find("<svg"), std::string::npos);
@@ -233,11 +233,11 @@ TEST_P(PrintedNames, CommandNoTerminalAndAreNoMarkupWhereAHandFeels) {
   EXPECT_EQ(json::parse(replayed.out)["not_understood"].size(), 3u);
 }
 
-// It takes its time: for the last name only.
+// Slow, so only for the last name.
 class PrintedNamesInAReport : public PrintedNames {};
 INSTANTIATE_TEST_SUITE_P(Last, PrintedNamesInAReport, testing::Values(kNames.size() - 1));
 
-TEST_P(PrintedNamesInAReport, CommandNoTerminalAndAreNoMarkup) {
+TEST_P(PrintedNamesInAReport, DoNotControlTheTerminalAndAreNotMarkup) {
   const std::string path = write(named_box());
   expect_done({"accuracy", path, "--quick", "--knob", "a4_step", "--out", "report"});
   std::size_t files = 0;

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Runs `palpate run` on glTF files from elsewhere and judges what it says by traces and contours.
+"""Runs `palpate run` on foreign glTF files and verifies its figures by traces and contours.
 
 usage: run_corpus_test.py PROGRAM DEFAULT_FOLDER [COUNT [SKIP]]
 
-The folder is that of PALPATE_CORPUS, or the default; without it the test is skipped (exit code 77).
-Its INDEX.tsv names the kind of each file. Of the files of kind "real" that `palpate info` accepts,
-in the order of the MD5 of their paths, the first SKIP are left out and COUNT are taken: a rule, not
-a choice. Each is run with --virtual --fit auto. Where that is refused or not comparable, the command
-line, or the option, that the program prints is taken, twice at most.
+PALPATE_CORPUS or the default names the folder; without it the test is skipped (exit code 77). Its
+INDEX.tsv names the kind of each file. The files of kind "real" that `palpate info` accepts are
+ordered by the MD5 of their paths; the test skips the first SKIP and uses the next COUNT. Each file is
+run with --virtual --fit auto. If the run is refused or not comparable, the test follows the command
+line or the option that the program prints, at most twice.
 
-For every run the share of ticks in contact, the share of the way that the proxy came near to, and
-the longest stretch without contact are computed here, from the trace and the contour or the places,
-and compared with the table, with "comparable" and with the exit code.
+For every run the test computes the share of ticks in contact, the share of the path that the proxy
+came near, and the longest stretch without contact, from the trace and the contour or the places. It
+compares them with the JSON, with "comparable" and with the exit code.
 """
 
 import csv
@@ -34,7 +34,7 @@ LEAST_CONTACT_OF_MEANS = 0.05
 LEAST_CLOSED_SHARE = 0.8  # of closed models over CLOSED_TRIANGLES that must end comparable
 CLOSED_TRIANGLES = 1000
 STEPS_PER_NEAR = 8  # along the contour, at least
-LEAST_STEPS = 2000  # along the whole contour, so that one step is far below the tolerance of a share
+LEAST_STEPS = 2000  # along the whole contour: one step is far below the tolerance of a share
 
 
 def take_models(program, folder, count, skip):
@@ -51,7 +51,7 @@ def take_models(program, folder, count, skip):
 
 
 class Near:
-    """Answers whether any of some points is within a distance of a place."""
+    """Finds whether any of the points is within a distance of a place."""
 
     def __init__(self, points, distance):
         self.distance = distance
@@ -121,7 +121,7 @@ def judge(folder, run, near_m):
 
 
 def check_run(folder, run, extent_m):
-    """What is wrong with what is said of a run; and whether it is comparable by its files."""
+    """Errors in the figures of a run, and whether its files make it comparable."""
     wrong = []
     near_m = max(2e-3, 0.01 * extent_m)
     if abs(run["near_m"] - near_m) > 1e-6 * near_m:
@@ -136,17 +136,17 @@ def check_run(folder, run, extent_m):
     if gap != run["longest_gap_ticks"]:
         wrong.append(f"longest gap {run['longest_gap_ticks']}, the trace has {gap}")
     if (run["mean_contact_angle_deg"] is None) != (contact < LEAST_CONTACT_OF_MEANS):
-        wrong.append("a mean is printed where there is none, or none where there is one")
+        wrong.append("a mean is printed without enough contact, or missing with it")
     comparable = contact >= LEAST_CONTACT_OF_MEANS and run["way_share"] >= LEAST_WAY and gap <= LONGEST_GAP * ticks
     if comparable != run["comparable"]:
         wrong.append(f"comparable is {run['comparable']}, expected {comparable}")
     if bool(run["reasons"]) == comparable:
-        wrong.append("reasons do not go with comparable")
+        wrong.append("reasons contradict comparable")
     return wrong, comparable
 
 
 def largest_extent(program, arguments):
-    """Of the scene as the arguments of `run` load it."""
+    """The largest extent of the scene that the arguments of `run` load."""
     kept = [arguments[0]]
     for option in ("--node", "--scale"):
         if option in arguments:
@@ -156,7 +156,7 @@ def largest_extent(program, arguments):
 
 
 def with_option(arguments, option, value):
-    """The arguments with the option in place of what they have of it."""
+    """The arguments with the option set to the value."""
     if option in arguments:
         at = arguments.index(option)
         arguments = arguments[:at] + arguments[at + 2:]
@@ -164,7 +164,7 @@ def with_option(arguments, option, value):
 
 
 def one_round(program, arguments, folder):
-    """Exit code, what is wrong, and the arguments to go on with (None: nothing is proposed)."""
+    """Exit code, errors, and the proposed arguments (None: no proposal)."""
     for old in folder.iterdir():
         old.unlink()
     command = [program, "run", *arguments, "--virtual", "--json", "--out", str(folder)]

@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs the program as a script does. Needs PALPATE_PROGRAM, the program.
+// Runs the program as a script does. Needs PALPATE_PROGRAM, the path of the program.
 
 #include <fcntl.h>
 #include <fstream>
@@ -17,7 +17,7 @@
 
 namespace palpate::test {
 
-// What it comes to.
+// The results of one call.
 struct Outcome {
   int exit_code = -1;  // -1: ended by a signal
   std::string out;
@@ -29,7 +29,7 @@ inline std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// In the folder. stdout_path: where its output goes, if not into the outcome.
+// Runs the program in the folder. stdout_path: redirects stdout, which is then not in the outcome.
 inline Outcome run_program(const TemporaryFolder& folder, std::vector<std::string> arguments,
                            const std::string& stdout_path = {}) {
   const std::string out = stdout_path.empty() ? folder.path("stdout") : stdout_path;

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""Progress on a terminal is one line that fits it, and is not there where there is none.
+"""Progress is one line that fits the terminal; without a terminal no progress is shown.
 
 terminal_test.py PALPATE MODELS_DIR
 
-Runs the program on terminals of several widths and kinds, reads what it writes there, and stops it
-with the key Ctrl-C.
+Runs the program on terminals of several widths and kinds, reads their content, and presses Ctrl-C.
 """
 
 import fcntl
@@ -21,7 +20,7 @@ import tempfile
 import termios
 
 RUN = ["run", "star.glb", "--out", "out"]
-DONE = (0, 3)  # exit codes; 3: done, and not comparable, as some seconds are not
+DONE = (0, 3)  # exit codes; 3: not comparable, because the runs are short
 
 
 def check(condition, message):
@@ -30,7 +29,7 @@ def check(condition, message):
 
 
 class Terminal:
-    """A program whose stdin, stderr and controlling terminal are a terminal of so many columns."""
+    """A program whose stdin, stderr and controlling terminal are a terminal of `columns` columns."""
 
     def __init__(self, palpate, models, folder, columns, kind, arguments):
         self.end, inner = pty.openpty()
@@ -44,10 +43,10 @@ class Terminal:
         self.text = ""
 
     def read(self, until=None):
-        """What is on the terminal, to its end or until the pattern `until` is there."""
+        """The terminal's content until the program ends or the pattern `until` appears."""
         while until is None or not re.search(until, self.text):
             ready, _, _ = select.select([self.end], [], [], 60)
-            check(ready, f"nothing comes: {self.text!r}")
+            check(ready, f"no output for 60 s: {self.text!r}")
             try:
                 part = os.read(self.end, 4096)
             except OSError:  # the program has ended
@@ -68,7 +67,7 @@ def check_progress(text, columns, seconds):
     lines = [line for line in re.split(r"[\r\n]+", text) if "%" in line or "#" in line]
     check(len(lines) >= 2, f"no progress: {text!r}")
     check(all(len(line) < columns for line in lines), f"too long for {columns} columns: {lines}")
-    check("\x1b" not in text, f"an escape that not every terminal knows: {text!r}")
+    check("\x1b" not in text, f"an escape sequence, which some terminals do not support: {text!r}")
     bar = text[:text.rfind("%") + 1]
     check("\n" not in bar, f"more than a line: {bar!r}")
     if columns >= 60:

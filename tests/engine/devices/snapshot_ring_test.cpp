@@ -1,4 +1,5 @@
-// One writer, many readers: what is read was published, whole, and never older than before.
+// One writer, many readers: every read value was published, is complete, and is never older than
+// the reader's previous value.
 
 #include "engine/devices/snapshot_ring.h"
 
@@ -13,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// Every word follows from the sequence number, so that a mixture of two values shows.
+// Every word follows from the sequence number, which reveals a mixture of two values.
 template <std::size_t kWords>
 struct PatternOf {
   std::uint64_t sequence = 0;
@@ -78,7 +79,7 @@ void stress(std::uint64_t values) {
   }
   for (std::uint64_t s = 1; s <= values; ++s) {
     ring.publish(Value::of(s));
-    if (s % 1024 == 0) std::this_thread::yield();  // readers get a turn on any number of cores
+    if (s % 1024 == 0) std::this_thread::yield();  // lets readers run on any number of cores
   }
   for (std::thread& reader : readers) reader.join();
   for (const ReaderReport& report : reports) {
@@ -90,7 +91,7 @@ void stress(std::uint64_t values) {
   }
 }
 
-TEST(SnapshotRing, HasNothingToReadBeforeTheFirstValue) {
+TEST(SnapshotRing, ReadFailsBeforeTheFirstValue) {
   const SnapshotRing<Pattern> ring;
   Pattern value = Pattern::of(42);
   EXPECT_FALSE(ring.read(value));
@@ -98,7 +99,7 @@ TEST(SnapshotRing, HasNothingToReadBeforeTheFirstValue) {
   EXPECT_TRUE(value.is_whole());
 }
 
-TEST(SnapshotRing, GivesTheNewestValueHoweverOftenItHasComeRound) {
+TEST(SnapshotRing, ReadsTheNewestValueAfterAnyNumberOfRounds) {
   SnapshotRing<Pattern> ring;
   for (std::uint64_t s = 1; s <= 1000; ++s) {
     ring.publish(Pattern::of(s));
@@ -111,7 +112,7 @@ TEST(SnapshotRing, GivesTheNewestValueHoweverOftenItHasComeRound) {
   }
 }
 
-TEST(SnapshotRing, CarriesValuesOfAnySize) {
+TEST(SnapshotRing, StoresValuesOfAnySize) {
   struct Odd {
     std::array<std::uint8_t, 13> bytes;
   };
@@ -128,17 +129,17 @@ TEST(SnapshotRing, CarriesValuesOfAnySize) {
   }
 }
 
-TEST(SnapshotRing, NeverGivesAMixtureNorAnOlderValueToAnyReader) {
+TEST(SnapshotRing, NeverReturnsAMixtureOrAnOlderValue) {
   stress<Pattern, 64>(100'000);
 }
 
-// With two slots the writer overtakes readers all the time: they must notice.
-TEST(SnapshotRing, NoticesWhenTheWriterOvertakesAReader) {
+// With two slots the writer overtakes readers constantly; they must detect this.
+TEST(SnapshotRing, DetectsAWriterThatOvertakesAReader) {
   stress<Pattern, 2>(100'000);
 }
 
-// A value so large that copying it takes as long as the writer takes to come round.
-TEST(SnapshotRing, NoticesWhenTheWriterIsInTheMiddleOfTheSlot) {
+// Copying this value takes as long as the writer needs to reuse the slot.
+TEST(SnapshotRing, DetectsAWriterInTheMiddleOfTheSlot) {
   stress<PatternOf<500>, 2>(20'000);
 }
 

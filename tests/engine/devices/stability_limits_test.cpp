@@ -1,5 +1,4 @@
-// How stiff a wall may be, against closed loops that are simulated and the criteria as they are
-// printed.
+// Stiffness limits, compared with simulated closed loops and with the published criteria.
 
 #include "engine/devices/stability_limits.h"
 
@@ -23,7 +22,7 @@ using test::Random;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A device, a coupling and a servo such as there are.
+// A device, a coupling and a servo with realistic values.
 struct Case {
   DeviceMechanics device;
   double coupling_damping = 0.0;
@@ -46,30 +45,30 @@ struct Case {
   }
 };
 
-// The closed loop, one axis. A hand's spring is no part of MassDamper: the plant is then cut so
-// finely that the classical Runge-Kutta method is exact to rounding.
+// The closed loop, one axis. MassDamper has no spring; with a hand the classical Runge-Kutta method
+// advances the plant in steps so short that its error is below rounding.
 class ClosedLoop {
  public:
   ClosedLoop(const Case& c, double stiffness_N_per_m)
       : case_(c),
         stiffness_N_per_m_(stiffness_N_per_m),
-        bare_(c.device.mass_kg, c.device.damping_Ns_per_m) {
-    bare_.put({1e-6, 0.0, 0.0}, Vec3::Zero());
-    on_their_way_N_.assign(static_cast<std::size_t>(c.timing.delay_ticks), 0.0);
+        plant_(c.device.mass_kg, c.device.damping_Ns_per_m) {
+    plant_.put({1e-6, 0.0, 0.0}, Vec3::Zero());
+    delayed_forces_N_.assign(static_cast<std::size_t>(c.timing.delay_ticks), 0.0);
   }
 
   double tick() {
     const double T = case_.timing.period_s;
-    on_their_way_N_.push_back(-stiffness_N_per_m_ * at_m_ -
-                              case_.coupling_damping * (at_m_ - before_m_) / T);
+    delayed_forces_N_.push_back(-stiffness_N_per_m_ * at_m_ -
+                                case_.coupling_damping * (at_m_ - before_m_) / T);
     before_m_ = at_m_;
-    const double force_N = on_their_way_N_.front();
-    on_their_way_N_.pop_front();
+    const double force_N = delayed_forces_N_.front();
+    delayed_forces_N_.pop_front();
     if (case_.device.hand) {
       for (int i = 0; i < kCuts; ++i) runge_kutta(force_N, T / kCuts);
     } else {
-      bare_.advance({force_N, 0.0, 0.0}, T);
-      at_m_ = bare_.position_m().x();
+      plant_.advance({force_N, 0.0, 0.0}, T);
+      at_m_ = plant_.position_m().x();
     }
     return std::abs(at_m_);
   }
@@ -94,16 +93,16 @@ class ClosedLoop {
 
   const Case& case_;
   double stiffness_N_per_m_;
-  MassDamper bare_;
+  MassDamper plant_;
   double at_m_ = 1e-6;
   double speed_ = 0.0;
   double before_m_ = 1e-6;
-  std::deque<double> on_their_way_N_;
+  std::deque<double> delayed_forces_N_;
 };
 
-// Of the amplitude from one window to the next. A twentieth of the damping is missing or left over:
-// it takes 2 m / (b / 20) to change the amplitude by e. The first window is left out, in which
-// other modes die.
+// Factor of the amplitude from one window to the next. At 5 % from the limit a twentieth of the
+// damping is missing or in excess, so the amplitude changes by a factor e within 2 m / (b / 20).
+// The first window is left out: other modes decay in it.
 double growth(const Case& c, double stiffness_N_per_m) {
   const HandImpedance hand = c.device.hand.value_or(HandImpedance{0.0, 0.0, 0.0});
   const double mass = c.device.mass_kg + hand.mass_kg;
@@ -118,7 +117,7 @@ double growth(const Case& c, double stiffness_N_per_m) {
   return amplitude_m[2] / amplitude_m[1];
 }
 
-TEST(StabilityLimits, AreThoseOfALightDeviceAtOneKilohertz) {
+TEST(StabilityLimits, HaveTheExpectedValuesForALightDeviceAtOneKilohertz) {
   const StabilityLimits limits = stability_limits({0.1, 0.5}, 1.0, {1e-3}).value();
   EXPECT_NEAR(limits.stable_N_per_m, 2972.7, 0.05);
   EXPECT_DOUBLE_EQ(limits.stable_first_order_N_per_m, 3000.0);
@@ -126,7 +125,7 @@ TEST(StabilityLimits, AreThoseOfALightDeviceAtOneKilohertz) {
   EXPECT_FALSE(limits.is_stable(2973.0));
 }
 
-TEST(StabilityLimits, SeparateLoopsThatCalmDownFromThoseThatGrow) {
+TEST(StabilityLimits, SeparateDecayingFromGrowingLoops) {
   Random random(1601);
   int held = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -140,7 +139,7 @@ TEST(StabilityLimits, SeparateLoopsThatCalmDownFromThoseThatGrow) {
   EXPECT_GT(held, 50);
 }
 
-TEST(StabilityLimits, AreWhereTheSpectralRadiusIsOne) {
+TEST(StabilityLimits, HaveASpectralRadiusOfOne) {
   Random random(1602);
   for (int trial = 0; trial < 200; ++trial) {
     const Case c = Case::draw(random, trial % 2 == 1);
@@ -174,7 +173,7 @@ TEST(StabilityLimits, HaveTheSpectralRadiusOfThePlantWithoutAWall) {
   EXPECT_GT(overdamped, 50);
 }
 
-// w T is small where the period is, and the first order is all there is.
+// For a short period the higher orders of w T vanish.
 TEST(StabilityLimits, ApproachTheFirstOrderAsThePeriodShrinks) {
   Random random(1603);
   for (int trial = 0; trial < 50; ++trial) {
@@ -211,8 +210,8 @@ TEST(StabilityLimits, FallAsPeriodAndDelayGrow) {
 }
 
 // Colgate & Schenkel: b > T / 2 / (1 - cos w T) Re((1 - e^-jwT) H(e^jwT)) for all w up to that of
-// Nyquist, with H = (K + B (z - 1) / (T z)) z^-d: the most of the right side over many w.
-double damping_asked_for(const Case& c, double stiffness_N_per_m) {
+// Nyquist, with H = (K + B (z - 1) / (T z)) z^-d: the maximum of the right side over many w.
+double required_damping(const Case& c, double stiffness_N_per_m) {
   const double T = c.timing.period_s;
   double most = -kInfinity;
   for (int i = 1; i <= 20000; ++i) {
@@ -225,7 +224,7 @@ double damping_asked_for(const Case& c, double stiffness_N_per_m) {
   return most;
 }
 
-TEST(StabilityLimits, KeepTheCriterionOfPassivity) {
+TEST(StabilityLimits, AgreeWithTheCriterionOfPassivity) {
   Random random(1605);
   int checked = 0;
   for (int trial = 0; trial < 100; ++trial) {
@@ -233,16 +232,16 @@ TEST(StabilityLimits, KeepTheCriterionOfPassivity) {
     c.coupling_damping = trial % 2 == 0 ? 0.0 : random.uniform(0.0, c.device.damping_Ns_per_m);
     const double limit = c.limits().passive_N_per_m;
     ASSERT_GT(limit, 0.0);
-    EXPECT_LT(damping_asked_for(c, 0.999 * limit), c.device.damping_Ns_per_m);
-    // With both a damper and a delay the bound is on the safe side.
+    EXPECT_LT(required_damping(c, 0.999 * limit), c.device.damping_Ns_per_m);
+    // With both a damper and a delay the bound is sufficient, not necessary.
     if (c.coupling_damping > 0.0 && c.timing.delay_ticks > 0) continue;
-    EXPECT_GT(damping_asked_for(c, 1.001 * limit), c.device.damping_Ns_per_m);
+    EXPECT_GT(required_damping(c, 1.001 * limit), c.device.damping_Ns_per_m);
     ++checked;
   }
   EXPECT_GT(checked, 50);
 }
 
-TEST(StabilityLimits, SayThatEncoderStepsBind) {
+TEST(StabilityLimits, NameTheEncoderAsTheBound) {
   DeviceMechanics device{0.1, 0.5, 20e-6, 5e-3};
   const StabilityLimits coarse = stability_limits(device, 0.0, {1e-3}).value();
   EXPECT_DOUBLE_EQ(coarse.passive_encoder_N_per_m, 500.0);
@@ -257,7 +256,7 @@ TEST(StabilityLimits, SayThatEncoderStepsBind) {
   EXPECT_EQ(stability_limits(device, 0.0, {1e-3})->passive_encoder_N_per_m, kInfinity);
 }
 
-TEST(StabilityLimits, SayThatADamperLeavesNothing) {
+TEST(StabilityLimits, NameTheDamperAsTheBound) {
   const StabilityLimits limits = stability_limits({0.1, 0.5}, 1.0, {1e-3}).value();
   EXPECT_EQ(limits.passive_N_per_m, 0.0);
   EXPECT_EQ(limits.passivity_bound, PassivityBound::kDamper);
@@ -266,23 +265,23 @@ TEST(StabilityLimits, SayThatADamperLeavesNothing) {
   EXPECT_TRUE(limits.is_stable(1000.0));
 }
 
-TEST(StabilityLimits, OfAHandChangeWhatIsStableAndNotWhatIsPassive) {
-  const DeviceMechanics bare{0.1, 0.5};
-  DeviceMechanics held = bare;
+TEST(StabilityLimits, AHandChangesStabilityAndNotPassivity) {
+  const DeviceMechanics released{0.1, 0.5};
+  DeviceMechanics held = released;
   held.hand = HandImpedance{};
-  const StabilityLimits alone = stability_limits(bare, 0.2, {1e-3}).value();
+  const StabilityLimits alone = stability_limits(released, 0.2, {1e-3}).value();
   const StabilityLimits with_hand = stability_limits(held, 0.2, {1e-3}).value();
   EXPECT_EQ(with_hand.passive_N_per_m, alone.passive_N_per_m);
   EXPECT_GT(with_hand.stable_N_per_m, 5.0 * alone.stable_N_per_m);
 }
 
-TEST(StabilityLimits, AreZeroWhereNothingIsStable) {
+TEST(StabilityLimits, AreZeroIfNoStiffnessIsStable) {
   EXPECT_EQ(stability_limits({0.1, 0.0}, 0.0, {1e-3})->stable_N_per_m, 0.0);
-  // A damper that would turn the device round within a period.
+  // A damper that reverses the velocity within a period.
   EXPECT_EQ(stability_limits({0.1, 0.5}, 500.0, {1e-3})->stable_N_per_m, 0.0);
 }
 
-TEST(StabilityLimits, RefuseNumbersThatAreNone) {
+TEST(StabilityLimits, RefuseNumbersOutOfRange) {
   const auto refused = [](const DeviceMechanics& device, double damping,
                           const ServoTiming& timing) {
     const Result<StabilityLimits> limits = stability_limits(device, damping, timing);
@@ -300,8 +299,8 @@ TEST(StabilityLimits, RefuseNumbersThatAreNone) {
   EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 64}), "");
 }
 
-// Without an answer a search would never end: numbers overflow, or have no digits left.
-TEST(StabilityLimits, RefuseAPlantThatIsAllDamping) {
+// The search would not end: numbers overflow or lose all digits.
+TEST(StabilityLimits, RefuseAPlantWithNegligibleMass) {
   for (const DeviceMechanics& device :
        {DeviceMechanics{1e-300, 0.5}, DeviceMechanics{0.1, 1e300}, DeviceMechanics{1e-20, 0.5}}) {
     const auto limits = stability_limits(device, 0.0, {1e-3, 0});
@@ -310,9 +309,9 @@ TEST(StabilityLimits, RefuseAPlantThatIsAllDamping) {
   }
 }
 
-// x += T f / b, all that is left of a plant with next to no mass: with f = -K x it is stable below
-// 2 b / T, and the mass makes that 1 / (1 - 2 m / (b T)) times as much.
-TEST(StabilityLimits, AreThoseOfADamperWhereTheMassIsLittle) {
+// A plant with negligible mass obeys x += T f / b: with f = -K x it is stable below 2 b / T. The
+// mass raises the limit by the factor 1 / (1 - 2 m / (b T)).
+TEST(StabilityLimits, ApproachThoseOfADamperAsTheMassShrinks) {
   for (const double mass_kg : {1e-6, 1e-8, 1e-10}) {
     const double limit = stability_limits({mass_kg, 0.5}, 0.0, {1e-3, 0}).value().stable_N_per_m;
     const double expected = 2.0 * 0.5 / 1e-3 / (1.0 - 2.0 * mass_kg / (0.5 * 1e-3));

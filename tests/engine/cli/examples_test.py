@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Every example of a help and every command line of the documents works as it stands.
+
+examples_test.py PALPATE PROJECT_DIR
+
+Collects the command lines below "Example:" of `palpate --help` and of the help of each subcommand,
+and the lines in fenced blocks of README.md and MANUAL.md that begin with `./run.sh` or `palpate`.
+Runs each one by bash in a temporary copy of the project's folder, whose run.sh starts the built
+program instead of installing and building. Expects exit code 0, or 3 from a line whose comment names
+exit code 3. The lines of one help or document run in one folder, in order: a later line may read the
+files of an earlier one.
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+SECONDS = 300  # of one line
+DOCUMENTS = ("README.md", "MANUAL.md")
+COMMAND = re.compile(r"(\./run\.sh|palpate)(\s|$)")
+SHELLS = ("", "sh", "bash", "shell", "console")  # languages of fenced blocks with command lines
+PLACEHOLDER = "your-scene.glb"
+
+# Lines that do not run here, and why.
+NOT_RUN = {
+    "./run.sh": "a minute in real time; `./run.sh run models/star.glb --virtual` does the same",
+}
+
+
+def without_comment(line):
+    return re.sub(r"\s+#.*", "", line).strip()
+
+
+def document_lines(text):
+    """Command lines of the fenced blocks; a backslash continues a line."""
+    lines, language = [], None
+    for line in re.sub(r"\\\n\s*", " ", text).splitlines():
+        fence = re.match(r"\s*```\s*(\w*)", line)
+        if fence:
+            language = fence[1] if language is None else None
+        elif language in SHELLS and COMMAND.match(line.strip().removeprefix("$ ")):
+            lines.append(line.strip().removeprefix("$ "))
+    return lines
+
+
+def help_of(palpate, command):
+    done = subprocess.run([palpate, *command, "--help"], capture_output=True, text=True, timeout=60)
+    if done.returncode != 0:
+        sys.exit(f"palpate {' '.join(command)} --help: exit code {done.returncode}\n{done.stderr}")
+    return done.stdout
+
+
+def subcommands(text):
+    """Names in the section of subcommands, one to a line that is indented by two spaces."""
+    section = re.split(r"\nsubcommands:\s*\n", text, flags=re.IGNORECASE)[1]
+    return re.findall(r"^  (\w+)\s", section, flags=re.MULTILINE)
+
+
+def help_lines(text, name):
+    head = re.match(r"Example:\n((?:  \S.*\n)+)\n", text)
+    if not head:
+        sys.exit(f"the help of {name} does not begin with an example:\n{text[:300]}")
+    lines = [line.strip() for line in head[1].splitlines()]
+    for line in lines:
+        if not COMMAND.match(line):
+            sys.exit(f"the help of {name} has an example that is not a command line: {line}")
+    return lines
+
+
+def copy_project(palpate, project, folder):
+    """The project's entries as links, except what the lines write or replace."""
+    for entry in project.iterdir():
+        if entry.name not in ("run.sh", "out", "accuracy", "report", "build", ".git"):
+            (folder / entry.name).symlink_to(entry)
+    script = folder / "run.sh"
+    script.write_text('#!/usr/bin/env bash\n'
+                      'set -euo pipefail\n'
+                      'if (($# == 0)); then set -- run models/star.glb; fi\n'
+                      f'exec "{palpate}" "$@"\n')
+    script.chmod(0o755)
+    shutil.copy(project / "models" / "star.glb", folder / PLACEHOLDER)
+    programs = folder / ".programs"
+    programs.mkdir()
+    (programs / "palpate").symlink_to(palpate)
+    return programs
+
+
+def run_lines(palpate, project, source, lines):
+    failures = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        programs = copy_project(palpate, project, folder)
+        for line in lines:
+            reason = NOT_RUN.get(without_comment(line))
+            if reason:
+                print(f"{source}: not run: {line}   ({reason})")
+                continue
+            allowed = (0, 3) if re.search(r"#.*exit code 3", line) else (0,)
+            start = time.monotonic()
+            done = subprocess.run(["bash", "-c", f'PATH="{programs}:$PATH"\n{line}'], cwd=folder,
+                                  stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                  timeout=SECONDS)
+            print(f"{source}: exit code {done.returncode}, {time.monotonic() - start:.1f} s: {line}",
+                  flush=True)
+            if done.returncode not in allowed:
+                failures.append(f"{source}: {line}: exit code {done.returncode}\n"
+                                f"{done.stdout[:1000]}{done.stderr}")
+    return failures
+
+
+def main():
+    palpate, project = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+    text = help_of(palpate, [])
+    commands = subcommands(text)
+    if not {"run", "replay", "info", "accuracy"} <= set(commands):
+        sys.exit(f"subcommands in the help: {commands}")
+    sources = [("palpate --help", help_lines(text, "palpate"))]
+    for command in commands:
+        lines = help_lines(help_of(palpate, [command]), command)
+        if not any(f" {command} " in line for line in lines):
+            sys.exit(f"the example of {command} does not use the command: {lines}")
+        sources.append((f"palpate {command} --help", lines))
+    for name in DOCUMENTS:
+        if (project / name).is_file():
+            sources.append((name, document_lines((project / name).read_text())))
+    if not dict(sources)["README.md"]:
+        sys.exit("README.md has no command line")
+    failures = [f for source, lines in sources for f in run_lines(palpate, project, source, lines)]
+    for failure in failures:
+        print("FAILED", failure)
+    print(f"{sum(len(lines) for _, lines in sources)} lines, {len(failures)} failures")
+    sys.exit(bool(failures))
+
+
+main()
