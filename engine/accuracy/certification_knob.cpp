@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 
@@ -73,8 +73,8 @@ class Grooves {
     RootMeanSquare off_m;
     bool leaked = false;
     const PassCost cost = run_path(
-        groove.scene->world(), PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}), path_m,
-        kStudyPeriod_s, lead_in, [&](const TickRecord& record) {
+        groove.scene->world(), PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}),
+        path_m, kAccuracyPeriod_s, lead_in, [&](const TickRecord& record) {
           const Vec3 goal = groove.T_scene_groove.inverse_point(vec3(record.goal_scene_m));
           const Vec3 proxy = groove.T_scene_groove.inverse_point(vec3(record.proxy_scene_m));
           const double off = (proxy - Vec3(goal.x(), 0.0, 0.0)).norm();
@@ -97,7 +97,7 @@ class Grooves {
     std::vector<Vec3> path_m;
     const double steepest = std::tan(0.5 * angle_rad_);
     for (std::size_t n = 0; n < lead_in + ticks_; ++n) {
-      const double time_s = kStudyPeriod_s * static_cast<double>(n);
+      const double time_s = kAccuracyPeriod_s * static_cast<double>(n);
       const double x_m = 0.35 * kLength_m * std::sin(2.0 * std::numbers::pi * time_s);
       const double share = std::min(1.0, static_cast<double>(n) / static_cast<double>(lead_in - 1));
       const double depth_m = least_depth_m() * (1.0 + random.uniform(0.0, 2.0));

@@ -124,7 +124,7 @@ EffectCase all_without(std::string name, std::string_view left_out) {
 
 }  // namespace
 
-std::span<const std::string_view> studied_effects() {
+std::span<const std::string_view> measured_effects() {
   return kEffects;
 }
 

@@ -14,11 +14,11 @@
 namespace palpate {
 
 // Every effect there is, as reports call it, in the order of PALPATE_EFFECTS.
-std::span<const std::string_view> studied_effects();
+std::span<const std::string_view> measured_effects();
 
 struct EffectCase {
   std::string name;
-  std::vector<std::string_view> effects;  // of studied_effects(), in their order
+  std::vector<std::string_view> effects;  // of measured_effects(), in their order
   // The effects are those of a small sphere beside it, which is not touched.
   bool is_elsewhere = false;
 

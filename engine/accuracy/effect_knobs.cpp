@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/effect_cases.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/sine_relief.h"
 #include "engine/accuracy/sphere_paths.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 #include "models/haptic_maps.h"
@@ -183,7 +183,7 @@ class TappedSphere {
     const auto keep = [&](const TickRecord& record) {
       if (forces) forces->emplace(record.tick, vec3(record.force_device_N));
     };
-    return run_path(scene.world(), PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}),
+    return run_path(scene.world(), PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}),
                     path_m, kSpherePathPeriod_s, 0, keep);
   }
   static const Forces& forces_of(std::map<std::uint64_t, Forces>& kept, std::uint64_t seed,
@@ -218,13 +218,13 @@ constexpr std::size_t kUsualSphere = 2;  // 20 thousand triangles
 constexpr const char* kForceFloor =
     "the rounding of a file's coordinates to single precision, times K";
 constexpr double force_floor_N() {
-  return kStudyCoupling.stiffness_N_per_m * 0x1p-24 * kTappedRadius_m;
+  return kAccuracyCoupling.stiffness_N_per_m * 0x1p-24 * kTappedRadius_m;
 }
 
 // What is simulated, from everything to nothing.
 std::vector<EffectCase> choices() {
   std::vector<EffectCase> choices{all_effects()};
-  for (const std::string_view effect : studied_effects()) choices.push_back(all_but(effect));
+  for (const std::string_view effect : measured_effects()) choices.push_back(all_but(effect));
   choices.push_back(effects_elsewhere());
   choices.back().name = "none touched";
   return choices;
@@ -289,7 +289,7 @@ Knob effect_costs_knob(const Spheres& spheres) {
   knob.levels_are_given = true;
   knob.methods_are_given = true;
   std::vector<EffectCase> cases{all_effects()};
-  for (const std::string_view effect : studied_effects()) cases.push_back(only(effect));
+  for (const std::string_view effect : measured_effects()) cases.push_back(only(effect));
   for (const EffectCase& one : cases) {
     Method method{one.name, {}, {}, force_floor_N()};
     for (const auto& [subdivisions, sphere] : spheres) {

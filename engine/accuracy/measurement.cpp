@@ -254,7 +254,7 @@ std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
   return order;
 }
 
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress) {
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress) {
   Round round(knob);
   // Once for nothing: scenes are built, caches and clocks warm up.
   for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));

@@ -74,11 +74,11 @@ inline constexpr std::array kAccuracyPresets = {Accuracy::fast(), Accuracy::bala
 inline constexpr std::array<const char*, 3> kPresetNames = {"fast", "balanced", "exact"};
 
 // Called with the share that is done.
-using StudyProgress = std::function<void(double)>;
+using MeasuringProgress = std::function<void(double)>;
 
 // Levels are repeated in turn, so that what the machine does meanwhile hits all of them alike.
 // Repeat r of every level has the same seed.
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress);
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress);
 
 // The seed of a repeat.
 std::uint64_t repeat_seed(const StudyEffort& effort, int repeat);

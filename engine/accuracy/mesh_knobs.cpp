@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -69,8 +69,9 @@ Felt feel(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
     const Vec3& n = vec3(record.normal_scene);
     felt.angle_deg.add(kDegrees * std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
   };
-  felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kStudyCoupling, god_object),
-                       path.device_m, kStudyPeriod_s, path.lead_in, visit);
+  felt.cost =
+      run_path(meshed.scene.world(), PassSetup::fully_actuated(kAccuracyCoupling, god_object),
+               path.device_m, kAccuracyPeriod_s, path.lead_in, visit);
   return felt;
 }
 

@@ -2,11 +2,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -31,8 +31,8 @@ std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m
                              PassCost& cost) {
   for (Vec3& p : path_m) p += place_m;
   std::vector<Vec3> proxies_m;
-  cost = run_path(world, PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}), path_m,
-                  kStudyPeriod_s, lead_in, [&](const TickRecord& record) {
+  cost = run_path(world, PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}), path_m,
+                  kAccuracyPeriod_s, lead_in, [&](const TickRecord& record) {
                     proxies_m.emplace_back(vec3(record.proxy_scene_m) - place_m);
                   });
   return proxies_m;

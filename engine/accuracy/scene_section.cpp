@@ -59,32 +59,33 @@ std::string percent(double share) {
   return short_number(100.0 * share) + " %";
 }
 
-std::string presets_html(const SceneStudy& study) {
+std::string presets_html(const SceneAccuracy& measured) {
   Table table({"preset", "tick, median", "99 %", "worst", "steps a tick", "capped", "error (rms)",
                "99 %", "worst", "force off by at most"});
-  for (const PresetOnScene& p : study.presets) {
+  for (const PresetOnScene& p : measured.presets) {
     table.row({html_escaped(p.name), shown(p.p50_ns, "ns"), shown(p.p99_ns, "ns"),
                shown(p.worst_ns, "ns"), short_number(p.iterations), std::to_string(p.capped_ticks),
-               error_text(p.rms_error_m, study.floor_m), error_text(p.p99_error_m, study.floor_m),
-               error_text(p.worst_error_m, study.floor_m), shown(p.worst_force_error_N, "N")});
+               error_text(p.rms_error_m, measured.floor_m),
+               error_text(p.p99_error_m, measured.floor_m),
+               error_text(p.worst_error_m, measured.floor_m), shown(p.worst_force_error_N, "N")});
   }
   std::ostringstream html;
-  html << "<p>" << study.hands << " simulated hands wander over it for " << study.seconds
-       << " s each, in contact for " << percent(study.contact_share)
-       << " of that; each preset replays what they did " << study.repeats
+  html << "<p>" << measured.hands << " simulated hands wander over it for " << measured.seconds
+       << " s each, in contact for " << percent(measured.contact_share)
+       << " of that; each preset replays what they did " << measured.repeats
        << " times. Times are those of ticks in contact: the median of the replays, and in brackets "
           "their quartiles. Errors are distances to the proxy of <em>exact</em> in the same tick; "
           "below "
-       << shown(study.floor_m, "m")
+       << shown(measured.floor_m, "m")
        << ", which is what a file rounds its coordinates to, they say nothing. Capped are the "
           "ticks in which the solver ran out of steps.</p>\n"
        << table.html();
   return html.str();
 }
 
-std::string rate_html(const SafeRate& safe) {
+std::string rate_html(const KeptRate& kept) {
   Table table({"servo rate", "trials", "ticks", "missed deadlines", "longest tick", ""});
-  for (const RateTrial& trial : safe.trials) {
+  for (const RateTrial& trial : kept.trials) {
     const std::string trials = std::to_string(trial.kept) + " of " + std::to_string(trial.trials);
     table.row({shown(trial.rate_Hz, "Hz"), trials, std::to_string(trial.ticks),
                std::to_string(trial.missed), shown(static_cast<double>(trial.worst_ns), "ns"),
@@ -92,18 +93,18 @@ std::string rate_html(const SafeRate& safe) {
   }
   std::ostringstream html;
   html << "<h3>Servo rate</h3>\n<p>Highest safe rate on this machine: <strong>"
-       << (safe.rate_Hz() > 0.0 ? shown(safe.rate_Hz(), "Hz") : "none of those tried")
+       << (kept.rate_Hz() > 0.0 ? shown(kept.rate_Hz(), "Hz") : "none of those tried")
        << "</strong>, the smaller of two. Run at each rate for up to three moments, the haptic "
           "thread kept "
-       << (safe.by_trial_Hz > 0.0 ? shown(safe.by_trial_Hz, "Hz") : "none of them")
+       << (kept.by_trial_Hz > 0.0 ? shown(kept.by_trial_Hz, "Hz") : "none of them")
        << ": at most one deadline in a thousand missed in most of the trials there, and at the "
           "lower rates that were tried. By computing alone, 999 of 1000 ticks fit into half a "
           "period up to "
-       << shown(safe.by_computing_Hz, "Hz")
+       << shown(kept.by_computing_Hz, "Hz")
        << ". The first depends on what else this machine does: repeat it on an idle one.</p>\n"
        << table.html();
-  if (!safe.realtime_note.empty()) {
-    html << "<p class=\"note\">" << html_escaped(safe.realtime_note) << "</p>\n";
+  if (!kept.realtime_note.empty()) {
+    html << "<p class=\"note\">" << html_escaped(kept.realtime_note) << "</p>\n";
   }
   return html.str();
 }
@@ -127,7 +128,7 @@ std::string stiffness_html(const SceneFindings& f) {
          "damper or the encoder sets the limit of passivity; it is 0 where B alone gives out as "
          "much as the damping of the device takes. A relief is stiffer than its K: what counts is "
          "the K felt along its steepest waves at a depth of "
-      << shown(f.study.deepest_m, "m")
+      << shown(f.measured.deepest_m, "m")
       << ", which the hands exceeded in one tick of a hundred. Force shading adds to it, too, and "
          "is not counted.</p>\n";
   Table table({"surface", "K", "K felt", "B", "passive up to", "bound by", "stable below", "", ""});
@@ -168,8 +169,8 @@ class Lines {
 }  // namespace
 
 ReportSection scene_section(const SceneFindings& findings) {
-  std::string html =
-      presets_html(findings.study) + rate_html(findings.study.safe_rate) + stiffness_html(findings);
+  std::string html = presets_html(findings.measured) + rate_html(findings.measured.kept_rate) +
+                     stiffness_html(findings);
   if (!findings.no_simplification.empty()) {
     html += "<p class=\"note\">The mesh was not simplified: " +
             html_escaped(findings.no_simplification) + ".</p>\n";
@@ -179,7 +180,7 @@ ReportSection scene_section(const SceneFindings& findings) {
 
 std::string scene_csv(const SceneFindings& f) {
   Lines lines;
-  for (const PresetOnScene& p : f.study.presets) {
+  for (const PresetOnScene& p : f.measured.presets) {
     const auto add = [&](const char* quantity, const Spread& spread) {
       lines.add("preset", p.name, quantity, spread.median, "ns");
     };
@@ -193,14 +194,14 @@ std::string scene_csv(const SceneFindings& f) {
     lines.add("preset", p.name, "error_worst", p.worst_error_m, "m");
     lines.add("preset", p.name, "force_error_worst", p.worst_force_error_N, "N");
   }
-  lines.add("preset", "all", "error_floor", f.study.floor_m, "m");
-  for (const RateTrial& t : f.study.safe_rate.trials) {
+  lines.add("preset", "all", "error_floor", f.measured.floor_m, "m");
+  for (const RateTrial& t : f.measured.kept_rate.trials) {
     const std::string name = human(t.rate_Hz, "Hz");
     lines.add("rate", name, "ticks", static_cast<double>(t.ticks), "");
     lines.add("rate", name, "missed", static_cast<double>(t.missed), "");
     lines.add("rate", name, "longest_tick", static_cast<double>(t.worst_ns), "ns");
   }
-  lines.add("rate", "safe", "rate", f.study.safe_rate.rate_Hz(), "Hz");
+  lines.add("rate", "safe", "rate", f.measured.kept_rate.rate_Hz(), "Hz");
   for (const CouplingVerdict& v : f.verdicts) {
     const std::string& name = v.surface.name;
     lines.add("surface", name, "stiffness", v.surface.coupling.stiffness_N_per_m, "N/m");
@@ -217,14 +218,14 @@ std::string scene_csv(const SceneFindings& f) {
 std::string scene_text(const SceneFindings& f) {
   std::ostringstream text;
   text << printable(f.path) << "\n";
-  for (const PresetOnScene& p : f.study.presets) {
+  for (const PresetOnScene& p : f.measured.presets) {
     text << "  " << p.name << std::string(10 - p.name.size(), ' ') << "tick "
          << human(p.p50_ns.median, "ns") << " / 99 % " << human(p.p99_ns.median, "ns")
          << " / worst " << human(p.worst_ns.median, "ns") << ", error "
-         << error_text(p.rms_error_m, f.study.floor_m) << " rms, "
-         << error_text(p.worst_error_m, f.study.floor_m) << " at worst\n";
+         << error_text(p.rms_error_m, f.measured.floor_m) << " rms, "
+         << error_text(p.worst_error_m, f.measured.floor_m) << " at worst\n";
   }
-  const double rate_Hz = f.study.safe_rate.rate_Hz();
+  const double rate_Hz = f.measured.kept_rate.rate_Hz();
   text << "  highest safe servo rate here: "
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of those tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {

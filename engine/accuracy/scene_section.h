@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/accuracy/scene_study.h"
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_report.h"
+#include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/surface_couplings.h"
 
 namespace palpate {
@@ -20,7 +20,7 @@ struct LimitsAtRate {
 
 struct SceneFindings {
   std::string path;  // as the user named it
-  SceneStudy study;
+  SceneAccuracy measured;
   DeviceDescription device;
   double rate_Hz = 0.0;  // of the servo loop, as given
   std::vector<CouplingVerdict> verdicts;

@@ -16,8 +16,8 @@
 namespace palpate {
 
 // The coupling and the tick that the knobs are studied with, unless they are what is studied.
-inline constexpr CouplingSettings kStudyCoupling{1000.0, 2.0};
-inline constexpr double kStudyPeriod_s = 1e-3;
+inline constexpr CouplingSettings kAccuracyCoupling{1000.0, 2.0};
+inline constexpr double kAccuracyPeriod_s = 1e-3;
 
 // What a session runs with, beside the world.
 struct PassSetup {

@@ -6,10 +6,10 @@
 #include <meshoptimizer.h>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/proxy_reference.h"
-#include "engine/accuracy/scene_study.h"
+#include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
 

@@ -2,12 +2,12 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -56,8 +56,8 @@ class Bumps {
                         press, random);
   }
   PassCost pass(const PressedPath& path, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path.device_m, kStudyPeriod_s, path.lead_in, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path.device_m, kAccuracyPeriod_s, path.lead_in, visit);
   }
   std::vector<Vec3> proxies(const PressedPath& path) const {
     std::vector<Vec3> proxies_m;

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 
@@ -60,8 +60,8 @@ class Cones {
 
  private:
   PassCost pass(std::uint64_t seed, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path_of(seed), kStudyPeriod_s, kPressTicks, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path_of(seed), kAccuracyPeriod_s, kPressTicks, visit);
   }
   std::vector<Vec3> proxies(std::uint64_t seed) const {
     Accuracy unbounded = Accuracy::balanced();
@@ -79,7 +79,7 @@ class Cones {
     const double swing_hz = random.uniform(2.0, 4.0);
     std::vector<Vec3> path_m;
     for (std::size_t n = 0; n < kPressTicks + ticks_; ++n) {
-      const double time_s = kStudyPeriod_s * static_cast<double>(n);
+      const double time_s = kAccuracyPeriod_s * static_cast<double>(n);
       const double angle_rad = start_rad + kSpeed_m_per_s / kAround_m * time_s;
       const double away_m =
           kAround_m * (1.0 + 0.9 * std::sin(2.0 * std::numbers::pi * swing_hz * time_s));

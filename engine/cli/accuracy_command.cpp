@@ -7,13 +7,13 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_plots.h"
+#include "engine/accuracy/accuracy_report.h"
 #include "engine/accuracy/build_facts.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/scene_section.h"
-#include "engine/accuracy/study_csv.h"
-#include "engine/accuracy/study_plots.h"
-#include "engine/accuracy/study_report.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
@@ -100,9 +100,9 @@ std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyE
 }
 
 // The rates that the machine keeps, or that of the loop if it keeps none.
-std::vector<double> rates_kept_Hz(const SafeRate& safe, double rate_Hz) {
+std::vector<double> rates_kept_Hz(const KeptRate& kept, double rate_Hz) {
   std::vector<double> rates;
-  for (const RateTrial& trial : safe.trials) {
+  for (const RateTrial& trial : kept.trials) {
     if (trial.passed()) rates.push_back(trial.rate_Hz);
   }
   if (rates.empty()) rates.push_back(rate_Hz);
@@ -116,15 +116,16 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyRequest& comman
   findings.device = setup.device;
   findings.rate_Hz = command.settings.rate_Hz;
   ProgressBar bar("scene");
-  Result<SceneStudy> study =
-      study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
-  if (!study) return study.error();
-  findings.study = std::move(*study);
+  Result<SceneAccuracy> measured =
+      measure_scene(scene, setup, effort, [&](double share) { bar.show(share); });
+  if (!measured) return measured.error();
+  findings.measured = std::move(*measured);
   const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), setup.device,
-                                        {setup.dt_s, 0}, findings.study.deepest_m);
+                                        {setup.dt_s, 0}, findings.measured.deepest_m);
   if (!verdicts) return verdicts.error();
   findings.verdicts = *verdicts;
-  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.settings.rate_Hz)) {
+  for (const double rate_Hz :
+       rates_kept_Hz(findings.measured.kept_rate, command.settings.rate_Hz)) {
     const auto limits =
         stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
                          {1.0 / rate_Hz, 0});
@@ -134,8 +135,8 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyRequest& comman
   return findings;
 }
 
-StudyReport report_of(const std::vector<KnobResult>& results, const StudyEffort& effort) {
-  StudyReport report;
+AccuracyReport report_of(const std::vector<KnobResult>& results, const StudyEffort& effort) {
+  AccuracyReport report;
   report.title = "What accuracy costs in time";
   report.introduction =
       "Each knob of the engine is turned from coarse to fine while a simulated hand or device does "
@@ -166,7 +167,7 @@ std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
 std::optional<Error> write_results(const std::vector<KnobResult>& results,
                                    const std::optional<SceneFindings>& findings,
                                    const StudyEffort& effort, const OutputFiles& files) {
-  const auto csv = write_study_csv(results, files.path(kTable));
+  const auto csv = write_accuracy_csv(results, files.path(kTable));
   if (!csv) return csv.error();
   std::optional<Error> no_picture;
   for (const KnobResult& result : results) {
@@ -180,7 +181,7 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results,
     if (!written) return written.error();
   }
   if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
-  StudyReport report = report_of(results, effort);
+  AccuracyReport report = report_of(results, effort);
   if (findings) {
     report.sections.push_back(scene_section(*findings));
     const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));

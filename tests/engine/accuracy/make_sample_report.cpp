@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <string>
 
-#include "engine/accuracy/study_csv.h"
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_report.h"
 #include "engine/report/html.h"
 #include "engine/report/text_file.h"
 #include "tests/engine/accuracy/sample_knobs.h"
@@ -20,7 +20,7 @@ bool succeeded(const Result<std::string>& written) {
 
 bool write_all(const std::string& folder) {
   const std::vector<KnobResult> results = test::all_samples();
-  StudyReport report;
+  AccuracyReport report;
   report.title = "What accuracy costs";
   report.introduction = "Made up, to look at the report.";
   report.facts = {{"machine", "none"},
@@ -32,7 +32,7 @@ bool write_all(const std::string& folder) {
   report.chapters = chapters_of(results);
   report.sections.push_back({"Your scene", "<p>" + html_escaped("a < b") + "</p>"});
   bool good = succeeded(write_text_file(folder + "/report.html", report_html(report))) &&
-              succeeded(write_study_csv(results, folder + "/report.csv"));
+              succeeded(write_accuracy_csv(results, folder + "/report.csv"));
   for (std::size_t i = 0; good && i < results.size(); ++i) {
     const auto svg = work_precision_svg(results[i]);
     good = succeeded(svg) &&

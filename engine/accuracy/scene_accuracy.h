@@ -48,7 +48,7 @@ struct RateTrial {
   bool passed() const { return 2 * kept > trials; }
 };
 
-struct SafeRate {
+struct KeptRate {
   std::vector<RateTrial>
       trials;                // in ascending order; of those above 1 kHz, to the first that failed
   double by_trial_Hz = 0.0;  // the fastest that passed; 0 if none did
@@ -60,7 +60,7 @@ struct SafeRate {
   double rate_Hz() const { return by_trial_Hz < by_computing_Hz ? by_trial_Hz : by_computing_Hz; }
 };
 
-struct SceneStudy {
+struct SceneAccuracy {
   std::array<PresetOnScene, 3> presets;  // fast, balanced, exact
   int hands = 0;                         // different seeds
   int repeats = 0;                       // of each preset
@@ -68,14 +68,14 @@ struct SceneStudy {
   double contact_share = 0.0;            // of its ticks
   double deepest_m = 0.0;                // lag under exact, which one tick in a hundred exceeds
   double floor_m = 0.0;  // errors below it say nothing: float_floor_m() of the scene
-  SafeRate safe_rate;
+  KeptRate kept_rate;
 };
 
 // Hands wander over the scene with the settings of `setup`, recorded under the preset exact; then
 // their paths are replayed under each preset in turn. An error if no hand touches anything, or as
 // of explore(). Takes seconds; runs the haptic thread.
-Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const StudyEffort& effort,
-                               const StudyProgress& progress);
+Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
+                                    const StudyEffort& effort, const MeasuringProgress& progress);
 
 // The scene's own surface at fewer triangles, as a knob: all of it in one mesh, simplified to a
 // half, a quarter and so on, without its effects. Nothing if it has too many triangles for that

@@ -17,7 +17,7 @@
 #include "engine/accuracy/sine_relief.h"
 #include "engine/accuracy/sphere_paths.h"
 #include "haptics/record_vectors.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -139,8 +139,8 @@ constexpr double kSpeed_m_per_s = kSpherePathSpeed_m_per_s;
 TEST(Effects, AddTheForceOfTheirModel) {
   const KnobResult result = measured_effect("effects");
   expect_levels_and_presets_count(result);
-  ASSERT_EQ(result.methods.size(), studied_effects().size() + 2);
-  for (const std::string_view effect : studied_effects()) {
+  ASSERT_EQ(result.methods.size(), measured_effects().size() + 2);
+  for (const std::string_view effect : measured_effects()) {
     const std::string name = "all but " + std::string(effect);
     const MethodResult& left_out = test::method_of(result, name);
     for (const LevelResult& level : left_out.levels) {
@@ -174,7 +174,7 @@ TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
 TEST(Effects, AloneChangeTheForceByTheirModel) {
   const KnobResult result = measured_effect("effect_costs");
   expect_levels_and_presets_count(result);
-  ASSERT_EQ(result.methods.size(), studied_effects().size() + 1);
+  ASSERT_EQ(result.methods.size(), measured_effects().size() + 1);
   const auto changed_N = [&](const std::string& effect) {
     return test::method_of(result, effect).levels.back().error.median;
   };
@@ -208,11 +208,11 @@ TEST(Effects, OfWhatIsNotTouchedChangeNoBit) {
 }
 
 TEST(Effects, OfACaseAreThoseThatItNames) {
-  EXPECT_EQ(all_effects().effects.size(), studied_effects().size());
-  for (const std::string_view effect : studied_effects()) {
+  EXPECT_EQ(all_effects().effects.size(), measured_effects().size());
+  for (const std::string_view effect : measured_effects()) {
     EXPECT_TRUE(only(effect).has(effect));
     EXPECT_FALSE(all_but(effect).has(effect));
-    EXPECT_EQ(all_but(effect).effects.size(), studied_effects().size() - 1);
+    EXPECT_EQ(all_but(effect).effects.size(), measured_effects().size() - 1);
     EXPECT_TRUE(without_effects(only(effect)).effects.empty());
   }
 }

@@ -1,4 +1,4 @@
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -134,7 +134,7 @@ std::string summary_row(const KnobResult& result, std::size_t chapter) {
          "</tr>\n";
 }
 
-std::string summary(const StudyReport& report) {
+std::string summary(const AccuracyReport& report) {
   if (report.chapters.empty()) return "";
   std::string out =
       "<h2 id=\"summary\">Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>"
@@ -384,7 +384,7 @@ std::string chapter_html(const KnobChapter& chapter, std::size_t index) {
          "</section>\n";
 }
 
-std::string facts(const StudyReport& report) {
+std::string facts(const AccuracyReport& report) {
   if (report.facts.empty()) return "";
   std::string out = "<dl class=\"facts\">\n";
   for (const auto& [name, value] : report.facts) {
@@ -426,7 +426,7 @@ std::string words() {
   return out + "</dl>\n";
 }
 
-std::string head(const StudyReport& report) {
+std::string head(const AccuracyReport& report) {
   // An icon of its own: browsers ask for one otherwise.
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -437,7 +437,7 @@ std::string head(const StudyReport& report) {
 
 }  // namespace
 
-std::string report_html(const StudyReport& report) {
+std::string report_html(const AccuracyReport& report) {
   std::string out =
       head(report) + "<body>\n<header>\n" + element("h1", html_escaped(report.title)) + "\n";
   if (!report.introduction.empty()) out += element("p", html_escaped(report.introduction)) + "\n";

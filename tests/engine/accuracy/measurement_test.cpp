@@ -1,6 +1,8 @@
 // What is made of measurements: medians, orders, fronts and verdicts, on knobs whose samples are
 // known.
 
+#include "engine/accuracy/measurement.h"
+
 #include <cmath>
 #include <string>
 #include <utility>
@@ -8,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/accuracy/measurement.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {

@@ -1,4 +1,4 @@
-#include "engine/accuracy/scene_study.h"
+#include "engine/accuracy/scene_accuracy.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,9 +6,9 @@
 #include <thread>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/replay.h"
@@ -211,18 +211,18 @@ Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Ha
 }
 
 // Upwards to the first rate that is not kept; if that is the slowest, downwards to one that is.
-std::optional<Error> find_safe_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
-                                    const StudyEffort& effort, SafeRate& safe) {
+std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
+                                    const StudyEffort& effort, KeptRate& kept) {
   const auto seconds = [&](double rate_Hz) {
     constexpr double kLeastTicks = 1000.0;  // so that one late tick is not too many
     return std::max(effort.quick ? 0.5 : 2.0, kLeastTicks / rate_Hz);
   };
   const auto keeps = [&](double rate_Hz) -> Result<bool> {
     const auto trial =
-        judge_rate(scene, setup, hand, rate_Hz, seconds(rate_Hz), safe.realtime_note);
+        judge_rate(scene, setup, hand, rate_Hz, seconds(rate_Hz), kept.realtime_note);
     if (!trial) return trial.error();
-    safe.trials.push_back(*trial);
-    if (trial->passed()) safe.by_trial_Hz = rate_Hz;
+    kept.trials.push_back(*trial);
+    if (trial->passed()) kept.by_trial_Hz = rate_Hz;
     return trial->passed();
   };
   for (const double rate_Hz : kRates_Hz) {
@@ -231,31 +231,31 @@ std::optional<Error> find_safe_rate(const Scene& scene, const RunSetup& setup, c
     if (!*is_kept) break;
   }
   for (const double rate_Hz : kSlowRates_Hz) {
-    if (safe.by_trial_Hz > 0.0) break;
+    if (kept.by_trial_Hz > 0.0) break;
     const auto is_kept = keeps(rate_Hz);
     if (!is_kept) return is_kept.error();
   }
-  std::sort(safe.trials.begin(), safe.trials.end(),
+  std::sort(kept.trials.begin(), kept.trials.end(),
             [](const RateTrial& a, const RateTrial& b) { return a.rate_Hz < b.rate_Hz; });
   return std::nullopt;
 }
 
 }  // namespace
 
-Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const StudyEffort& effort,
-                               const StudyProgress& progress) {
-  SceneStudy study;
-  study.hands = kHands;
+Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
+                                    const StudyEffort& effort, const MeasuringProgress& progress) {
+  SceneAccuracy measured;
+  measured.hands = kHands;
   if (auto error = check_rate(setup)) return *error;
-  study.floor_m = file_floor_m(scene);
-  study.seconds = effort.quick ? 3.0 : 12.0;
+  measured.floor_m = file_floor_m(scene);
+  measured.seconds = effort.quick ? 3.0 : 12.0;
   std::vector<Hand> hands;
   std::uint64_t ticks = 0;
   std::uint64_t contact_ticks = 0;
   std::vector<double> depths_m;
   for (int h = 0; h < kHands; ++h) {
     Result<Hand> hand =
-        record_hand(scene, setup, study.seconds, effort.seed + static_cast<std::uint64_t>(h));
+        record_hand(scene, setup, measured.seconds, effort.seed + static_cast<std::uint64_t>(h));
     if (!hand) return hand.error();
     for (const TickRecord& r : hand->exact) {
       contact_ticks += r.contact;
@@ -270,12 +270,12 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
                  "scene to the size of a hand's reach"};
   }
   std::sort(depths_m.begin(), depths_m.end());
-  study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
-  study.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
+  measured.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
+  measured.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
 
   std::array<PresetTally, kAccuracyPresets.size()> tallies;
-  study.repeats = StudyEffort::kRepeats;
-  for (int repeat = 0; repeat < study.repeats; ++repeat) {
+  measured.repeats = StudyEffort::kRepeats;
+  for (int repeat = 0; repeat < measured.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
     for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
       // Another preset begins each time, and not always the same one on the same hand.
@@ -285,21 +285,22 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
       if (!run) return run.error();
       tallies[turn].add(*run, hand);
     }
-    if (progress) progress(0.8 * static_cast<double>(repeat + 1) / study.repeats);
+    if (progress) progress(0.8 * static_cast<double>(repeat + 1) / measured.repeats);
   }
   for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
-    study.presets[p] = tallies[p].finish(kPresetNames[p]);
+    measured.presets[p] = tallies[p].finish(kPresetNames[p]);
   }
-  study.safe_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
+  measured.kept_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
   const auto touching =
       std::max_element(hands.begin(), hands.end(), [](const auto& a, const auto& b) {
         const auto touches = [](const TickRecord& r) { return r.contact; };
         return std::count_if(a.exact.begin(), a.exact.end(), touches) <
                std::count_if(b.exact.begin(), b.exact.end(), touches);
       });
-  if (auto error = find_safe_rate(scene, setup, *touching, effort, study.safe_rate)) return *error;
+  if (auto error = find_kept_rate(scene, setup, *touching, effort, measured.kept_rate))
+    return *error;
   if (progress) progress(1.0);
-  return study;
+  return measured;
 }
 
 }  // namespace palpate

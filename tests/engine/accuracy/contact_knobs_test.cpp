@@ -9,7 +9,7 @@
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/pressed_path.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 
 namespace palpate {
 namespace {

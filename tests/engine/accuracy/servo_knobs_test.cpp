@@ -18,7 +18,7 @@
 #include "engine/devices/stability_limits.h"
 #include "engine/simulation/mass_damper.h"
 #include "haptics/proxy/contact_world.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {

@@ -1,4 +1,4 @@
-#include "engine/accuracy/study_plots.h"
+#include "engine/accuracy/accuracy_plots.h"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/accuracy/accuracy_plots.h"
 #include "engine/accuracy/measurement.h"
-#include "engine/accuracy/study_plots.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -24,7 +24,7 @@ struct ReportSection {
   std::string html;  // put in as it is: html_escaped() and inline_svg() are in html.h
 };
 
-struct StudyReport {
+struct AccuracyReport {
   std::string title;
   std::string introduction;  // a paragraph of plain text; may be empty
   // Name and value: machine, compiler, flags, commit, seed, repeats, date.
@@ -36,7 +36,7 @@ struct StudyReport {
 // An HTML5 document (UTF-8) that needs no other file, no network and no script: the facts, a
 // summary of all knobs, then for each its diagrams, its levels, what failed and why, and what is
 // recommended. All texts but ReportSection::html are escaped.
-std::string report_html(const StudyReport& report);
+std::string report_html(const AccuracyReport& report);
 
 // The chapters of these results: draws their diagrams.
 std::vector<KnobChapter> chapters_of(std::span<const KnobResult> results);

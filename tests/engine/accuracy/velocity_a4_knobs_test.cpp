@@ -12,7 +12,7 @@
 #include "engine/accuracy/flat_sheet.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 
 namespace palpate {
 namespace {

@@ -1,6 +1,6 @@
 // The table, the diagrams and the page of what accuracy costs, of knobs that are made up.
 
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_report.h"
 
 #include <algorithm>
 #include <charconv>
@@ -18,7 +18,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/accuracy/study_csv.h"
+#include "engine/accuracy/accuracy_csv.h"
 #include "engine/report/gnuplot.h"
 #include "engine/report/html.h"
 #include "engine/report/human_units.h"
@@ -88,7 +88,7 @@ std::vector<std::vector<std::string>> parsed_csv(const std::string& text) {
 
 // Rows by the names of their columns.
 std::vector<std::map<std::string, std::string>> table_of(const std::vector<KnobResult>& results) {
-  const auto rows = parsed_csv(study_csv(results));
+  const auto rows = parsed_csv(accuracy_csv(results));
   std::vector<std::map<std::string, std::string>> table;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].size(), rows[0].size()) << "row " << i;
@@ -210,8 +210,8 @@ void expect_finite(const std::string& svg) {
   EXPECT_FALSE(std::regex_search(svg, match, kBad)) << match.str();
 }
 
-StudyReport report_of(const std::vector<KnobResult>& results) {
-  StudyReport report;
+AccuracyReport report_of(const std::vector<KnobResult>& results) {
+  AccuracyReport report;
   report.title = "What accuracy <costs>";
   report.facts = {{"machine", "a & b"}, {"commit", "\"unknown\""}};
   report.chapters = chapters_of(results);
@@ -300,7 +300,7 @@ TEST_F(AllSamples, ATableGivesBackEveryNumberToTheBit) {
   }
 }
 
-TEST(StudyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
+TEST(AccuracyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
   const KnobResult hostile = test::sample_hostile("true");
   auto first = table_of({hostile}).at(0);
   EXPECT_EQ(first["knob"], hostile.knob.name);
@@ -311,14 +311,14 @@ TEST(StudyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
               contains(first["knob"], ","));
 }
 
-TEST(StudyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
+TEST(AccuracyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
   const Folder folder;
   const std::vector<KnobResult> results = {test::sample_mesh()};
   const std::string path = folder.file("report.csv");
-  ASSERT_TRUE(write_study_csv(results, path).ok());
-  EXPECT_EQ(content_of(path), study_csv(results));
+  ASSERT_TRUE(write_accuracy_csv(results, path).ok());
+  EXPECT_EQ(content_of(path), accuracy_csv(results));
 
-  const auto nowhere = write_study_csv(results, folder.file("no/such/report.csv"));
+  const auto nowhere = write_accuracy_csv(results, folder.file("no/such/report.csv"));
   ASSERT_FALSE(nowhere.ok());
   EXPECT_EQ(nowhere.error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(nowhere.error().path, folder.file("no/such/report.csv"));
@@ -387,7 +387,7 @@ TEST(Gnuplot, IsAskedForWhereItIsMissing) {
   EXPECT_TRUE(contains(svg.error().hint, "install gnuplot-nox"));
   // The rest of the report does without.
   ASSERT_FALSE(panels.ok());
-  StudyReport report;
+  AccuracyReport report;
   report.chapters.push_back({test::sample_mesh(), panels});
   const std::string html = report_html(report);
   EXPECT_TRUE(contains(html, "No diagram"));
@@ -649,7 +649,7 @@ TEST_F(AllSamples, ThePageSaysWhyADefaultIsNotOnTheFront) {
   EXPECT_TRUE(contains(html(), "It is the quickest with an error of no more than 1 µm"));
 }
 
-TEST(StudyReport, FloorAndOrdersAreInTheTable) {
+TEST(AccuracyReport, FloorAndOrdersAreInTheTable) {
   const std::string html = report_html(report_of({test::sample_integrator()}));
   EXPECT_TRUE(contains(html, "explicit Euler, order 1.00 (theory 1), floor 1e-15 m"));
   EXPECT_TRUE(contains(html, "<span class=\"mark floor\">floor</span>"));
@@ -657,8 +657,8 @@ TEST(StudyReport, FloorAndOrdersAreInTheTable) {
   EXPECT_TRUE(contains(html, "Open points are at the floor."));
 }
 
-TEST(StudyReport, ASectionOfTheCallersIsPutInAsItIs) {
-  StudyReport report;
+TEST(AccuracyReport, ASectionOfTheCallersIsPutInAsItIs) {
+  AccuracyReport report;
   report.title = "t";
   report.sections.push_back({"Your <scene>", "<p id=\"mine\">x</p>"});
   const std::string html = report_html(report);
