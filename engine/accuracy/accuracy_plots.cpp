@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -312,6 +313,9 @@ class Panel {
     return place.method == knob().default_method && place.level == knob().default_level;
   }
 
+  // Where neither level nor method is a choice, labels name the methods, once each.
+  bool labels_methods() const { return knob().levels_are_given && knob().methods_are_given; }
+
   void put_level_labels() {
     struct Wish {
       int urgency;
@@ -321,15 +325,18 @@ class Panel {
     };
     std::vector<Wish> wishes;
     diagram_.for_each_level([&](const LevelPlace& place, const LevelResult& level) {
+      if (labels_methods() && place.level != knob().default_level) return;
       const std::string text =
-          shortened_label(level.label, kLongestLabel) + (is_default(place) ? " (default)" : "");
+          labels_methods() ? shortened_label(result().methods[place.method].name, kLongestLabel)
+                           : shortened_label(level.label, kLongestLabel) +
+                                 (is_default(place) ? " (default)" : "");
       wishes.push_back(
           {urgency(place, level), diagram_.dot(level, against_), text, level.on_front});
     });
     std::stable_sort(wishes.begin(), wishes.end(),
                      [](const Wish& a, const Wish& b) { return a.urgency < b.urgency; });
-    // Where levels are given, points crowd: a label that is not near says nothing.
-    const int farthest = knob().levels_are_given ? 1 : 2;
+    // Where levels are given, points are dense, and a distant label would be ambiguous.
+    const int farthest = labels_methods() ? 3 : knob().levels_are_given ? 1 : 2;
     for (const Wish& wish : wishes) {
       const double radius = wish.urgency == 0  ? kRecommendedRadius
                             : wish.is_on_front ? kRingRadius
@@ -375,6 +382,13 @@ class Panel {
     });
     std::sort(front.begin(), front.end(),
               [](const Dot& a, const Dot& b) { return a.x != b.x ? a.x < b.x : a.y > b.y; });
+    // A default that is tied with the front may lie behind it.
+    double least = std::numeric_limits<double>::infinity();
+    std::erase_if(front, [&](const Dot& d) {
+      if (d.y > least) return true;
+      least = d.y;
+      return false;
+    });
     return front;
   }
 

@@ -135,7 +135,7 @@ Knob certification_knob(const StudyEffort& effort) {
   knob.floor_is = "the rounding of a file's coordinates to single precision";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   knob.default_because =
       "what it buys is no smaller error but the proof, every tick, that the proxy is in front of "
       "every triangle";

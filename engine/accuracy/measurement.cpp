@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
+
+#include "engine/accuracy/recommendation.h"
 
 namespace palpate {
 namespace {
@@ -64,93 +65,6 @@ Sample checked(Sample sample) {
   return sample;
 }
 
-bool is_no_worse(const LevelResult& a, const LevelResult& b) {
-  return a.time.median <= b.time.median && a.error.median <= b.error.median;
-}
-
-bool is_better(const LevelResult& a, const LevelResult& b) {
-  return is_no_worse(a, b) && (a.time.median < b.time.median || a.error.median < b.error.median);
-}
-
-// The levels that one at `place` competes with, itself among them.
-template <typename Visit>
-void for_each_rival(const KnobResult& result, const LevelPlace& place, Visit visit) {
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    if (result.knob.methods_are_given && m != place.method) continue;
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      if (result.knob.levels_are_given && l != place.level) continue;
-      const LevelResult& rival = result.methods[m].levels[l];
-      if (rival.counts()) visit(LevelPlace{m, l}, rival);
-    }
-  }
-}
-
-void mark_front(KnobResult& result) {
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      LevelResult& candidate = result.methods[m].levels[l];
-      candidate.on_front = candidate.counts();
-      for_each_rival(result, {m, l}, [&](const LevelPlace&, const LevelResult& rival) {
-        if (is_better(rival, candidate)) candidate.on_front = false;
-      });
-    }
-  }
-}
-
-// How many times better; of an error that vanishes altogether, without bound.
-double times_better(double better, double worse) {
-  if (worse <= better) return 1.0;
-  return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
-}
-
-const LevelResult& at(const KnobResult& result, const LevelPlace& place) {
-  return result.methods[place.method].levels[place.level];
-}
-
-void judge_default(KnobResult& result) {
-  const LevelResult& mine = at(result, result.default_place());
-  if (!mine.counts()) {
-    result.default_behind = std::numeric_limits<double>::infinity();
-    result.better_than_default = "any: the default fails, " + mine.failure;
-    return;
-  }
-  for_each_rival(
-      result, result.default_place(), [&](const LevelPlace& p, const LevelResult& rival) {
-        if (!is_better(rival, mine)) return;
-        const double behind = std::max(times_better(rival.time.median, mine.time.median),
-                                       times_better(rival.error.median, mine.error.median));
-        if (behind <= result.default_behind) return;
-        result.default_behind = behind;
-        result.better_than_default = result.methods[p.method].name + ", " + rival.label;
-      });
-}
-
-// The quickest level whose error is small enough; of those that are about as quick, the default, or
-// the one with the smallest error. If none is small enough, the one with the smallest error.
-std::optional<LevelPlace> recommend(const KnobResult& result) {
-  const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
-  double least_time = std::numeric_limits<double>::infinity();
-  for_each_rival(result, result.default_place(), [&](const LevelPlace&, const LevelResult& rival) {
-    if (will_do(rival)) least_time = std::min(least_time, rival.time.median);
-  });
-  // With none that will do, all are.
-  const auto is_candidate = [&](const LevelResult& a) {
-    return !std::isfinite(least_time) ||
-           (will_do(a) && a.time.median <= KnobResult::kNearFront * least_time);
-  };
-  const LevelResult& usual = at(result, result.default_place());
-  if (usual.counts() && std::isfinite(least_time) && is_candidate(usual)) {
-    return result.default_place();
-  }
-  std::optional<LevelPlace> best;
-  for_each_rival(result, result.default_place(),
-                 [&](const LevelPlace& p, const LevelResult& rival) {
-                   if (!is_candidate(rival)) return;
-                   if (!best || rival.error.median < at(result, *best).error.median) best = p;
-                 });
-  return best;
-}
-
 // How far on the next level is in the order of a repeat: by another number each, so that none
 // always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
 // that each level has its turn.
@@ -182,7 +96,8 @@ class Round {
   }
 
   KnobResult result() const {
-    KnobResult result{knob_, {}, {}, {}, 1.0, ""};
+    KnobResult result;
+    result.knob = knob_;
     std::size_t i = 0;
     for (const Method& method : knob_.methods) {
       MethodResult m{method.name, {}, method.expected_order, {}, method.floor};
@@ -267,9 +182,7 @@ KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringP
     if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
   }
   KnobResult result = round.result();
-  mark_front(result);
-  judge_default(result);
-  result.recommended = recommend(result);
+  judge(result);
   return result;
 }
 

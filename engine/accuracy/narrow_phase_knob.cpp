@@ -92,7 +92,7 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
   knob.floor_is = "the rounding of a file's coordinates to single precision, at the origin";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   struct Way {
     const char* name;
     NarrowPhase arithmetic;

@@ -95,7 +95,7 @@ Knob common(const char* name, const char* title, const Bumps& bumps) {
     return bumps.run(seed, kFast_m_per_s, preset);
   };
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   return knob;
 }
 

@@ -88,7 +88,7 @@ TEST(SceneAccuracy, SaysWhyAMeshIsNotSimplified) {
   const auto scene = mesh_scene(box(Vec3(0.1, 0.1, 0.1)));
   std::string why;
   EXPECT_FALSE(simplification_knob(*scene, setup(), scene_effort(), why).has_value());
-  EXPECT_EQ(why, "it has 12 triangles; from 256 to 2000000 are simplified");
+  EXPECT_EQ(why, "it has 12 triangles; expected 256 to 2000000");
 }
 
 TEST(SceneAccuracy, KnowsTheStiffnessOfEveryMaterial) {
@@ -138,7 +138,7 @@ TEST(SceneAccuracy, BlamesWhatBindsForALimitOfZero) {
   EXPECT_NE(scene_text(findings).find("not passive (passive up to 0)"), std::string::npos)
       << scene_text(findings);
   findings.verdicts = *judge_couplings(wall, device_with(0.05, 0.0), {1e-3, 0}, 0.0);
-  EXPECT_NE(scene_text(findings).find("with its damper of 0.1 N s/m at no K"), std::string::npos)
+  EXPECT_NE(scene_text(findings).find("not passive at any K with its damper of 0.1 N s/m"), std::string::npos)
       << scene_text(findings);
 }
 

@@ -147,8 +147,8 @@ TEST(ServoPressed, DeviatesToFirstOrderAndListsWhatIsUnstable) {
     EXPECT_EQ(is_stable, level.value < 4e-3) << level.label;
     EXPECT_EQ(level.failures, is_stable ? 0 : StudyEffort::kRepeats) << level.label;
     EXPECT_EQ(level.failure, is_stable ? ""
-                                       : "unstable: 1000 N/m, where 723 N/m is the most at "
-                                         "this rate");
+                                       : "unstable: 1000 N/m; the limit at this rate is "
+                                         "723 N/m");
   }
 }
 
