@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-// The samples of one level, gathered over the repeats.
+// The samples of one level over the repeats.
 class Gathered {
  public:
   void add(Sample sample) {
@@ -53,8 +53,7 @@ class Gathered {
   std::string failure_;
 };
 
-// A run that cannot be repeated at will because it never ends would be a fault of ours; one that
-// gives no number is a failure of the level.
+// A sample without finite figures, or without contact, is a failure of its level.
 Sample checked(Sample sample) {
   if (!sample.failure.empty()) return sample;
   if (!std::isfinite(sample.error) || !std::isfinite(sample.time)) {
@@ -65,16 +64,16 @@ Sample checked(Sample sample) {
   return sample;
 }
 
-// How far on the next level is in the order of a repeat: by another number each, so that none
-// always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
-// that each level has its turn.
+// The stride from level to level in the order of a repeat. It differs between repeats, so that no
+// level always follows the same other level, which leaves its mesh in the caches. Coprime to
+// `size`, so that each level runs once.
 std::size_t stride_of(std::size_t repeat, std::size_t size) {
   std::size_t stride = 1 + repeat % size;
   while (std::gcd(stride, size) != 1) ++stride;
   return stride;
 }
 
-// Every level and every preset once.
+// Runs every level and every preset once.
 class Round {
  public:
   explicit Round(const Knob& knob) : knob_(knob) {
@@ -105,7 +104,7 @@ class Round {
         m.levels.push_back(gathered_[i++].result(level.value, level.label, method.floor));
       }
       m.order = fitted_order(m.levels);
-      // A curve that is flat does not go by the level: noise is no order.
+      // A flat curve does not depend on the level; noise is not an order.
       constexpr double kFlat = 0.1;
       if (!m.expected_order && m.order && std::abs(*m.order) < kFlat) m.order.reset();
       result.methods.push_back(std::move(m));
@@ -143,8 +142,8 @@ std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
 
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
   constexpr std::size_t kLeastLevels = 4;
-  // A median that is farther from the line by this factor is of no power law: noise is a few per
-  // cent, and the curvature of an asymptotic law at its coarsest level some tens.
+  // A median that deviates from the line by more than this factor contradicts a power law: noise is
+  // a few per cent, and the curvature of an asymptotic law at its coarsest level some tens.
   constexpr double kMostOffLine = 1.5;
   std::vector<Eigen::Vector2d> points;  // log(value), log(error)
   for (const LevelResult& level : levels) {
@@ -171,7 +170,7 @@ std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
 
 KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress) {
   Round round(knob);
-  // Once for nothing: scenes are built, caches and clocks warm up.
+  // A run that does not count: scenes are built, caches and clocks warm up.
   for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
   for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
     const auto turn = static_cast<std::size_t>(repeat);

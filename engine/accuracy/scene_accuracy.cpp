@@ -20,10 +20,10 @@ namespace {
 
 constexpr int kHands = 3;
 constexpr std::array kRates_Hz = {1000.0, 2000.0, 4000.0, 8000.0, 16000.0, 32000.0};
-constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // where even the first is not kept
-constexpr int kTrials = 3;                            // of a rate; most of them must keep it
+constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // if 1 kHz is not kept
+constexpr int kTrials = 3;                            // per rate; most of them must keep it
 
-// Of the loop that is studied. Every tick of every hand is kept in memory.
+// Limits of the loop's rate. Every tick of every hand is kept in memory.
 constexpr double kSlowest_Hz = 20.0;
 constexpr double kFastest_Hz = 20000.0;
 
@@ -32,7 +32,7 @@ std::optional<Error> check_rate(const RunSetup& setup) {
   if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return std::nullopt;
   return Error{ErrorCode::kInvalidArgument, "", "rate_Hz",
                std::to_string(rate_Hz) + " Hz given, expected 20 to 20000 Hz",
-               "1000 Hz is usual; how fast this machine is, the report says by itself"};
+               "1000 Hz is usual; the report states the highest rate that this machine keeps"};
 }
 
 RunSetup with(RunSetup setup, const Accuracy& accuracy) {
@@ -40,7 +40,7 @@ RunSetup with(RunSetup setup, const Accuracy& accuracy) {
   return setup;
 }
 
-// Where a hand went, and the proxies of the preset exact.
+// The path of a hand, and its records under the preset exact.
 struct Hand {
   std::vector<Vec3> path_m;
   std::vector<TickRecord> exact;
@@ -57,14 +57,14 @@ Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double secon
   if (!run) return run.error();
   Hand hand;
   for (const TickRecord& record : run->records) hand.path_m.push_back(vec3(record.device_m));
-  // Once more as a replay, which is what the presets do: then only they differ.
+  // Recorded again as a replay, like the presets, so that only the presets differ.
   Result<ReplayResult> again = replay(scene, exact, hand.path_m, 1);
   if (!again) return again.error();
   hand.exact = std::move(again->records);
   return hand;
 }
 
-// What a preset does on one hand, added up.
+// Sums up the results of a preset over the hands.
 class PresetTally {
  public:
   void add(const ReplayResult& run, const Hand& hand) {
@@ -107,15 +107,16 @@ class PresetTally {
     preset.worst_error_m = errors_m_.back();
     return preset;
   }
-  // That one tick in a thousand takes longer than, of all or of those in contact: the longer one.
+  // The time that one tick in a thousand exceeds, over all ticks or those in contact, whichever is
+  // longer.
   double p999_ns() const {
     return static_cast<double>(
         std::max(StepTimes::of(all_ns_).p999_ns, StepTimes::of(contact_ns_).p999_ns));
   }
 
  private:
-  // Wherever one of the two is in contact: a preset that has lost what exact still touches is off
-  // by that much.
+  // Counts ticks in which either of the two is in contact: losing a surface that exact still
+  // touches is an error.
   void add_errors(const TickRecord& record, const TickRecord& exact) {
     if (!record.contact && !exact.contact) return;
     errors_m_.push_back((vec3(record.proxy_scene_m) - vec3(exact.proxy_scene_m)).norm());
@@ -132,7 +133,7 @@ class PresetTally {
   std::uint64_t capped_ = 0;
 };
 
-// Goes along a recorded path in the same time at any rate.
+// Follows a recorded path in the same time at any rate.
 class ResampledPath final : public VectorDevice {
  public:
   ResampledPath(const std::vector<Vec3>& path_m, double period_s)
@@ -188,8 +189,7 @@ Result<RateTrial> try_rate(const Scene& scene, const RunSetup& setup, const Hand
   return trial;
 }
 
-// Most of the trials decide: a machine that does something else for a moment, or that does not for
-// once, is no reason.
+// The majority of the trials decides, so that a moment of other load, or of no load, does not.
 Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
                              double rate_Hz, double seconds, std::string& realtime_note) {
   RateTrial all;
@@ -210,7 +210,8 @@ Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Ha
   return all;
 }
 
-// Upwards to the first rate that is not kept; if that is the slowest, downwards to one that is.
+// Tries rates upwards to the first that is not kept; if that is 1 kHz, downwards to one that is
+// kept.
 std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
                                     const StudyEffort& effort, KeptRate& kept) {
   const auto seconds = [&](double rate_Hz) {
@@ -265,7 +266,7 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
     hands.push_back(std::move(*hand));
   }
   if (contact_ticks == 0) {
-    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched anything",
+    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched the scene",
                  "try another `StudyEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
                  "scene to the size of a hand's reach"};
   }
@@ -278,7 +279,7 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
   for (int repeat = 0; repeat < measured.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
     for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
-      // Another preset begins each time, and not always the same one on the same hand.
+      // The first preset differs between repeats, and between repeats with the same hand.
       const auto r = static_cast<std::size_t>(repeat);
       const std::size_t turn = (p + r + r / hands.size()) % kAccuracyPresets.size();
       const auto run = replay(scene, with(setup, kAccuracyPresets[turn]), hand.path_m, 1);

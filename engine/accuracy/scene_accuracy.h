@@ -1,7 +1,7 @@
 #pragma once
 
-// What accuracy costs on a user's own scene: the time and the error of each preset under a
-// simulated hand, and how fast the servo loop can run on this machine.
+// The cost of accuracy on a user's own scene: the time and the error of each preset under a
+// simulated hand, and the highest servo rate that this machine keeps.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +17,8 @@
 
 namespace palpate {
 
-// Of ticks in contact. Times: the median over the repeats of what one repeat has, and its spread.
+// A preset in the ticks in contact. Times: median and quartiles over the repeats of the percentile
+// in one repeat.
 struct PresetOnScene {
   std::string name;
   Spread p50_ns;
@@ -26,36 +27,35 @@ struct PresetOnScene {
   double iterations = 0.0;
   std::uint64_t ticks = 0;  // in contact, of all repeats
   std::uint64_t capped_ticks = 0;
-  // Distance of its proxy to that of the preset exact in the same tick, over all hands.
+  // Distance between its proxy and that of the preset exact in the same tick, over all hands.
   double rms_error_m = 0.0;
   double p99_error_m = 0.0;
   double worst_error_m = 0.0;
   double worst_force_error_N = 0.0;
 };
 
-// The haptic thread at a rate, for some moments.
+// Trials of the haptic thread at one rate.
 struct RateTrial {
   double rate_Hz = 0.0;
   int trials = 0;
-  int kept = 0;               // of them
+  int kept = 0;               // trials that kept the rate
   std::uint64_t ticks = 0;    // of all trials
   std::uint64_t missed = 0;   // deadlines
   std::int64_t worst_ns = 0;  // tick
 
-  // Of the ticks of a trial that keeps the rate. One late tick in a thousand is a force held twice
-  // as long once a second at 1 kHz.
+  // The largest share of missed deadlines in a trial that keeps the rate. At 1 kHz, one late tick
+  // in a thousand holds a force for twice as long once a second.
   static constexpr double kMostMissed = 1e-3;
   bool passed() const { return 2 * kept > trials; }
 };
 
 struct KeptRate {
-  std::vector<RateTrial>
-      trials;                // in ascending order; of those above 1 kHz, to the first that failed
-  double by_trial_Hz = 0.0;  // the fastest that passed; 0 if none did
-  // Half of the period is left to the device and the rest of the program: 1 / (2 t), t what one
-  // tick in a thousand takes longer than.
+  std::vector<RateTrial> trials;  // in ascending order; above 1 kHz up to the first failure
+  double by_trial_Hz = 0.0;       // the highest rate that passed; 0 if none did
+  // 1 / (2 t), where one tick in a thousand takes longer than t: half of the period is left for the
+  // device and the rest of the program.
   double by_computing_Hz = 0.0;
-  std::string realtime_note;  // what the system did not grant
+  std::string realtime_note;  // the real-time rights that the system did not grant
 
   double rate_Hz() const { return by_trial_Hz < by_computing_Hz ? by_trial_Hz : by_computing_Hz; }
 };
@@ -66,20 +66,20 @@ struct SceneAccuracy {
   int repeats = 0;                       // of each preset
   double seconds = 0.0;                  // of a hand
   double contact_share = 0.0;            // of its ticks
-  double deepest_m = 0.0;                // lag under exact, which one tick in a hundred exceeds
-  double floor_m = 0.0;  // errors below it say nothing: float_floor_m() of the scene
+  double deepest_m = 0.0;                // the lag under exact that one tick in a hundred exceeds
+  double floor_m = 0.0;  // errors below it are meaningless: file_floor_m() of the scene
   KeptRate kept_rate;
 };
 
 // Hands wander over the scene with the settings of `setup`, recorded under the preset exact; then
-// their paths are replayed under each preset in turn. An error if no hand touches anything, or as
-// of explore(). Takes seconds; runs the haptic thread.
+// each preset in turn replays their paths. An error if no hand touches the scene, or as of
+// explore(). Takes seconds; runs the haptic thread.
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
                                     const StudyEffort& effort, const MeasuringProgress& progress);
 
-// The scene's own surface at fewer triangles, as a knob: all of it in one mesh, simplified to a
-// half, a quarter and so on, without its effects. Nothing if it has too many triangles for that
-// (kMostSimplified), too few, or cannot be touched so; `why` says which.
+// A knob that simplifies the scene's own surface: all surfaces in one mesh, simplified to a half, a
+// quarter and so on, without effects. Nothing if the scene has too many triangles (kMostSimplified)
+// or too few, or does not compile as one mesh; `why` states the reason.
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const StudyEffort& effort, std::string& why);
 
