@@ -1,4 +1,4 @@
-// What the elementary rotation of A4 costs: how it is integrated, and how often.
+// The accuracy of the elementary rotation of A4: the integration rule and the rate.
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ namespace palpate {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr double kAligned_rad = 1.0 * kDeg;  // where the clock is stopped
+constexpr double kAligned_rad = 1.0 * kDeg;  // the turn ends here
 constexpr double kMostStart_rad = 89.0 * kDeg;
 
 // The same at all levels.
@@ -27,8 +27,8 @@ constexpr double kPress_m = 5e-3;
 constexpr std::array kA4Rates_Hz = {60, 120, 250, 500, 1000, 2000, 5000, 10000};
 constexpr std::size_t kDefaultRate = 4;
 
-// How long Figure 3's profile S takes from one angle down to another: the knee's speed above the
-// knee; below, a' = -(S0 + k a) takes ln((S0 + k from) / (S0 + k to)) / k.
+// The time that profile S of Figure 3 takes from one angle down to another. Above the knee the
+// speed is that of the knee; below, a' = -(S0 + k a) takes ln((S0 + k from) / (S0 + k to)) / k.
 double profile_s(double from_rad, double to_rad) {
   const RotationProfile profile;
   const double k_per_s =
@@ -42,14 +42,14 @@ double profile_s(double from_rad, double to_rad) {
   return from_knee_s(from_rad) - from_knee_s(to_rad);
 }
 
-// When within a tick the angle passes kAligned_rad, by the motion that the rule itself stands for:
-// a steady turn, or the profile. after_rad <= kAligned_rad < before_rad.
+// The time within a tick at which the angle passes kAligned_rad, under the motion that the rule
+// assumes: a steady turn, or the profile. after_rad <= kAligned_rad < before_rad.
 double crossing_s(StepRule rule, double before_rad, double after_rad, double dt_s) {
   if (rule == StepRule::kExact) return profile_s(before_rad, kAligned_rad);
   return dt_s * (before_rad - kAligned_rad) / (before_rad - after_rad);
 }
 
-// From the first tick in contact on; none if it is never reached.
+// The time from the first tick in contact on; nothing if the angle is never reached.
 std::optional<double> time_to_align_s(const std::vector<double>& alphas_rad, StepRule rule,
                                       double dt_s) {
   for (std::size_t n = 1; n < alphas_rad.size(); ++n) {
@@ -64,11 +64,11 @@ std::size_t ticks_to_align(double start_rad, double dt_s) {
   return static_cast<std::size_t>(std::ceil(profile_s(start_rad, kAligned_rad) / dt_s));
 }
 
-// What rounding can do to the time. A tick turns the pose by a quaternion product and normalises
-// it, makes a matrix of it, turns the normal by that and reads its angle: sixteen roundings of
-// numbers no larger than one, all in one direction at worst, in each of the most ticks that there
-// are. An angle that is off shifts the motion in time by as much as the profile takes to turn it,
-// most where it ends, and the closed form does not make it worse.
+// The largest effect of rounding on the time. A tick turns the pose by a quaternion product,
+// normalises it, converts it to a matrix, turns the normal and reads its angle: sixteen roundings
+// of numbers of at most one, at worst all in one direction, in each tick of the longest run. An
+// error of the angle shifts the motion in time by what the profile takes to turn it, which is most
+// at the end. The rounding of the closed form is smaller.
 double time_roundoff_s() {
   constexpr double kRoundings = 16.0;
   const double most_ticks =
@@ -77,7 +77,7 @@ double time_roundoff_s() {
   return off_rad / RotationProfile{}.speed_rad_per_s(kAligned_rad);
 }
 
-// A device that pushes along A1 alone is held in a sheet that faces elsewhere.
+// A device with one actuated axis, A1, is held in a sheet with another normal.
 Sample align(StepRule rule, double dt_s, const Accuracy& accuracy, std::uint64_t seed) {
   SeededRandom random(seed);
   const double start_rad = random.uniform(60.0 * kDeg, kMostStart_rad);
@@ -89,7 +89,7 @@ Sample align(StepRule rule, double dt_s, const Accuracy& accuracy, std::uint64_t
   setup.haptics.god_object.accuracy = accuracy;
   setup.haptics.coupling = kCoupling;
   setup.haptics.a4.step = rule;
-  // A tick above the sheet; as many in it as it takes, the first before any turn, and one to spare.
+  // A tick above the sheet, then the ticks of the turn, with one before and one in reserve.
   std::vector<Vec3> path_m(3 + ticks_to_align(start_rad, dt_s), sheet.below(kPress_m));
   path_m.front() = sheet.below(-1e-3);
   std::vector<double> alphas_rad;
@@ -128,18 +128,17 @@ Knob step_knob() {
   knob.error = {"error of the time to align", "s"};
   knob.time = {"computing for a second of contact", "us"};
   knob.workload =
-      "a device with three sensors and one actuator, held 5 mm deep in a flat sheet whose normal "
-      "is 60 to 89 deg from what it can push, until A4 has turned the scene to 1 deg; K = 1000 "
-      "N/m, "
-      "B = 2 N s/m";
+      "a device with three sensors and one actuator is held 5 mm deep in a flat sheet whose normal "
+      "is 60 to 89 deg from the actuated axis, until A4 has turned the scene to 1 deg; K = 1000 "
+      "N/m, B = 2 N s/m";
   knob.reference =
       "the time that the profile of the paper's Figure 3 takes from an angle of a degrees to 1 "
       "degree: "
       "max(a - 30, 0) / 90 + 6/17 ln((5 + 17/6 min(a, 30)) / (5 + 17/6)) s";
-  knob.floor_is = "round-off of double in as many ticks as it takes at 10 kHz";
+  knob.floor_is = "rounding in double, over the ticks of the turn at 10 kHz";
   knob.methods = {method("speed times dt (paper)", StepRule::kSpeedByDt, 1.0, 0.0),
                   method("exact solution", StepRule::kExact, {}, time_roundoff_s())};
-  knob.levels_are_given = true;  // the tick is that of the force
+  knob.levels_are_given = true;  // the rate is that of the force
   knob.default_method = 1;
   knob.default_level = kDefaultRate;
   knob.run_preset = [](std::uint64_t seed, const Accuracy& preset) {
@@ -147,7 +146,7 @@ Knob step_knob() {
   };
   knob.enough = 10e-3;
   knob.enough_because =
-      "less than a hundredth of what the turn takes, and less than one image of a display";
+      "less than a hundredth of the time of the turn, and less than one frame of a display";
   return knob;
 }
 

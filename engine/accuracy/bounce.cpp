@@ -14,20 +14,20 @@
 namespace palpate {
 namespace {
 
-// Bounces of a repeat: so many that there are this many ticks in contact, whatever the rate, and no
-// fewer than these. Uneven periods average out over the ticks.
+// A repeat has enough bounces for this many ticks in contact, whatever the rate, and at least
+// kFewestBounces. Uneven periods average out over the ticks.
 constexpr double kTicksInContact = 2000.0;
 constexpr int kFewestBounces = 16;
 
-// Periods before the wall: enough for uneven ones to meet it at any phase.
+// Periods before the wall: enough for uneven periods to meet it at any phase.
 constexpr double kPeriodsBefore = 10.0;
 
-// Forces that come late make a bounce longer than half a period of the spring, but not as long as
-// this; one that takes longer is reported.
+// Late forces make a bounce longer than half a period of the spring, but never as long as this; a
+// longer bounce is a failure.
 constexpr double kContactsToWait = 1.5;
 constexpr double kPeriodsToWait = 4.0;
 
-// Moves under the last force alone.
+// A mass that moves under the last force alone.
 class FreeMass final : public VectorDevice {
  public:
   FreeMass(double mass_kg, const Vec3& at_m, const Vec3& velocity_m_per_s) : plant_(mass_kg, 0.0) {
@@ -48,12 +48,12 @@ class FreeMass final : public VectorDevice {
   bool started_ = false;
 };
 
-// Periods of a bounce that begins this long before the wall.
+// Draws the periods of a bounce that starts `before_s` before the wall.
 std::vector<double> draw_periods(const BounceSetup& setup, const TickPeriods& periods,
                                  double before_s, SeededRandom& random) {
   double left_s =
       before_s + kContactsToWait * setup.contact_s() + kPeriodsToWait * periods.effective_s();
-  std::vector<double> drawn_s{periods.nominal_s};  // of the first tick, which moves nothing
+  std::vector<double> drawn_s{periods.nominal_s};  // first tick: the mass does not move yet
   while (left_s > 0.0) {
     drawn_s.push_back(periods.draw_s(random));
     left_s -= drawn_s.back();
@@ -61,9 +61,8 @@ std::vector<double> draw_periods(const BounceSetup& setup, const TickPeriods& pe
   return drawn_s;
 }
 
-// What many passes cost. A repeat takes milliseconds, in which a busy machine takes the processor
-// away for longer; a pass is short, so that most are spared and the median of their times is of
-// those.
+// Sums up the cost of many passes. The time is the median over the passes: a busy machine may
+// interrupt a repeat for longer than it runs, but most of its short passes run undisturbed.
 class PassCosts {
  public:
   void add(const PassCost& cost) {
@@ -82,14 +81,14 @@ class PassCosts {
   std::uint64_t ticks_ = 0;
   double iterations_ = 0.0;
   std::uint32_t faults_ = kFaultNone;
-  std::vector<double> tick_ns_;  // of each pass in contact
+  std::vector<double> tick_ns_;  // one per pass with contact
 };
 
-// One pass: comes from the front, at so much before the wall.
+// One pass: the mass starts in front of the wall.
 struct Bounce {
   PassCost cost;
-  double kinetic_J;  // afterwards
-  bool is_out;
+  double kinetic_J;  // after the bounce
+  bool is_out;       // the mass has left the wall
 };
 
 Bounce bounce(const BounceSetup& setup, const TickPeriods& periods, const PosedSheet& sheet,
@@ -128,7 +127,7 @@ Sample bounces(const BounceSetup& setup, const TickPeriods& periods, const Accur
   if (!sheet) return {.failure = sheet.error().to_string()};
   const PassSetup pass = PassSetup::fully_actuated({setup.stiffness_N_per_m, 0.0}, {0.0, accuracy});
   const double speed = random.uniform(setup.least_speed_m_per_s, setup.most_speed_m_per_s);
-  const double came_J = 0.5 * setup.mass_kg * speed * speed;
+  const double arrival_J = 0.5 * setup.mass_kg * speed * speed;
   const double first_phase = random.uniform(0.0, 1.0);
   const int count = bounce_count(setup, periods);
   PassCosts costs;
@@ -137,8 +136,8 @@ Sample bounces(const BounceSetup& setup, const TickPeriods& periods, const Accur
     const double before_s = periods.nominal_s * (kPeriodsBefore + (i + first_phase) / count);
     const Bounce one = bounce(setup, periods, *sheet, pass, speed, before_s, random);
     costs.add(one.cost);
-    sample.error += (one.kinetic_J / came_J - 1.0) / count;
-    if (!one.is_out) sample.failure = "still in the wall when it should have bounced";
+    sample.error += (one.kinetic_J / arrival_J - 1.0) / count;
+    if (!one.is_out) sample.failure = "the mass was still in the wall after the time of a bounce";
   }
   const PassCost cost = costs.sum();
   sample.time = cost.us_per_s(periods.mean_s());

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a measurement must say about how it came about.
+// Facts that every report of a measurement states: program, processor, compiler, flags, date.
 
 #include <string>
 #include <utility>
@@ -10,11 +10,11 @@ namespace palpate {
 
 std::string compiler_name();   // "GNU 12.2.0"
 std::string compiler_flags();  // as this program was built
-std::string processor_name();  // as the system calls it; "unknown" if it does not say
+std::string processor_name();  // as the system reports it, or "unknown"
 unsigned processor_cores();
 std::string today();  // "2026-11-21", UTC
 
-// All of them, with their names.
+// All facts, with their names.
 std::vector<std::pair<std::string, std::string>> build_facts();
 
 }  // namespace palpate

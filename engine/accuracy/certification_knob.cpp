@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 
@@ -19,14 +19,14 @@ namespace {
 constexpr double kLength_m = 0.1;  // along the bottom of the groove
 constexpr double kSlope_m = 0.05;  // of each of its walls
 
-// A groove in any place: its bottom is the x axis, its walls rise to both sides of the z axis.
+// A groove in any pose: its bottom is the x axis, its walls rise on both sides of the z axis.
 struct Groove {
   RigidTransform T_scene_groove;
   std::shared_ptr<const Scene> scene;
 };
 
-// Corners at random, so that nothing is aligned with anything, but the same ones on both sides of
-// the bottom: no crack.
+// Corners are random, so that no edges are aligned. Both walls share the corners of the bottom, so
+// that there is no crack.
 Groove make_groove(double angle_rad, SeededRandom& random) {
   constexpr std::uint32_t kAlong = 12;
   constexpr std::uint32_t kUp = 6;             // triangles up each wall
@@ -56,13 +56,13 @@ Groove make_groove(double angle_rad, SeededRandom& random) {
   return groove;
 }
 
-// Grooves by seed: every method gets the same ones.
+// Grooves by seed, so that every method uses the same grooves.
 class Grooves {
  public:
   Grooves(double angle_rad, std::size_t ticks) : angle_rad_(angle_rad), ticks_(ticks) {}
 
-  // Pressed below the bottom and moved along it: the god-object is on the bottom, beside the
-  // device.
+  // The device is pressed below the bottom and moves along it: the exact proxy is on the bottom,
+  // beside the device.
   Sample run(std::uint64_t seed, const Accuracy& accuracy) const {
     SeededRandom random(seed);
     Groove& groove = (*kept_)[seed];
@@ -73,8 +73,8 @@ class Grooves {
     RootMeanSquare off_m;
     bool leaked = false;
     const PassCost cost = run_path(
-        groove.scene->world(), PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}), path_m,
-        kStudyPeriod_s, lead_in, [&](const TickRecord& record) {
+        groove.scene->world(), PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}),
+        path_m, kAccuracyPeriod_s, lead_in, [&](const TickRecord& record) {
           const Vec3 goal = groove.T_scene_groove.inverse_point(vec3(record.goal_scene_m));
           const Vec3 proxy = groove.T_scene_groove.inverse_point(vec3(record.proxy_scene_m));
           const double off = (proxy - Vec3(goal.x(), 0.0, 0.0)).norm();
@@ -83,27 +83,27 @@ class Grooves {
         });
     Sample sample{off_m.value(), cost.tick_ns, cost.iterations, cost.ticks,
                   failure_of(cost.faults)};
-    if (leaked || cost.ticks != ticks_) sample.failure = "leaked: the proxy got through a wall";
+    if (leaked || cost.ticks != ticks_) sample.failure = "leaked: the proxy passed a wall";
     return sample;
   }
 
  private:
   static double least_depth_m() { return 1e-3; }
 
-  // From the open end to below the bottom, then to and fro along it, trembling. Goals stay where
+  // From the open end to below the bottom, then back and forth along it, trembling. For all goals
   // the bottom is the nearest point in front of both walls.
   std::vector<Vec3> path(const RigidTransform& T_scene_groove, std::size_t lead_in,
                          SeededRandom& random) const {
     std::vector<Vec3> path_m;
     const double steepest = std::tan(0.5 * angle_rad_);
     for (std::size_t n = 0; n < lead_in + ticks_; ++n) {
-      const double time_s = kStudyPeriod_s * static_cast<double>(n);
+      const double time_s = kAccuracyPeriod_s * static_cast<double>(n);
       const double x_m = 0.35 * kLength_m * std::sin(2.0 * std::numbers::pi * time_s);
       const double share = std::min(1.0, static_cast<double>(n) / static_cast<double>(lead_in - 1));
       const double depth_m = least_depth_m() * (1.0 + random.uniform(0.0, 2.0));
       const double z_m =
           (1.0 - share) * 0.8 * kSlope_m * std::cos(0.5 * angle_rad_) - share * depth_m;
-      // Off the bottom's plane of symmetry the bottom stays nearest while |y| tan(angle/2) <= -z.
+      // Beside the plane of symmetry, the bottom is nearest while |y| tan(angle/2) <= -z.
       const double most_y_m = 0.9 * std::min(depth_m / std::max(steepest, 1e-3), depth_m);
       const double y_m = share == 1.0 ? random.uniform(-1.0, 1.0) * most_y_m : 0.0;
       path_m.push_back(T_scene_groove.point({x_m, y_m, z_m}));
@@ -127,18 +127,17 @@ Knob certification_knob(const StudyEffort& effort) {
   knob.error = {"distance to the exact proxy (rms)", "m"};
   knob.time = {"time of a tick", "ns"};
   knob.workload =
-      "A hand that trembles below the bottom of a V-shaped groove and goes along it, the hardest "
-      "place for a proxy. Certified: each of its steps is proven to pass no surface, which is no "
-      "smaller error but leaves none to chance. K = 1000 N/m, "
-      "B = 2 N s/m, 1 kHz.";
-  knob.reference = "The point of the bottom beside the device, in closed form.";
+      "A hand trembles below the bottom of a V-shaped groove and moves along it, the hardest place "
+      "for a proxy. Certified: each step of the proxy is proven to pass no surface, which does not "
+      "reduce the error but excludes leaks. K = 1000 N/m, B = 2 N s/m, 1 kHz.";
+  knob.reference = "the point of the bottom beside the device, in closed form";
   knob.floor_is = "the rounding of a file's coordinates to single precision";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   knob.default_because =
-      "what it buys is no smaller error but the proof, every tick, that the proxy is in front of "
-      "every triangle";
+      "it buys not a smaller error but a proof, in every tick, that the proxy is in front of every "
+      "triangle";
   const std::size_t ticks = effort.quick ? 500 : 2000;
   for (const bool certifies : {true, false}) {
     Method method{certifies ? "certified" : "not certified", {}, {}, float_floor_m(kLength_m)};

@@ -36,7 +36,7 @@ constexpr SurfaceParameter kParameters[] = {
     {"restitution", "restitution", 0.5},
     {"magnet", "magnetForce", 1.0},
     {"magnet", "magnetRange", 5e-3},
-    {"viscosity", "viscosity", 2.0},  // of the surface only where no medium is
+    {"viscosity", "viscosity", 2.0},  // on the surface only if the scene has no medium
 };
 
 MaterialParameter parameter(const char* key, MaterialValue value) {
@@ -70,7 +70,7 @@ void add_node(SceneDescription& scene, const std::string& name, const Vec3& plac
   scene.tree.push_back({name, node.tree_node, {}, true, place_m});
 }
 
-// A medium to be in and a field, for the effects that are not of a surface.
+// Adds a medium and a field, for the effects that do not belong to a surface.
 void add_surroundings(SceneDescription& scene, double radius_m, const EffectCase& effect_case) {
   if (effect_case.has("viscosity")) {
     RegionDescription region;
@@ -88,7 +88,7 @@ void add_surroundings(SceneDescription& scene, double radius_m, const EffectCase
   }
 }
 
-// What the last mesh is made of.
+// Adds the material of the last mesh.
 void add_material(SceneDescription& scene, const EffectCase& effect_case) {
   MeshDescription& mesh = scene.meshes.back();
   MaterialDescription material;
@@ -124,7 +124,7 @@ EffectCase all_without(std::string name, std::string_view left_out) {
 
 }  // namespace
 
-std::span<const std::string_view> studied_effects() {
+std::span<const std::string_view> measured_effects() {
   return kEffects;
 }
 

@@ -1,4 +1,4 @@
-// What the texels of a relief buy, and what each effect costs.
+// The accuracy that the texels of a relief buy, and the cost of each effect.
 
 #include <algorithm>
 #include <chrono>
@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/effect_cases.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/accuracy/sine_relief.h"
 #include "engine/accuracy/sphere_paths.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 #include "models/haptic_maps.h"
@@ -32,8 +32,8 @@ constexpr int kTexelsPerWave[] = {4, 8, 16, 32, 64, 128};
 constexpr int kModelTexelsPerWave = kMapSide / kMapWaves;  // of the models' own maps
 
 Method sampled(const std::string& name, const SineRelief& relief, ImageDepth depth) {
-  // Keys' interpolant is of third order, but with few texels a wave its error of the fourth is as
-  // large, and with many the image's steps are larger: no order fits the ladder.
+  // Keys' interpolant is of third order. With few texels per wave its fourth-order error is as
+  // large, and with many the rounding of the image is larger: no order fits the ladder.
   Method method{name, {}, {}, image_floor(depth)};
   for (const int texels : kTexelsPerWave) {
     method.levels.push_back(
@@ -53,14 +53,14 @@ Knob texture_knob(const StudyEffort& effort) {
   knob.error = {"error of the normal force (rms) over K H", ""};
   knob.time = {"time of a tick", "ns"};
   knob.workload =
-      "A hand slides at 7 mm/s, 0.9 to 1.5 mm deep, over a relief of waves of 3.9 mm, H = 0.3 mm "
-      "from the lowest to the highest, that is an image of n texels a wave; K = 1000 N/m, B = 0, T "
-      "= 1 ms.";
+      "A hand slides at 7 mm/s and a depth of 0.9 to 1.5 mm over a relief with waves of 3.9 mm, H "
+      "= "
+      "0.3 mm from the lowest to the highest point, from an image of n texels per wave; K = 1000 "
+      "N/m, B = 0, T = 1 ms.";
   knob.reference =
-      "K (d + h) with the sine h in closed form; the interpolant is of third order where a wave "
-      "has "
-      "many texels, and between third and fourth where it has few.";
-  knob.floor_is = "half a step of the image's whole numbers, over the height of the relief";
+      "K (d + h) with the sine h in closed form; the interpolant is of third order if a wave has "
+      "many texels, and between third and fourth order if it has few";
+  knob.floor_is = "half a step of the image's integers, over the height of the relief";
   knob.methods = {sampled("16 bits", relief, ImageDepth::k16Bit),
                   sampled("8 bits", relief, ImageDepth::k8Bit)};
   const auto* usual =
@@ -70,9 +70,9 @@ Knob texture_knob(const StudyEffort& effort) {
     return render_sine(relief, kModelTexelsPerWave, ImageDepth::k16Bit, preset, seed);
   };
   knob.enough = 0.01;
-  knob.enough_because = "far below the 7 % by which people tell forces apart";
+  knob.enough_because = "far below the 7 % by which people distinguish forces";
   knob.default_because =
-      "more texels take no more time but more memory, in a file as well, and 16 a wave are enough";
+      "more texels take no more time but more memory, also in a file, and 16 per wave are enough";
   return knob;
 }
 
@@ -81,18 +81,18 @@ Knob texture_knob(const StudyEffort& effort) {
 constexpr double kTappedRadius_m = 0.1;
 constexpr HeightSwing kTaps{-3e-3, 1e-3, 0.25};
 
-// Passes with and without the effects, in turn, of which the shortest count: whatever else the
-// machine does makes a pass longer.
+// Pairs of passes with and without the effects. The shortest of each counts, because other work of
+// the machine only makes a pass longer.
 constexpr int kPairs = 3;
 
-// What a clock that counts in such steps does not see in a mean over the ticks. A difference of two
-// times may come out below it, even negative, where effects cost nothing.
+// The resolution of the clock in a mean over the ticks. A difference of two times may be below it,
+// even negative, if the effects cost nothing.
 double least_time_ns(std::uint64_t ticks) {
   using Step = std::chrono::steady_clock::period;
   return 1e9 * Step::num / Step::den / static_cast<double>(std::max<std::uint64_t>(ticks, 1));
 }
 
-// Sphere of one size, compiled for a case when first asked for.
+// A sphere of one size, compiled for a case on first use.
 class EffectScenes {
  public:
   explicit EffectScenes(int subdivisions) : subdivisions_(subdivisions) {}
@@ -111,7 +111,7 @@ class EffectScenes {
   std::map<std::string, Result<Scene>> scenes_;
 };
 
-// Forces by tick, of those in contact.
+// Forces of the ticks in contact, by tick.
 using Forces = std::map<std::uint64_t, Vec3>;
 
 double rms_difference_N(const Forces& a, const Forces& b) {
@@ -123,15 +123,15 @@ double rms_difference_N(const Forces& a, const Forces& b) {
   return off_N.value();
 }
 
-// A hand that taps and slides over a sphere of one size.
+// A hand taps and slides over a sphere of one size.
 class TappedSphere {
  public:
   TappedSphere(int subdivisions, std::size_t ticks) : scenes_(subdivisions), ticks_(ticks) {}
 
-  // The force that is missing for want of effects, and the time of those that are there.
+  // error: the force missing without the effects left out; time: that of the effects present.
   Sample run(std::uint64_t seed, const EffectCase& effect_case, const Accuracy& accuracy) {
     const Result<Scene>& with = scenes_.get(effect_case);
-    const Result<Scene>& without = scenes_.get(bare(effect_case));
+    const Result<Scene>& without = scenes_.get(same_without(effect_case));
     const Result<Scene>& all = scenes_.get(all_effects());
     for (const Result<Scene>* scene : {&with, &without, &all}) {
       if (!*scene) return Sample{.failure = scene->error().to_string()};
@@ -140,37 +140,37 @@ class TappedSphere {
     return compare(*with, *without, forces_of(full_, seed, *all, path_m), path_m, accuracy);
   }
 
-  // The force that an effect adds on its own, and its time.
+  // error: the force that an effect alone adds; time: that of the effect.
   Sample run_alone(std::uint64_t seed, const EffectCase& effect_case, const Accuracy& accuracy) {
     const Result<Scene>& with = scenes_.get(effect_case);
-    const Result<Scene>& without = scenes_.get(bare(effect_case));
+    const Result<Scene>& without = scenes_.get(same_without(effect_case));
     for (const Result<Scene>* scene : {&with, &without}) {
       if (!*scene) return Sample{.failure = scene->error().to_string()};
     }
     const std::vector<Vec3> path_m = path(seed);
-    return compare(*with, *without, forces_of(bare_, seed, *without, path_m), path_m, accuracy);
+    return compare(*with, *without, forces_of(plain_, seed, *without, path_m), path_m, accuracy);
   }
 
  private:
   // Errors against these forces; times against the scene without effects.
   static Sample compare(const Scene& with, const Scene& without, const Forces& reference,
                         const std::vector<Vec3>& path_m, const Accuracy& accuracy) {
-    Forces felt;
-    PassCost cost = pass(with, path_m, accuracy, &felt);
+    Forces rendered;
+    PassCost cost = pass(with, path_m, accuracy, &rendered);
     double without_ns = pass(without, path_m, accuracy, nullptr).tick_ns;
     for (int i = 1; i < kPairs; ++i) {
       cost.tick_ns = std::min(cost.tick_ns, pass(with, path_m, accuracy, nullptr).tick_ns);
       without_ns = std::min(without_ns, pass(without, path_m, accuracy, nullptr).tick_ns);
     }
-    return {rms_difference_N(reference, felt),
+    return {rms_difference_N(reference, rendered),
             std::max(cost.tick_ns - without_ns, least_time_ns(cost.ticks)), cost.iterations,
             cost.ticks, failure_of(cost.faults)};
   }
-  // One for all that have the same geometry.
-  static EffectCase bare(const EffectCase& effect_case) {
-    EffectCase bare = without_effects(effect_case);
-    bare.name = effect_case.is_elsewhere ? "bare, beside another" : "bare";
-    return bare;
+  // One case for all cases with the same geometry, so that they share a scene.
+  static EffectCase same_without(const EffectCase& effect_case) {
+    EffectCase plain = without_effects(effect_case);
+    plain.name = effect_case.is_elsewhere ? "without, beside another" : "without";
+    return plain;
   }
   std::vector<Vec3> path(std::uint64_t seed) const {
     const Quat turn = SeededRandom(seed).rotation();
@@ -183,7 +183,7 @@ class TappedSphere {
     const auto keep = [&](const TickRecord& record) {
       if (forces) forces->emplace(record.tick, vec3(record.force_device_N));
     };
-    return run_path(scene.world(), PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}),
+    return run_path(scene.world(), PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}),
                     path_m, kSpherePathPeriod_s, 0, keep);
   }
   static const Forces& forces_of(std::map<std::uint64_t, Forces>& kept, std::uint64_t seed,
@@ -195,8 +195,8 @@ class TappedSphere {
 
   EffectScenes scenes_;
   std::size_t ticks_;
-  std::map<std::uint64_t, Forces> full_;  // by seed, of the sphere with all effects
-  std::map<std::uint64_t, Forces> bare_;  // and without any
+  std::map<std::uint64_t, Forces> full_;   // by seed, of the sphere with all effects
+  std::map<std::uint64_t, Forces> plain_;  // by seed, of the sphere without effects
 };
 
 using Spheres = std::vector<std::pair<int, std::shared_ptr<TappedSphere>>>;
@@ -218,13 +218,13 @@ constexpr std::size_t kUsualSphere = 2;  // 20 thousand triangles
 constexpr const char* kForceFloor =
     "the rounding of a file's coordinates to single precision, times K";
 constexpr double force_floor_N() {
-  return kStudyCoupling.stiffness_N_per_m * 0x1p-24 * kTappedRadius_m;
+  return kAccuracyCoupling.stiffness_N_per_m * 0x1p-24 * kTappedRadius_m;
 }
 
-// What is simulated, from everything to nothing.
+// The choices, from all effects to none.
 std::vector<EffectCase> choices() {
   std::vector<EffectCase> choices{all_effects()};
-  for (const std::string_view effect : studied_effects()) choices.push_back(all_but(effect));
+  for (const std::string_view effect : measured_effects()) choices.push_back(all_but(effect));
   choices.push_back(effects_elsewhere());
   choices.back().name = "none touched";
   return choices;
@@ -238,14 +238,14 @@ Knob effects_knob(const Spheres& spheres) {
   knob.error = {"force that is missing (rms)", "N"};
   knob.time = {"time that effects add to a tick", "ns"};
   knob.workload =
-      "A hand at 0.1 m/s slides over a sphere of 0.2 m that has all ten effects, 3 mm deep, and "
-      "taps it four times a second; K = 800 N/m and B = 1.5 N s/m, without these two effects 1000 "
-      "N/m and 2 N s/m; T = 1 ms. One effect is left out at a time: what it adds to a tick is what "
-      "\"all but\" it lacks to \"all\", and what it adds to the force is what is missing then. "
-      "With "
-      "\"none touched\" the effects are those of another sphere.";
+      "A hand slides at 0.1 m/s and a depth of 3 mm over a sphere of 0.2 m that has all ten "
+      "effects, "
+      "and taps it four times a second; K = 800 N/m and B = 1.5 N s/m, without these two effects "
+      "1000 N/m and 2 N s/m; T = 1 ms. One effect is left out at a time: the difference between "
+      "\"all\" and \"all but\" it is the time that the effect adds to a tick, and the error is the "
+      "force that it adds. With \"none touched\" the effects belong to another sphere.";
   knob.reference =
-      "The same hand on the sphere with all effects; times are against the sphere without any.";
+      "the same hand on the sphere with all effects; times are against the sphere without effects";
   knob.floor_is = kForceFloor;
   knob.levels_are_given = true;
   for (const EffectCase& choice : choices()) {
@@ -265,12 +265,13 @@ Knob effects_knob(const Spheres& spheres) {
     return sphere->run(seed, all_effects(), preset);
   };
   knob.enough = force_floor_N();
-  knob.enough_because = "a scene is to feel as it was declared";
-  knob.default_because = "a scene feels as it was declared; who wants less declares less";
+  knob.enough_because = "a scene must be rendered as declared";
+  knob.default_because = "a scene is rendered as declared";
   return knob;
 }
 
-// Nobody chooses among these; what each costs, and what it is felt by.
+// Neither effect nor mesh is a choice: the knob shows the cost of each effect and the force that it
+// changes.
 Knob effect_costs_knob(const Spheres& spheres) {
   Knob knob;
   knob.name = "effect_costs";
@@ -279,17 +280,16 @@ Knob effect_costs_knob(const Spheres& spheres) {
   knob.error = {"force that it changes (rms)", "N"};
   knob.time = {"time that it adds to a tick", "ns"};
   knob.workload =
-      "A hand at 0.1 m/s slides over a sphere of 0.2 m that has this effect and no other, 3 mm "
-      "deep, "
-      "and taps it four times a second; K = 1000 N/m and B = 2 N s/m, where the effect does not "
-      "say "
-      "otherwise; T = 1 ms. Not an error: up is a stronger effect, to the right a dearer one.";
-  knob.reference = "The same hand on the sphere without any effect, for forces and for times.";
+      "A hand slides at 0.1 m/s and a depth of 3 mm over a sphere of 0.2 m that has this effect "
+      "alone, and taps it four times a second; K = 1000 N/m and B = 2 N s/m unless the effect sets "
+      "them; T = 1 ms. The vertical axis is not an error: up is a stronger effect, to the right a "
+      "more expensive one.";
+  knob.reference = "the same hand on the sphere without effects, for forces and for times";
   knob.floor_is = kForceFloor;
   knob.levels_are_given = true;
   knob.methods_are_given = true;
   std::vector<EffectCase> cases{all_effects()};
-  for (const std::string_view effect : studied_effects()) cases.push_back(only(effect));
+  for (const std::string_view effect : measured_effects()) cases.push_back(only(effect));
   for (const EffectCase& one : cases) {
     Method method{one.name, {}, {}, force_floor_N()};
     for (const auto& [subdivisions, sphere] : spheres) {
@@ -307,8 +307,8 @@ Knob effect_costs_knob(const Spheres& spheres) {
     return sphere->run_alone(seed, all_effects(), preset);
   };
   knob.enough = std::numeric_limits<double>::infinity();
-  knob.enough_because = "there is nothing to choose: a scene feels as it was declared";
-  knob.default_because = "a scene feels as it was declared";
+  knob.enough_because = "the scene declares its effects, so there is no choice";
+  knob.default_because = "a scene is rendered as declared";
   return knob;
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
-// What errors are summed up to, and which of them say nothing.
+// The mean of errors, and the floor below which they cannot be distinguished.
 
 #include <cmath>
 #include <limits>
 
 namespace palpate {
 
-// Root mean square of what is added.
+// Root mean square of the numbers added.
 class RootMeanSquare {
  public:
   void add(double x) {
@@ -21,8 +21,8 @@ class RootMeanSquare {
   double count_ = 0.0;
 };
 
-// What a file's coordinates are rounded to: half the step of single precision at the farthest of
-// them. Errors below say nothing about a scene that came from a file.
+// The rounding of a file's coordinates: half a step of single precision at the farthest coordinate.
+// Smaller errors are meaningless for a scene from a file.
 inline double float_floor_m(double farthest_coordinate_m) {
   return 0.5 * std::numeric_limits<float>::epsilon() * farthest_coordinate_m;
 }

@@ -6,10 +6,10 @@
 namespace palpate {
 namespace {
 
-// Off the diagonal, where two triangles would be touched at once.
+// Away from the diagonal, where the hand would touch two triangles at once.
 constexpr double kOffDiagonal_m = kSheetSize_m / 6.0;
 
-// Facing that way, turned about it and put at random.
+// A pose with this normal, and a random turn and position.
 RigidTransform facing(const Vec3& normal, SeededRandom& random) {
   const double turn_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
   const Quat turn(Eigen::AngleAxisd(turn_rad, normal));
@@ -21,7 +21,7 @@ RigidTransform facing(const Vec3& normal, SeededRandom& random) {
 
 FlatSheet::FlatSheet(const Vec3& normal, SeededRandom& random)
     : normal_(normal),
-      sheet_(std::move(*sheet_at(facing(normal, random)))) {}  // without friction never refused
+      sheet_(std::move(*sheet_at(facing(normal, random)))) {}  // no error without friction
 
 Vec3 FlatSheet::below(double depth_m, const Eigen::Vector2d& along_m) const {
   const Vec3 in_sheet_m(kOffDiagonal_m + along_m.x(), -kOffDiagonal_m + along_m.y(), 0.0);

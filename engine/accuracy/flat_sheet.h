@@ -1,17 +1,17 @@
 #pragma once
 
-// A flat sheet in any pose, for knobs whose truth is that of a plane.
+// A flat sheet in any pose, for knobs that use a plane as reference.
 
 #include "engine/accuracy/posed_sheet.h"
 #include "geometry/base/random.h"
 
 namespace palpate {
 
-// A posed_sheet() whose front faces a given way. Movable; the world it gives lasts as long as it
-// does. Not for the haptic thread.
+// A posed_sheet() with a given normal. Movable; world() stays valid as long as the sheet. Not for
+// the haptic thread.
 class FlatSheet {
  public:
-  // Its front faces `normal` (unit); turned about it and put at random. Scene frame.
+  // The front faces `normal` (unit); the turn about it and the position are random. Scene frame.
   FlatSheet(const Vec3& normal, SeededRandom& random);
 
   const ContactWorld& world() const { return sheet_.scene.world(); }

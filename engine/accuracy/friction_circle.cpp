@@ -11,9 +11,10 @@
 namespace palpate {
 namespace {
 
-constexpr double kTurns = 0.5;  // to settle, and once more to measure
+constexpr double kTurns = 0.5;  // to settle, and as many to measure
 
-// Above a place on the continuous circle, into it, and on where the device would be by then.
+// A point above the continuous circle, the point below it in the plane, then the circle of the
+// device.
 std::vector<Vec3> path_m(const FrictionCircle& circle, const PosedSheet& sheet, double step_s,
                          double start_rad) {
   const double step_rad = 2.0 * std::numbers::pi * circle.turns_per_s * step_s;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A device goes round a circle at constant depth in a plane with friction, and the proxy follows on
-// a smaller one.
+// A device moves on a circle at constant depth in a plane with friction, and the proxy follows on a
+// smaller circle.
 
 #include <cstdint>
 
@@ -18,18 +18,18 @@ struct FrictionCircle {
   double turns_per_s = 2.0;
   CouplingSettings coupling = {};
 
-  // L: how far the proxy stays behind, once it slides.
+  // L: the tangential lag of a sliding proxy.
   double lag_m() const { return friction * depth_m; }
-  // Always behind by L, in the direction that it moves: sqrt(rho^2 - L^2).
+  // The lag L is along the direction of motion: sqrt(rho^2 - L^2).
   double continuous_radius_m() const;
-  // In steps of this length: the positive r with r^2 + 2 L r sin(a / 2) = rho^2 - L^2, where a is
-  // the angle of a step. (The device is L beyond the new place of the proxy, on the line through
-  // the old one.)
+  // With steps of this length: the positive r with r^2 + 2 L r sin(a / 2) = rho^2 - L^2, where a is
+  // the angle of a step. (The device is L beyond the new position of the proxy, on the line through
+  // the old position.)
   double discrete_radius_m(double step_s) const;
 };
 
-// Half a turn to settle, after which exp(-pi r / L) is left of what it began with, and half a turn
-// measured, in a random pose. error: of the radius of the proxy's circle, on average, m; time:
+// Half a turn to settle, which leaves exp(-pi r / L) of the initial deviation, then half a turn
+// that is measured, in a random pose. error: of the mean radius of the proxy's circle, m; time:
 // computing for a second of contact, us.
 Sample go_round(const FrictionCircle& circle, double step_s, const Accuracy& accuracy,
                 std::uint64_t seed);

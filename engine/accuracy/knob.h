@@ -1,10 +1,10 @@
 #pragma once
 
-// A knob: something that buys accuracy for time. What is turned, what runs at each of its levels,
-// and what the error is measured against.
+// A knob: a parameter that buys accuracy for time. It states the levels of the parameter, the run
+// at each level, and the reference of the errors.
 //
-// Every run is a closure, so that the report, the benchmarks and the tests measure the same thing.
-// Not for the haptic thread; runs may share scenes, so that one thread measures at a time.
+// Every run is a closure, so that the report, the benchmarks and the tests measure the same code.
+// Not for the haptic thread; runs may share scenes, so only one thread may measure at a time.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,33 +19,33 @@ namespace palpate {
 
 struct Quantity {
   std::string name;  // "depth error"
-  std::string unit;  // "m"; empty for none
+  std::string unit;  // "m"; empty for a number without a unit
 };
 
-// One repeat at one level. Both figures are over ticks in contact only.
+// One repeat at one level. Error and time are taken over the ticks in contact only.
 struct Sample {
   double error = 0.0;        // >= 0, in Knob::error
   double time = 0.0;         // in Knob::time
-  double iterations = 0.0;   // of the solver, mean of a tick
-  std::uint64_t ticks = 0;   // that were averaged over
+  double iterations = 0.0;   // of the solver, mean per tick
+  std::uint64_t ticks = 0;   // number of ticks in contact
   std::string failure = {};  // why this repeat does not count: "unstable: ...", "leaked: ..."
 };
 
 struct Level {
-  double value;       // in Knob::level; what an order is fitted against
-  std::string label;  // as people say it: "1 kHz", "82k triangles"
-  // A repeat. The seed decides all that is random in it: pose, path, phase, noise.
+  double value;       // in Knob::level; orders are fitted against it
+  std::string label;  // for readers: "1 kHz", "82k triangles"
+  // Runs one repeat. The seed determines every random choice: pose, path, phase, noise.
   std::function<Sample(std::uint64_t seed)> run;
 };
 
-// One curve: levels that differ by Level::value alone.
+// One curve: levels that differ in Level::value alone.
 struct Method {
   std::string name;
   std::vector<Level> levels;  // from coarse to fine
-  // d log(error) / d log(level) where theory has one.
+  // d log(error) / d log(level), if theory has an order.
   std::optional<double> expected_order = {};
-  // Errors below it are not told apart from it: the digits of the format that the levels differ
-  // in. Reports show such errors as the floor. In Knob::error; 0 for none.
+  // Errors below the floor cannot be distinguished from it, because the number format has no more
+  // digits. Reports show them as the floor. In Knob::error; 0 for no floor.
   double floor = 0.0;
 };
 
@@ -55,36 +55,45 @@ struct Knob {
   Quantity level;
   Quantity error;
   Quantity time;          // "time of a tick", "ns"; "computing for a second of contact", "us"
-  std::string workload;   // what runs, with its K and B, which are the same at all levels
-  std::string reference;  // what errors are against
-  std::string floor_is;   // what Method::floor is, if any method has one
+  std::string workload;   // the run, with its K and B, which are the same at all levels
+  std::string reference;  // the truth that errors are measured against
+  std::string floor_is;   // the origin of Method::floor, if a method has one
   std::vector<Method> methods;
-  // Levels that nobody chooses (where the mesh is, how fast a hand): then methods are compared
-  // level by level, and the front is that of each level.
+  // The user cannot choose the level (position of the mesh, speed of the hand). Methods are then
+  // compared level by level, and each level has a Pareto front of its own.
   bool levels_are_given = false;
-  // Methods that nobody chooses (which object it is): then the front is that of each method.
+  // The user cannot choose the method (which object it is). Each method then has a Pareto front of
+  // its own.
   bool methods_are_given = false;
 
-  // What a program does that says nothing: methods[default_method].levels[default_level].
+  // The default of the program: methods[default_method].levels[default_level].
   std::size_t default_method = 0;
   std::size_t default_level = 0;
-  // The same workload there, under a preset.
+  // The default's workload under a preset.
   std::function<Sample(std::uint64_t seed, const Accuracy& preset)> run_preset;
 
-  // An error that is small enough for a hand, and why. The level recommended is the quickest one
-  // with no more.
+  // An error that is small enough for a hand, and the reason. recommendation.h uses it.
   double enough = 0.0;
   std::string enough_because;
-  // What the default buys that neither error nor time shows; for when it is not on the front.
+  // An advantage of the default that neither error nor time shows; reported when the default is not
+  // on the front.
   std::string default_because;
+  // The name of the knob whose recommendation holds for this knob as well, because this knob
+  // measures only a part of the error. Both have the same methods and levels. Empty for none.
+  std::string decided_by;
 };
 
-// How much work goes into the ladders.
+// How much work each measurement does.
 struct StudyEffort {
-  bool quick = false;  // coarser meshes and shorter paths; as many repeats
+  bool quick = false;  // coarser meshes and shorter paths; the number of repeats stays
   std::uint64_t seed = 1;
 
-  static constexpr int kRepeats = 21;  // odd, so that the median is one of them
+  static constexpr int kRepeats = 21;  // odd, so that the median is one of the repeats
 };
+
+// A depth error that is small enough for a hand.
+inline constexpr double kEnoughDepth_m = 10e-6;
+inline constexpr const char* kEnoughDepthBecause =
+    "10 µm is a force of 10 mN at 1000 N/m, about the smallest that a hand notices";
 
 }  // namespace palpate

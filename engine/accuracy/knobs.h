@@ -1,25 +1,31 @@
 #pragma once
 
-// Every knob there is, in the order of the report.
+// All knobs, in the order of the report.
 
 #include <vector>
 
 #include "engine/accuracy/knob.h"
+#include "engine/devices/light_device.h"
 #include "engine/scene/scene.h"
 
 namespace palpate {
 
-// Each group in a file of its own.
+// One file per group. Knobs that simulate a device, or assume its encoder, take its description.
 std::vector<Knob> solver_knobs(const StudyEffort& effort);  // iterations, tolerance, candidates
 Knob narrow_phase_knob(const StudyEffort& effort);          // float against double
 Knob certification_knob(const StudyEffort& effort);
 Knob work_budget_knob(const StudyEffort& effort);
-std::vector<Knob> mesh_knobs(const StudyEffort& effort);      // resolution, sphere against point
-std::vector<Knob> servo_knobs(const StudyEffort& effort);     // rate, jitter, substeps, integrator
-std::vector<Knob> velocity_knobs(const StudyEffort& effort);  // estimator and window
-std::vector<Knob> a4_knobs(const StudyEffort& effort);        // elementary step
-std::vector<Knob> effect_knobs(const StudyEffort& effort);    // texture sampling, marginal cost
+std::vector<Knob> mesh_knobs(const StudyEffort& effort);  // resolution, sphere against point
+// Rate, jitter, substeps, integrator.
+std::vector<Knob> servo_knobs(const StudyEffort& effort,
+                              const DeviceDescription& device = light_device());
+// Estimator and window.
+std::vector<Knob> velocity_knobs(const StudyEffort& effort,
+                                 const DeviceDescription& device = light_device());
+std::vector<Knob> a4_knobs(const StudyEffort& effort);      // elementary step
+std::vector<Knob> effect_knobs(const StudyEffort& effort);  // texture sampling, marginal cost
 
-std::vector<Knob> all_knobs(const StudyEffort& effort);
+std::vector<Knob> all_knobs(const StudyEffort& effort,
+                            const DeviceDescription& device = light_device());
 
 }  // namespace palpate

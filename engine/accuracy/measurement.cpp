@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
 
+#include "engine/accuracy/recommendation.h"
+
 namespace palpate {
 namespace {
 
-// The samples of one level, gathered over the repeats.
+// The samples of one level over the repeats.
 class Gathered {
  public:
   void add(Sample sample) {
@@ -52,8 +53,7 @@ class Gathered {
   std::string failure_;
 };
 
-// A run that cannot be repeated at will because it never ends would be a fault of ours; one that
-// gives no number is a failure of the level.
+// A sample without finite figures, or without contact, is a failure of its level.
 Sample checked(Sample sample) {
   if (!sample.failure.empty()) return sample;
   if (!std::isfinite(sample.error) || !std::isfinite(sample.time)) {
@@ -64,103 +64,16 @@ Sample checked(Sample sample) {
   return sample;
 }
 
-bool is_no_worse(const LevelResult& a, const LevelResult& b) {
-  return a.time.median <= b.time.median && a.error.median <= b.error.median;
-}
-
-bool is_better(const LevelResult& a, const LevelResult& b) {
-  return is_no_worse(a, b) && (a.time.median < b.time.median || a.error.median < b.error.median);
-}
-
-// The levels that one at `place` competes with, itself among them.
-template <typename Visit>
-void for_each_rival(const KnobResult& result, const LevelPlace& place, Visit visit) {
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    if (result.knob.methods_are_given && m != place.method) continue;
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      if (result.knob.levels_are_given && l != place.level) continue;
-      const LevelResult& rival = result.methods[m].levels[l];
-      if (rival.counts()) visit(LevelPlace{m, l}, rival);
-    }
-  }
-}
-
-void mark_front(KnobResult& result) {
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      LevelResult& candidate = result.methods[m].levels[l];
-      candidate.on_front = candidate.counts();
-      for_each_rival(result, {m, l}, [&](const LevelPlace&, const LevelResult& rival) {
-        if (is_better(rival, candidate)) candidate.on_front = false;
-      });
-    }
-  }
-}
-
-// How many times better; of an error that vanishes altogether, without bound.
-double times_better(double better, double worse) {
-  if (worse <= better) return 1.0;
-  return better > 0.0 ? worse / better : std::numeric_limits<double>::infinity();
-}
-
-const LevelResult& at(const KnobResult& result, const LevelPlace& place) {
-  return result.methods[place.method].levels[place.level];
-}
-
-void judge_default(KnobResult& result) {
-  const LevelResult& mine = at(result, result.default_place());
-  if (!mine.counts()) {
-    result.default_behind = std::numeric_limits<double>::infinity();
-    result.better_than_default = "any: the default fails, " + mine.failure;
-    return;
-  }
-  for_each_rival(
-      result, result.default_place(), [&](const LevelPlace& p, const LevelResult& rival) {
-        if (!is_better(rival, mine)) return;
-        const double behind = std::max(times_better(rival.time.median, mine.time.median),
-                                       times_better(rival.error.median, mine.error.median));
-        if (behind <= result.default_behind) return;
-        result.default_behind = behind;
-        result.better_than_default = result.methods[p.method].name + ", " + rival.label;
-      });
-}
-
-// The quickest level whose error is small enough; of those that are about as quick, the default, or
-// the one with the smallest error. If none is small enough, the one with the smallest error.
-std::optional<LevelPlace> recommend(const KnobResult& result) {
-  const auto will_do = [&](const LevelResult& a) { return a.error.median <= result.knob.enough; };
-  double least_time = std::numeric_limits<double>::infinity();
-  for_each_rival(result, result.default_place(), [&](const LevelPlace&, const LevelResult& rival) {
-    if (will_do(rival)) least_time = std::min(least_time, rival.time.median);
-  });
-  // With none that will do, all are.
-  const auto is_candidate = [&](const LevelResult& a) {
-    return !std::isfinite(least_time) ||
-           (will_do(a) && a.time.median <= KnobResult::kNearFront * least_time);
-  };
-  const LevelResult& usual = at(result, result.default_place());
-  if (usual.counts() && std::isfinite(least_time) && is_candidate(usual)) {
-    return result.default_place();
-  }
-  std::optional<LevelPlace> best;
-  for_each_rival(result, result.default_place(),
-                 [&](const LevelPlace& p, const LevelResult& rival) {
-                   if (!is_candidate(rival)) return;
-                   if (!best || rival.error.median < at(result, *best).error.median) best = p;
-                 });
-  return best;
-}
-
-// How far on the next level is in the order of a repeat: by another number each, so that none
-// always comes after the same other one, which leaves its mesh in the caches. Coprime to `size`, so
-// that each level has its turn.
+// The stride from level to level in the order of a repeat. It differs between repeats, so that no
+// level always follows the same other level, which leaves its mesh in the caches. Coprime to
+// `size`, so that each level runs once.
 std::size_t stride_of(std::size_t repeat, std::size_t size) {
   std::size_t stride = 1 + repeat % size;
   while (std::gcd(stride, size) != 1) ++stride;
   return stride;
 }
 
-// Every level and every preset once.
+// Runs every level and every preset once.
 class Round {
  public:
   explicit Round(const Knob& knob) : knob_(knob) {
@@ -182,7 +95,8 @@ class Round {
   }
 
   KnobResult result() const {
-    KnobResult result{knob_, {}, {}, {}, 1.0, ""};
+    KnobResult result;
+    result.knob = knob_;
     std::size_t i = 0;
     for (const Method& method : knob_.methods) {
       MethodResult m{method.name, {}, method.expected_order, {}, method.floor};
@@ -190,7 +104,7 @@ class Round {
         m.levels.push_back(gathered_[i++].result(level.value, level.label, method.floor));
       }
       m.order = fitted_order(m.levels);
-      // A curve that is flat does not go by the level: noise is no order.
+      // A flat curve does not depend on the level; noise is not an order.
       constexpr double kFlat = 0.1;
       if (!m.expected_order && m.order && std::abs(*m.order) < kFlat) m.order.reset();
       result.methods.push_back(std::move(m));
@@ -228,8 +142,8 @@ std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
 
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
   constexpr std::size_t kLeastLevels = 4;
-  // A median that is farther from the line by this factor is of no power law: noise is a few per
-  // cent, and the curvature of an asymptotic law at its coarsest level some tens.
+  // A median that deviates from the line by more than this factor contradicts a power law: noise is
+  // a few per cent, and the curvature of an asymptotic law at its coarsest level some tens.
   constexpr double kMostOffLine = 1.5;
   std::vector<Eigen::Vector2d> points;  // log(value), log(error)
   for (const LevelResult& level : levels) {
@@ -254,9 +168,9 @@ std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
   return order;
 }
 
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress) {
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress) {
   Round round(knob);
-  // Once for nothing: scenes are built, caches and clocks warm up.
+  // A run that does not count: scenes are built, caches and clocks warm up.
   for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
   for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
     const auto turn = static_cast<std::size_t>(repeat);
@@ -267,9 +181,7 @@ KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgr
     if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
   }
   KnobResult result = round.result();
-  mark_front(result);
-  judge_default(result);
-  result.recommended = recommend(result);
+  judge(result);
   return result;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures a knob: repeats every level in turn, takes medians and spreads, fits orders, finds the
-// Pareto front, and says what the presets and the default amount to.
+// Measures a knob: repeats every level in turn, takes medians and quartiles, and fits orders.
+// recommendation.h decides what the figures mean.
 
 #include <array>
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-// Of the repeats at one level.
+// Median and quartiles over the repeats of a level.
 struct Spread {
   double low = 0.0;  // first quartile
   double median = 0.0;
@@ -25,17 +25,18 @@ struct Spread {
 struct LevelResult {
   double value = 0.0;
   std::string label;
-  Spread error;  // no less than the floor of its method
+  Spread error;  // at least the floor of its method
   Spread time;
-  double raw_error = 0.0;  // the median as measured
+  double raw_error = 0.0;  // the median as measured, possibly below the floor
   double iterations = 0.0;
-  std::uint64_t ticks = 0;  // of all repeats
+  std::uint64_t ticks = 0;  // over all repeats
   int repeats = 0;
-  int failures = 0;     // repeats that do not count
-  std::string failure;  // of the first of them
+  int failures = 0;     // repeats that failed
+  std::string failure;  // the first failure
   bool at_floor = false;
-  bool on_front = false;
+  bool on_front = false;  // as of judge() in recommendation.h
 
+  // A level counts if no repeat failed.
   bool counts() const { return failures == 0; }
   bool was_measured() const { return repeats > failures; }
 };
@@ -52,42 +53,49 @@ struct MethodResult {
 struct LevelPlace {
   std::size_t method = 0;
   std::size_t level = 0;
+
+  bool operator==(const LevelPlace&) const = default;
 };
 
 struct KnobResult {
   Knob knob;
   std::vector<MethodResult> methods;
   std::array<LevelResult, 3> presets;  // fast, balanced, exact
+
+  // judge() in recommendation.h sets the following.
   std::optional<LevelPlace> recommended;
-  // The largest factor by which a level that is better than the default in time or in error, and
-  // worse in neither, is better; 1 on the front.
+  // By what factor the best of the clearly better levels is better than the default in time or
+  // error; 1 if no level is clearly better.
   double default_behind = 1.0;
   std::string better_than_default;  // that level
+  // The title of the knob that Knob::decided_by names, if reconcile() used its recommendation.
+  std::string decided_by_title;
 
   LevelPlace default_place() const { return {knob.default_method, knob.default_level}; }
-  bool default_is_near_front() const { return default_behind <= kNearFront; }
-  static constexpr double kNearFront = 1.1;
+  // On the Pareto front, or tied with a level on it.
+  bool default_is_on_front() const { return default_behind <= 1.0; }
 };
 
 inline constexpr std::array kAccuracyPresets = {Accuracy::fast(), Accuracy::balanced(),
                                                 Accuracy::exact()};
 inline constexpr std::array<const char*, 3> kPresetNames = {"fast", "balanced", "exact"};
+inline constexpr std::size_t kDefaultPreset = 1;
 
-// Called with the share that is done.
-using StudyProgress = std::function<void(double)>;
+// Called with the share of the work that is done, 0 to 1.
+using MeasuringProgress = std::function<void(double)>;
 
-// Levels are repeated in turn, so that what the machine does meanwhile hits all of them alike.
-// Repeat r of every level has the same seed.
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const StudyProgress& progress);
+// Repeats levels in turn, so that other work of the machine affects all of them alike. Repeat r of
+// every level has the same seed.
+KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress);
 
 // The seed of a repeat.
 std::uint64_t repeat_seed(const StudyEffort& effort, int repeat);
 
-// One level alone, for benchmarks.
+// Measures one level alone, for benchmarks.
 LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort);
 
-// Least squares of log(error) over log(value), of levels that count and are above the floor; none
-// with fewer than four, or where they are on no line.
+// Exponent of a power law: least squares of log(error) over log(value), of the levels that count
+// and are above the floor. Nothing with fewer than four levels, or where they follow no power law.
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels);
 
 }  // namespace palpate

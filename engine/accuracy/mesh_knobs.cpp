@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -25,11 +25,11 @@ struct Meshed {
   double extent_m;
   double edge_m;
   std::size_t triangles;
-  LazyScene scene;  // for proxies up to most_radius_m
+  LazyScene scene;  // for proxies with a radius of at most most_radius_m
 };
 
 Meshed meshed_sphere(int subdivisions, double most_radius_m = 0.0) {
-  // The edges of a sphere are halved by each subdivision, to a part in a thousand from here on.
+  // From 6 subdivisions on, each further one halves the mean edge to within 0.1 %.
   const TriangleMesh coarse = icosphere(std::min(subdivisions, 6), kMeshedRadius_m);
   return {smooth_sphere(kMeshedRadius_m), 2.0 * kMeshedRadius_m,
           mean_edge_m(coarse) / std::exp2(std::max(0, subdivisions - 6)),
@@ -46,46 +46,49 @@ Meshed meshed_torus(int subdivisions) {
           LazyScene([=] { return mesh_scene(torus(kMeshedRadius_m, kTube_m, subdivisions)); })};
 }
 
-// What the faceted surface feels like beside the smooth one.
-struct Felt {
+// Errors of the faceted surface against the smooth one.
+struct FacetErrors {
   RootMeanSquare depth_m;
   RootMeanSquare angle_deg;
   PassCost cost;
 };
 
-Felt feel(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
-          const GodObjectSettings& god_object) {
+FacetErrors run_hand(const Meshed& meshed, std::uint64_t seed, std::size_t ticks,
+                     const GodObjectSettings& god_object) {
   SeededRandom random(seed);
   PressSettings press;
   press.proxy_radius_m = god_object.radius_m;
   press.ticks = ticks;
   const PressedPath path = pressed_path(meshed.smooth, meshed.extent_m, press, random);
-  Felt felt;
+  FacetErrors errors;
   const auto visit = [&](const TickRecord& record) {
     const SmoothPoint smooth = meshed.smooth(vec3(record.goal_scene_m));
     const double depth_m =
         smooth.normal.dot(smooth.point_m - vec3(record.goal_scene_m)) + god_object.radius_m;
-    felt.depth_m.add((vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm() - depth_m);
+    errors.depth_m.add((vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm() - depth_m);
     const Vec3& n = vec3(record.normal_scene);
-    felt.angle_deg.add(kDegrees * std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
+    errors.angle_deg.add(kDegrees *
+                         std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
   };
-  felt.cost = run_path(meshed.scene.world(), PassSetup::fully_actuated(kStudyCoupling, god_object),
-                       path.device_m, kStudyPeriod_s, path.lead_in, visit);
-  return felt;
+  errors.cost =
+      run_path(meshed.scene.world(), PassSetup::fully_actuated(kAccuracyCoupling, god_object),
+               path.device_m, kAccuracyPeriod_s, path.lead_in, visit);
+  return errors;
 }
 
 enum class Measure { kDepth, kAngle };
 
-Sample sample_of(const Felt& felt, Measure measure) {
-  return {measure == Measure::kDepth ? felt.depth_m.value() : felt.angle_deg.value(),
-          felt.cost.tick_ns, felt.cost.iterations, felt.cost.ticks, failure_of(felt.cost.faults)};
+Sample sample_of(const FacetErrors& errors, Measure measure) {
+  return {measure == Measure::kDepth ? errors.depth_m.value() : errors.angle_deg.value(),
+          errors.cost.tick_ns, errors.cost.iterations, errors.cost.ticks,
+          failure_of(errors.cost.faults)};
 }
 
 constexpr const char* kHand =
     "A hand at 0.1 m/s, pressed 1 to 3 mm into the mesh; K = 1000 N/m, B = 2 N s/m, 1 kHz.";
 constexpr const char* kFloat = "the rounding of a file's coordinates to single precision";
 
-// A method a surface, a level a mesh of it.
+// One method per surface, one level per mesh of the surface.
 Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   const bool is_depth = measure == Measure::kDepth;
   Knob knob;
@@ -97,15 +100,17 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   knob.time = {"time of a tick", "ns"};
   knob.methods_are_given = true;
   knob.workload = kHand;
-  knob.reference = "The smooth surface, in closed form: a sphere of 0.2 m, a torus of 0.28 m.";
+  knob.reference = "the smooth surface, in closed form: a sphere of 0.2 m, a torus of 0.28 m";
   knob.floor_is = kFloat;
-  knob.enough = is_depth ? 1e-5 : 3.0;
-  knob.enough_because = is_depth ? "10 µm is 10 mN at 1000 N/m, about what a hand can tell"
-                                 : "a tenth of the 30 degrees at which a hand tells directions";
-  knob.default_because = "the mesh is the user's; there is no default but what a file has";
+  knob.enough = is_depth ? kEnoughDepth_m : 3.0;
+  knob.enough_because = is_depth
+                            ? kEnoughDepthBecause
+                            : "a tenth of the 30 degrees by which a hand distinguishes directions";
+  if (!is_depth) knob.decided_by = "mesh_depth";
+  knob.default_because = "the user's file determines the mesh";
   const std::size_t ticks = effort.quick ? 1000 : 2000;
   constexpr int kUsual = 5;            // 20 thousand triangles
-  std::optional<Meshed> default_mesh;  // presets run on the same one: a copy has caches of its own
+  std::optional<Meshed> default_mesh;  // presets use the same mesh: a copy has caches of its own
   const auto add = [&](const char* name, Meshed (*make)(int), int first, int last) {
     Method method{name, {}, is_depth ? 2.0 : 1.0, is_depth ? float_floor_m(kMeshedRadius_m) : 0.0};
     for (int s = first; s <= last; ++s) {
@@ -115,8 +120,9 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
         knob.default_level = method.levels.size();
       }
       method.levels.push_back(
-          {meshed.edge_m, triangles_label(meshed.triangles),
-           [=](std::uint64_t seed) { return sample_of(feel(meshed, seed, ticks, {}), measure); }});
+          {meshed.edge_m, triangles_label(meshed.triangles), [=](std::uint64_t seed) {
+             return sample_of(run_hand(meshed, seed, ticks, {}), measure);
+           }});
     }
     knob.methods.push_back(std::move(method));
   };
@@ -126,7 +132,7 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   add("torus", meshed_torus, 2, 7 - coarser);
   knob.default_method = 0;
   knob.run_preset = [=, usual = *default_mesh](std::uint64_t seed, const Accuracy& preset) {
-    return sample_of(feel(usual, seed, ticks, {0.0, preset}), measure);
+    return sample_of(run_hand(usual, seed, ticks, {0.0, preset}), measure);
   };
   return knob;
 }
@@ -142,8 +148,9 @@ Knob radius_knob(const StudyEffort& effort) {
   knob.reference = "The smooth sphere of 0.2 m, in closed form.";
   knob.levels_are_given = true;
   knob.enough = 3.0;
-  knob.enough_because = "a tenth of the 30 degrees at which a hand tells directions";
-  knob.default_because = "a point feels every crack and edge as it is; a sphere is for tools";
+  knob.enough_because = "a tenth of the 30 degrees by which a hand distinguishes directions";
+  knob.default_because =
+      "a point renders every crack and edge as modelled; a sphere stands for the tip of a tool";
   const std::size_t ticks = effort.quick ? 500 : 1000;
   struct Proxy {
     const char* name;
@@ -161,14 +168,14 @@ Knob radius_knob(const StudyEffort& effort) {
       method.levels.push_back(
           {meshed.edge_m, triangles_label(meshed.triangles),
            [=, radius_m = proxy.radius_m](std::uint64_t seed) {
-             return sample_of(feel(meshed, seed, ticks, {radius_m, {}}), Measure::kAngle);
+             return sample_of(run_hand(meshed, seed, ticks, {radius_m, {}}), Measure::kAngle);
            }});
     }
     knob.methods.push_back(std::move(method));
   }
   knob.default_level = 2;
   knob.run_preset = [=, usual = meshes[2]](std::uint64_t seed, const Accuracy& preset) {
-    return sample_of(feel(usual, seed, ticks, {0.0, preset}), Measure::kAngle);
+    return sample_of(run_hand(usual, seed, ticks, {0.0, preset}), Measure::kAngle);
   };
   return knob;
 }

@@ -2,11 +2,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -15,10 +15,10 @@ namespace {
 constexpr double kSphereRadius_m = 0.1;
 constexpr int kSubdivisions = 5;
 
-// How a file puts a mesh somewhere.
+// How a file places a mesh.
 enum class PlacedBy { kNode, kVertices };
 
-// The sphere in a distance along all three axes, as a file in single precision has it.
+// The sphere at a distance along all three axes, as in a file in single precision.
 std::shared_ptr<const Scene> sphere_at(const Vec3& place_m, PlacedBy placed_by) {
   TriangleMesh mesh = icosphere(kSubdivisions, kSphereRadius_m);
   if (placed_by == PlacedBy::kNode) return mesh_scene(std::move(mesh), 0.0, place_m);
@@ -31,20 +31,20 @@ std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m
                              PassCost& cost) {
   for (Vec3& p : path_m) p += place_m;
   std::vector<Vec3> proxies_m;
-  cost = run_path(world, PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy}), path_m,
-                  kStudyPeriod_s, lead_in, [&](const TickRecord& record) {
+  cost = run_path(world, PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy}), path_m,
+                  kAccuracyPeriod_s, lead_in, [&](const TickRecord& record) {
                     proxies_m.emplace_back(vec3(record.proxy_scene_m) - place_m);
                   });
   return proxies_m;
 }
 
-// The same hand on the same sphere, there and at the origin.
+// The same hand on the same sphere, at a distance and at the origin.
 class Displaced {
  public:
   Displaced(const StudyEffort& effort, double distance_m, PlacedBy placed_by)
       : ticks_(effort.quick ? 500 : 2000),
         place_m_(Vec3::Constant(distance_m)),
-        there_([place_m = place_m_, placed_by] { return sphere_at(place_m, placed_by); }) {}
+        displaced_([place_m = place_m_, placed_by] { return sphere_at(place_m, placed_by); }) {}
 
   Sample run(std::uint64_t seed, const Accuracy& accuracy) const {
     static const LazyScene here([] { return sphere_at(Vec3::Zero(), PlacedBy::kNode); });
@@ -57,7 +57,7 @@ class Displaced {
     const std::vector<Vec3> expected = proxies_of(here.world(), path.device_m, Vec3::Zero(),
                                                   path.lead_in, Accuracy::exact(), cost);
     const std::vector<Vec3> found =
-        proxies_of(there_.world(), path.device_m, place_m_, path.lead_in, accuracy, cost);
+        proxies_of(displaced_.world(), path.device_m, place_m_, path.lead_in, accuracy, cost);
     RootMeanSquare off_m;
     for (std::size_t n = 0; n < found.size() && n < expected.size(); ++n) {
       off_m.add((found[n] - expected[n]).norm());
@@ -71,7 +71,7 @@ class Displaced {
  private:
   std::size_t ticks_;
   Vec3 place_m_;
-  LazyScene there_;
+  LazyScene displaced_;
 };
 
 }  // namespace
@@ -84,16 +84,16 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
   knob.error = {"distance to the proxy at the origin (rms)", "m"};
   knob.time = {"time of a tick", "ns"};
   knob.workload =
-      "A hand at 0.1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m and 20 thousand triangles that "
-      "a file puts somewhere by its node, or by its vertices. The narrow phase, which moves the "
-      "proxy "
+      "A hand at 0.1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m and 20 thousand triangles. A "
+      "file "
+      "places the sphere by its node or by its vertices. The narrow phase, which moves the proxy "
       "among the triangles near it, computes in float or double. K = 1000 N/m, B = 2 N s/m, 1 kHz.";
-  knob.reference = "The same hand on the same sphere at the origin, preset exact.";
+  knob.reference = "the same hand on the same sphere at the origin, preset exact";
   knob.floor_is = "the rounding of a file's coordinates to single precision, at the origin";
   knob.levels_are_given = true;
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
-  struct Way {
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
+  struct Variant {
     const char* name;
     NarrowPhase arithmetic;
     PlacedBy placed_by;
@@ -102,22 +102,23 @@ Knob narrow_phase_knob(const StudyEffort& effort) {
     double distance_m;
     const char* label;
   };
-  std::optional<Displaced> near;  // that of the default: a copy has caches of its own
-  for (const Way& way : {Way{"double, by the node", NarrowPhase::kDouble, PlacedBy::kNode},
-                         Way{"float, by the node", NarrowPhase::kFloat, PlacedBy::kNode},
-                         Way{"double, by the vertices", NarrowPhase::kDouble, PlacedBy::kVertices},
-                         Way{"float, by the vertices", NarrowPhase::kFloat, PlacedBy::kVertices}}) {
-    Method method{way.name, {}, {}, float_floor_m(kSphereRadius_m)};
-    // What single precision rounds vertices to grows with their coordinates; beside that the
-    // stand-off of the float arithmetic is a constant.
+  std::optional<Displaced> near;  // the default's: a copy has caches of its own
+  for (const Variant& variant :
+       {Variant{"double, by the node", NarrowPhase::kDouble, PlacedBy::kNode},
+        Variant{"float, by the node", NarrowPhase::kFloat, PlacedBy::kNode},
+        Variant{"double, by the vertices", NarrowPhase::kDouble, PlacedBy::kVertices},
+        Variant{"float, by the vertices", NarrowPhase::kFloat, PlacedBy::kVertices}}) {
+    Method method{variant.name, {}, {}, float_floor_m(kSphereRadius_m)};
+    // The rounding of vertices to single precision grows with their coordinates. The stand-off of
+    // the float arithmetic is a constant in addition.
     const bool is_rounding_alone =
-        way.placed_by == PlacedBy::kVertices && way.arithmetic == NarrowPhase::kDouble;
+        variant.placed_by == PlacedBy::kVertices && variant.arithmetic == NarrowPhase::kDouble;
     if (is_rounding_alone) method.expected_order = 1.0;
     Accuracy accuracy = Accuracy::balanced();
-    accuracy.narrow_phase = way.arithmetic;
+    accuracy.narrow_phase = variant.arithmetic;
     for (const Rung& rung : {Rung{1.0, "1 m"}, Rung{10.0, "10 m"}, Rung{100.0, "100 m"},
                              Rung{1000.0, "1 km"}, Rung{4000.0, "4 km"}}) {
-      const Displaced displaced(effort, rung.distance_m, way.placed_by);
+      const Displaced displaced(effort, rung.distance_m, variant.placed_by);
       if (!near) near = displaced;
       method.levels.push_back(
           {rung.distance_m, rung.label,

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-// The path is integrated again until the clock has seen this many steps.
+// The path is integrated repeatedly until the clock has measured this many steps.
 constexpr std::size_t kTimedSteps = 20000;
 
 struct State {

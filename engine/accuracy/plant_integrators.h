@@ -1,6 +1,6 @@
 #pragma once
 
-// Ways to simulate a pressed device, against the exact solution.
+// Integrators of a pressed device, compared with the exact solution.
 
 #include <cstdint>
 #include <limits>
@@ -12,19 +12,18 @@ namespace palpate {
 
 enum class PlantIntegrator : std::uint8_t {
   kSemiImplicitEuler,  // velocity, then position with the new velocity: order 1
-  kRungeKutta4         // the classical one: order 4
+  kRungeKutta4         // the classical method: order 4
 };
 
-// Instants at which paths are compared; every step divides the time between them.
+// The time between the instants at which paths are compared; every step divides it.
 inline constexpr double kPlantInstant_s = 4e-3;
 
-// Below it, errors are those of adding in double: each step rounds the depth by up to half a unit
-// in its last place, and n roundings add up like a random walk, to sqrt(n) of them. As part of the
-// depth.
+// The rounding error of sums in double: each step rounds the depth by up to half a unit in the last
+// place, and n roundings accumulate like a random walk, to sqrt(n) of them. Relative to the depth.
 double plant_roundoff(const PressedContact& contact, double step_s);
 
-// Integrates the contact with the spring and the damper of the wall continuous, from a random time
-// of it on. steps_per_instant: of kPlantInstant_s, >= 1. error: the largest deviation from
+// Integrates the contact with a continuous spring and damper of the wall, under a random push.
+// steps_per_instant: steps per kPlantInstant_s, >= 1. error: the largest deviation from
 // contact.depth_m() over the static depth; time: computing for a second of contact, us; ticks:
 // steps.
 Sample integrate(const PressedContact& contact, PlantIntegrator integrator, int steps_per_instant,

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kFarthest_m = 0.1;  // of its middle from the origin, along each axis
+constexpr double kFarthest_m = 0.1;  // distance of the middle from the origin along each axis
 
 MaterialDescription with_friction(double coefficient) {
   MaterialDescription material;

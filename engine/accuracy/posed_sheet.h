@@ -1,6 +1,6 @@
 #pragma once
 
-// A flat square to press on, anywhere and facing anywhere.
+// A flat square in any pose, to press on.
 
 #include "engine/scene/scene.h"
 #include "geometry/base/random.h"
@@ -18,8 +18,8 @@ struct PosedSheet {
 
 inline constexpr double kSheetSize_m = 0.2;
 
-// friction: its coefficient, static and dynamic; 0 for none. An Error only where
-// the build lacks friction. Not for the haptic thread.
+// friction: the static and dynamic coefficient; 0 for none. An error only if the build lacks
+// friction. Not for the haptic thread.
 Result<PosedSheet> sheet_at(const RigidTransform& T_scene_sheet, double friction = 0.0);
 
 // The same in a random pose.

@@ -17,8 +17,8 @@
 namespace palpate {
 namespace {
 
-// Above the wall; at rest in it; and once more, so that the damper has no speed to take for one.
-// The hand then holds it no longer.
+// Ticks before the motion: one above the wall and two at rest in it, so that the damper starts from
+// a velocity of zero. After them the hand releases the device.
 constexpr std::size_t kLeadIn = 3;
 constexpr double kAbove_m = 0.01;
 
@@ -62,8 +62,8 @@ class PressedDevice final : public VectorDevice {
   Vec3 force_N_ = Vec3::Zero();
 };
 
-// Follows the depth: how far it is from where it should be, and whether it swings ever wider about
-// the static depth.
+// Follows the depth: its deviation from the exact path, and whether its swing about the static
+// depth grows.
 class Swing {
  public:
   explicit Swing(const PressedContact& contact)
@@ -92,15 +92,30 @@ std::string unstable_text(const PressedContact& contact, double period_s) {
   const Result<StabilityLimits> limits = stability_limits(
       {contact.mass_kg, contact.damping_Ns_per_m}, contact.coupling.damping_Ns_per_m, {period_s});
   char text[96];
-  std::snprintf(text, sizeof text, "unstable: %.0f N/m, where %.0f N/m is the most at this rate",
+  std::snprintf(text, sizeof text, "unstable: %.0f N/m; the limit at this rate is %.0f N/m",
                 contact.coupling.stiffness_N_per_m, limits ? limits->stable_N_per_m : 0.0);
   return text;
 }
 
 }  // namespace
 
+PressedContact PressedContact::on(const DeviceDescription& device) {
+  constexpr double kShortest_s = 0.5;
+  constexpr double kLongest_s = 5.0;
+  const PressedContact light;
+  const auto time_constant_s = [](const PressedContact& c) {
+    return 2.0 * c.mass_kg / (c.damping_Ns_per_m + c.coupling.damping_Ns_per_m);
+  };
+  PressedContact contact;
+  contact.mass_kg = device.mass_kg;
+  contact.damping_Ns_per_m = device.damping_Ns_per_m;
+  const double longer = time_constant_s(contact) / time_constant_s(light);
+  contact.duration_s = std::clamp(light.duration_s * longer, kShortest_s, kLongest_s);
+  return contact;
+}
+
 double PressedContact::depth_m(double time_s) const {
-  // Of (x - static depth, v / w): entries alike in size.
+  // The state is (x - static depth, v / w), so that the entries are alike in size.
   const double w = std::sqrt(coupling.stiffness_N_per_m / mass_kg);
   Eigen::Matrix2d rate;
   rate << 0.0, w, -w, -(damping_Ns_per_m + coupling.damping_Ns_per_m) / mass_kg;
@@ -117,7 +132,7 @@ Sample press(const PressedContact& contact, double period_s, const Accuracy& acc
   const auto ticks = static_cast<std::size_t>(std::ceil(contact.duration_s / period_s));
   const std::vector<double> dt_s(kLeadIn + ticks, period_s);
   Swing swing(contact);
-  // Told before the device moves on.
+  // Called before the device moves on.
   const OnContact follow = [&](const TickRecord&) {
     swing.add(device.depth_m(), device.pushed_for_s());
   };

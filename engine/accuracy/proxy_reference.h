@@ -1,6 +1,6 @@
 #pragma once
 
-// The proxies of a converged solver, to measure others against.
+// The proxies of a converged solver, as the reference of other proxies.
 
 #include <cstdint>
 #include <map>
@@ -10,10 +10,10 @@
 
 namespace palpate {
 
-// Proxies of ticks in contact, kept by seed: every level asks for the same ones.
+// Proxies of ticks in contact, kept by seed, because every level uses the same proxies.
 class ProxyReference {
  public:
-  // make(): runs the reference. Scene frame, metres.
+  // make() runs the reference on first use. Scene frame, metres.
   template <typename Make>
   const std::vector<Vec3>& get(std::uint64_t seed, Make make) {
     auto [place, is_new] = proxies_.try_emplace(seed);

@@ -1,32 +1,35 @@
 #pragma once
 
-// What was measured on a user's own scene, for people and for other programs.
+// The results for a user's own scene: a section of the report, a table and a text.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/accuracy/scene_study.h"
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/report_section.h"
+#include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/surface_couplings.h"
 
 namespace palpate {
 
-// Limits at another rate, for the coupling of the loop.
+// Limits of the loop's coupling at another rate.
 struct LimitsAtRate {
   double rate_Hz = 0.0;
   StabilityLimits limits;
 };
 
 struct SceneFindings {
-  std::string path;  // as the user named it
-  SceneStudy study;
+  std::string path;  // as given on the command line
+  SceneAccuracy measured;
   DeviceDescription device;
   double rate_Hz = 0.0;  // of the servo loop, as given
   std::vector<CouplingVerdict> verdicts;
   std::vector<LimitsAtRate> by_rate;
-  std::string no_simplification;  // why there is none; empty if there is one
+  std::string no_simplification;  // why the mesh was not simplified; empty if it was
 };
+
+// "mass 100 g, damping 0.5 N s/m, ..."
+std::string mechanics_text(const DeviceDescription& device);
 
 ReportSection scene_section(const SceneFindings& findings);
 

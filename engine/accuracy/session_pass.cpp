@@ -57,8 +57,8 @@ double clock_overhead_ns() {
           std::chrono::steady_clock::now() - start;
       time_ns = nothing.count();
     }
-    // The mean, as what it is taken from: the clock counts in steps that are longer than it takes.
-    // Of the shorter nine tenths, which no interrupt has met.
+    // The mean, like the times that it is subtracted from: one step of the clock is longer than the
+    // cost of reading it. The mean of the shortest nine tenths, without interrupts.
     std::sort(empty_ns.begin(), empty_ns.end());
     const std::size_t kept = empty_ns.size() * 9 / 10;
     double sum_ns = 0.0;

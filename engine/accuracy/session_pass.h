@@ -1,7 +1,7 @@
 #pragma once
 
-// Runs a haptic session tick by tick, as a program does, and sums up what its ticks in contact
-// cost.
+// Runs a haptic session tick by tick, as a program does, and sums up the cost of its ticks in
+// contact.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,24 +15,24 @@
 
 namespace palpate {
 
-// The coupling and the tick that the knobs are studied with, unless they are what is studied.
-inline constexpr CouplingSettings kStudyCoupling{1000.0, 2.0};
-inline constexpr double kStudyPeriod_s = 1e-3;
+// The coupling and the period of the knobs that do not vary them.
+inline constexpr CouplingSettings kAccuracyCoupling{1000.0, 2.0};
+inline constexpr double kAccuracyPeriod_s = 1e-3;
 
-// What a session runs with, beside the world.
+// The settings of a session, without the world.
 struct PassSetup {
-  ActuationModel actuation;  // PassSetup::fully_actuated() for most
+  ActuationModel actuation;  // mostly that of PassSetup::fully_actuated()
   HapticSettings haptics;
 
-  // Three sensors, three actuators, no A4, the coupling given.
+  // Three sensors, three actuators, no A4, and the coupling given.
   static PassSetup fully_actuated(const CouplingSettings& coupling,
                                   const GodObjectSettings& god_object = {});
 };
 
-// Of ticks in contact.
+// The cost of the ticks in contact.
 struct PassCost {
   std::uint64_t ticks = 0;
-  double tick_ns = 0.0;               // mean of HapticLoop::tick, less what asking the clock takes
+  double tick_ns = 0.0;               // mean of HapticLoop::tick, less the cost of the clock
   double iterations = 0.0;            // of the solver, mean
   std::uint32_t faults = kFaultNone;  // of any tick
 
@@ -40,24 +40,24 @@ struct PassCost {
   double us_per_s(double dt_s) const { return 1e-3 * tick_ns / dt_s; }
 };
 
-// Told of every tick in contact, between ticks, on the thread that measures: it may allocate, as no
-// haptic thread does.
+// Called after every tick in contact, on the measuring thread. May allocate, unlike code on a
+// haptic thread.
 using OnContact = std::function<void(const TickRecord& record)>;
 
-// As many ticks as dt_s has elements, the first `lead_in` of which neither count nor are told: they
-// bring the device to where the measurement begins.
+// Runs one tick per element of dt_s. The first `lead_in` ticks move the device to the start of the
+// measurement: they do not count and are not reported.
 PassCost run_pass(const ContactWorld& world, const PassSetup& setup, Device& device,
                   std::span<const double> dt_s, std::size_t lead_in, const OnContact& on_contact);
 
-// The same with a device that is at path_m[n] in tick n. Device frame, metres.
+// The same with a device at path_m[n] in tick n. Device frame, metres.
 PassCost run_path(const ContactWorld& world, const PassSetup& setup, std::span<const Vec3> path_m,
                   double dt_s, std::size_t lead_in, const OnContact& on_contact);
 
-// What asking the clock twice takes, which is left out of every tick_ns.
+// The cost of reading the clock twice, which is subtracted from every tick_ns.
 double clock_overhead_ns();
 
-// The first of these faults in words, for Sample::failure; empty for none. A capped solver is no
-// failure: it is what some levels are about.
+// The first of these faults in words, for Sample::failure; empty for none. A capped solver is not a
+// failure, because some levels cap it on purpose.
 std::string failure_of(std::uint32_t faults);
 
 }  // namespace palpate

@@ -6,10 +6,10 @@
 #include <meshoptimizer.h>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/proxy_reference.h"
-#include "engine/accuracy/scene_study.h"
+#include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
 
@@ -17,10 +17,10 @@ namespace palpate {
 namespace {
 
 constexpr int kHalvings = 6;
-constexpr std::size_t kLeastTriangles = 64;  // fewer are no shape any more
+constexpr std::size_t kLeastTriangles = 64;  // fewer triangles do not show the shape
 
-// All triangles of the scene; corners count from its middle, where single precision has the most
-// digits for the simplifier.
+// All triangles of the scene. The simplifier works in single precision, which has the most digits
+// near the origin, so it receives corners relative to the middle of the scene.
 struct Merged {
   TriangleMesh mesh;
   Vec3 middle_m;
@@ -35,8 +35,8 @@ Merged merged(const Scene& scene) {
   return all;
 }
 
-// With about that many triangles, as near to the surface as it can be had. Corners that no triangle
-// has any more are left out.
+// The surface simplified to about this many triangles, with the smallest error that the simplifier
+// finds. Corners without a triangle are removed.
 TriangleMesh simplified(const Merged& all, std::size_t triangles) {
   std::vector<std::array<float, 3>> corners;
   corners.reserve(all.mesh.positions_m.size());
@@ -66,9 +66,9 @@ TriangleMesh simplified(const Merged& all, std::size_t triangles) {
   return mesh;
 }
 
-// Tells the ticks in which the hand touches the whole mesh: what they cost on another one, and how
-// far its proxy is off. Where that surface has receded from the hand, the proxy is where the hand
-// is.
+// Compares a simplified mesh with the whole mesh: time and distance of the proxies in the ticks in
+// which the hand touches the whole mesh. Where the simplified surface has receded from the hand,
+// its proxy is at the goal.
 class Comparison final : public TickObserver {
  public:
   explicit Comparison(const std::vector<TickRecord>& whole) : whole_(whole) {
@@ -104,7 +104,7 @@ class Comparison final : public TickObserver {
   std::uint32_t faults_ = kFaultNone;
 };
 
-// The hands' paths, and what they meet on the whole mesh.
+// The paths of the hands, and their records on the whole mesh.
 class Hands {
  public:
   Hands(std::shared_ptr<const Scene> whole, const RunSetup& setup, double seconds,
@@ -126,14 +126,14 @@ class Hands {
   }
 
  private:
-  static constexpr std::uint64_t kHands = 7;  // each three times in 21 repeats
+  static constexpr std::uint64_t kHands = 7;  // 21 repeats run each hand three times
 
   HapticLoop loop_on(const Scene& scene, const Accuracy& accuracy) const {
     HapticSettings settings = setup_.haptics;
     settings.god_object.accuracy = accuracy;
     return HapticLoop(scene.world(), setup_.actuation, settings);
   }
-  // Empty if no hand can feel the scene: then no tick is in contact.
+  // Empty if no hand can touch the scene; then no tick is in contact.
   std::vector<Vec3> path_of(std::uint64_t seed) const {
     ExplorationSettings exploration;
     exploration.seconds = seconds_;
@@ -167,15 +167,15 @@ class Hands {
 
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const StudyEffort& effort, std::string& why) {
-  // Before they are gathered: nodes that share a mesh may make any number of them.
+  // Counted before the triangles are gathered: nodes that share a mesh may repeat it any number of
+  // times.
   std::size_t triangles = 0;
   for (const SceneObject& object : scene.objects()) {
     triangles += scene.mesh(object.mesh).face_count();
   }
   if (triangles > kMostSimplified || triangles < 4 * kLeastTriangles) {
-    why = "it has " + std::to_string(triangles) + " triangles; from " +
-          std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified) +
-          " are simplified";
+    why = "it has " + std::to_string(triangles) + " triangles; expected " +
+          std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified);
     return std::nullopt;
   }
   const auto all = std::make_shared<const Merged>(merged(scene));
@@ -186,13 +186,14 @@ std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setu
   knob.error = {"distance to the proxy on the whole mesh (95 %)", "m"};
   knob.time = {"time of a tick", "ns"};
   knob.workload =
-      "A simulated hand that wanders over the scene, its effects left out, with the "
-      "device and the coupling given.";
-  knob.reference = "The same path on all triangles, preset exact.";
+      "A simulated hand wanders over the scene without its effects, with the device and the "
+      "coupling "
+      "given.";
+  knob.reference = "the same path on all triangles, preset exact";
   knob.floor_is = "the rounding of a file's coordinates to single precision";
-  knob.default_because = "the mesh as it is asks nobody what of it may be lost";
-  knob.enough = 1e-4;
-  knob.enough_because = "0.1 mm is about what a hand on a desktop device can tell apart";
+  knob.default_because = "the file's own mesh loses no detail";
+  knob.enough = kEnoughDepth_m;
+  knob.enough_because = kEnoughDepthBecause;
   const double radius_m = setup.haptics.god_object.radius_m;
   const auto whole_or_error = compile_mesh(all->mesh, radius_m);
   if (!whole_or_error) {
@@ -214,11 +215,11 @@ std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setu
     const std::size_t target = triangles >> halvings;
     if (target < kLeastTriangles) continue;
     TriangleMesh coarse = simplified(*all, target);
-    // A mesh of many open edges cannot be simplified below them.
+    // Open edges limit how far a mesh can be simplified.
     if (coarse.triangles.size() <= last || coarse.triangles.size() >= triangles) continue;
     last = coarse.triangles.size();
     const double edge_m = mean_edge_m(coarse);
-    // What is left of thin parts may have no area at all.
+    // Thin parts may have lost all their area.
     if (const auto level = compile_mesh(std::move(coarse), radius_m)) add(*level, edge_m, last);
   }
   add(whole, mean_edge_m(all->mesh), triangles);

@@ -2,25 +2,25 @@
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-// Valleys in which the proxy meets several faces a tick.
+// Valleys in which the proxy touches several faces per tick.
 constexpr double kBumpyRadius_m = 0.1;
 constexpr double kBump_m = 3e-3;
 constexpr int kWaves = 7;
 
 constexpr const char* kCouplingText = "K = 1000 N/m, B = 2 N s/m, 1 kHz";
 
-// One hand on the bumpy sphere: what differs is the accuracy, and how fast it goes.
+// One hand on the bumpy sphere, with various accuracies and speeds.
 class Bumps {
  public:
   explicit Bumps(const StudyEffort& effort)
@@ -56,8 +56,8 @@ class Bumps {
                         press, random);
   }
   PassCost pass(const PressedPath& path, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path.device_m, kStudyPeriod_s, path.lead_in, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path.device_m, kAccuracyPeriod_s, path.lead_in, visit);
   }
   std::vector<Vec3> proxies(const PressedPath& path) const {
     std::vector<Vec3> proxies_m;
@@ -89,18 +89,18 @@ Knob common(const char* name, const char* title, const Bumps& bumps) {
                       "A hand at 1 m/s, pressed 1 to 3 mm into a sphere of 0.2 m with "
                       "bumps of 6 mm; ") +
                   kCouplingText + ".";
-  knob.reference = "The same hand under the preset exact.";
+  knob.reference = "the same hand under the preset exact";
   knob.floor_is = "the rounding of a file's coordinates to single precision";
   knob.run_preset = [bumps](std::uint64_t seed, const Accuracy& preset) {
     return bumps.run(seed, kFast_m_per_s, preset);
   };
   knob.enough = 1e-6;
-  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below what haptic devices resolve";
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   return knob;
 }
 
 Knob iterations_knob(const Bumps& bumps) {
-  Knob knob = common("solver_iterations", "Solver: most steps a tick", bumps);
+  Knob knob = common("solver_iterations", "Solver: most steps per tick", bumps);
   knob.level = {"most steps", ""};
   Method capped{"capped", {}, {}, float_floor_m(kBumpyRadius_m)};
   for (const int most : {1, 2, 3, 4, 6, 8, 16, 32, 64, 128}) {
@@ -119,8 +119,9 @@ Knob iterations_knob(const Bumps& bumps) {
 Knob tolerance_knob(const Bumps& bumps) {
   Knob knob = common("solver_tolerance", "Solver: tolerance", bumps);
   knob.workload +=
-      " A stand-off is the hair's breadth that the proxy keeps from surfaces; the solver stops "
-      "when a step is shorter than that many of them.";
+      " A stand-off is the small distance that the proxy keeps from surfaces; the solver stops "
+      "when "
+      "a step is shorter than this number of stand-offs.";
   knob.level = {"shortest step, in stand-offs", ""};
   Method method{"tolerance", {}, {}, float_floor_m(kBumpyRadius_m)};
   struct Rung {
@@ -143,16 +144,17 @@ Knob tolerance_knob(const Bumps& bumps) {
   return knob;
 }
 
-// The answer is the same to the bit: what is bought is time alone.
+// The proxies are the same to the bit: the knob buys time alone.
 Knob candidates_knob(const Bumps& bumps) {
-  Knob knob = common("candidate_reuse", "Candidates from tick to tick", bumps);
+  Knob knob = common("candidate_reuse", "Candidates kept between ticks", bumps);
   knob.level = {"speed of the hand", "m/s"};
   knob.workload =
       std::string(
           "A hand pressed 1 to 3 mm into a sphere of 0.2 m with bumps of "
           "6 mm; ") +
       kCouplingText +
-      ". Candidates are the triangles near the proxy: kept while they hold, or sought anew.";
+      ". Candidates are the triangles near the proxy: kept while they are valid, or searched in "
+      "each tick.";
   knob.levels_are_given = true;
   knob.default_level = 2;
   constexpr double kUsual_m_per_s = 0.1;

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// A circle of constant curvature would close after some seconds; a weaving line does not.
+// A line of constant curvature would close after some seconds; a weaving line does not.
 constexpr double kWeavePeriod_s = 3.7;
 constexpr double kWeave_rad_per_s = 0.8;
 
@@ -53,7 +53,7 @@ std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
 
 DevicePath entered_path_over_sphere(double radius_m, const HeightSwing& swing,
                                     std::size_t sample_count) {
-  // From a millimetre outside, and at about the path's own speed.
+  // From a millimetre outside, at about the speed of the path.
   constexpr double kEntryHeight_m = 1e-3;
   constexpr int kEntryTicks = 11;
   DevicePath path{{}, path_over_sphere(radius_m, swing, sample_count)};

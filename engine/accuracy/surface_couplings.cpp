@@ -15,7 +15,8 @@
 namespace palpate {
 namespace {
 
-// The parameters of an effect among the calls of a material; nothing if it is not called for.
+// The parameters of an effect among the calls of a material; nothing if the material does not
+// declare the effect.
 template <typename Effect>
 std::optional<typename Effect::Parameters> parameters_of(const EffectProgram& program,
                                                          const MaterialCalls& material) {
@@ -30,7 +31,7 @@ std::optional<typename Effect::Parameters> parameters_of(const EffectProgram& pr
   return std::nullopt;
 }
 
-// Of the texture coordinates of all triangles that call for it.
+// Largest gradients of the texture coordinates, over all triangles with the texture.
 struct UvGradients {
   double u_per_m = 0.0;
   double v_per_m = 0.0;
@@ -57,14 +58,14 @@ UvGradients largest_gradients(const ContactWorld& world, std::uint32_t texture_c
   return largest;
 }
 
-// Largest second derivative of the Catmull-Rom spline through four values in a row, between the two
-// in the middle, where it is linear: it is at one of them.
+// Largest second derivative of the Catmull-Rom spline through four consecutive values, between the
+// two middle values. It is linear there, so its maximum is at one of them.
 double spline_curvature(const std::array<double, 4>& v) {
   return std::max(std::abs(2.0 * v[0] - 5.0 * v[1] + 4.0 * v[2] - v[3]),
                   std::abs(-v[0] + 4.0 * v[1] - 5.0 * v[2] + 2.0 * v[3]));
 }
 
-// Of the map along its rows or its columns, per texel squared.
+// Largest curvature of the map along its rows or its columns, per texel squared.
 double map_curvature(const HeightMap& map, bool is_along_u) {
   const double du = is_along_u ? 1.0 / map.width() : 0.0;
   const double dv = is_along_u ? 0.0 : 1.0 / map.height();
@@ -93,7 +94,7 @@ double relief_per_m(const ContactWorld& world, std::uint32_t texture_call,
                   map_curvature(*texture.map, false) * rows_per_m * rows_per_m);
 }
 
-// 0 if the material calls for no texture.
+// 0 if the material has no texture.
 double relief_of(const ContactWorld& world, const MaterialCalls& material) {
   const EffectProgram& program = *world.effects;
   const std::optional<std::uint16_t> number = effect_number(TextureEffect::kName);

@@ -6,18 +6,19 @@
 #include <utility>
 #include <vector>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "geometry/base/random.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-// A flat cone, pressed around its tip: the more triangles meet there, the more each tick crosses.
+// A flat cone, pressed around its tip: the more triangles meet there, the more of them each tick
+// crosses.
 constexpr double kConeRadius_m = 0.05;
 constexpr double kSlope = 0.5;
 constexpr double kAround_m = 2e-3;
@@ -44,7 +45,7 @@ class Cones {
   Cones(int triangles, std::size_t ticks)
       : scene_([triangles] { return mesh_scene(cone(triangles)); }), ticks_(ticks) {}
 
-  // Errors are against a solver that may do all it wants.
+  // Errors are against a solver without a budget.
   Sample run(std::uint64_t seed, const Accuracy& accuracy) const {
     const std::vector<Vec3>& unbounded = references_->get(seed, [&] { return proxies(seed); });
     RootMeanSquare off_m;
@@ -60,8 +61,8 @@ class Cones {
 
  private:
   PassCost pass(std::uint64_t seed, const Accuracy& accuracy, const OnContact& visit) const {
-    const PassSetup setup = PassSetup::fully_actuated(kStudyCoupling, {0.0, accuracy});
-    return run_path(scene_.world(), setup, path_of(seed), kStudyPeriod_s, kPressTicks, visit);
+    const PassSetup setup = PassSetup::fully_actuated(kAccuracyCoupling, {0.0, accuracy});
+    return run_path(scene_.world(), setup, path_of(seed), kAccuracyPeriod_s, kPressTicks, visit);
   }
   std::vector<Vec3> proxies(std::uint64_t seed) const {
     Accuracy unbounded = Accuracy::balanced();
@@ -72,14 +73,14 @@ class Cones {
     return proxies_m;
   }
 
-  // From above, then round the tip, in and out, 1 to 3 mm deep.
+  // From above, then around the tip, in and out, at a depth of 1 to 3 mm.
   std::vector<Vec3> path_of(std::uint64_t seed) const {
     SeededRandom random(seed);
     const double start_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double swing_hz = random.uniform(2.0, 4.0);
     std::vector<Vec3> path_m;
     for (std::size_t n = 0; n < kPressTicks + ticks_; ++n) {
-      const double time_s = kStudyPeriod_s * static_cast<double>(n);
+      const double time_s = kAccuracyPeriod_s * static_cast<double>(n);
       const double angle_rad = start_rad + kSpeed_m_per_s / kAround_m * time_s;
       const double away_m =
           kAround_m * (1.0 + 0.9 * std::sin(2.0 * std::numbers::pi * swing_hz * time_s));
@@ -108,17 +109,18 @@ Knob work_budget_knob(const StudyEffort& effort) {
   knob.time = {"time of a tick", "ns"};
   knob.workload =
       "A hand at 0.1 m/s, pressed 1 to 3 mm into a flat cone, round its tip; K = 1000 N/m, "
-      "B = 2 N s/m, 1 kHz. Of the hard cone 2,000 needles meet there, of the easy one 12 "
-      "triangles. "
-      "A tick that runs out is capped, and the next one goes on with it.";
-  knob.reference = "The same hand and solver without a budget.";
+      "B = 2 N s/m, 1 kHz. At the tip of the hard cone 2,000 needles meet, at that of the easy "
+      "cone "
+      "12 triangles. A tick that exhausts its budget is capped, and the next tick continues the "
+      "motion.";
+  knob.reference = "the same hand and solver without a budget";
   knob.floor_is = "the rounding of a file's coordinates to single precision";
   knob.methods_are_given = true;
-  knob.enough = 1e-4;
-  knob.enough_because = "0.1 mm is what a hand may lag behind in a tick at 0.1 m/s";
+  knob.enough = 1e-6;
+  knob.enough_because = "1 µm is 1 mN at 1000 N/m, below the resolution of haptic devices";
   knob.default_because =
-      "It bounds the time of a tick on any scene; without it, one tick at a tip of 150,000 needles "
-      "takes a tenth of a second.";
+      "it bounds the time of a tick on any scene; without a budget, one tick at a tip of 150,000 "
+      "needles takes a tenth of a second";
   const std::size_t ticks = effort.quick ? 300 : 1000;
   struct Tip {
     const char* name;

@@ -1,19 +1,22 @@
-// `accuracy`: what accuracy costs in time.
+// `accuracy`: measures what accuracy costs in time, and recommends settings.
 
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 
+#include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_plots.h"
+#include "engine/accuracy/accuracy_report.h"
+#include "engine/accuracy/advice.h"
 #include "engine/accuracy/build_facts.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
+#include "engine/accuracy/recommendation.h"
 #include "engine/accuracy/scene_section.h"
-#include "engine/accuracy/study_csv.h"
-#include "engine/accuracy/study_plots.h"
-#include "engine/accuracy/study_report.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
@@ -29,28 +32,28 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kSceneOptionsGroup = "Of a SCENE";
+constexpr const char* kSceneOptionsGroup = "With a SCENE";
 
 struct AccuracyRequest {
-  SceneOptions scene;  // of an empty path: none
+  SceneOptions scene;  // an empty path: no scene
   RunSettings settings;
-  std::vector<std::string> knobs;  // only these; empty: all
+  std::vector<std::string> knobs;  // only these knobs; empty: all
   bool quick = false;
   std::uint64_t seed = 1;
   std::string out_dir = "accuracy";
 };
 
-// The knob of a scene's own mesh.
+// The knob that simplifies the scene's own mesh.
 constexpr const char* kSceneKnob = "scene_resolution";
 
 bool is_chosen(const std::vector<std::string>& names, const std::string& name) {
   return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// The knobs that were asked for, in the order of the report, without that of a scene.
-Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
+// The knobs chosen, in the order of the report, without the knob of a scene.
+Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort, const DeviceDescription& device,
                                        const std::vector<std::string>& names, bool has_scene) {
-  std::vector<Knob> all = all_knobs(effort);
+  std::vector<Knob> all = all_knobs(effort, device);
   if (names.empty()) return all;
   std::string known;
   for (const Knob& knob : all) known += (known.empty() ? "" : ", ") + knob.name;
@@ -60,7 +63,8 @@ Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
     const bool is_known =
         (has_scene && name == kSceneKnob) ||
         std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
-    if (!is_known) return invalid_argument("--knob", "\"" + name + "\" is none of " + known);
+    if (!is_known)
+      return invalid_argument("--knob", "\"" + name + "\" is unknown; expected one of " + known);
   }
   for (Knob& knob : all) {
     if (is_chosen(names, knob.name)) chosen.push_back(std::move(knob));
@@ -68,7 +72,7 @@ Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort,
   return chosen;
 }
 
-// Of numbers that no device has, the error names the option.
+// Checks the numbers of the device; an error names the option.
 std::optional<Error> check_device(const RunSetup& setup) {
   const auto limits = stability_limits(DeviceMechanics::of(setup.device),
                                        setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
@@ -96,35 +100,37 @@ std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyE
     results.push_back(
         measure(knobs[i], effort, [&](double share) { bar.show(knobs[i].name, of_all(share)); }));
   }
+  reconcile(results);
   return results;
 }
 
-// The rates that the machine keeps, or that of the loop if it keeps none.
-std::vector<double> rates_kept_Hz(const SafeRate& safe, double rate_Hz) {
+// The rates that the machine keeps, or the rate of the loop if it keeps none.
+std::vector<double> rates_kept_Hz(const KeptRate& kept, double rate_Hz) {
   std::vector<double> rates;
-  for (const RateTrial& trial : safe.trials) {
+  for (const RateTrial& trial : kept.trials) {
     if (trial.passed()) rates.push_back(trial.rate_Hz);
   }
   if (rates.empty()) rates.push_back(rate_Hz);
   return rates;
 }
 
-Result<SceneFindings> find_out(const Scene& scene, const AccuracyRequest& command,
-                               const RunSetup& setup, const StudyEffort& effort) {
+Result<SceneFindings> measure_findings(const Scene& scene, const AccuracyRequest& command,
+                                       const RunSetup& setup, const StudyEffort& effort) {
   SceneFindings findings;
   findings.path = command.scene.path;
   findings.device = setup.device;
   findings.rate_Hz = command.settings.rate_Hz;
   ProgressBar bar("scene");
-  Result<SceneStudy> study =
-      study_scene(scene, setup, effort, [&](double share) { bar.show(share); });
-  if (!study) return study.error();
-  findings.study = std::move(*study);
+  Result<SceneAccuracy> measured =
+      measure_scene(scene, setup, effort, [&](double share) { bar.show(share); });
+  if (!measured) return measured.error();
+  findings.measured = std::move(*measured);
   const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), setup.device,
-                                        {setup.dt_s, 0}, findings.study.deepest_m);
+                                        {setup.dt_s, 0}, findings.measured.deepest_m);
   if (!verdicts) return verdicts.error();
   findings.verdicts = *verdicts;
-  for (const double rate_Hz : rates_kept_Hz(findings.study.safe_rate, command.settings.rate_Hz)) {
+  for (const double rate_Hz :
+       rates_kept_Hz(findings.measured.kept_rate, command.settings.rate_Hz)) {
     const auto limits =
         stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
                          {1.0 / rate_Hz, 0});
@@ -134,15 +140,40 @@ Result<SceneFindings> find_out(const Scene& scene, const AccuracyRequest& comman
   return findings;
 }
 
-StudyReport report_of(const std::vector<KnobResult>& results, const StudyEffort& effort) {
-  StudyReport report;
+// The options of `palpate run` that load the same scene.
+std::vector<std::string> options_of_run(const SceneOptions& scene) {
+  if (scene.path.empty()) return {};
+  std::vector<std::string> options{scene.path};
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) options.insert(options.end(), {option, value});
+  };
+  const auto add_number = [&](const char* option, const std::optional<double>& value) {
+    std::ostringstream text;
+    text.precision(17);
+    if (value) text << *value;
+    add(option, text.str());
+  };
+  add("--node", scene.node);
+  add_number("--scale", scene.scale);
+  add_number("--fit", scene.fit_size_m);
+  add("--pose", scene.pose);
+  for (const std::string& material : scene.materials) add("--material", material);
+  add("--max-memory", scene.max_memory);
+  return options;
+}
+
+AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& advice,
+                         const StudyEffort& effort) {
+  AccuracyReport report;
   report.title = "What accuracy costs in time";
   report.introduction =
-      "Each knob of the engine is turned from coarse to fine while a simulated hand or device does "
-      "the same. Errors are measured against a closed form where there is one, times on the path "
-      "that programs run. Points are medians of " +
+      "Each knob of the engine is measured from coarse to fine under the same simulated hand or "
+      "device. Errors are measured against a closed form where one is known, times in the code "
+      "that "
+      "programs run. Points are medians of " +
       std::to_string(StudyEffort::kRepeats) +
       " repeats over ticks in contact, whiskers their quartiles; down and to the left is better.";
+  report.advice = advice;
   report.facts = build_facts();
   report.facts.emplace_back("Seed", std::to_string(effort.seed));
   report.facts.emplace_back("Repeats", std::to_string(StudyEffort::kRepeats));
@@ -155,18 +186,18 @@ constexpr const char* kTable = "raw.csv";
 constexpr const char* kSceneTable = "scene.csv";
 constexpr const char* kPage = "report.html";
 
-// Every file that `accuracy` writes, whatever it is asked for.
+// Every file that `accuracy` may write.
 std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
   std::vector<std::string> names{kTable, kSceneTable, kPage, std::string(kSceneKnob) + ".svg"};
   for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
   return names;
 }
 
-// CSV, a diagram for each knob, and the page. A signal leaves it unfinished.
-std::optional<Error> write_results(const std::vector<KnobResult>& results,
+// Writes the CSV, a diagram per knob and the page. A signal stops it early.
+std::optional<Error> write_results(const std::vector<KnobResult>& results, const Advice& advice,
                                    const std::optional<SceneFindings>& findings,
                                    const StudyEffort& effort, const OutputFiles& files) {
-  const auto csv = write_study_csv(results, files.path(kTable));
+  const auto csv = write_accuracy_csv(results, files.path(kTable));
   if (!csv) return csv.error();
   std::optional<Error> no_picture;
   for (const KnobResult& result : results) {
@@ -180,7 +211,7 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results,
     if (!written) return written.error();
   }
   if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
-  StudyReport report = report_of(results, effort);
+  AccuracyReport report = report_of(results, advice, effort);
   if (findings) {
     report.sections.push_back(scene_section(*findings));
     const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));
@@ -190,20 +221,20 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results,
   return written ? std::nullopt : std::optional<Error>(written.error());
 }
 
-// Whether results can be written; leaves nothing there.
+// Checks that results can be written; leaves no file.
 std::optional<Error> check_out_folder(const std::string& folder, const StudyEffort& effort) {
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
   const auto files = OutputFiles::create(folder, accuracy_file_names(effort));
   return files ? std::nullopt : std::optional<Error>(files.error());
 }
 
-// Whether it did: a signal leaves what was there.
-Result<bool> write_in_place(const std::vector<KnobResult>& results,
+// Returns whether the files were written; after a signal the old files stay.
+Result<bool> write_in_place(const std::vector<KnobResult>& results, const Advice& advice,
                             const std::optional<SceneFindings>& findings, const StudyEffort& effort,
                             const std::string& folder) {
   Result<OutputFiles> files = OutputFiles::create(folder, accuracy_file_names(effort));
   if (!files) return files.error();
-  if (auto error = write_results(results, findings, effort, *files)) {
+  if (auto error = write_results(results, advice, findings, effort, *files)) {
     return files->in_place(*error);
   }
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
@@ -212,12 +243,12 @@ Result<bool> write_in_place(const std::vector<KnobResult>& results,
   return true;
 }
 
-int tell_nothing_is_written() {
+int report_nothing_is_written() {
   std::cerr << "palpate: interrupted; nothing is written\n";
   return exit_code_after_signals(0);
 }
 
-// Orders that theory has, "fitted (theory)".
+// Orders with a theory, as "fitted (theory)".
 std::string order_text(const KnobResult& result) {
   std::string text;
   for (const MethodResult& method : result.methods) {
@@ -239,19 +270,19 @@ using Row = std::vector<std::string>;
 Row row_of(const KnobResult& result) {
   const LevelPlace usual = result.default_place();
   const LevelResult& level = result.methods[usual.method].levels[usual.level];
-  // Of no repeat that counts there are no figures.
+  // There are no figures if every repeat failed.
   return {result.knob.name,
           place_text(result, usual),
           level.was_measured() ? (level.at_floor ? "\u2264 " : "") +
                                      human(level.error.median, result.knob.error.unit)
                                : "failed",
           level.was_measured() ? human(level.time.median, result.knob.time.unit) : "-",
-          result.default_is_near_front() ? "yes" : "no, see report",
+          result.default_is_on_front() ? "yes" : "no, see report",
           result.recommended ? place_text(result, *result.recommended) : "none",
           order_text(result)};
 }
 
-// What a terminal shows of it: bytes that go on with a character take no room.
+// Columns on a terminal: the continuation bytes of a UTF-8 character take none.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -287,11 +318,11 @@ int accuracy(const AccuracyRequest& command) {
   if (const auto error = check_device(*setup)) return refuse(*error);
   const StudyEffort effort{command.quick, command.seed};
   Result<std::vector<Knob>> knobs =
-      chosen_knobs(effort, command.knobs, !command.scene.path.empty());
+      chosen_knobs(effort, setup->device, command.knobs, !command.scene.path.empty());
   if (!knobs) return refuse(knobs.error());
-  // Before the minutes that measuring takes.
+  // Checked before measuring, which takes minutes.
   if (const auto error = check_out_folder(command.out_dir, effort)) return refuse(*error);
-  if (signal_flag().requested()) return tell_nothing_is_written();
+  if (signal_flag().requested()) return report_nothing_is_written();
 
   std::optional<Scene> scene;
   std::optional<SceneFindings> findings;
@@ -299,7 +330,7 @@ int accuracy(const AccuracyRequest& command) {
     Result<Scene> loaded = load_scene(command.scene, command.settings);
     if (!loaded) return refuse(loaded.error());
     scene.emplace(std::move(*loaded));
-    Result<SceneFindings> found = find_out(*scene, command, *setup, effort);
+    Result<SceneFindings> found = measure_findings(*scene, command, *setup, effort);
     if (!found) {
       Error error = found.error();
       if (error.path.empty()) error.path = command.scene.path;
@@ -313,16 +344,20 @@ int accuracy(const AccuracyRequest& command) {
   }
 
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
-  // Now there is something to put in order: the files come whole.
+  const auto advice = advise({results, findings ? &*findings : nullptr, setup->device,
+                              setup->haptics.coupling, options_of_run(command.scene)});
+  if (!advice) return refuse(advice.error());
+  // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (const auto error = check_output()) return refuse(*error);
-  const auto written = write_in_place(results, findings, effort, command.out_dir);
+  const auto written = write_in_place(results, *advice, findings, effort, command.out_dir);
   if (!written) return refuse(written.error());
-  if (!*written) return tell_nothing_is_written();
+  if (!*written) return report_nothing_is_written();
+  std::cout << advice_text(*advice) << "\n";
   if (!results.empty()) std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
   std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
-            << " and a diagram a knob in " << command.out_dir << "/\n";
+            << " and a diagram per knob are in " << command.out_dir << "/\n";
   return exit_code_after_signals(
       finish_output(scene ? not_understood_lines(*scene) : std::vector<std::string>{}));
 }
@@ -338,17 +373,19 @@ class AccuracyCommand final : public Command {
 
 CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   CLI::App& app = *program.add_subcommand(
-      "accuracy", "show what accuracy costs in time: a report of every knob, and of a scene");
+      "accuracy",
+      "measure what accuracy costs in time, and recommend settings for a device and a scene");
   set_help(app, "  ./run.sh accuracy models/star.glb --quick --knob a4_step --out report\n");
   add_scene(app, request_.scene, false);
-  app.add_flag("--quick", request_.quick, "within a minute: coarser meshes, shorter paths");
+  app.add_flag("--quick", request_.quick,
+               "measure coarser meshes and shorter paths, within a minute");
   app.add_option("--out", request_.out_dir, "folder for report, tables and diagrams")
       ->capture_default_str();
   app.add_option("--knob", request_.knobs,
-                 "only this knob, by the name of its diagram; may be repeated")
+                 "measure only this knob, by the name of its diagram; may be repeated")
       ->expected(1)
       ->take_all();
-  add_integer(app, "--seed", request_.seed, {}, "of poses, paths and noise");
+  add_integer(app, "--seed", request_.seed, {}, "seed of poses, paths and noise");
   CLI::Option* scene = app.get_option("SCENE");
   for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material", "--max-memory"}) {
     app.get_option(name)->needs(scene)->group(kSceneOptionsGroup);
@@ -364,11 +401,10 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   of_scene("--damping", run.damping_Ns_per_m, kZeroOrMore,
            "coupling damper of surfaces without their own, N s/m");
   of_scene("--radius", run.radius_m, kZeroOrMore, "radius of the proxy, m; 0 is a point");
-  for (CLI::Option* option : add_mechanics(app, run.device)) {
-    option->needs(scene)->group(kSceneOptionsGroup);
-  }
-  of_scene("--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
-           "step of the positions that are read, m; 0 for none");
+  for (CLI::Option* option : add_mechanics(app, run.device)) option->group(kDeviceGroup);
+  add_real(app, "--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
+           "step of the device's encoders, m; 0 for exact positions")
+      ->group(kDeviceGroup);
   return &app;
 }
 

@@ -18,9 +18,11 @@ constexpr double kBottomMargin = 8.0;
 constexpr std::size_t kLongestLegendOfTwo = 25;  // in two columns
 constexpr std::size_t kLongestAxisLine = 42;
 
-// The colours of Okabe and Ito, which colour-blind readers can distinguish, and gnuplot's filled
-// point symbols; the number before each is that of its open symbol.
-constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+// One colour for each effect. The first six are those of Okabe and Ito, which colour-blind readers
+// can distinguish. The points are gnuplot's filled symbols; the number before each is that of its
+// open symbol.
+constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",
+                                 "#332288", "#882255", "#999933", "#8C510A", "#6B6B6B", "#44AA99"};
 constexpr std::array kFilledPoints = {7, 5, 9, 11, 13, 15};
 
 }  // namespace

@@ -1,11 +1,13 @@
-// make_sample_report FOLDER: the report, the table and the diagrams of made-up knobs, to look at
+// make_sample_report FOLDER: the report, the table and the diagrams of made-up knobs, for viewing
 // and for the test in a browser.
 
 #include <cstdio>
 #include <string>
 
-#include "engine/accuracy/study_csv.h"
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_report.h"
+#include "engine/accuracy/advice.h"
+#include "engine/devices/light_device.h"
 #include "engine/report/html.h"
 #include "engine/report/text_file.h"
 #include "tests/engine/accuracy/sample_knobs.h"
@@ -20,19 +22,23 @@ bool succeeded(const Result<std::string>& written) {
 
 bool write_all(const std::string& folder) {
   const std::vector<KnobResult> results = test::all_samples();
-  StudyReport report;
+  AccuracyReport report;
   report.title = "What accuracy costs";
-  report.introduction = "Made up, to look at the report.";
+  report.introduction = "Made-up results, to view the report.";
   report.facts = {{"machine", "none"},
                   {"compiler", "GNU 12.2.0"},
                   {"flags", "-O3 -DNDEBUG"},
                   {"commit", "unknown"},
                   {"seed", "1"},
                   {"repeats", "21"}};
+  AdviceInput input;
+  input.results = results;
+  input.device = light_device();
+  report.advice = *advise(input);
   report.chapters = chapters_of(results);
   report.sections.push_back({"Your scene", "<p>" + html_escaped("a < b") + "</p>"});
   bool good = succeeded(write_text_file(folder + "/report.html", report_html(report))) &&
-              succeeded(write_study_csv(results, folder + "/report.csv"));
+              succeeded(write_accuracy_csv(results, folder + "/report.csv"));
   for (std::size_t i = 0; good && i < results.size(); ++i) {
     const auto svg = work_precision_svg(results[i]);
     good = succeeded(svg) &&

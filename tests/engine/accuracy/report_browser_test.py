@@ -5,9 +5,10 @@ report_browser_test.py REPORT.html
 report_browser_test.py --make PROGRAM ARGUMENT...
                                          PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
 
-Opens the page in headless Chromium: nothing may be said on its console. Then measures it in frames as
-wide as a screen and as a phone: every diagram has a size, none of its texts is cut, and the page is no
-wider than its frame. Exits with 77 if no Chromium is installed.
+Opens the page in headless Chromium; its console must stay empty. Then measures the page in frames as
+wide as a screen and as a phone: every diagram has a size and no text is cut, the page and the columns
+with verdicts are no wider than the frame, the advice comes first and the build facts come last. Exits
+with 77 if no Chromium is installed.
 """
 
 import argparse
@@ -26,7 +27,8 @@ TIMEOUT_S = 120
 WIDTHS_PX = [1200, 400]
 CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 
-# Of every frame: [width, width of what is in it, diagrams as [width, height, texts that are cut]].
+# For every frame: [width, width of the content, diagrams as [width, height, texts that are cut], verdicts
+# that reach beyond the frame, whether the advice is first and the facts are last].
 MEASURE = """
 addEventListener('load', () => {
   const measured = [...document.querySelectorAll('iframe')].map(frame => {
@@ -40,7 +42,11 @@ addEventListener('load', () => {
       });
       return [box.width, box.height, cut.map(text => text.textContent)];
     });
-    return [frame.clientWidth, page.documentElement.scrollWidth, diagrams];
+    const beyond = [...page.querySelectorAll('.verdict')].filter(
+        cell => cell.getBoundingClientRect().right > frame.clientWidth).map(cell => cell.textContent);
+    const sections = [...page.querySelectorAll('main > section')];
+    const inOrder = sections[0].id === 'advice' && sections.at(-1).id === 'facts';
+    return [frame.clientWidth, page.documentElement.scrollWidth, diagrams, beyond, inOrder];
   });
   document.getElementById('measured').textContent = JSON.stringify(measured);
 });
@@ -48,7 +54,7 @@ addEventListener('load', () => {
 
 
 def open_page(browser, path, profile):
-    """The document as it stands after loading, and what was said on its console."""
+    """The document after loading, and the lines on its console."""
     command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
                "--v=0", "--virtual-time-budget=10000", "--window-size=1300,1000",
                f"--user-data-dir={profile}", "--dump-dom", path.resolve().as_uri()]
@@ -69,7 +75,7 @@ def measured(browser, page, folder):
     document, console = open_page(browser, path, folder / "profile")
     found = re.search(r'<pre id="measured">([^<]+)</pre>', document)
     if not found:
-        sys.exit("nothing was measured\n" + "\n".join(console))
+        sys.exit("the page was not measured\n" + "\n".join(console))
     return json.loads(html.unescape(found.group(1)))
 
 
@@ -81,11 +87,14 @@ def problems_of(browser, page, folder):
     expected = len(re.findall(r'<figure class="work-precision"', document))
     if expected == 0:
         problems.append("no diagram on the page")
-    for width, content_width, diagrams in measured(browser, page, folder):
+    for width, content_width, diagrams, beyond, in_order in measured(browser, page, folder):
         if len(diagrams) != 2 * expected:
             problems.append(f"{width} px: {len(diagrams)} diagrams, {expected} pairs expected")
         if content_width > width:
-            problems.append(f"{width} px: what is on the page is {content_width} px wide")
+            problems.append(f"{width} px: the page is {content_width} px wide")
+        problems += [f"{width} px: beyond the frame: {text}" for text in beyond]
+        if not in_order:
+            problems.append(f"{width} px: the advice is not first, or the facts are not last")
         for i, (diagram_width, height, cut) in enumerate(diagrams):
             if diagram_width < 0.25 * width or height < 0.25 * diagram_width:
                 problems.append(f"{width} px: diagram {i} is {diagram_width} x {height}")
@@ -109,11 +118,11 @@ def main():
         if options.make:
             subprocess.run(options.make + [name], check=True, timeout=TIMEOUT_S)
         page = (options.report or folder / "report.html").read_text(encoding="utf-8")
-        # What is to be noticed is noticed.
+        # The test notices an error on the console.
         noisy = folder / "noisy.html"
         noisy.write_text("<!DOCTYPE html><script>console.error('heard')</script>")
         if not open_page(browser, noisy, folder / "profile")[1]:
-            sys.exit("an error on the console is not heard")
+            sys.exit("an error on the console was not noticed")
         problems = problems_of(browser, page, folder)
     print("\n".join(problems) if problems else "opened without an error")
     return 1 if problems else 0

@@ -11,7 +11,7 @@
 namespace palpate::test {
 namespace {
 
-// What a level would measure but for noise.
+// The figures of a level without noise.
 struct Truth {
   double error;
   double time;
@@ -27,7 +27,7 @@ std::function<Sample(std::uint64_t)> measuring(const Truth& truth, double noise,
     sample.time = truth.time * std::exp(0.3 * noise * random.normal());
     sample.iterations = truth.iterations;
     sample.ticks = 1000;
-    // A level that is only sometimes unstable says so.
+    // "~" marks a level that is unstable only in some repeats.
     if (!failure.empty() && (failure.front() != '~' || random.uniform(0.0, 1.0) < 0.3)) {
       sample.failure = failure.substr(failure.front() == '~' ? 1 : 0);
     }
@@ -61,7 +61,7 @@ Knob sample_knob(const char* name, const char* title, Quantity level, Quantity e
   knob.time = std::move(time);
   knob.workload = "A point slides once round a sphere of 50 mm; K = 500 N/m, B = 1 N s/m.";
   knob.reference = "The sphere itself, in closed form.";
-  knob.enough_because = "a fingertip does not feel less";
+  knob.enough_because = "a fingertip does not notice less";
   return knob;
 }
 

@@ -8,7 +8,7 @@
 
 namespace palpate::test {
 
-// Of order 2, down to a floor; the default costs more than it needs to.
+// Order 2 down to a floor; the default takes longer than necessary.
 KnobResult sample_mesh();
 // Three methods, of orders 1, 4 and at the floor; coarse levels are unstable; a preset fails.
 KnobResult sample_integrator();

@@ -1,5 +1,6 @@
-// What is made of measurements: medians, orders, fronts and verdicts, on knobs whose samples are
-// known.
+// Medians, orders, fronts and verdicts of knobs with known samples.
+
+#include "engine/accuracy/measurement.h"
 
 #include <cmath>
 #include <string>
@@ -8,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/accuracy/measurement.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -60,7 +60,7 @@ TEST(FittedOrder, IsTheExponentOfAPowerLaw) {
   }
 }
 
-TEST(FittedOrder, LeavesOutWhatFailedAndWhatIsAtTheFloor) {
+TEST(FittedOrder, IgnoresFailedLevelsAndLevelsAtTheFloor) {
   std::vector<LevelResult> levels(6);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     levels[i].value = std::exp2(static_cast<double>(i));
@@ -75,7 +75,7 @@ TEST(FittedOrder, LeavesOutWhatFailedAndWhatIsAtTheFloor) {
   EXPECT_FALSE(fitted_order(levels).has_value()) << "three levels are too few";
 }
 
-TEST(FittedOrder, IsNoneWhereThereIsNoPowerLaw) {
+TEST(FittedOrder, IsAbsentWithoutAPowerLaw) {
   std::vector<LevelResult> levels(7);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const double x = std::exp2(static_cast<double>(i));
@@ -97,7 +97,8 @@ TEST(Measure, RepeatsEveryLevelWithTheSameSeeds) {
   StudyEffort effort;
   effort.seed = 40;
   const KnobResult result = measure(knob({method}), effort, nullptr);
-  ASSERT_EQ(seeds[0].size(), StudyEffort::kRepeats + 1u) << "one that does not count, to warm up";
+  ASSERT_EQ(seeds[0].size(), StudyEffort::kRepeats + 1u)
+      << "one run to warm up, which does not count";
   EXPECT_EQ(seeds[0], seeds[1]);
   EXPECT_EQ(seeds[0][1], 40u);
   EXPECT_EQ(result.methods[0].levels[0].repeats, StudyEffort::kRepeats);
@@ -106,7 +107,7 @@ TEST(Measure, RepeatsEveryLevelWithTheSameSeeds) {
   EXPECT_EQ(result.methods[0].levels[0].error.high, 55.0);
 }
 
-TEST(Measure, MeasuresOneLevelAsItDoesAll) {
+TEST(Measure, MeasuresOneLevelLikeAllLevels) {
   Method method{"m", {}, {}, 1e-3};
   method.levels.push_back({2.0, "two", [](std::uint64_t seed) {
                              return sample(1.0 + static_cast<double>(seed), 1e-4);
@@ -121,7 +122,7 @@ TEST(Measure, MeasuresOneLevelAsItDoesAll) {
   EXPECT_EQ(alone.label, "two");
 }
 
-TEST(Measure, ListsFailuresAndDoesNotCountThem) {
+TEST(Measure, ListsFailuresAndExcludesThem) {
   Method method{"m", {}};
   method.levels.push_back(level(1.0, {0.0, 1.0, 0.0, 1, "unstable: it flew away"}));
   method.levels.push_back(level(2.0, sample(5.0, 0.1)));
@@ -135,10 +136,10 @@ TEST(Measure, ListsFailuresAndDoesNotCountThem) {
   EXPECT_TRUE(result.methods[0].levels[1].on_front);
   ASSERT_TRUE(result.recommended.has_value());
   EXPECT_EQ(result.recommended->level, 1u);
-  EXPECT_FALSE(result.default_is_near_front()) << "the default is what failed";
+  EXPECT_FALSE(result.default_is_on_front()) << "the default failed";
 }
 
-TEST(Measure, RefusesALevelWithoutContact) {
+TEST(Measure, ReportsALevelWithoutContactAsAFailure) {
   Method method{"m", {}};
   Level empty = level(1.0, {});
   empty.run = [](std::uint64_t) { return Sample{}; };
@@ -155,7 +156,7 @@ TEST(Measure, FindsTheParetoFront) {
   EXPECT_TRUE(result.methods[0].levels[0].on_front);
   EXPECT_TRUE(result.methods[0].levels[1].on_front);
   EXPECT_FALSE(result.methods[1].levels[0].on_front);
-  EXPECT_TRUE(result.methods[1].levels[1].on_front) << "equal to one that is";
+  EXPECT_TRUE(result.methods[1].levels[1].on_front) << "equal to a level on the front";
   k.levels_are_given = true;  // 1.0 against 3.0, and 2.0 against 2.0
   result = measured(k);
   EXPECT_TRUE(result.methods[0].levels[0].on_front) << "quicker, if less exact";
@@ -166,34 +167,34 @@ TEST(Measure, FindsTheParetoFront) {
   EXPECT_FALSE(result.methods[1].levels[0].on_front);
 }
 
-TEST(Measure, SaysHowFarTheDefaultIsBehind) {
+TEST(Measure, StatesHowFarTheDefaultIsBehind) {
   Knob k = knob({{"a",
                   {level(1.0, sample(10.0, 1.0)), level(2.0, sample(5.0, 1.0)),
                    level(3.0, sample(9.0, 0.1)), level(4.0, sample(1.0, 2.0))}}});
   KnobResult result = measured(k);
   EXPECT_EQ(result.default_behind, 10.0) << "the error of the third";
-  EXPECT_FALSE(result.default_is_near_front());
+  EXPECT_FALSE(result.default_is_on_front());
   k.default_level = 3;
   result = measured(k);
   EXPECT_EQ(result.default_behind, 1.0);
-  EXPECT_TRUE(result.default_is_near_front());
+  EXPECT_TRUE(result.default_is_on_front());
 }
 
-TEST(Measure, RecommendsTheQuickestThatIsGoodEnough) {
+TEST(Measure, RecommendsTheQuickestLevelWithASufficientError) {
   Knob k = knob({{"a",
                   {level(1.0, sample(1.0, 1.0)), level(2.0, sample(2.0, 0.1)),
                    level(3.0, sample(3.0, 0.01))}}});
   k.enough = 0.2;
   EXPECT_EQ(measured(k).recommended->level, 1u);
   k.enough = 1e-6;
-  EXPECT_EQ(measured(k).recommended->level, 2u) << "none will do: the most exact";
-  // Times that cannot be told apart: the smaller error.
+  EXPECT_EQ(measured(k).recommended->level, 2u) << "no error is small enough: the most exact";
+  // The times are alike: the smaller error wins.
   Knob tie = knob({{"a",
                     {level(1.0, sample(9.0, 0.0)), level(2.0, sample(1.0, 0.1)),
                      level(3.0, sample(1.01, 0.01))}}});
   tie.enough = 0.2;
   EXPECT_EQ(measured(tie).recommended->level, 2u);
-  // About as quick as the quickest: no reason to leave the default.
+  // A tie: the default wins.
   Knob close = knob({{"a", {level(1.0, sample(1.0, 0.1)), level(2.0, sample(1.05, 0.1))}}});
   close.enough = 1.0;
   close.default_level = 1;

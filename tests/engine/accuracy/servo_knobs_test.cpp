@@ -18,7 +18,7 @@
 #include "engine/devices/stability_limits.h"
 #include "engine/simulation/mass_damper.h"
 #include "haptics/proxy/contact_world.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -71,7 +71,7 @@ TEST(ServoKnobs, AreComplete) {
   }
 }
 
-TEST(ServoKnobs, GiveTheSameErrorsAgain) {
+TEST(ServoKnobs, RepeatTheSameErrors) {
   for (const Knob& knob : servo_knobs(kEffort)) {
     const Level& level = knob.methods[0].levels[knob.default_level];
     const Sample one = level.run(7);
@@ -96,7 +96,7 @@ TEST(ServoRate, GainsHalfPiTimesTheFrequencyTimesThePeriod) {
   EXPECT_LT(last_off, 0.02);
 }
 
-TEST(ServoJitter, GainsAsEvenTicksOfTheEffectivePeriod) {
+TEST(ServoJitter, GainsLikeEvenTicksOfTheEffectivePeriod) {
   const KnobResult result = measured_servo("jitter");
   expect_orders(result);
   expect_levels_count(result);
@@ -130,12 +130,12 @@ TEST(ServoJitter, DrawsPeriodsOfItsMeanAndEffectiveLength) {
   }
 }
 
-TEST(ServoPressed, DeviatesToFirstOrderAndListsWhatIsUnstable) {
+TEST(ServoPressed, DeviatesToFirstOrderAndListsUnstableRates) {
   const KnobResult result = measured_servo("servo_pressed");
   expect_orders(result);
   const PressedContact contact;
   ASSERT_EQ(result.methods[0].levels.size(), 7u);
-  // Where second orders have died, twice the rate is half the deviation: it is of nothing else.
+  // Where second orders are negligible, twice the rate leaves half the deviation.
   const std::vector<LevelResult>& levels = result.methods[0].levels;
   EXPECT_NEAR(levels[5].error.median / levels[6].error.median, 2.0, 0.04);
   for (const LevelResult& level : result.methods[0].levels) {
@@ -147,8 +147,8 @@ TEST(ServoPressed, DeviatesToFirstOrderAndListsWhatIsUnstable) {
     EXPECT_EQ(is_stable, level.value < 4e-3) << level.label;
     EXPECT_EQ(level.failures, is_stable ? 0 : StudyEffort::kRepeats) << level.label;
     EXPECT_EQ(level.failure, is_stable ? ""
-                                       : "unstable: 1000 N/m, where 723 N/m is the most at "
-                                         "this rate");
+                                       : "unstable: 1000 N/m; the limit at this rate is "
+                                         "723 N/m");
   }
 }
 
@@ -168,13 +168,13 @@ TEST(ServoPressed, IsComparedWithTheExactPath) {
   }
 }
 
-TEST(ServoSubsteps, GoRoundAtTheRadiusOfTheDiscreteLaw) {
+TEST(ServoSubsteps, HaveTheRadiusOfTheDiscreteLaw) {
   const KnobResult result = measured_servo("substeps");
   expect_orders(result);
   expect_levels_count(result);
   const FrictionCircle circle;
-  // The stand-off of the proxy, which is some of the depth; and of what it began with, what is left
-  // after half a turn.
+  // The stand-off of the proxy, which is part of the depth, and the part of the initial deviation
+  // that is left after half a turn.
   const double left = std::exp(-std::numbers::pi * circle.continuous_radius_m() / circle.lag_m());
   for (const LevelResult& level : result.methods[0].levels) {
     const double expected_m = circle.continuous_radius_m() - circle.discrete_radius_m(level.value);
@@ -201,14 +201,14 @@ TEST(ServoIntegrator, HasTheOrdersOfItsMethods) {
   ASSERT_EQ(result.methods.size(), 2u);
   EXPECT_EQ(*result.methods[0].expected_order, 1.0);
   EXPECT_EQ(*result.methods[1].expected_order, 4.0);
-  // What the finest steps are off by is rounding, and no more than that is said to be.
+  // The finest steps deviate by rounding alone, and only they are reported as at the floor.
   const LevelResult& finest = result.methods[1].levels.back();
   EXPECT_TRUE(finest.at_floor) << finest.raw_error;
   EXPECT_FALSE(result.methods[0].levels.back().at_floor);
 }
 
-// However a held force's time is cut, and with or without damping.
-TEST(MassDamper, MovesAsTheExactSolution) {
+// The result does not depend on how the time of a held force is divided, with or without damping.
+TEST(MassDamper, MovesLikeTheExactSolution) {
   Random random(1612);
   for (int trial = 0; trial < 2000; ++trial) {
     const double mass = random.uniform(0.05, 0.5);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes that a study makes for itself.
+// Scenes that the measurements build.
 
 #include <functional>
 #include <memory>
@@ -12,16 +12,16 @@
 
 namespace palpate {
 
-// One node with this mesh at that place, without effects; compiled as a file's scene is.
+// A scene of one node with this mesh, without effects, compiled like the scene of a file.
 // place_m: translation of the node.
 Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                                   const Vec3& place_m = Vec3::Zero());
 
-// The same of a mesh that is the study's own: ends the program if it does not compile.
+// The same for a mesh that is known to compile: ends the program if it does not.
 std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                         const Vec3& place_m = Vec3::Zero());
 
-// A scene that is compiled when it is first asked for, and then kept. Copies share it.
+// A scene that is compiled on first use and then kept. Copies share it.
 class LazyScene {
  public:
   explicit LazyScene(std::function<std::shared_ptr<const Scene>()> make)
@@ -41,8 +41,8 @@ class LazyScene {
   std::shared_ptr<Held> held_;
 };
 
-// What the scene's file rounds positions on its surfaces to: float_floor_m() of the farthest
-// coordinate of a mesh in its own frame, at the size that its node gives it. Where nodes are costs
+// The rounding of positions on surfaces by the scene's file: float_floor_m() of the farthest
+// coordinate of a mesh in its own frame, at the scale of its node. The translation of nodes loses
 // no digits. Scene frame.
 double file_floor_m(const Scene& scene);
 

@@ -1,4 +1,4 @@
-// The knobs of mesh and solver show what theory says of them. All with one fixed seed.
+// The knobs of mesh and solver agree with theory. All tests use one fixed seed.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/pressed_path.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 
 namespace palpate {
 namespace {
@@ -43,8 +43,8 @@ void expect_no_failure(const KnobResult& result) {
   }
 }
 
-// The largest error of a sphere of edges h is h^2 / (6 R), the root mean square is less than that
-// and more than a third of it: it is 0.48 of it on an equilateral triangle.
+// The largest error of a sphere with edges h is h^2 / (6 R). The root mean square is between a
+// third of it and all of it: 0.48 of it on an equilateral triangle.
 TEST(MeshKnobs, DepthIsOfSecondOrder) {
   const KnobResult result = measured_contact(mesh_knobs(contact_effort()), "mesh_depth");
   expect_no_failure(result);
@@ -68,7 +68,7 @@ TEST(MeshKnobs, DirectionIsOfFirstOrder) {
   }
 }
 
-TEST(MeshKnobs, SphereProxiesFeelTheMeshAsPointsDo) {
+TEST(MeshKnobs, SphereProxiesHaveTheErrorsOfPoints) {
   const KnobResult result = measured_contact(mesh_knobs(contact_effort()), "proxy_radius");
   expect_no_failure(result);
   for (const MethodResult& method : result.methods) {
@@ -79,7 +79,8 @@ TEST(MeshKnobs, SphereProxiesFeelTheMeshAsPointsDo) {
   }
 }
 
-// A capped proxy is feasible and late: with more steps it is nowhere farther from the answer.
+// A capped proxy is feasible and lags: with more steps it is at no level farther from the converged
+// proxy.
 TEST(SolverKnobs, MoreStepsAreNoLessExact) {
   const KnobResult result = measured_contact(solver_knobs(contact_effort()), "solver_iterations");
   expect_no_failure(result);
@@ -111,9 +112,10 @@ TEST(SolverKnobs, KeptCandidatesChangeNothing) {
   }
 }
 
-// By its node a mesh is as exact a kilometre away as at the origin; by its vertices the file has
-// lost the digits: half a step of single precision there is at most 2^-24 times the coordinate.
-TEST(NarrowPhaseKnob, ErrsByTheFilesRoundingAlone) {
+// A mesh placed by its node is as exact a kilometre away as at the origin. A mesh placed by its
+// vertices has lost digits in the file: half a step of single precision there is at most 2^-24
+// times the coordinate.
+TEST(NarrowPhaseKnob, ErrorsAreTheRoundingOfTheFile) {
   const KnobResult result = measure(narrow_phase_knob(contact_effort()), contact_effort(), nullptr);
   ASSERT_EQ(result.methods.size(), 4u);
   for (const LevelResult& level : result.methods[0].levels) {
@@ -137,8 +139,8 @@ TEST(CertificationKnob, FindsTheBottomOfEveryGroove) {
   }
 }
 
-// What a tick leaves undone, the next ones do: with more work the proxy lags less, and the default
-// is enough for an easy scene.
+// The next ticks continue the motion of a capped tick: with more work the proxy lags less, and the
+// default is enough for an easy scene.
 TEST(WorkBudgetKnob, MoreWorkIsNoLessExact) {
   const KnobResult result = measure(work_budget_knob(contact_effort()), contact_effort(), nullptr);
   expect_no_failure(result);
@@ -160,12 +162,12 @@ TEST(SmoothSurfaces, HaveTheirNormals) {
     for (int n = 0; n < 100; ++n) {
       const SmoothPoint at = surface(random.in_box(0.1));
       EXPECT_NEAR(at.normal.norm(), 1.0, 1e-12);
-      // Moved along the tangent plane, a point is off the surface by the square of the way.
-      constexpr double kWay_m = 1e-6;
+      // A point moved along the tangent plane is off the surface by the square of the displacement.
+      constexpr double kMoved_m = 1e-6;
       const Vec3 along = at.normal.cross(random.unit_vector()).normalized();
-      const SmoothPoint moved = surface(at.point_m + kWay_m * along);
+      const SmoothPoint moved = surface(at.point_m + kMoved_m * along);
       const double off_m = at.normal.dot(moved.point_m - at.point_m);
-      EXPECT_LT(std::abs(off_m), 1e3 * kWay_m * kWay_m);
+      EXPECT_LT(std::abs(off_m), 1e3 * kMoved_m * kMoved_m);
     }
   }
 }

@@ -1,4 +1,4 @@
-#include "engine/accuracy/study_csv.h"
+#include "engine/accuracy/accuracy_csv.h"
 
 #include "engine/report/csv.h"
 #include "engine/report/text_file.h"
@@ -78,8 +78,8 @@ void put_presets(CsvLines& out, const KnobResult& result) {
 
 }  // namespace
 
-std::string study_csv(std::span<const KnobResult> results) {
-  CsvLines out(kStudyColumns);
+std::string accuracy_csv(std::span<const KnobResult> results) {
+  CsvLines out(kAccuracyColumns);
   for (const KnobResult& result : results) {
     put_levels(out, result);
     put_presets(out, result);
@@ -87,8 +87,9 @@ std::string study_csv(std::span<const KnobResult> results) {
   return out.text();
 }
 
-Result<std::string> write_study_csv(std::span<const KnobResult> results, const std::string& path) {
-  return write_text_file(path, study_csv(results));
+Result<std::string> write_accuracy_csv(std::span<const KnobResult> results,
+                                       const std::string& path) {
+  return write_text_file(path, accuracy_csv(results));
 }
 
 }  // namespace palpate

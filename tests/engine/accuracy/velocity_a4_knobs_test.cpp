@@ -1,4 +1,4 @@
-// The knobs of the velocity window and of the elementary rotation, measured as the report does, and
+// The knobs of the velocity window and of the elementary rotation, measured as in the report and
 // compared with theory.
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "engine/accuracy/flat_sheet.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/measurement.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 
 namespace palpate {
 namespace {
@@ -21,24 +21,24 @@ using test::kEffort;
 using test::kOrderTolerance;
 using test::measured;
 
-// Of the workloads, as their sentences say.
+// Numbers of the workloads.
 constexpr double kTick_s = 1e-3;
 constexpr double kQuantum_m = 20e-6;
 constexpr double kAcceleration_m_per_s2 = 0.5;
 
-// Of an rms over 500 ticks, whose errors have little to do with each other: 3 % and less in the
-// median of 21; and a sheet that faces along an axis leaves its two other encoders out.
+// Scatter of an rms over 500 ticks with nearly independent errors: at most 3 % in the median of 21.
+// A sheet whose normal is along an axis does not involve the two other encoders.
 constexpr double kNoiseScatter = 0.05;
 
-// Fitted lines have something in common for as long as their window: 500 / w of them are apart, and
-// their rms scatters by 1 / sqrt(2 * 500 / w). Two deviations of the median of 21 repeats, which
-// scatters 1.25 times as much as their mean would.
+// Fitted lines are correlated over their window: 500 / w of them are independent, and their rms
+// scatters by 1 / sqrt(2 * 500 / w). Two deviations of the median of 21 repeats, which
+// scatters 1.25 times as much as the mean.
 double line_fit_scatter(double w) {
   const double one_repeat = 1.0 / std::sqrt(2.0 * 500.0 / w);
   return kNoiseScatter + 2.0 * 1.25 * one_repeat / std::sqrt(1.0 * StudyEffort::kRepeats);
 }
 
-// Every repeat of every level and preset counts, and orders are those of theory where it has one.
+// Every repeat of every level and preset counts, and fitted orders agree with theory.
 void expect_sound(const KnobResult& result) {
   for (const MethodResult& m : result.methods) {
     std::size_t above_floor = 0;
@@ -58,7 +58,7 @@ void expect_sound(const KnobResult& result) {
   }
 }
 
-// One smooth face: no preset does anything else there than the default.
+// On one flat face all presets act like the default.
 void expect_presets_alike(const KnobResult& result, double tolerance) {
   const Knob& knob = result.knob;
   const LevelResult& plain = result.methods[knob.default_method].levels[knob.default_level];
@@ -74,7 +74,7 @@ double line_fit_noise_m_per_s(double w) {
   return kQuantum_m / (kTick_s * std::sqrt(w * (w + 1.0) * (w + 2.0)));
 }
 
-TEST(VelocityKnobs, NoiseFallsWithTheWindowAsTheFormulasSay) {
+TEST(VelocityKnobs, NoiseFallsWithTheWindowByTheFormulas) {
   const KnobResult result = measured(velocity_knobs(kEffort), "velocity_noise");
   expect_sound(result);
   expect_presets_alike(result, kNoiseScatter * difference_noise_m_per_s(1.0));
@@ -92,17 +92,17 @@ TEST(VelocityKnobs, NoiseFallsWithTheWindowAsTheFormulasSay) {
     EXPECT_NEAR(level.error.median, expected, line_fit_scatter(level.value) * expected)
         << level.label;
   }
-  // No noisier than a single tick, no better than the whole window.
+  // At most the noise of a single tick, at least that of the whole window.
   for (const LevelResult& level : test::method_of(result, "adaptive").levels) {
     EXPECT_LT(level.error.median, difference.levels.front().error.median) << level.label;
     EXPECT_GT(level.error.median, difference_noise_m_per_s(level.value)) << level.label;
   }
 }
 
-TEST(VelocityKnobs, LagGrowsWithTheWindowAsTheFormulaSays) {
+TEST(VelocityKnobs, LagGrowsWithTheWindowByTheFormula) {
   const KnobResult result = measured(velocity_knobs(kEffort), "velocity_lag");
   expect_sound(result);
-  // The proxy is anywhere within its stand-off, in a scene no larger than the sheet's diagonal.
+  // The proxy is anywhere within its stand-off, in a scene of at most the diagonal of the sheet.
   const double tolerance =
       2.0 * SolverScale::of(std::sqrt(2.0) * kSheetSize_m, 0.0).stand_off_m / kTick_s;
   expect_presets_alike(result, tolerance);
@@ -114,8 +114,8 @@ TEST(VelocityKnobs, LagGrowsWithTheWindowAsTheFormulaSays) {
           << name << ", " << level.label;
     }
   }
-  // Its window grows while its bend a s^2 / 8 is within half a quantum on each axis, of which the
-  // largest has 1/sqrt(3) of it or more: s is between these two, less a tick.
+  // The window s grows while its bend a s^2 / 8 is within half a quantum on each axis. The largest
+  // component of the bend is at least 1/sqrt(3) of it, so s is between these two, less a tick.
   const double short_s = std::sqrt(4.0 * kQuantum_m / kAcceleration_m_per_s2);
   const double long_s = short_s * std::pow(3.0, 0.25);
   const MethodResult& adaptive = test::method_of(result, "adaptive");
@@ -149,7 +149,7 @@ TEST(VelocityKnobs, TotalErrorIsLeastInBetween) {
   EXPECT_GT(levels.back().error.median, 2.0 * least->error.median);
 }
 
-TEST(VelocityKnobs, ARepeatIsTheSameEveryTime) {
+TEST(VelocityKnobs, ARepeatIsDeterministic) {
   for (const Knob& knob : velocity_knobs(kEffort)) {
     const Level& level = knob.methods.back().levels.back();
     EXPECT_EQ(level.run(7).error, level.run(7).error) << knob.name;
@@ -157,8 +157,8 @@ TEST(VelocityKnobs, ARepeatIsTheSameEveryTime) {
   }
 }
 
-// Explicit Euler runs through the part of the profile below the knee with a rate of
-// -ln(1 - k dt) / dt instead of k: early by dt / 2 ln(S(30) / S(1)), to first order in dt.
+// Explicit Euler passes the part of the profile below the knee with a rate of -ln(1 - k dt) / dt
+// instead of k, so it is early by dt / 2 ln(S(30) / S(1)), to first order in dt.
 TEST(A4Knobs, SpeedByDtIsEarlyByHalfATickTimesALogarithm) {
   const KnobResult result = measured(a4_knobs(kEffort), "a4_step");
   expect_sound(result);

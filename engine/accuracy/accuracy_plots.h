@@ -1,6 +1,6 @@
 #pragma once
 
-// Work-precision diagrams, drawn by gnuplot: what accuracy a knob buys, and for how much time.
+// Work-precision diagrams, drawn by gnuplot: the accuracy that a knob buys, and its time.
 
 #include <string>
 
@@ -9,16 +9,16 @@
 
 namespace palpate {
 
-// Each an SVG document. Errors are on the same axis in both; where all of them are at the floor,
-// the second has times instead.
+// Two SVG documents. Both have errors on the upright axis; if all errors are at the floor, the
+// second has times instead.
 //
-// Axes are logarithmic; an error, a time or a level of 0 is in a grey band of its own beside the
-// axis. Points are medians, whiskers quartiles; open points are at the floor. A line is interrupted
-// where a level failed: that is counted in the legend.
+// Axes are logarithmic; a grey band beside the axis holds errors, times and levels of 0. Points are
+// medians, whiskers quartiles; open points are at the floor. A line is interrupted at a failed
+// level, and the legend counts the failures.
 struct WorkPrecisionPanels {
   // One curve for each method, the Pareto front, the presets and the level recommended.
   std::string error_against_time;
-  // With the order fitted and the slope of the one expected.
+  // With the fitted order and the slope of the expected order.
   std::string error_against_level;
 };
 

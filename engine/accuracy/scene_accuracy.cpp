@@ -1,4 +1,4 @@
-#include "engine/accuracy/scene_study.h"
+#include "engine/accuracy/scene_accuracy.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,9 +6,9 @@
 #include <thread>
 #include <utility>
 
+#include "engine/accuracy/built_scene.h"
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/session_pass.h"
-#include "engine/accuracy/study_scene.h"
 #include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/replay.h"
@@ -20,10 +20,10 @@ namespace {
 
 constexpr int kHands = 3;
 constexpr std::array kRates_Hz = {1000.0, 2000.0, 4000.0, 8000.0, 16000.0, 32000.0};
-constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // where even the first is not kept
-constexpr int kTrials = 3;                            // of a rate; most of them must keep it
+constexpr std::array kSlowRates_Hz = {500.0, 250.0};  // if 1 kHz is not kept
+constexpr int kTrials = 3;                            // per rate; most of them must keep it
 
-// Of the loop that is studied. Every tick of every hand is kept in memory.
+// Limits of the loop's rate. Every tick of every hand is kept in memory.
 constexpr double kSlowest_Hz = 20.0;
 constexpr double kFastest_Hz = 20000.0;
 
@@ -32,7 +32,7 @@ std::optional<Error> check_rate(const RunSetup& setup) {
   if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return std::nullopt;
   return Error{ErrorCode::kInvalidArgument, "", "rate_Hz",
                std::to_string(rate_Hz) + " Hz given, expected 20 to 20000 Hz",
-               "1000 Hz is usual; how fast this machine is, the report says by itself"};
+               "1000 Hz is usual; the report states the highest rate that this machine keeps"};
 }
 
 RunSetup with(RunSetup setup, const Accuracy& accuracy) {
@@ -40,7 +40,7 @@ RunSetup with(RunSetup setup, const Accuracy& accuracy) {
   return setup;
 }
 
-// Where a hand went, and the proxies of the preset exact.
+// The path of a hand, and its records under the preset exact.
 struct Hand {
   std::vector<Vec3> path_m;
   std::vector<TickRecord> exact;
@@ -57,14 +57,14 @@ Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double secon
   if (!run) return run.error();
   Hand hand;
   for (const TickRecord& record : run->records) hand.path_m.push_back(vec3(record.device_m));
-  // Once more as a replay, which is what the presets do: then only they differ.
+  // Recorded again as a replay, like the presets, so that only the presets differ.
   Result<ReplayResult> again = replay(scene, exact, hand.path_m, 1);
   if (!again) return again.error();
   hand.exact = std::move(again->records);
   return hand;
 }
 
-// What a preset does on one hand, added up.
+// Sums up the results of a preset over the hands.
 class PresetTally {
  public:
   void add(const ReplayResult& run, const Hand& hand) {
@@ -107,15 +107,16 @@ class PresetTally {
     preset.worst_error_m = errors_m_.back();
     return preset;
   }
-  // That one tick in a thousand takes longer than, of all or of those in contact: the longer one.
+  // The time that one tick in a thousand exceeds, over all ticks or those in contact, whichever is
+  // longer.
   double p999_ns() const {
     return static_cast<double>(
         std::max(StepTimes::of(all_ns_).p999_ns, StepTimes::of(contact_ns_).p999_ns));
   }
 
  private:
-  // Wherever one of the two is in contact: a preset that has lost what exact still touches is off
-  // by that much.
+  // Counts ticks in which either of the two is in contact: losing a surface that exact still
+  // touches is an error.
   void add_errors(const TickRecord& record, const TickRecord& exact) {
     if (!record.contact && !exact.contact) return;
     errors_m_.push_back((vec3(record.proxy_scene_m) - vec3(exact.proxy_scene_m)).norm());
@@ -132,7 +133,7 @@ class PresetTally {
   std::uint64_t capped_ = 0;
 };
 
-// Goes along a recorded path in the same time at any rate.
+// Follows a recorded path in the same time at any rate.
 class ResampledPath final : public VectorDevice {
  public:
   ResampledPath(const std::vector<Vec3>& path_m, double period_s)
@@ -188,8 +189,7 @@ Result<RateTrial> try_rate(const Scene& scene, const RunSetup& setup, const Hand
   return trial;
 }
 
-// Most of the trials decide: a machine that does something else for a moment, or that does not for
-// once, is no reason.
+// The majority of the trials decides, so that a moment of other load, or of no load, does not.
 Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
                              double rate_Hz, double seconds, std::string& realtime_note) {
   RateTrial all;
@@ -210,19 +210,20 @@ Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Ha
   return all;
 }
 
-// Upwards to the first rate that is not kept; if that is the slowest, downwards to one that is.
-std::optional<Error> find_safe_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
-                                    const StudyEffort& effort, SafeRate& safe) {
+// Tries rates upwards to the first that is not kept; if that is 1 kHz, downwards to one that is
+// kept.
+std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
+                                    const StudyEffort& effort, KeptRate& kept) {
   const auto seconds = [&](double rate_Hz) {
     constexpr double kLeastTicks = 1000.0;  // so that one late tick is not too many
     return std::max(effort.quick ? 0.5 : 2.0, kLeastTicks / rate_Hz);
   };
   const auto keeps = [&](double rate_Hz) -> Result<bool> {
     const auto trial =
-        judge_rate(scene, setup, hand, rate_Hz, seconds(rate_Hz), safe.realtime_note);
+        judge_rate(scene, setup, hand, rate_Hz, seconds(rate_Hz), kept.realtime_note);
     if (!trial) return trial.error();
-    safe.trials.push_back(*trial);
-    if (trial->passed()) safe.by_trial_Hz = rate_Hz;
+    kept.trials.push_back(*trial);
+    if (trial->passed()) kept.by_trial_Hz = rate_Hz;
     return trial->passed();
   };
   for (const double rate_Hz : kRates_Hz) {
@@ -231,31 +232,31 @@ std::optional<Error> find_safe_rate(const Scene& scene, const RunSetup& setup, c
     if (!*is_kept) break;
   }
   for (const double rate_Hz : kSlowRates_Hz) {
-    if (safe.by_trial_Hz > 0.0) break;
+    if (kept.by_trial_Hz > 0.0) break;
     const auto is_kept = keeps(rate_Hz);
     if (!is_kept) return is_kept.error();
   }
-  std::sort(safe.trials.begin(), safe.trials.end(),
+  std::sort(kept.trials.begin(), kept.trials.end(),
             [](const RateTrial& a, const RateTrial& b) { return a.rate_Hz < b.rate_Hz; });
   return std::nullopt;
 }
 
 }  // namespace
 
-Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const StudyEffort& effort,
-                               const StudyProgress& progress) {
-  SceneStudy study;
-  study.hands = kHands;
+Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
+                                    const StudyEffort& effort, const MeasuringProgress& progress) {
+  SceneAccuracy measured;
+  measured.hands = kHands;
   if (auto error = check_rate(setup)) return *error;
-  study.floor_m = file_floor_m(scene);
-  study.seconds = effort.quick ? 3.0 : 12.0;
+  measured.floor_m = file_floor_m(scene);
+  measured.seconds = effort.quick ? 3.0 : 12.0;
   std::vector<Hand> hands;
   std::uint64_t ticks = 0;
   std::uint64_t contact_ticks = 0;
   std::vector<double> depths_m;
   for (int h = 0; h < kHands; ++h) {
     Result<Hand> hand =
-        record_hand(scene, setup, study.seconds, effort.seed + static_cast<std::uint64_t>(h));
+        record_hand(scene, setup, measured.seconds, effort.seed + static_cast<std::uint64_t>(h));
     if (!hand) return hand.error();
     for (const TickRecord& r : hand->exact) {
       contact_ticks += r.contact;
@@ -265,41 +266,42 @@ Result<SceneStudy> study_scene(const Scene& scene, const RunSetup& setup, const 
     hands.push_back(std::move(*hand));
   }
   if (contact_ticks == 0) {
-    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched anything",
+    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched the scene",
                  "try another `StudyEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
                  "scene to the size of a hand's reach"};
   }
   std::sort(depths_m.begin(), depths_m.end());
-  study.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
-  study.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
+  measured.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
+  measured.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
 
   std::array<PresetTally, kAccuracyPresets.size()> tallies;
-  study.repeats = StudyEffort::kRepeats;
-  for (int repeat = 0; repeat < study.repeats; ++repeat) {
+  measured.repeats = StudyEffort::kRepeats;
+  for (int repeat = 0; repeat < measured.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
     for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
-      // Another preset begins each time, and not always the same one on the same hand.
+      // The first preset differs between repeats, and between repeats with the same hand.
       const auto r = static_cast<std::size_t>(repeat);
       const std::size_t turn = (p + r + r / hands.size()) % kAccuracyPresets.size();
       const auto run = replay(scene, with(setup, kAccuracyPresets[turn]), hand.path_m, 1);
       if (!run) return run.error();
       tallies[turn].add(*run, hand);
     }
-    if (progress) progress(0.8 * static_cast<double>(repeat + 1) / study.repeats);
+    if (progress) progress(0.8 * static_cast<double>(repeat + 1) / measured.repeats);
   }
   for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {
-    study.presets[p] = tallies[p].finish(kPresetNames[p]);
+    measured.presets[p] = tallies[p].finish(kPresetNames[p]);
   }
-  study.safe_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
+  measured.kept_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
   const auto touching =
       std::max_element(hands.begin(), hands.end(), [](const auto& a, const auto& b) {
         const auto touches = [](const TickRecord& r) { return r.contact; };
         return std::count_if(a.exact.begin(), a.exact.end(), touches) <
                std::count_if(b.exact.begin(), b.exact.end(), touches);
       });
-  if (auto error = find_safe_rate(scene, setup, *touching, effort, study.safe_rate)) return *error;
+  if (auto error = find_kept_rate(scene, setup, *touching, effort, measured.kept_rate))
+    return *error;
   if (progress) progress(1.0);
-  return study;
+  return measured;
 }
 
 }  // namespace palpate

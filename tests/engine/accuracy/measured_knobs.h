@@ -1,6 +1,6 @@
 #pragma once
 
-// Knobs by name, measured, for the tests of them.
+// Measures knobs by name, for their tests.
 
 #include <string>
 #include <string_view>
@@ -15,10 +15,10 @@ namespace palpate::test {
 // Coarse meshes and short paths, and one seed for all.
 inline constexpr StudyEffort kEffort{.quick = true, .seed = 1};
 
-// Of a fitted order, to that of theory.
+// Tolerance between a fitted order and that of theory.
 inline constexpr double kOrderTolerance = 0.15;
 
-// Of the knobs the one of that name; a failure if there is none.
+// Measures the knob of this name; a test failure if it does not exist.
 inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& name,
                            const StudyEffort& effort = kEffort) {
   for (const Knob& knob : knobs) {
@@ -28,7 +28,7 @@ inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& na
   return {};
 }
 
-// Likewise of its methods.
+// The method of this name; a test failure if it does not exist.
 inline const MethodResult& method_of(const KnobResult& result, std::string_view name) {
   for (const MethodResult& m : result.methods) {
     if (m.name == name) return m;

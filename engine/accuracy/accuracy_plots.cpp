@@ -1,9 +1,10 @@
-#include "engine/accuracy/study_plots.h"
+#include "engine/accuracy/accuracy_plots.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,7 @@ constexpr double kRecommendedRadius = 13.0;
 constexpr double kLabelGap = 3.0;
 constexpr double kSlopeBelow = 0.06;  // of the axis
 
-// Longer ones are cut; the report has them in full.
+// Longer texts are cut; the report has them in full.
 constexpr std::size_t kLongestLegend = 56;
 constexpr std::size_t kLongestLabel = 24;
 constexpr std::size_t kMostNamedLevels = 3;
@@ -97,7 +98,7 @@ struct Dot {
   bool is_open;
 };
 
-// What both panels are drawn from.
+// The data and the axes of both panels.
 class Diagram {
  public:
   explicit Diagram(const KnobResult& result) : result_(result) {
@@ -109,8 +110,8 @@ class Diagram {
   const KnobResult& result() const { return result_; }
   const PlotAxis& x(Against against) const { return against == Against::kTime ? time_ : level_; }
   const PlotAxis& y(Against against) const { return shows_time(against) ? time_ : error_; }
-  // Errors that are all at the floor tell levels no more apart than a line does: then the second
-  // panel has their times.
+  // If all errors are at the floor, they do not distinguish levels, and the second panel shows
+  // times.
   bool shows_time(Against against) const { return against == Against::kLevel && !has_errors_; }
   double height() const { return panel_height(rows_); }
 
@@ -164,7 +165,7 @@ class Diagram {
     name_levels();
   }
 
-  // Two or three levels are rather kinds than numbers.
+  // Two or three levels are named, because they are rather kinds than numbers.
   void name_levels() {
     std::vector<PlotAxis::Tick> ticks;
     for_each_level([&](const LevelPlace&, const LevelResult& level) {
@@ -182,8 +183,8 @@ class Diagram {
       return 0.5 * (text_width_px(tick.label, kPanelFontPx) + kGap);
     };
     for (std::size_t i = 1; i < ticks.size(); ++i) {
-      const double room = px * (ticks[i].position - ticks[i - 1].position);
-      if (room < half_width(ticks[i]) + half_width(ticks[i - 1])) return;
+      const double space = px * (ticks[i].position - ticks[i - 1].position);
+      if (space < half_width(ticks[i]) + half_width(ticks[i - 1])) return;
     }
     level_.use_names(std::move(ticks));
   }
@@ -194,7 +195,7 @@ class Diagram {
   int rows_ = 0;
 };
 
-// The script of one panel, part by part.
+// Writes the script of one panel, part by part.
 class Panel {
  public:
   Panel(const Diagram& diagram, Against against, const PanelPlace& place)
@@ -238,7 +239,7 @@ class Panel {
                     across.name, up.name);
   }
 
-  // Points, whiskers and curves are not to be written over.
+  // Labels must not cover points, whiskers and curves.
   void block_data() {
     const auto block = [&](const Dot& d, double radius) {
       const double px = panel_.x_px(d.x), py = panel_.y_px(d.y);
@@ -301,7 +302,7 @@ class Panel {
     }
   }
 
-  // Those first that are talked about.
+  // The recommended level and the default are labelled first.
   int urgency(const LevelPlace& place, const LevelResult& level) const {
     const auto& best = result().recommended;
     if (best && best->method == place.method && best->level == place.level) return 0;
@@ -312,6 +313,9 @@ class Panel {
     return place.method == knob().default_method && place.level == knob().default_level;
   }
 
+  // Where neither level nor method is a choice, labels name the methods, once each.
+  bool labels_methods() const { return knob().levels_are_given && knob().methods_are_given; }
+
   void put_level_labels() {
     struct Wish {
       int urgency;
@@ -321,15 +325,18 @@ class Panel {
     };
     std::vector<Wish> wishes;
     diagram_.for_each_level([&](const LevelPlace& place, const LevelResult& level) {
+      if (labels_methods() && place.level != knob().default_level) return;
       const std::string text =
-          shortened_label(level.label, kLongestLabel) + (is_default(place) ? " (default)" : "");
+          labels_methods() ? shortened_label(result().methods[place.method].name, kLongestLabel)
+                           : shortened_label(level.label, kLongestLabel) +
+                                 (is_default(place) ? " (default)" : "");
       wishes.push_back(
           {urgency(place, level), diagram_.dot(level, against_), text, level.on_front});
     });
     std::stable_sort(wishes.begin(), wishes.end(),
                      [](const Wish& a, const Wish& b) { return a.urgency < b.urgency; });
-    // Where levels are given, points crowd: a label that is not near says nothing.
-    const int farthest = knob().levels_are_given ? 1 : 2;
+    // Where levels are given, points are dense, and a distant label would be ambiguous.
+    const int farthest = labels_methods() ? 3 : knob().levels_are_given ? 1 : 2;
     for (const Wish& wish : wishes) {
       const double radius = wish.urgency == 0  ? kRecommendedRadius
                             : wish.is_on_front ? kRingRadius
@@ -359,14 +366,14 @@ class Panel {
     panel_.put_block(line, "with lines" + width + colour);
     panel_.put_block(whiskers, "with xyerrorbars pt 0 ps 0 lw 1" + colour);
     panel_.put_block(filled, "with points ps 0.9 pt " + std::to_string(curve_point(m)) + colour);
-    // White beneath, so that the line does not show through.
+    // White points beneath hide the line.
     panel_.put_block(
         open, "with points ps 0.9 pt " + std::to_string(curve_point(m)) + " lc rgb '#FFFFFF'");
     panel_.put_block(open, "with points ps 0.9 pt " + std::to_string(curve_point(m) - 1) + colour);
   }
 
-  // The corners of the Pareto front, from the quickest to the most accurate; none where each level
-  // or each curve has a front of its own.
+  // The corners of the Pareto front, from the quickest to the most accurate; empty if each level or
+  // each curve has a front of its own.
   std::vector<Dot> front_line() const {
     std::vector<Dot> front;
     if (knob().levels_are_given || knob().methods_are_given) return front;
@@ -375,6 +382,13 @@ class Panel {
     });
     std::sort(front.begin(), front.end(),
               [](const Dot& a, const Dot& b) { return a.x != b.x ? a.x < b.x : a.y > b.y; });
+    // A default that is tied with the front may lie behind it.
+    double least = std::numeric_limits<double>::infinity();
+    std::erase_if(front, [&](const Dot& d) {
+      if (d.y > least) return true;
+      least = d.y;
+      return false;
+    });
     return front;
   }
 
@@ -404,8 +418,7 @@ class Panel {
     }
   }
 
-  // Along the levels that a method's order would be fitted to, a little below them: a slope has no
-  // place of its own.
+  // Drawn slightly below the levels that the order is fitted to; only the slope has a meaning.
   void put_expected_slopes() {
     for (const MethodResult& method : result().methods) {
       if (!method.expected_order) continue;

@@ -1,6 +1,6 @@
-// The table, the diagrams and the page of what accuracy costs, of knobs that are made up.
+// The table, the diagrams and the page of the accuracy report, for made-up knobs.
 
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_report.h"
 
 #include <algorithm>
 #include <charconv>
@@ -18,7 +18,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/accuracy/study_csv.h"
+#include "engine/accuracy/accuracy_csv.h"
 #include "engine/report/gnuplot.h"
 #include "engine/report/html.h"
 #include "engine/report/human_units.h"
@@ -56,7 +56,7 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A reader of its own of RFC 4180.
+// A reader of RFC 4180, independent of the writer.
 std::vector<std::vector<std::string>> parsed_csv(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> row;
@@ -88,7 +88,7 @@ std::vector<std::vector<std::string>> parsed_csv(const std::string& text) {
 
 // Rows by the names of their columns.
 std::vector<std::map<std::string, std::string>> table_of(const std::vector<KnobResult>& results) {
-  const auto rows = parsed_csv(study_csv(results));
+  const auto rows = parsed_csv(accuracy_csv(results));
   std::vector<std::map<std::string, std::string>> table;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].size(), rows[0].size()) << "row " << i;
@@ -107,8 +107,8 @@ double number(const std::string& text) {
   return value;
 }
 
-// The tags of a document in XML, checked to be well-formed: what opens closes, in that order, every
-// attribute is quoted and has a name of its own, nothing but known entities in texts.
+// The tags of an XML document, checked to be well-formed: elements nest, attributes are quoted and
+// unique, and texts contain known entities only.
 class Xml {
  public:
   explicit Xml(std::string_view text) : rest_(text) {
@@ -210,8 +210,8 @@ void expect_finite(const std::string& svg) {
   EXPECT_FALSE(std::regex_search(svg, match, kBad)) << match.str();
 }
 
-StudyReport report_of(const std::vector<KnobResult>& results) {
-  StudyReport report;
+AccuracyReport report_of(const std::vector<KnobResult>& results) {
+  AccuracyReport report;
   report.title = "What accuracy <costs>";
   report.facts = {{"machine", "a & b"}, {"commit", "\"unknown\""}};
   report.chapters = chapters_of(results);
@@ -300,7 +300,7 @@ TEST_F(AllSamples, ATableGivesBackEveryNumberToTheBit) {
   }
 }
 
-TEST(StudyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
+TEST(AccuracyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
   const KnobResult hostile = test::sample_hostile("true");
   auto first = table_of({hostile}).at(0);
   EXPECT_EQ(first["knob"], hostile.knob.name);
@@ -311,14 +311,14 @@ TEST(StudyCsv, GivesBackNamesWithQuotesCommasAndLineBreaks) {
               contains(first["knob"], ","));
 }
 
-TEST(StudyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
+TEST(AccuracyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
   const Folder folder;
   const std::vector<KnobResult> results = {test::sample_mesh()};
   const std::string path = folder.file("report.csv");
-  ASSERT_TRUE(write_study_csv(results, path).ok());
-  EXPECT_EQ(content_of(path), study_csv(results));
+  ASSERT_TRUE(write_accuracy_csv(results, path).ok());
+  EXPECT_EQ(content_of(path), accuracy_csv(results));
 
-  const auto nowhere = write_study_csv(results, folder.file("no/such/report.csv"));
+  const auto nowhere = write_accuracy_csv(results, folder.file("no/such/report.csv"));
   ASSERT_FALSE(nowhere.ok());
   EXPECT_EQ(nowhere.error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(nowhere.error().path, folder.file("no/such/report.csv"));
@@ -335,7 +335,7 @@ TEST(TextFile, AFullDiskIsNoticed) {
 
 // gnuplot
 
-TEST(Gnuplot, DrawsWhateverATextSays) {
+TEST(Gnuplot, DrawsAnyText) {
   const Folder folder;
   for (const std::string& text :
        {"`touch '" + folder.file("oops") + "'` $(touch x)", std::string(R"('a''b''')"),
@@ -358,7 +358,7 @@ TEST(Gnuplot, DrawsWhateverATextSays) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-TEST(Gnuplot, TextsThatAreNoUtf8StayValidXml) {
+TEST(Gnuplot, InvalidUtf8BecomesValidXml) {
   for (const char* bad : {"\xff", "\xc0\xaf", "\xe0\x80\x80", "a\xe2\x82", "\xed\xa0\x80",
                           "\xf5\x80\x80\x80", "\x01\x7f", "\xef\xbf\xbf", "a\nb\tc"}) {
     const std::string fit = printable(bad);
@@ -370,13 +370,13 @@ TEST(Gnuplot, TextsThatAreNoUtf8StayValidXml) {
   EXPECT_EQ(printable("µm, 10⁻⁶, €, 😀"), "µm, 10⁻⁶, €, 😀");
 }
 
-TEST(Gnuplot, SaysWhatIsWrongWithAScript) {
+TEST(Gnuplot, ReportsAnErrorInAScript) {
   const auto svg = gnuplot_svg("plot no_such_function(x)\n", 400, 300, 14);
   ASSERT_FALSE(svg.ok());
   EXPECT_TRUE(contains(svg.error().problem, "no_such_function")) << svg.error().problem;
 }
 
-TEST(Gnuplot, IsAskedForWhereItIsMissing) {
+TEST(Gnuplot, ReportsThatItIsMissing) {
   const Folder folder;
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder.file("").c_str(), 1);
@@ -385,9 +385,9 @@ TEST(Gnuplot, IsAskedForWhereItIsMissing) {
   ::setenv("PATH", path.c_str(), 1);
   ASSERT_FALSE(svg.ok());
   EXPECT_TRUE(contains(svg.error().hint, "install gnuplot-nox"));
-  // The rest of the report does without.
+  // The rest of the report is complete.
   ASSERT_FALSE(panels.ok());
-  StudyReport report;
+  AccuracyReport report;
   report.chapters.push_back({test::sample_mesh(), panels});
   const std::string html = report_html(report);
   EXPECT_TRUE(contains(html, "No diagram"));
@@ -448,7 +448,7 @@ TEST(WorkPrecision, TheSlopeOfEachExpectedOrderIsDrawn) {
   EXPECT_EQ(with_orders - dashed_lines(result), 3) << "two methods and the legend";
 }
 
-TEST(WorkPrecision, APicturePerKnobEvenIfNothingCounts) {
+TEST(WorkPrecision, AKnobWithoutASuccessfulLevelIsDrawn) {
   KnobResult result = test::sample_integrator();
   for (MethodResult& method : result.methods) {
     for (LevelResult& level : method.levels)
@@ -480,7 +480,7 @@ TEST(WorkPrecision, ExtremeNumbersAreDrawn) {
   }
 }
 
-TEST(PlotAxis, ShowsZeroBelowAllThatIsPositive) {
+TEST(PlotAxis, ShowsZeroBelowAllPositiveValues) {
   PlotAxis axis;
   for (const double value : {1e-6, 0.0, 1e-3}) axis.see(value);
   axis.settle("m");
@@ -548,7 +548,7 @@ TEST(LabelPlaces, NoLabelCoversAnotherOrLeavesTheArea) {
 
 // Units
 
-TEST(HumanUnits, ReadAsPeopleSayThem) {
+TEST(HumanUnits, AreReadable) {
   EXPECT_EQ(human(134.0, "ns"), "134 ns");
   EXPECT_EQ(human(1340.0, "ns"), "1.34 µs");
   EXPECT_EQ(human(1.3e-6, "m"), "1.3 µm");
@@ -571,7 +571,7 @@ TEST(HumanUnits, ReadAsPeopleSayThem) {
 
 // Page
 
-TEST_F(AllSamples, ThePageHasEveryIdOnceAndKnowsWhatItRefersTo) {
+TEST_F(AllSamples, EveryIdOnThePageIsUniqueAndEveryReferenceResolves) {
   static const std::regex kId("\\sid=[\"']([^\"']*)[\"']");
   std::set<std::string> ids;
   for (std::sregex_iterator i(html().begin(), html().end(), kId), end; i != end; ++i) {
@@ -618,7 +618,7 @@ TEST_F(AllSamples, ThePageListsEveryLevelThatFailed) {
   EXPECT_TRUE(contains(html(), "preset fast: 21 of 21 repeats, leaked: passed a surface"));
 }
 
-TEST_F(AllSamples, ThePageNeedsNothingFromOutside) {
+TEST_F(AllSamples, ThePageLoadsNoOtherFile) {
   std::string text = html();
   for (const char* name : {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}) {
     for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name)) {
@@ -633,7 +633,7 @@ TEST_F(AllSamples, ThePageNeedsNothingFromOutside) {
   EXPECT_TRUE(contains(text, "name=\"viewport\""));
 }
 
-TEST_F(AllSamples, NamesOnThePageAreNoMarkup) {
+TEST_F(AllSamples, NamesOnThePageAreEscaped) {
   EXPECT_FALSE(contains(html(), "<script"));
   EXPECT_FALSE(contains(html(), "\xff"));
   EXPECT_TRUE(contains(html(), "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;quotes&quot;"));
@@ -641,15 +641,15 @@ TEST_F(AllSamples, NamesOnThePageAreNoMarkup) {
   EXPECT_TRUE(contains(html(), "<dd>a &amp; b</dd>"));
 }
 
-TEST_F(AllSamples, ThePageSaysWhyADefaultIsNotOnTheFront) {
+TEST_F(AllSamples, ThePageStatesWhyADefaultIsNotOnTheFront) {
   const KnobResult& mesh = results()[0];
-  ASSERT_FALSE(mesh.default_is_near_front());
+  ASSERT_FALSE(mesh.default_is_on_front());
   EXPECT_TRUE(contains(html(), "not on the front: " + html_escaped(mesh.better_than_default)));
   EXPECT_TRUE(contains(html(), "Why it is the default: " + mesh.knob.default_because));
-  EXPECT_TRUE(contains(html(), "It is the quickest with an error of no more than 1 µm"));
+  EXPECT_TRUE(contains(html(), "It is the quickest with an error of at most 1 µm"));
 }
 
-TEST(StudyReport, FloorAndOrdersAreInTheTable) {
+TEST(AccuracyReport, FloorAndOrdersAreInTheTable) {
   const std::string html = report_html(report_of({test::sample_integrator()}));
   EXPECT_TRUE(contains(html, "explicit Euler, order 1.00 (theory 1), floor 1e-15 m"));
   EXPECT_TRUE(contains(html, "<span class=\"mark floor\">floor</span>"));
@@ -657,8 +657,8 @@ TEST(StudyReport, FloorAndOrdersAreInTheTable) {
   EXPECT_TRUE(contains(html, "Open points are at the floor."));
 }
 
-TEST(StudyReport, ASectionOfTheCallersIsPutInAsItIs) {
-  StudyReport report;
+TEST(AccuracyReport, ASectionOfTheCallerIsInsertedUnchanged) {
+  AccuracyReport report;
   report.title = "t";
   report.sections.push_back({"Your <scene>", "<p id=\"mine\">x</p>"});
   const std::string html = report_html(report);

@@ -1,5 +1,5 @@
-// The knobs of effects, against closed forms: what an interpolant of texels errs by, and what each
-// effect adds to a force.
+// The knobs of effects, against closed forms: the error of the interpolant of texels, and the force
+// that each effect adds.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 #include "engine/accuracy/sine_relief.h"
 #include "engine/accuracy/sphere_paths.h"
 #include "haptics/record_vectors.h"
-#include "tests/engine/accuracy/study_knobs.h"
+#include "tests/engine/accuracy/measured_knobs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -58,8 +58,9 @@ TEST(EffectKnobs, AreComplete) {
 
 // ---- texels ------------------------------------------------------------------------------------
 
-// What the Catmull-Rom spline through n points a wave of sin(x) errs by, rms over a wave, over the
-// height from the lowest to the highest: of exp(i x), whose error is as large at all phases.
+// The rms error over a wave of the Catmull-Rom spline through n points per wave of sin(x), over the
+// height from the lowest to the highest point. Computed for exp(i x), whose error is the same at
+// all phases.
 double spline_error(int n) {
   using Wave = std::complex<double>;
   const double angle = 2.0 * std::numbers::pi / n;
@@ -82,13 +83,13 @@ double spline_error(int n) {
   return 0.5 * amplitude_rms;
 }
 
-// Rounded to whole numbers, each as likely as the next: rms 1 / sqrt(12) of a step, of which the
-// weights of the spline leave sqrt(0.814).
+// Uniformly distributed rounding has an rms of 1 / sqrt(12) of a step; the weights of the spline
+// reduce it by sqrt(0.814).
 double rounding_error(ImageDepth depth) {
   return 2.0 * image_floor(depth) * std::sqrt(0.814 / 12.0);
 }
 
-TEST(TextureSampling, ErrsAsTheSplineThroughTheTexels) {
+TEST(TextureSampling, HasTheErrorOfTheSplineThroughTheTexels) {
   const KnobResult result = measured_effect("texture_sampling");
   expect_levels_and_presets_count(result);
   for (const auto& [name, depth] :
@@ -139,8 +140,8 @@ constexpr double kSpeed_m_per_s = kSpherePathSpeed_m_per_s;
 TEST(Effects, AddTheForceOfTheirModel) {
   const KnobResult result = measured_effect("effects");
   expect_levels_and_presets_count(result);
-  ASSERT_EQ(result.methods.size(), studied_effects().size() + 2);
-  for (const std::string_view effect : studied_effects()) {
+  ASSERT_EQ(result.methods.size(), measured_effects().size() + 2);
+  for (const std::string_view effect : measured_effects()) {
     const std::string name = "all but " + std::string(effect);
     const MethodResult& left_out = test::method_of(result, name);
     for (const LevelResult& level : left_out.levels) {
@@ -156,7 +157,7 @@ TEST(Effects, AddTheForceOfTheirModel) {
   EXPECT_NEAR(missing_N("vibration"), 0.3 / std::numbers::sqrt2, 0.02);
 }
 
-TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
+TEST(Effects, LackNoForceIfAllAreSimulatedAndMostIfNoneIs) {
   const KnobResult result = measured_effect("effects");
   const MethodResult& all = test::method_of(result, "all");
   const MethodResult& none = result.methods.back();
@@ -168,13 +169,13 @@ TEST(Effects, LackNothingWhereAllAreSimulatedAndMostWhereNoneIs) {
   }
   EXPECT_EQ(result.knob.methods[result.knob.default_method].name, "all");
   EXPECT_TRUE(result.methods[result.knob.default_method].levels[result.knob.default_level].on_front)
-      << "nothing else lacks nothing";
+      << "no other method lacks no force";
 }
 
 TEST(Effects, AloneChangeTheForceByTheirModel) {
   const KnobResult result = measured_effect("effect_costs");
   expect_levels_and_presets_count(result);
-  ASSERT_EQ(result.methods.size(), studied_effects().size() + 1);
+  ASSERT_EQ(result.methods.size(), measured_effects().size() + 1);
   const auto changed_N = [&](const std::string& effect) {
     return test::method_of(result, effect).levels.back().error.median;
   };
@@ -192,7 +193,7 @@ std::vector<Vec3> forces_N(const Scene& scene, const std::vector<Vec3>& path_m) 
   return forces;
 }
 
-TEST(Effects, OfWhatIsNotTouchedChangeNoBit) {
+TEST(Effects, OfASurfaceThatIsNotTouchedChangeNoBit) {
   Random random(7103);
   const auto with = effect_scene(3, kRadius_m, effects_elsewhere());
   const auto without = effect_scene(3, kRadius_m, without_effects(effects_elsewhere()));
@@ -201,18 +202,18 @@ TEST(Effects, OfWhatIsNotTouchedChangeNoBit) {
     const Quat turn = random.rotation();
     std::vector<Vec3> path_m = path_over_sphere(kRadius_m, {-3e-3, 1e-3, 0.25}, 1000);
     for (Vec3& p_m : path_m) p_m = turn * p_m;
-    const std::vector<Vec3> felt = forces_N(*with, path_m);
-    EXPECT_GT(felt.size(), 500u);
-    EXPECT_EQ(felt, forces_N(*without, path_m));
+    const std::vector<Vec3> rendered = forces_N(*with, path_m);
+    EXPECT_GT(rendered.size(), 500u);
+    EXPECT_EQ(rendered, forces_N(*without, path_m));
   }
 }
 
-TEST(Effects, OfACaseAreThoseThatItNames) {
-  EXPECT_EQ(all_effects().effects.size(), studied_effects().size());
-  for (const std::string_view effect : studied_effects()) {
+TEST(Effects, OfACaseAreTheEffectsNamed) {
+  EXPECT_EQ(all_effects().effects.size(), measured_effects().size());
+  for (const std::string_view effect : measured_effects()) {
     EXPECT_TRUE(only(effect).has(effect));
     EXPECT_FALSE(all_but(effect).has(effect));
-    EXPECT_EQ(all_but(effect).effects.size(), studied_effects().size() - 1);
+    EXPECT_EQ(all_but(effect).effects.size(), measured_effects().size() - 1);
     EXPECT_TRUE(without_effects(only(effect)).effects.empty());
   }
 }

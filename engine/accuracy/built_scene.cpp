@@ -1,4 +1,4 @@
-#include "engine/accuracy/study_scene.h"
+#include "engine/accuracy/built_scene.h"
 
 #include <algorithm>
 #include <cstdio>

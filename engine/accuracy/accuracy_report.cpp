@@ -1,4 +1,4 @@
-#include "engine/accuracy/study_report.h"
+#include "engine/accuracy/accuracy_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,14 +25,14 @@ std::string number_cell(const std::string& content) {
   return element("td class=\"number\"", content);
 }
 
-// A text of the caller's as the end of a sentence.
+// A text of the caller as the end of a sentence.
 std::string sentence(const std::string& text) {
   const bool ends =
       !text.empty() && std::string_view(".!?").find(text.back()) != std::string_view::npos;
   return html_escaped(text) + (ends ? "" : ".");
 }
 
-// A text of the caller's as a sentence of its own.
+// A text of the caller as a sentence of its own.
 std::string whole_sentence(std::string text) {
   if (text.empty()) return "";
   if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -44,7 +44,7 @@ std::string paragraph(const std::string& label, const std::string& text) {
   return element("p", element("strong", label + ":") + " " + text) + "\n";
 }
 
-// Of a heading that others link to.
+// The id of a heading that links refer to.
 std::string anchor_of(std::size_t chapter) {
   return "knob-" + std::to_string(chapter + 1);
 }
@@ -54,7 +54,7 @@ std::string anchor_of(std::size_t chapter) {
 std::string error_text(const Knob& knob, double error) {
   return html_escaped(human(error, knob.error.unit));
 }
-// One at the floor is no more than that.
+// An error at the floor is at most the floor.
 std::string error_text(const Knob& knob, const LevelResult& level) {
   return (level.at_floor ? "\u2264 " : "") + error_text(knob, level.error.median);
 }
@@ -72,7 +72,7 @@ std::string spread_text(const Spread& spread, const std::string& unit) {
          "]</span>";
 }
 
-// How much worse, of which nobody needs more than two digits.
+// By how much something is worse, with two digits.
 std::string factor_text(double factor) {
   if (!std::isfinite(factor)) return "without bound";
   const double percent = std::round(100.0 * (factor - 1.0));
@@ -86,7 +86,7 @@ const LevelResult& level_at(const KnobResult& result, const LevelPlace& place) {
   return result.methods[place.method].levels[place.level];
 }
 
-// A level, with its method where there are others.
+// A level, with its method if the knob has several.
 std::string place_name(const KnobResult& result, const LevelPlace& place) {
   const std::string& level = level_at(result, place).label;
   if (result.methods.size() == 1) return html_escaped(level);
@@ -108,13 +108,10 @@ std::string order_summary(const KnobResult& result) {
 }
 
 std::string verdict_summary(const KnobResult& result) {
-  if (result.default_behind <= 1.0) return element("span class=\"good\"", "on the front");
-  const std::string behind =
-      factor_text(result.default_behind) + " behind " + html_escaped(result.better_than_default);
-  if (result.default_is_near_front()) {
-    return element("span class=\"good\"", "near it, " + behind);
-  }
-  return element("span class=\"bad\"", behind) + "<br>" + html_escaped(result.knob.default_because);
+  if (result.default_is_on_front()) return element("span class=\"good\"", "on the front");
+  return element("span class=\"bad\"", factor_text(result.default_behind) + " behind " +
+                                           html_escaped(result.better_than_default)) +
+         "<br>" + html_escaped(result.knob.default_because);
 }
 
 std::string preset_summary(const KnobResult& result, const LevelResult& preset) {
@@ -122,31 +119,56 @@ std::string preset_summary(const KnobResult& result, const LevelResult& preset) 
   return error_text(result.knob, preset) + "<br>" + time_text(result.knob, preset.time.median);
 }
 
+// The verdicts come first, so that they fit a narrow screen.
 std::string summary_row(const KnobResult& result, std::size_t chapter) {
-  std::string row = "<tr>" + cell("<a href=\"#" + anchor_of(chapter) + "\">" +
-                                  html_escaped(result.knob.title) + "</a>");
-  row += element("td class=\"order\"", order_summary(result));
-  row += cell(result.recommended ? place_name(result, *result.recommended) : "none");
+  const auto verdict = [](const std::string& content) {
+    return element("td class=\"verdict\"", content);
+  };
+  std::string row = "<tr>" +
+                    verdict("<a href=\"#" + anchor_of(chapter) + "\">" +
+                            html_escaped(result.knob.title) + "</a>") +
+                    verdict(result.recommended ? place_name(result, *result.recommended) : "none") +
+                    verdict(verdict_summary(result)) +
+                    cell(place_name(result, result.default_place()));
   for (const LevelResult& preset : result.presets) {
     row += number_cell(preset_summary(result, preset));
   }
-  return row + cell(place_name(result, result.default_place())) + cell(verdict_summary(result)) +
-         "</tr>\n";
+  return row + element("td class=\"order\"", order_summary(result)) + "</tr>\n";
 }
 
-std::string summary(const StudyReport& report) {
+std::string summary(const AccuracyReport& report) {
   if (report.chapters.empty()) return "";
   std::string out =
-      "<h2 id=\"summary\">Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>"
-      "<th>knob</th><th>order<br>fitted / theory</th><th>recommended</th>";
+      "<h2 id=\"summary\">Summary of the knobs</h2>\n<div class=\"wide\"><table>\n<thead><tr>"
+      "<th>knob</th><th>recommended</th><th>default against the Pareto front</th><th>default</th>";
   for (const char* name : kPresetNames) {
     out += std::string("<th class=\"number\">") + name + "<br>error<br>time</th>";
   }
-  out += "<th>default</th><th>against the Pareto front</th></tr></thead>\n<tbody>\n";
+  out += "<th>order<br>fitted / theory</th></tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < report.chapters.size(); ++i) {
     out += summary_row(report.chapters[i].result, i);
   }
   return out + "</tbody></table></div>\n";
+}
+
+// Advice
+
+std::string answer_html(const Answer& answer) {
+  return element("dt", html_escaped(answer.setting)) +
+         element("dd", element("strong", html_escaped(answer.value)) +
+                           element("span class=\"reason\"", html_escaped(answer.reason)) +
+                           element("span class=\"limit\"", html_escaped(answer.limit))) +
+         "\n";
+}
+
+std::string advice_html(const Advice& advice) {
+  std::string out = "<section class=\"advice\" id=\"advice\">\n" +
+                    element("h2", html_escaped(advice.subject)) + "\n" +
+                    element("p class=\"note\"", "Device: " + html_escaped(advice.device) + ".") +
+                    "\n<dl>\n";
+  for (const Answer& answer : advice.answers) out += answer_html(answer);
+  return out + "</dl>\n" + element("p", "To try these settings with a simulated device:") + "\n" +
+         element("pre", element("code", html_escaped(command_line(advice)))) + "\n</section>\n";
 }
 
 // A knob
@@ -164,7 +186,7 @@ bool any_level(const KnobResult& result, bool (*is)(const LevelResult&)) {
   return false;
 }
 
-// Something that is in a grey band of its diagrams.
+// Whether the level is in a grey band of the diagrams.
 bool has_zero(const LevelResult& level) {
   return level.counts() && (!(level.error.median > 0.0) || !(level.time.median > 0.0));
 }
@@ -174,12 +196,14 @@ bool is_at_zero(const LevelResult& level) {
 
 std::string caption(const KnobResult& result) {
   std::string text = "Points are medians, whiskers quartiles. ";
-  if (result.knob.levels_are_given) {
-    text += "Levels are given, not chosen: grey rings mark what is best at its own level. ";
+  if (result.knob.levels_are_given && result.knob.methods_are_given) {
+    text += "Neither level nor curve is a choice: labels name the curves. ";
+  } else if (result.knob.levels_are_given) {
+    text += "The level is not a choice: grey rings mark the best curves at each level. ";
   } else if (result.knob.methods_are_given) {
-    text += "Curves are given, not chosen: grey rings mark the Pareto front of each. ";
+    text += "The curve is not a choice: grey rings mark the Pareto front of each curve. ";
   } else {
-    text += "Grey: the Pareto front, and what is on it. ";
+    text += "Grey: the Pareto front and its levels. ";
   }
   if (any_level(result, [](const LevelResult& l) { return l.at_floor; })) {
     text += "Open points are at the floor. ";
@@ -188,13 +212,13 @@ std::string caption(const KnobResult& result) {
     }
   }
   if (!any_level(result, [](const LevelResult& l) { return l.counts() && l.error.median > 0.0; })) {
-    text += "No level has any error. ";
+    text += "No level has an error above 0. ";
   } else if (any_level(result, has_zero) || any_level(result, is_at_zero) ||
              std::any_of(result.presets.begin(), result.presets.end(), has_zero)) {
-    text += "A grey band holds what is exactly 0, which a logarithmic axis has no place for. ";
+    text += "A grey band holds values of exactly 0, which a logarithmic axis cannot show. ";
   }
   if (any_level(result, [](const LevelResult& l) { return !l.counts(); })) {
-    text += "Levels that failed are not drawn; they are listed below. ";
+    text += "Failed levels are not drawn; they are listed below. ";
   }
   return text;
 }
@@ -221,12 +245,9 @@ std::string mark(const char* kind, const char* text) {
 
 std::string marks(const KnobResult& result, const LevelPlace& place) {
   const LevelResult& level = level_at(result, place);
-  const auto is = [&](const LevelPlace& other) {
-    return other.method == place.method && other.level == place.level;
-  };
   std::string text;
-  if (result.recommended && is(*result.recommended)) text += mark("best", "recommended");
-  if (is(result.default_place())) text += mark("default", "default");
+  if (result.recommended == place) text += mark("best", "recommended");
+  if (place == result.default_place()) text += mark("default", "default");
   if (level.on_front) text += mark("front", "front");
   if (level.at_floor) text += mark("floor", "floor");
   if (!level.counts()) {
@@ -246,15 +267,18 @@ std::string measured_cells(const Knob& knob, const LevelResult& level) {
 
 std::string level_row(const KnobResult& result, const LevelPlace& place) {
   const LevelResult& level = level_at(result, place);
-  const bool chosen = result.recommended && result.recommended->method == place.method &&
-                      result.recommended->level == place.level;
-  return (chosen ? "<tr class=\"chosen\">" : "<tr>") +
-         element("td class=\"first\"", html_escaped(level.label)) +
-         number_cell(html_escaped(human(level.value, result.knob.level.unit))) +
-         measured_cells(result.knob, level) + cell(marks(result, place)) + "</tr>\n";
+  const bool is_recommended = result.recommended == place;
+  return (is_recommended ? "<tr class=\"chosen\">" : "<tr>") +
+         element("td class=\"verdict\"", html_escaped(level.label)) +
+         element("td class=\"verdict\"", marks(result, place)) +
+         measured_cells(result.knob, level) +
+         number_cell(html_escaped(human(level.value, result.knob.level.unit))) + "</tr>\n";
 }
 
-constexpr const char* kLevelColumns = "6";
+// A row across the first two columns, so that the text fits a narrow screen.
+std::string method_heading(const std::string& title) {
+  return "<tr class=\"method\"><th colspan=\"2\">" + title + "</th><th colspan=\"4\"></th></tr>\n";
+}
 
 std::string method_rows(const KnobResult& result, std::size_t m) {
   const MethodResult& method = result.methods[m];
@@ -265,19 +289,17 @@ std::string method_rows(const KnobResult& result, std::size_t m) {
              short_number(*method.expected_order) + ")";
   }
   if (method.floor > 0.0) title += ", floor " + error_text(result.knob, method.floor);
-  std::string rows = std::string("<tr class=\"method\"><th colspan=\"") + kLevelColumns + "\">" +
-                     title + "</th></tr>\n";
+  std::string rows = method_heading(title);
   for (std::size_t l = 0; l < method.levels.size(); ++l) rows += level_row(result, {m, l});
   return rows;
 }
 
 std::string preset_rows(const KnobResult& result) {
-  std::string rows = std::string("<tr class=\"method\"><th colspan=\"") + kLevelColumns +
-                     "\">presets, at the default</th></tr>\n";
+  std::string rows = method_heading("presets, at the default");
   for (const LevelResult& preset : result.presets) {
-    rows += "<tr>" + element("td class=\"first\"", html_escaped(preset.label)) + number_cell("") +
-            measured_cells(result.knob, preset) +
-            cell(preset.counts() ? "" : mark("bad", "failed")) + "</tr>\n";
+    rows += "<tr>" + element("td class=\"verdict\"", html_escaped(preset.label)) +
+            element("td class=\"verdict\"", preset.counts() ? "" : mark("bad", "failed")) +
+            measured_cells(result.knob, preset) + number_cell("") + "</tr>\n";
   }
   return rows;
 }
@@ -289,10 +311,12 @@ std::string column(const std::string& name, const char* below) {
 std::string level_table(const KnobResult& result) {
   const Knob& knob = result.knob;
   constexpr const char* kStatistics = "<br>median [quartiles]";
-  std::string out = "<h3>Levels</h3>\n<div class=\"wide\"><table>\n<thead><tr><th>level</th>" +
-                    column(knob.level.name, "") + column(knob.error.name, kStatistics) +
-                    column(knob.time.name, kStatistics) + column("iterations", "<br>a tick") +
-                    "<th>marks</th></tr></thead>\n<tbody>\n";
+  std::string out =
+      "<h3>Levels</h3>\n<div class=\"wide\"><table>\n<thead><tr><th>level</th>"
+      "<th>marks</th>" +
+      column(knob.error.name, kStatistics) + column(knob.time.name, kStatistics) +
+      column("iterations", "<br>per tick") + column(knob.level.name, "") +
+      "</tr></thead>\n<tbody>\n";
   for (std::size_t m = 0; m < result.methods.size(); ++m) out += method_rows(result, m);
   return out + preset_rows(result) + "</tbody></table></div>\n";
 }
@@ -315,59 +339,52 @@ std::string failures(const KnobResult& result) {
     if (!preset.counts()) items += failure_item("preset " + preset.label, preset);
   }
   if (items.empty()) return "";
-  return "<h3>What failed</h3>\n<ul class=\"failures\">\n" + items + "</ul>\n";
+  return "<h3>Failures</h3>\n<ul class=\"failures\">\n" + items + "</ul>\n";
 }
 
-// Whether another level that may be chosen instead is small enough, too, and quicker.
-bool is_beaten_in_time(const KnobResult& result, const LevelPlace& place) {
+// The reason of the recommendation, as a sentence about the level.
+std::string recommendation_reason(const KnobResult& result) {
   const Knob& knob = result.knob;
-  const LevelResult& mine = level_at(result, place);
-  for (std::size_t m = 0; m < result.methods.size(); ++m) {
-    if (knob.methods_are_given && m != place.method) continue;
-    for (std::size_t l = 0; l < result.methods[m].levels.size(); ++l) {
-      if (knob.levels_are_given && l != place.level) continue;
-      const LevelResult& other = result.methods[m].levels[l];
-      if (other.counts() && other.error.median <= knob.enough &&
-          other.time.median < mine.time.median) {
-        return true;
-      }
-    }
+  const LevelResult& level = level_at(result, *result.recommended);
+  if (!result.decided_by_title.empty()) {
+    return "The knob \"" + html_escaped(result.decided_by_title) +
+           "\" decides, because this knob measures only a part of the error.";
   }
-  return false;
+  const std::string among = knob.levels_are_given ? " of the methods at this level" : "";
+  const bool is_default = *result.recommended == result.default_place();
+  const std::string enough = error_text(knob, knob.enough);
+  std::string text;
+  if (level.error.median > knob.enough) {
+    text = "Its error is the smallest" + among + "; none is down to " + enough;
+  } else if (is_default) {
+    text = "The default: no level" + among + " with an error of at most " + enough +
+           " is clearly quicker, or as quick and clearly more accurate";
+  } else {
+    text = "It is the quickest" + among + " with an error of at most " + enough +
+           ", or as quick and more accurate";
+  }
+  if (knob.enough_because.empty()) return text + ".";
+  return text + ": " + sentence(knob.enough_because);
 }
 
 std::string recommendation(const KnobResult& result) {
-  const Knob& knob = result.knob;
   if (!result.recommended) return paragraph("Recommended", "none: every level failed");
   const LevelResult& level = level_at(result, *result.recommended);
-  std::string text = place_name(result, *result.recommended) + " (" + error_text(knob, level) +
-                     ", " + time_text(knob, level.time.median) + "). ";
-  text += knob.levels_are_given ? "Of the methods at this level it" : "It";
-  if (level.error.median > knob.enough) {
-    text += " has the smallest error; none is down to ";
-  } else if (is_beaten_in_time(result, *result.recommended)) {
-    text += " is as quick, to within 10 %, as any with an error of no more than ";
-  } else {
-    text += " is the quickest with an error of no more than ";
-  }
-  text += error_text(knob, knob.enough);
-  if (!knob.enough_because.empty()) {
-    text += ": " + sentence(knob.enough_because);
-  } else {
-    text += ".";
-  }
-  return paragraph("Recommended", text);
+  return paragraph("Recommended", place_name(result, *result.recommended) + " (" +
+                                      error_text(result.knob, level) + ", " +
+                                      time_text(result.knob, level.time.median) + "). " +
+                                      recommendation_reason(result));
 }
 
 std::string default_verdict(const KnobResult& result) {
   std::string text = place_name(result, result.default_place()) + ", ";
-  if (result.default_behind <= 1.0) return paragraph("Default", text + "on the front.");
+  if (result.default_is_on_front()) return paragraph("Default", text + "on the front.");
   text +=
-      (result.default_is_near_front() ? "near the front: " : "not on the front: ") +
-      html_escaped(result.better_than_default) + " is better in time or error, by " +
+      "not on the front: " + html_escaped(result.better_than_default) +
+      " is better in time or error, by " +
       (std::isfinite(result.default_behind) ? factor_text(result.default_behind) : "any factor") +
       ", and worse in neither.";
-  if (!result.default_is_near_front() && !result.knob.default_because.empty()) {
+  if (!result.knob.default_because.empty()) {
     text += " Why it is the default: " + sentence(result.knob.default_because);
   }
   return paragraph("Default", text);
@@ -384,40 +401,43 @@ std::string chapter_html(const KnobChapter& chapter, std::size_t index) {
          "</section>\n";
 }
 
-std::string facts(const StudyReport& report) {
+std::string facts(const AccuracyReport& report) {
   if (report.facts.empty()) return "";
-  std::string out = "<dl class=\"facts\">\n";
+  std::string out = "<section id=\"facts\">\n<h2>How it was measured</h2>\n<dl class=\"facts\">\n";
   for (const auto& [name, value] : report.facts) {
     out += element("dt", html_escaped(name)) + element("dd", html_escaped(value)) + "\n";
   }
-  return out + "</dl>\n";
+  return out + "</dl>\n</section>\n";
 }
 
 // The words that a reader of one diagram needs.
 std::string words() {
   constexpr std::pair<const char*, const char*> kWords[] = {
-      {"tick", "One turn of the haptic thread, a thousandth of a second unless told otherwise."},
+      {"tick", "One cycle of the haptic thread, by default a thousandth of a second."},
       {"proxy",
-       "What stays on the surface while the device is inside it. The force pulls the "
-       "device to it by a spring K and a damper B."},
-      {"knob, level", "What is turned, and how far. Lines connect the levels of one method."},
+       "The point that stays on the surface while the device is inside it. A spring K and a damper "
+       "B pull the device to it; their force is rendered."},
+      {"knob, level",
+       "A parameter, and one of its values. Lines connect the levels of one method."},
       {"order",
-       "How fast the error falls with the level: of order 2, half the level leaves a "
-       "quarter of the error. Fitted to the points, beside that of theory."},
+       "The exponent by which the error falls with the level: with order 2, half the level leaves "
+       "a "
+       "quarter of the error. The fitted order is given beside that of theory."},
       {"floor",
-       "The error that the number format has anyway; \u2264 says that an error is no "
-       "more than that."},
+       "The rounding of the number format. Errors below it are reported as the floor, with "
+       "\u2264."},
       {"Pareto front",
-       "The levels that no other beats in error or time without being worse in "
-       "the other. Whoever chooses one off it gives something away."},
+       "The levels for which no other level is better in error or time and worse in neither."},
       {"recommended",
-       "The quickest level whose error is small enough for a hand; each knob says "
-       "how small that is, and why."},
-      {"default", "What programs get that say nothing."},
+       "The quickest level whose error is small enough for a hand; each knob states how small, and "
+       "why. Levels that do not differ beyond their spread are ties, and the default wins a tie."},
+      {"spread",
+       "The quartiles over the repeats. Two levels differ if their quartiles do not overlap and "
+       "their medians differ by more than 15 %."},
       {"presets",
-       "<code>--accuracy fast</code>, <code>balanced</code> and <code>exact</code>, at "
-       "the default level. They set how far the proxy is iterated and whether its path "
-       "is certified; where neither matters they differ by the noise of the clock."},
+       "<code>--accuracy fast</code>, <code>balanced</code> and <code>exact</code>, at the default "
+       "level. They set the number of proxy iterations and whether the path is certified; where "
+       "neither matters they differ by clock noise only."},
       {"rms", "Root mean square."}};
   std::string out = "<h2 id=\"words\">How to read it</h2>\n<dl class=\"facts\">\n";
   for (const auto& [name, meaning] : kWords) {
@@ -426,8 +446,8 @@ std::string words() {
   return out + "</dl>\n";
 }
 
-std::string head(const StudyReport& report) {
-  // An icon of its own: browsers ask for one otherwise.
+std::string head(const AccuracyReport& report) {
+  // An empty icon, because browsers request one otherwise.
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<link rel=\"icon\" href=\"data:,\">\n" +
@@ -437,12 +457,11 @@ std::string head(const StudyReport& report) {
 
 }  // namespace
 
-std::string report_html(const StudyReport& report) {
-  std::string out =
-      head(report) + "<body>\n<header>\n" + element("h1", html_escaped(report.title)) + "\n";
+std::string report_html(const AccuracyReport& report) {
+  std::string out = head(report) + "<body>\n<header>\n" +
+                    element("h1", html_escaped(report.title)) + "\n</header>\n<main>\n";
+  if (report.advice) out += advice_html(*report.advice);
   if (!report.introduction.empty()) out += element("p", html_escaped(report.introduction)) + "\n";
-  out += facts(report) + "</header>\n<main>\n";
-  // The reader's own scene comes first.
   for (const ReportSection& section : report.sections) {
     out += "<section>\n" + element("h2", html_escaped(section.title)) + "\n" + section.html +
            "\n</section>\n";
@@ -452,7 +471,7 @@ std::string report_html(const StudyReport& report) {
   for (std::size_t i = 0; i < report.chapters.size(); ++i) {
     out += chapter_html(report.chapters[i], i);
   }
-  return out + "</main>\n</body>\n</html>\n";
+  return out + facts(report) + "</main>\n</body>\n</html>\n";
 }
 
 std::vector<KnobChapter> chapters_of(std::span<const KnobResult> results) {

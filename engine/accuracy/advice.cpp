@@ -1,0 +1,529 @@
+#include "engine/accuracy/advice.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "engine/accuracy/recommendation.h"
+#include "engine/devices/light_device.h"
+#include "engine/devices/stability_limits.h"
+#include "engine/report/human_units.h"
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+// An error of the proxy that is small enough, as in the knobs of the solver.
+constexpr double kEnoughProxy_m = 1e-6;
+
+// A stiffness that is stable but not passive keeps this part of the limit: a gain margin of two.
+constexpr double kStablePart = 0.5;
+
+const KnobResult* measured_knob(const AdviceInput& input, const std::string& name) {
+  for (const KnobResult& result : input.results) {
+    if (result.knob.name == name && result.recommended) return &result;
+  }
+  return nullptr;
+}
+
+const LevelResult& chosen(const KnobResult& result) {
+  return result.methods[result.recommended->method].levels[result.recommended->level];
+}
+
+bool chose_default(const KnobResult& result) {
+  return *result.recommended == result.default_place();
+}
+
+// The shortest digits that give back the same number: "0.2", "2e-05".
+std::string digits(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+// Down to two significant digits.
+double rounded_down(double value) {
+  if (!(value > 0.0)) return 0.0;
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::floor(value / unit * (1.0 + 1e-12)) * unit;
+}
+
+std::string stiffness_text(double stiffness_N_per_m) {
+  return short_number(stiffness_N_per_m) + " N/m";
+}
+
+std::string percent_text(double share) {
+  return short_number(100.0 * share) + " %";
+}
+
+// ---- rate --------------------------------------------------------------------------------------
+
+// Level values of the servo knobs are periods.
+double rate_of(const KnobResult& result) {
+  return std::round(1.0 / chosen(result).value);
+}
+
+// One clause: what a servo knob says of its recommended rate.
+std::string servo_clause(const KnobResult& result) {
+  const LevelResult& level = chosen(result);
+  const std::string error = percent_text(level.error.median);
+  const bool is_enough = level.error.median <= result.knob.enough;
+  const std::string bound =
+      (is_enough ? ", at most the " : ", above the ") + percent_text(result.knob.enough);
+  if (result.knob.name == "servo_rate") {
+    return "a bounce off a wall of 1000 N/m gains " + error + " of its energy" + bound +
+           " that the device loses in it";
+  }
+  return "the path of a device pressed on a wall of 1000 N/m deviates by " + error + bound +
+         " that people notice";
+}
+
+Answer rate_answer(const AdviceInput& input, Advice& advice) {
+  Answer answer{"Rate", "", "", ""};
+  const KnobResult* deciding = nullptr;
+  for (const char* name : {"servo_rate", "servo_pressed"}) {
+    const KnobResult* result = measured_knob(input, name);
+    if (result && (!deciding || rate_of(*result) > rate_of(*deciding))) deciding = result;
+  }
+  const double wanted_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
+  advice.rate_Hz = wanted_Hz;
+  if (deciding) {
+    answer.reason =
+        "At " + human(wanted_Hz, "Hz") + " " + servo_clause(*deciding) + "; lower rates do worse.";
+  } else {
+    answer.reason = "The default; the knobs servo_rate and servo_pressed were not measured.";
+  }
+  if (!input.scene) {
+    answer.limit = "Whether this machine keeps the rate was not measured; that needs a SCENE.";
+  } else if (const KeptRate& kept = input.scene->measured.kept_rate; !(kept.rate_Hz() > 0.0)) {
+    answer.limit = "This machine kept none of the rates tried with this scene.";
+  } else {
+    const double most_Hz = kept.rate_Hz();
+    answer.limit = "This machine keeps up to " + human(most_Hz, "Hz") + " with this scene.";
+    if (most_Hz < wanted_Hz) {
+      advice.rate_Hz = rounded_down(most_Hz);
+      answer.reason = "The highest rate that this machine keeps with this scene; " +
+                      human(wanted_Hz, "Hz") + " would be better.";
+    }
+  }
+  answer.value = human(advice.rate_Hz, "Hz");
+  return answer;
+}
+
+// ---- stiffness and damping ---------------------------------------------------------------------
+
+// By how much the stiffest relief of the surfaces without their own stiffness exceeds it.
+double relief_factor(const AdviceInput& input) {
+  double most = 1.0;
+  if (!input.scene) return most;
+  for (const CouplingVerdict& v : input.scene->verdicts) {
+    const double stiffness = v.surface.coupling.stiffness_N_per_m;
+    if (stiffness != input.coupling.stiffness_N_per_m || !(stiffness > 0.0)) continue;
+    most = std::max(most, v.effective_N_per_m / stiffness);
+  }
+  return most;
+}
+
+struct ChosenCoupling {
+  double stiffness_N_per_m = 0.0;
+  double damping_Ns_per_m = 0.0;
+  StabilityLimits limits;
+  bool is_passive = false;
+};
+
+// The stiffness wanted, or the largest below it that this damping allows.
+Result<ChosenCoupling> coupling_with(const AdviceInput& input, double rate_Hz,
+                                     double damping_Ns_per_m) {
+  const auto limits =
+      stability_limits(DeviceMechanics::of(input.device), damping_Ns_per_m, {1.0 / rate_Hz, 0});
+  if (!limits) return limits.error();
+  const double factor = relief_factor(input);
+  ChosenCoupling found{input.coupling.stiffness_N_per_m, damping_Ns_per_m, *limits, false};
+  // Passive walls are stable.
+  found.is_passive = limits->passive_N_per_m > 0.0;
+  const double most =
+      (found.is_passive ? limits->passive_N_per_m : kStablePart * limits->stable_N_per_m) / factor;
+  if (found.stiffness_N_per_m > most) found.stiffness_N_per_m = rounded_down(most);
+  return found;
+}
+
+// The damping given, else none, if walls are passive with it; else the smallest damping of a ladder
+// with which the stiffness wanted is stable, or the damping that allows the stiffest wall.
+Result<ChosenCoupling> choose_coupling(const AdviceInput& input, double rate_Hz) {
+  for (const double damping : {input.coupling.damping_Ns_per_m, 0.0}) {
+    const auto found = coupling_with(input, rate_Hz, damping);
+    if (!found || found->is_passive) return found;
+  }
+  std::optional<ChosenCoupling> best;
+  for (const double damping : {0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0}) {
+    const auto found = coupling_with(input, rate_Hz, damping);
+    if (!found) return found.error();
+    if (!best || found->stiffness_N_per_m > best->stiffness_N_per_m) best = *found;
+  }
+  return *best;
+}
+
+std::string bound_sentence(const ChosenCoupling& c) {
+  const StabilityLimits& limits = c.limits;
+  const std::string passive = stiffness_text(limits.passive_N_per_m);
+  const std::string stable =
+      "the loop is stable below " + stiffness_text(rounded_down(limits.stable_N_per_m)) + ".";
+  switch (limits.passivity_bound) {
+    case PassivityBound::kEncoder:
+      return "The encoder limits it: two times the Coulomb friction over the encoder quantum is " +
+             passive + "; " + stable;
+    case PassivityBound::kDamper:
+      return "Damping limits it: the device has no damping beyond that of the coupling, so no wall "
+             "is passive; " +
+             stable;
+    case PassivityBound::kSampling:
+      break;
+  }
+  return "Sampling limits it: b > K T / 2 + |B| holds up to " + passive + "; " + stable;
+}
+
+// The surfaces of the scene that have a coupling of their own which is not passive at this rate.
+std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
+  if (!input.scene) return "";
+  std::string names;
+  std::size_t count = 0;
+  for (const CouplingVerdict& v : input.scene->verdicts) {
+    if (v.surface.coupling.stiffness_N_per_m == input.coupling.stiffness_N_per_m) continue;
+    const auto limits = stability_limits(DeviceMechanics::of(input.device),
+                                         v.surface.coupling.damping_Ns_per_m, {1.0 / rate_Hz, 0});
+    if (!limits || limits->is_passive(v.effective_N_per_m)) continue;
+    constexpr std::size_t kMostNamed = 3;
+    if (++count > kMostNamed) continue;
+    names += (names.empty() ? "" : ", ") + printable(v.surface.name) + " (" +
+             stiffness_text(v.effective_N_per_m) +
+             (limits->is_stable(v.effective_N_per_m) ? ")" : ", not stable)");
+  }
+  if (count == 0) return "";
+  return " Surfaces of this scene that are not passive: " + names +
+         (count > 3 ? " and " + std::to_string(count - 3) + " more." : ".");
+}
+
+Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
+  Answer answer{"Stiffness", stiffness_text(c.stiffness_N_per_m), "", ""};
+  const double wanted = input.coupling.stiffness_N_per_m;
+  const bool is_default = wanted == CouplingSettings{}.stiffness_N_per_m;
+  const std::string wanted_text =
+      std::string(is_default ? "the default" : "the value given") + ", " + stiffness_text(wanted);
+  const std::string at = " at " + human(rate_Hz, "Hz");
+  if (!c.is_passive) {
+    answer.reason =
+        "No wall is passive on this device; this one is stable with a gain margin of "
+        "two" +
+        at + ".";
+  } else if (c.stiffness_N_per_m == wanted) {
+    answer.reason = std::string(is_default ? "The default" : "The value given") +
+                    ": passive on this device" + at +
+                    ", so that no hand gets more energy out of a wall than it put in.";
+  } else {
+    answer.reason =
+        "The stiffest wall that is passive on this device" + at + "; " + wanted_text + ", is not.";
+  }
+  answer.limit = bound_sentence(c) + stiff_surfaces(input, rate_Hz);
+  return answer;
+}
+
+Answer damping_answer(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
+  Answer answer{"Damping", short_number(c.damping_Ns_per_m) + " N s/m", "", ""};
+  const double given = input.coupling.damping_Ns_per_m;
+  if (!c.is_passive) {
+    answer.reason = c.damping_Ns_per_m > 0.0
+                        ? "The damper of the coupling stabilises a device that has too little "
+                          "damping of its own."
+                        : "The loop is stable without a damper.";
+  } else if (c.damping_Ns_per_m == given) {
+    answer.reason = given > 0.0 ? "The value given: walls are passive with it."
+                                : "The default: a damper B lowers the passive stiffness, "
+                                  "2 (b - B) / T.";
+  } else {
+    answer.reason = "No wall is passive with the " + short_number(given) +
+                    " N s/m given, because the device's own damping is no larger.";
+  }
+  const double step = 0.1 * input.device.damping_Ns_per_m;
+  if (step > 0.0) {
+    answer.limit = "B must stay below the device's damping, b = " +
+                   human(input.device.damping_Ns_per_m, "N s/m") + "; each " + short_number(step) +
+                   " N s/m lowers the sampling limit by " + stiffness_text(2.0 * step * rate_Hz) +
+                   ".";
+  } else {
+    answer.limit = "The device has no damping, so no damper is passive.";
+  }
+  return answer;
+}
+
+// ---- preset ------------------------------------------------------------------------------------
+
+// A preset on the scene as a level of the decision.
+LevelResult level_of(const PresetOnScene& preset, double floor_m) {
+  LevelResult level;
+  const double error_m = std::max(preset.rms_error_m, floor_m);
+  level.error = {error_m, error_m, error_m};
+  level.time = preset.p50_ns;
+  level.repeats = 1;
+  return level;
+}
+
+std::string preset_clause(const PresetOnScene& preset, double floor_m) {
+  return "its ticks take " + human(preset.p99_ns.median, "ns") +
+         " (99 %), and its proxy is within " + human(std::max(preset.worst_error_m, floor_m), "m") +
+         " of that of exact";
+}
+
+Answer preset_on_scene(const SceneAccuracy& measured, Advice& advice) {
+  Answer answer{"Preset", "", "", ""};
+  const auto& presets = measured.presets;
+  const double half_period_ns = 0.5e9 / advice.rate_Hz;
+  if (presets[kDefaultPreset].p99_ns.median > half_period_ns) {
+    advice.preset = 0;
+    answer.reason = "Ticks of balanced take " + human(presets[kDefaultPreset].p99_ns.median, "ns") +
+                    " (99 %), more than half a period.";
+  } else {
+    // Both are certified; fast is not.
+    const std::array levels = {level_of(presets[1], measured.floor_m),
+                               level_of(presets[2], measured.floor_m)};
+    const std::array pointers = {&levels[0], &levels[1]};
+    const std::array<std::size_t, 2> distances = {0, 1};
+    const auto best = chosen_level(pointers, distances, kEnoughProxy_m);
+    advice.preset = 1 + best.value_or(0);
+    answer.reason = (advice.preset == kDefaultPreset ? std::string("The default: ")
+                                                     : std::string("Clearly better here: ")) +
+                    preset_clause(presets[advice.preset], measured.floor_m) + ".";
+  }
+  answer.limit = "fast is not certified: its proxy may pass a thin surface. Here a tick takes " +
+                 human(presets[0].p50_ns.median, "ns") + " with fast, " +
+                 human(presets[1].p50_ns.median, "ns") + " with balanced and " +
+                 human(presets[2].p50_ns.median, "ns") + " with exact (medians).";
+  return answer;
+}
+
+Answer preset_of_knobs(const AdviceInput& input, Advice& advice) {
+  Answer answer{"Preset", "", "", ""};
+  std::string better;
+  std::size_t count = 0;
+  for (const KnobResult& result : input.results) {
+    const LevelResult& balanced = result.presets[1];
+    const LevelResult& exact = result.presets[2];
+    if (!balanced.counts() || !exact.counts()) continue;
+    ++count;
+    const bool is_better = balanced.error.median > result.knob.enough &&
+                           exact.error.median <= result.knob.enough &&
+                           !is_alike(balanced.error, exact.error);
+    if (is_better) better += (better.empty() ? "" : ", ") + result.knob.name;
+  }
+  advice.preset = better.empty() ? kDefaultPreset : 2;
+  if (count == 0) {
+    answer.reason = "The default; no knob was measured.";
+  } else if (better.empty()) {
+    answer.reason = "The default: exact is not clearly needed on any of the " +
+                    std::to_string(count) + (count == 1 ? " knob" : " knobs") + " measured.";
+  } else {
+    answer.reason = "The error of balanced is too large on " + better + ", that of exact is not.";
+  }
+  answer.limit =
+      "fast is not certified: its proxy may pass a thin surface. Times and errors depend "
+      "on the scene; that needs a SCENE.";
+  return answer;
+}
+
+Answer preset_answer(const AdviceInput& input, Advice& advice) {
+  Answer answer =
+      input.scene ? preset_on_scene(input.scene->measured, advice) : preset_of_knobs(input, advice);
+  answer.value = kPresetNames[advice.preset];
+  return answer;
+}
+
+// ---- velocity ----------------------------------------------------------------------------------
+
+VelocityMethod estimator_of(const std::string& method) {
+  if (method == "line fit") return VelocityMethod::kLineFit;
+  return method == "adaptive" ? VelocityMethod::kAdaptive : VelocityMethod::kDifference;
+}
+
+const char* estimator_name(VelocityMethod method) {
+  return method == VelocityMethod::kLineFit    ? "line"
+         : method == VelocityMethod::kAdaptive ? "adaptive"
+                                               : "difference";
+}
+
+Answer velocity_answer(const AdviceInput& input, Advice& advice) {
+  Answer answer{"Velocity window", "", "", ""};
+  const KnobResult* total = measured_knob(input, "velocity_total");
+  VelocitySettings& velocity = advice.coupling.velocity;
+  velocity = {VelocityMethod::kDifference, 1, input.device.encoder_quantum_m};
+  if (!total) {
+    answer.value = "1 tick, difference";
+    answer.reason = "The default; the knob velocity_total was not measured.";
+  } else {
+    const std::string& method = total->methods[total->recommended->method].name;
+    const LevelResult& level = chosen(*total);
+    velocity.method = estimator_of(method);
+    velocity.window_ticks = static_cast<int>(std::lround(level.value));
+    answer.value = level.label + ", " + method;
+    const std::string quantum =
+        input.device.encoder_quantum_m > 0.0
+            ? "an encoder step of " + human(input.device.encoder_quantum_m, "m")
+            : std::string("an exact encoder");
+    const char* opening = level.error.median > total->knob.enough ? "The smallest error"
+                          : chose_default(*total)                 ? "The default"
+                                                                  : "The smallest sufficient error";
+    answer.reason = std::string(opening) +
+                    " of noise and lag together: " + human(level.error.median, "m/s") + " with " +
+                    quantum + ". Noise alone would need a longer window, lag alone a shorter one.";
+  }
+  answer.limit =
+      "It affects surfaces with a damper. With more than one tick the damper returns part "
+      "of its energy, and the limits above assume one tick.";
+  return answer;
+}
+
+// ---- mesh --------------------------------------------------------------------------------------
+
+std::string smooth_shape_clause(const KnobResult& depth) {
+  const LevelResult& level = chosen(depth);
+  return level.label + ", edges of " + human(level.value, "m") + ", on a smooth sphere of 0.2 m";
+}
+
+Answer mesh_on_scene(const KnobResult& own, const KnobResult* depth) {
+  const LevelResult& level = chosen(own);
+  const LevelResult& whole = own.methods.front().levels.back();
+  Answer answer{"Mesh", level.label, "", ""};
+  if (chose_default(own)) {
+    answer.value += ", as in the file";
+    answer.reason = "The default: no coarser mesh of this scene is clearly quicker and within " +
+                    human(own.knob.enough, "m") + ".";
+  } else {
+    answer.value += " of " + whole.label;
+    answer.reason = "The quickest mesh of this scene within " + human(own.knob.enough, "m") +
+                    " of the file's own: " + human(level.error.median, "m") + ", with ticks of " +
+                    human(level.time.median, "ns") + " instead of " +
+                    human(whole.time.median, "ns") + ".";
+  }
+  answer.limit =
+      "Errors are against the file's own mesh, because the smooth shape behind it is not "
+      "known";
+  answer.limit += depth ? "; for comparison: " + smooth_shape_clause(*depth) + "." : ".";
+  return answer;
+}
+
+Answer mesh_answer(const AdviceInput& input) {
+  const KnobResult* depth = measured_knob(input, "mesh_depth");
+  if (const KnobResult* own = measured_knob(input, "scene_resolution")) {
+    return mesh_on_scene(*own, depth);
+  }
+  Answer answer{"Mesh", "as in the file", "", ""};
+  if (depth) {
+    const LevelResult& level = chosen(*depth);
+    if (input.scene) {
+      answer.reason = "The scene's own mesh was not simplified, so that its triangles stay.";
+    } else {
+      answer.value = "edges of " + human(level.value, "m");
+      answer.reason = "The coarsest mesh of a smooth sphere of 0.2 m (" + level.label +
+                      ") with a depth error within " + human(depth->knob.enough, "m") + ": " +
+                      human(level.error.median, "m") + ".";
+    }
+    answer.limit =
+        "Half the edge leaves a quarter of the depth error; a surface with a smaller "
+        "radius of curvature needs shorter edges";
+    answer.limit += input.scene ? ": " + smooth_shape_clause(*depth) + "." : ".";
+  } else {
+    answer.reason = "The default; the knobs mesh_depth and scene_resolution were not measured.";
+    answer.limit = "More triangles than the shape needs cost time and memory alone.";
+  }
+  return answer;
+}
+
+// ---- command -----------------------------------------------------------------------------------
+
+std::vector<std::string> command_of(const AdviceInput& input, const Advice& advice) {
+  std::vector<std::string> command{"palpate", "run"};
+  if (input.scene_options.empty()) {
+    command.emplace_back(kAdviceModel);
+  } else {
+    command.insert(command.end(), input.scene_options.begin(), input.scene_options.end());
+  }
+  command.emplace_back("--virtual");
+  const auto add = [&](const char* option, const std::string& value) {
+    command.emplace_back(option);
+    command.push_back(value);
+  };
+  add("--rate", digits(advice.rate_Hz));
+  add("--stiffness", digits(advice.coupling.stiffness_N_per_m));
+  add("--damping", digits(advice.coupling.damping_Ns_per_m));
+  add("--accuracy", kPresetNames[advice.preset]);
+  const VelocitySettings& velocity = advice.coupling.velocity;
+  add("--velocity-estimator", estimator_name(velocity.method));
+  add("--velocity-window", std::to_string(velocity.window_ticks));
+  add("--device-mass", digits(input.device.mass_kg));
+  add("--device-damping", digits(input.device.damping_Ns_per_m));
+  add("--device-friction", digits(input.device.coulomb_friction_N));
+  // The adaptive estimator needs a quantum; `run` accepts none of 0.
+  if (input.device.encoder_quantum_m > 0.0) {
+    add("--encoder-quantum", digits(input.device.encoder_quantum_m));
+  } else if (velocity.method == VelocityMethod::kAdaptive) {
+    add("--encoder-quantum", digits(light_device().encoder_quantum_m));
+  }
+  return command;
+}
+
+std::string shell_quoted(const std::string& argument) {
+  const auto is_plain = [](unsigned char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("-_./:=,+@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  if (!argument.empty() && std::all_of(argument.begin(), argument.end(), is_plain)) {
+    return argument;
+  }
+  std::string quoted = "'";
+  for (const char c : argument) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+Result<Advice> advise(const AdviceInput& input) {
+  Advice advice;
+  advice.subject = input.scene ? "For this device and this scene" : "For this device";
+  advice.device = mechanics_text(input.device);
+  advice.answers.push_back(rate_answer(input, advice));
+  const auto coupling = choose_coupling(input, advice.rate_Hz);
+  if (!coupling) return coupling.error();
+  advice.coupling.stiffness_N_per_m = coupling->stiffness_N_per_m;
+  advice.coupling.damping_Ns_per_m = coupling->damping_Ns_per_m;
+  advice.answers.push_back(stiffness_answer(input, *coupling, advice.rate_Hz));
+  advice.answers.push_back(damping_answer(input, *coupling, advice.rate_Hz));
+  advice.answers.push_back(preset_answer(input, advice));
+  advice.answers.push_back(velocity_answer(input, advice));
+  advice.answers.push_back(mesh_answer(input));
+  advice.command = command_of(input, advice);
+  return advice;
+}
+
+std::string command_line(const Advice& advice) {
+  std::string line;
+  for (const std::string& argument : advice.command) {
+    line += (line.empty() ? "" : " ") + shell_quoted(argument);
+  }
+  return line;
+}
+
+std::string advice_text(const Advice& advice) {
+  std::size_t width = 0;
+  for (const Answer& answer : advice.answers) width = std::max(width, answer.setting.size());
+  std::ostringstream text;
+  text << advice.subject << " (" << advice.device << "):\n";
+  for (const Answer& answer : advice.answers) {
+    text << "  " << answer.setting << std::string(width + 2 - answer.setting.size(), ' ')
+         << answer.value << "\n";
+  }
+  text << "  " << printable(command_line(advice)) << "\n";
+  return text.str();
+}
+
+}  // namespace palpate

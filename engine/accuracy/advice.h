@@ -1,0 +1,61 @@
+#pragma once
+
+// The answers that the report gives first: the settings for a device, and for a scene if one was
+// measured. Where several knobs have a recommendation for one setting, the advice states one
+// answer.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/accuracy/measurement.h"
+#include "engine/accuracy/scene_section.h"
+#include "haptics/effects/virtual_coupling.h"
+#include "palpate/device.h"
+
+namespace palpate {
+
+// One answer. Plain text; reason and limit are sentences.
+struct Answer {
+  std::string setting;  // "Rate"
+  std::string value;    // "2 kHz"
+  std::string reason;
+  std::string limit;  // the bound of the value, or of the statement
+};
+
+struct Advice {
+  // The settings.
+  double rate_Hz = 1000.0;
+  CouplingSettings coupling;            // with the velocity estimator of its damper
+  std::size_t preset = kDefaultPreset;  // index into kAccuracyPresets
+
+  // The same for readers: rate, stiffness, damping, preset, velocity window, mesh.
+  std::string subject;  // "For this device and this scene"
+  std::string device;   // "mass 100 g, damping ..."
+  std::vector<Answer> answers;
+  // A command that applies the settings to a simulated device; the first argument is "palpate".
+  std::vector<std::string> command;
+};
+
+struct AdviceInput {
+  std::span<const KnobResult> results;   // after reconcile()
+  const SceneFindings* scene = nullptr;  // null: no scene was measured
+  DeviceDescription device;
+  CouplingSettings coupling;               // of the loop, as given or by default
+  std::vector<std::string> scene_options;  // of `palpate run`: the path, then options of the scene
+};
+
+// The scene of the command if no scene was measured: a model of this repository.
+inline constexpr const char* kAdviceModel = "models/sphere.glb";
+
+// A knob that was not measured leaves its setting at the default, and the reason says so. An error
+// as of stability_limits().
+Result<Advice> advise(const AdviceInput& input);
+
+// The command as a line for a shell.
+std::string command_line(const Advice& advice);
+
+// A few lines for the terminal.
+std::string advice_text(const Advice& advice);
+
+}  // namespace palpate

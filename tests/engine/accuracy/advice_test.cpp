@@ -1,0 +1,342 @@
+// The answers that the report gives first.
+
+#include "engine/accuracy/advice.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/accuracy/accuracy_report.h"
+#include "engine/accuracy/knobs.h"
+#include "engine/accuracy/recommendation.h"
+#include "engine/devices/light_device.h"
+
+namespace palpate {
+namespace {
+
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+LevelResult made_level(double value, const std::string& label, double time, double error) {
+  LevelResult level;
+  level.value = value;
+  level.label = label;
+  level.repeats = StudyEffort::kRepeats;
+  level.time = {time, time, time};
+  level.error = {error, error, error};
+  return level;
+}
+
+KnobResult made_knob(const char* name, std::vector<MethodResult> methods, std::size_t usual,
+                     double enough) {
+  KnobResult result;
+  result.knob.name = name;
+  result.knob.default_level = usual;
+  result.knob.enough = enough;
+  result.methods = std::move(methods);
+  for (LevelResult& preset : result.presets) preset = made_level(0.0, "", 100.0, 0.0);
+  judge(result);
+  return result;
+}
+
+KnobResult servo(const char* name, double error_at_1_kHz, double enough) {
+  MethodResult held{"held force", {}, {}, {}, 0.0};
+  for (const double rate_kHz : {0.5, 1.0, 2.0, 4.0}) {
+    held.levels.push_back(
+        made_level(1e-3 / rate_kHz, "", 100.0 * rate_kHz, error_at_1_kHz / rate_kHz));
+  }
+  return made_knob(name, {held}, 1, enough);
+}
+
+KnobResult mesh_depth() {
+  MethodResult sphere{"sphere", {}, {}, {}, 0.0};
+  sphere.levels = {made_level(4.1e-3, "20k triangles", 240.0, 18e-6),
+                   made_level(2.05e-3, "82k triangles", 285.0, 4.6e-6)};
+  return made_knob("mesh_depth", {sphere}, 0, 1e-5);
+}
+
+KnobResult scene_resolution(double coarse_time) {
+  MethodResult own{"simplified", {}, {}, {}, 0.0};
+  own.levels = {made_level(2e-3, "5120 triangles", coarse_time, 7e-6),
+                made_level(1e-3, "20480 triangles", 300.0, 6e-9)};
+  return made_knob("scene_resolution", {own}, 1, 1e-5);
+}
+
+KnobResult velocity_total() {
+  MethodResult difference{"difference", {}, {}, {}, 0.0};
+  difference.levels = {made_level(1, "1 tick", 300.0, 8.2e-3),
+                       made_level(4, "4 ticks", 310.0, 3e-3),
+                       made_level(32, "32 ticks", 310.0, 18e-3)};
+  return made_knob("velocity_total", {difference}, 0, 5e-3);
+}
+
+std::vector<KnobResult> all_results() {
+  return {mesh_depth(), servo("servo_rate", 0.12, 0.14), servo("servo_pressed", 0.076, 0.07),
+          velocity_total()};
+}
+
+SceneFindings findings(double kept_Hz) {
+  SceneFindings f;
+  f.path = "a scene.glb";
+  f.measured.kept_rate.by_trial_Hz = kept_Hz;
+  f.measured.kept_rate.by_computing_Hz = 1e6;
+  for (std::size_t p = 0; p < 3; ++p) {
+    PresetOnScene& preset = f.measured.presets[p];
+    preset.name = kPresetNames[p];
+    preset.p50_ns = {300, 300, 300};
+    preset.p99_ns = {400, 400, 400};
+  }
+  return f;
+}
+
+AdviceInput input_of(const std::vector<KnobResult>& results) {
+  AdviceInput input;
+  input.results = results;
+  input.device = light_device();
+  return input;
+}
+
+const Answer& answer_of(const Advice& advice, const std::string& setting) {
+  for (const Answer& answer : advice.answers) {
+    if (answer.setting == setting) return answer;
+  }
+  ADD_FAILURE() << "no answer for " << setting;
+  return advice.answers.front();
+}
+
+// ---- text --------------------------------------------------------------------------------------
+
+std::string box_of(const Advice& advice) {
+  AccuracyReport report;
+  report.title = "t";
+  report.introduction = "After the box.";
+  report.advice = advice;
+  report.facts = {{"machine", "fact"}};
+  const std::string html = report_html(report);
+  const std::size_t begin = html.find("<section class=\"advice\"");
+  const std::size_t end = html.find("</section>", begin);
+  EXPECT_LT(begin, html.find("After the box.")) << "the box comes first";
+  EXPECT_GT(html.find("<dd>fact</dd>"), end) << "the facts come last";
+  return html.substr(begin, end - begin);
+}
+
+TEST(Advice, TheBoxAnswersEachQuestionInASentence) {
+  const std::vector<KnobResult> results = all_results();
+  const auto advice = advise(input_of(results));
+  ASSERT_TRUE(advice.ok()) << advice.error().to_string();
+  const std::string box = box_of(*advice);
+  for (
+      const char* sentence :
+      {"For this device</h2>",
+       // Which rate?
+       "<dt>Rate</dt><dd><strong>2 kHz</strong>",
+       "At 2 kHz the path of a device pressed on a wall of 1000 N/m deviates by 3.8 %, at most the "
+       "7 % that people notice; lower rates do worse.",
+       // Which stiffness, and what limits it?
+       "<dt>Stiffness</dt><dd><strong>1000 N/m</strong>",
+       "The default: passive on this device at 2 kHz",
+       "Sampling limits it: b &gt; K T / 2 + |B| holds up to 2000 N/m; the loop is stable below "
+       "2000 N/m.",
+       "<dt>Damping</dt><dd><strong>0 N s/m</strong>",
+       // Which preset?
+       "<dt>Preset</dt><dd><strong>balanced</strong>",
+       "The default: exact is not clearly needed on any of the 4 knobs measured.",
+       // Which window?
+       "<dt>Velocity window</dt><dd><strong>4 ticks, difference</strong>",
+       "noise and lag together: 3 mm/s with an encoder step of 20 µm.",
+       // Which mesh?
+       "<dt>Mesh</dt><dd><strong>edges of 2.05 mm</strong>",
+       "The coarsest mesh of a smooth sphere of 0.2 m (82k triangles) with a depth error within 10 "
+       "µm: 4.6 µm.",
+       "palpate run models/sphere.glb --virtual --rate 2000 --stiffness 1000 --damping 0 "
+       "--accuracy balanced --velocity-estimator difference --velocity-window 4 "
+       "--device-mass 0.1 --device-damping 0.5 --device-friction 0.02 --encoder-quantum 2e-05"}) {
+    EXPECT_TRUE(says(box, sentence)) << sentence << "\n" << box;
+  }
+}
+
+TEST(Advice, TheBoxReconcilesTheMeshOfASceneWithTheSmoothSphere) {
+  const SceneFindings scene = findings(8000.0);
+  for (const bool is_quicker : {true, false}) {
+    std::vector<KnobResult> results = all_results();
+    results.push_back(scene_resolution(is_quicker ? 200.0 : 290.0));
+    AdviceInput input = input_of(results);
+    input.scene = &scene;
+    input.scene_options = {"a scene.glb", "--fit", "0.2"};
+    const auto advice = advise(input);
+    ASSERT_TRUE(advice.ok());
+    const std::string box = box_of(*advice);
+    EXPECT_TRUE(says(box, "For this device and this scene"));
+    EXPECT_TRUE(says(box, "This machine keeps up to 8 kHz with this scene."));
+    EXPECT_TRUE(says(box, is_quicker ? "<strong>5120 triangles of 20480 triangles</strong>"
+                                     : "<strong>20480 triangles, as in the file</strong>"))
+        << box;
+    EXPECT_TRUE(says(box, "for comparison: 82k triangles, edges of 2.05 mm, on a smooth sphere"));
+    EXPECT_TRUE(says(box, "palpate run &#39;a scene.glb&#39; --fit 0.2 --virtual") ||
+                says(box, "palpate run &apos;a scene.glb&apos; --fit 0.2 --virtual") ||
+                says(box, "palpate run 'a scene.glb' --fit 0.2 --virtual"))
+        << box;
+  }
+}
+
+TEST(Advice, TheTerminalHasTheSameAnswers) {
+  const std::vector<KnobResult> results = all_results();
+  const auto advice = advise(input_of(results));
+  ASSERT_TRUE(advice.ok());
+  const std::string text = advice_text(*advice);
+  for (const Answer& answer : advice->answers) {
+    EXPECT_TRUE(says(text, answer.setting)) << text;
+    EXPECT_TRUE(says(text, answer.value)) << text;
+    EXPECT_FALSE(answer.reason.empty()) << answer.setting;
+    EXPECT_FALSE(answer.limit.empty()) << answer.setting;
+  }
+  EXPECT_TRUE(says(text, command_line(*advice)));
+}
+
+TEST(Advice, SettingsThatWereNotMeasuredStayAtTheDefault) {
+  const auto advice = advise(input_of({}));
+  ASSERT_TRUE(advice.ok());
+  EXPECT_EQ(advice->rate_Hz, 1000.0);
+  EXPECT_EQ(advice->coupling.stiffness_N_per_m, 1000.0);
+  EXPECT_EQ(advice->coupling.velocity.window_ticks, 1);
+  EXPECT_EQ(advice->preset, kDefaultPreset);
+  EXPECT_TRUE(says(answer_of(*advice, "Rate").reason, "were not measured"));
+  EXPECT_TRUE(says(answer_of(*advice, "Mesh").reason, "were not measured"));
+}
+
+// ---- decisions ---------------------------------------------------------------------------------
+
+TEST(Advice, TheMachineLimitsTheRate) {
+  const std::vector<KnobResult> results = all_results();
+  const SceneFindings scene = findings(1000.0);
+  AdviceInput input = input_of(results);
+  input.scene = &scene;
+  const auto advice = advise(input);
+  ASSERT_TRUE(advice.ok());
+  EXPECT_EQ(advice->rate_Hz, 1000.0);
+  EXPECT_TRUE(says(answer_of(*advice, "Rate").reason, "2 kHz would be better"));
+}
+
+// 2 (b - B) / T at 1 kHz, and 2 f_c / D.
+TEST(Advice, TheTighterBoundLimitsTheStiffness) {
+  AdviceInput input = input_of({});
+  input.device.damping_Ns_per_m = 0.3;
+  auto advice = advise(input);
+  EXPECT_EQ(advice->coupling.stiffness_N_per_m, 600.0);
+  EXPECT_TRUE(says(answer_of(*advice, "Stiffness").limit, "Sampling limits it"));
+  EXPECT_TRUE(says(answer_of(*advice, "Stiffness").limit, "up to 600 N/m"));
+  EXPECT_TRUE(says(answer_of(*advice, "Stiffness").reason, "the default, 1000 N/m, is not"));
+  input.device.damping_Ns_per_m = 5.0;
+  input.device.coulomb_friction_N = 5e-3;
+  advice = advise(input);
+  EXPECT_EQ(advice->coupling.stiffness_N_per_m, 500.0);
+  EXPECT_TRUE(says(answer_of(*advice, "Stiffness").limit, "The encoder limits it"));
+}
+
+TEST(Advice, ADamperThatLeavesNoWallPassiveIsNotRecommended) {
+  AdviceInput input = input_of({});
+  input.coupling = {900.0, 0.5};
+  const auto advice = advise(input);
+  EXPECT_EQ(advice->coupling.damping_Ns_per_m, 0.0);
+  EXPECT_EQ(advice->coupling.stiffness_N_per_m, 900.0);
+  EXPECT_TRUE(says(answer_of(*advice, "Damping").reason, "No wall is passive with the 0.5"));
+}
+
+TEST(Advice, ADeviceWithoutAPassiveWallGetsAStableOne) {
+  for (const double damping : {0.5, 0.0}) {
+    AdviceInput input = input_of({});
+    input.device.coulomb_friction_N = 0.0;  // the encoder allows no passive wall
+    input.device.damping_Ns_per_m = damping;
+    const auto advice = advise(input);
+    ASSERT_TRUE(advice.ok());
+    const CouplingSettings& c = advice->coupling;
+    EXPECT_GT(c.stiffness_N_per_m, 0.0);
+    const auto limits = stability_limits(DeviceMechanics::of(input.device), c.damping_Ns_per_m, {});
+    EXPECT_LE(c.stiffness_N_per_m, 0.5 * limits->stable_N_per_m);
+    EXPECT_TRUE(says(answer_of(*advice, "Stiffness").reason, "No wall is passive"));
+  }
+}
+
+TEST(Advice, ASurfaceThatIsNotPassiveIsNamed) {
+  SceneFindings scene = findings(8000.0);
+  const CouplingSettings steel{3000.0, 0.0};
+  scene.verdicts = {{{"steel", steel}, 3000.0, {}, false, false},
+                    {{"foam", {200.0, 0.0}}, 200.0, {}, true, true}};
+  AdviceInput input = input_of({});
+  input.scene = &scene;
+  const auto advice = advise(input);
+  const std::string& limit = answer_of(*advice, "Stiffness").limit;
+  EXPECT_TRUE(says(limit, "not passive: steel (3000 N/m, not stable).")) << limit;
+  EXPECT_FALSE(says(limit, "foam")) << limit;
+}
+
+TEST(Advice, APresetThatFitsThePeriodIsChosenByItsError) {
+  SceneFindings scene = findings(8000.0);
+  AdviceInput input = input_of({});
+  input.scene = &scene;
+  EXPECT_EQ(advise(input)->preset, 1u) << "a tie: the default wins";
+  scene.measured.presets[1].rms_error_m = 1e-4;
+  EXPECT_EQ(advise(input)->preset, 2u) << "balanced errs, exact does not";
+  scene.measured.presets[1].p99_ns = {6e5, 6e5, 6e5};
+  EXPECT_EQ(advise(input)->preset, 0u) << "balanced takes more than half a millisecond";
+}
+
+// ---- the device --------------------------------------------------------------------------------
+
+const Knob& knob_named(const std::vector<Knob>& knobs, const std::string& name) {
+  const auto found =
+      std::find_if(knobs.begin(), knobs.end(), [&](const Knob& knob) { return knob.name == name; });
+  EXPECT_NE(found, knobs.end()) << name;
+  return *found;
+}
+
+TEST(DeviceOptions, ReachEveryKnobThatHasADevice) {
+  const StudyEffort effort{.quick = true, .seed = 1};
+  DeviceDescription heavy = light_device();
+  heavy.mass_kg = 0.3;
+  heavy.damping_Ns_per_m = 1.5;
+  heavy.encoder_quantum_m = 5e-6;
+  const std::vector<Knob> light_knobs = all_knobs(effort);
+  const std::vector<Knob> heavy_knobs = all_knobs(effort, heavy);
+  for (const char* name : {"servo_rate", "servo_pressed", "jitter", "integrator", "velocity_noise",
+                           "velocity_total"}) {
+    const Knob& light = knob_named(light_knobs, name);
+    const Knob& other = knob_named(heavy_knobs, name);
+    const auto error = [](const Knob& knob) {
+      return knob.methods[0].levels[knob.default_level].run(3).error;
+    };
+    EXPECT_NE(error(light), error(other)) << name;
+    EXPECT_NE(light.run_preset(3, {}).error, other.run_preset(3, {}).error) << name;
+  }
+  for (const char* name : {"servo_rate", "servo_pressed", "integrator"}) {
+    EXPECT_TRUE(says(knob_named(heavy_knobs, name).workload, "0.3 kg")) << name;
+  }
+  for (const char* name : {"velocity_noise", "velocity_lag", "velocity_total"}) {
+    EXPECT_TRUE(says(knob_named(heavy_knobs, name).workload, "5 µm")) << name;
+  }
+  EXPECT_EQ(knob_named(heavy_knobs, "substeps").enough, 2.5e-6);
+  EXPECT_NE(knob_named(heavy_knobs, "servo_rate").enough,
+            knob_named(light_knobs, "servo_rate").enough);
+  EXPECT_NE(knob_named(heavy_knobs, "jitter").enough, knob_named(light_knobs, "jitter").enough);
+}
+
+TEST(DeviceOptions, AnExactEncoderIsAccepted) {
+  DeviceDescription exact = light_device();
+  exact.encoder_quantum_m = 0.0;
+  const StudyEffort effort{.quick = true, .seed = 1};
+  for (const Knob& knob : velocity_knobs(effort, exact)) {
+    for (const Method& method : knob.methods) {
+      EXPECT_EQ(method.levels.front().run(1).failure, "") << knob.name << ", " << method.name;
+    }
+  }
+  AdviceInput input = input_of({});
+  input.device = exact;
+  EXPECT_FALSE(says(command_line(*advise(input)), "--encoder-quantum"));
+}
+
+}  // namespace
+}  // namespace palpate
