@@ -73,7 +73,8 @@ std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& ap
   if (chosen.empty() && error.get_name() == "RequiredError") {
     return message + "; expected " + joined(apps);
   }
-  if (error.get_name() == "ExtrasError" && !extras.empty()) {
+  const bool has_extras = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+  if (has_extras && !extras.empty()) {
     return extras.front() +
            (extras.front().starts_with("-") ? ": is not an option of "
                                             : ": is an unexpected argument of ") +

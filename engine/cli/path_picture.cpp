@@ -126,14 +126,14 @@ std::string angle_name(const ActuationModel& actuation) {
   }
   const Vec3& first = actuation.actuated_axis(0);
   if (actuation.actuators() == 1) {
-    return "angle of the contact normal to " + axis_name(first);
+    return "contact normal to " + axis_name(first);
   }
   const Vec3& second = actuation.actuated_axis(1);
   if (!is_device_axis(first) || !is_device_axis(second)) {
-    return "contact normal to the actuated plane, across " + axis_name(first.cross(second));
+    return "contact normal to the plane across " + axis_name(first.cross(second));
   }
   const auto [low, high] = std::minmax({axis_name(first), axis_name(second)});
-  return "angle of the contact normal to the plane of " + low + " and " + high;
+  return "contact normal to the plane of " + low + " and " + high;
 }
 
 // As much of a name as fits a line of the picture.

@@ -177,6 +177,16 @@ TEST_F(CommandLine, PrintsItsVersion) {
   EXPECT_EQ(o.err, "");
 }
 
+TEST_F(CommandLine, BeginsEveryHelpWithAnExample) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
+                                                  {"run", "--help"},
+                                                  {"replay", "--help"},
+                                                  {"accuracy", "--help"},
+                                                  {"info", "--help"}}) {
+    EXPECT_TRUE(expect_done(command).out.starts_with("Example:\n  ./run.sh ")) << command.front();
+  }
+}
+
 TEST_F(CommandLine, NamesItsCommandsInTheHelp) {
   const Outcome o = expect_done({"--help"});
   for (const char* name : {"run", "replay", "info", "--version", "--help"}) {
@@ -277,18 +287,21 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused({}, {"subcommand"});
+  expect_refused({}, {"subcommand is required; expected run, replay, accuracy or info"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});
   expect_refused({"replay", kStar}, {"--trajectory"});
-  expect_refused(replay({"--bogus"}), {"--bogus"});
-  expect_refused(replay({"superfluous"}), {"superfluous"});
+  expect_refused(replay({"--bogus"}), {"--bogus: is not an option of replay", "replay --help"});
+  expect_refused(replay({"superfluous"}), {"superfluous: is an unexpected argument of replay"});
   expect_refused(replay({"--virtual"}), {"--virtual"});
   expect_refused(replay({"--force", "all"}), {"--force", "all"});
   expect_refused(replay({"--a4", "compare"}), {"--a4"});
   expect_refused(replay({"--table1", "x"}), {"--table1"});
-  expect_refused({"run", kStar, "--a4", "perhaps"}, {"--a4"});
+  expect_refused({"run", kStar, "--a4", "perhaps"},
+                 {"--a4: is \"perhaps\"; expected one of on,off,compare"});
+  expect_refused({"run", kStar, "--seed", "1", "--seed", "2"},
+                 {"--seed: is given more than once; expected once"});
   expect_refused({"feel\nme"}, {"feel me"});
   expect_refused(replay({"--out", ""}), {"--out"});
   expect_refused(replay({"--place", ""}), {"--place"});

@@ -170,16 +170,14 @@ TEST(PathPicture, NamesTheActuatedAxisInUse) {
     ActuationModel actuation;
     const char* name;
   } cases[] = {
-      {actuated(2, {{1, 0, 0}}), "angle of the contact normal to A1"},
-      {actuated(2, {{0, 3, 0}}), "angle of the contact normal to A2"},
-      {actuated(3, {{0, 0, -1}}), "angle of the contact normal to A3"},
-      {actuated(2, {{0.6, 0.8, 0}}), "angle of the contact normal to (0.6, 0.8, 0)"},
-      {actuated(3, {{0, 1, 0}, {0, 0, 2}}),
-       "angle of the contact normal to the plane of A2 and A3"},
-      {actuated(3, {{0, 0, 1}, {0, 1, 0}}),
-       "angle of the contact normal to the plane of A2 and A3"},
+      {actuated(2, {{1, 0, 0}}), "contact normal to A1"},
+      {actuated(2, {{0, 3, 0}}), "contact normal to A2"},
+      {actuated(3, {{0, 0, -1}}), "contact normal to A3"},
+      {actuated(2, {{0.6, 0.8, 0}}), "contact normal to (0.6, 0.8, 0)"},
+      {actuated(3, {{0, 1, 0}, {0, 0, 2}}), "contact normal to the plane of A2 and A3"},
+      {actuated(3, {{0, 0, 1}, {0, 1, 0}}), "contact normal to the plane of A2 and A3"},
       {actuated(3, {{0, 0, 1}, {0.6, 0.8, 0}}),
-       "contact normal to the actuated plane, across (-0.8, 0.6, 0)"},
+       "contact normal to the plane across (-0.8, 0.6, 0)"},
       {actuated(2, {{1, 0, 0}, {0, 1, 0}}), "contact angle (every sensed axis is actuated)"},
       {ActuationModel::from_counts(2, 0).value(), "contact angle (no axis is actuated)"}};
   for (const auto& c : cases) {
