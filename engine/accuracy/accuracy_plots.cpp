@@ -80,10 +80,12 @@ std::vector<LegendEntry> legend_of(const KnobResult& result, Against against) {
   const bool given = result.knob.levels_are_given;
   if (!given && !result.knob.methods_are_given)
     entries.push_back({"Pareto front", std::string("lines ") + kFrontLine});
-  entries.push_back(
-      {given ? "best at its level" : "on the front", std::string("points ") + kFrontRing});
-  if (result.recommended)
-    entries.push_back({"recommended", std::string("points ") + kRecommendedRing});
+  if (result.has_choice()) {
+    entries.push_back(
+        {given ? "best at its level" : "on the front", std::string("points ") + kFrontRing});
+    if (result.recommended)
+      entries.push_back({"recommended", std::string("points ") + kRecommendedRing});
+  }
   for (std::size_t p = 0; p < result.presets.size(); ++p) {
     if (!result.presets[p].counts()) continue;
     entries.push_back({std::string("preset ") + kPresetNames[p], preset_style(p)});
@@ -314,7 +316,7 @@ class Panel {
   }
 
   // Where neither level nor method is a choice, labels name the methods, once each.
-  bool labels_methods() const { return knob().levels_are_given && knob().methods_are_given; }
+  bool labels_methods() const { return !result().has_choice(); }
 
   void put_level_labels() {
     struct Wish {
@@ -382,7 +384,7 @@ class Panel {
     });
     std::sort(front.begin(), front.end(),
               [](const Dot& a, const Dot& b) { return a.x != b.x ? a.x < b.x : a.y > b.y; });
-    // A default that is tied with the front may lie behind it.
+    // Levels tied with the front may lie behind it.
     double least = std::numeric_limits<double>::infinity();
     std::erase_if(front, [&](const Dot& d) {
       if (d.y > least) return true;
@@ -397,14 +399,14 @@ class Panel {
     for (const Dot& d : front_line()) steps += data_row({d.x, d.y});
     diagram_.for_each_level([&](const LevelPlace&, const LevelResult& level) {
       const Dot d = diagram_.dot(level, against_);
-      if (level.on_front) rings += data_row({d.x, d.y});
+      if (level.on_front && result().has_choice()) rings += data_row({d.x, d.y});
     });
     panel_.put_block(steps, std::string("with steps ") + kFrontLine);
     panel_.put_block(rings, std::string("with points ") + kFrontRing);
   }
 
   void put_rings() {
-    if (!result().recommended) return;
+    if (!result().recommended || !result().has_choice()) return;
     const LevelPlace& place = *result().recommended;
     const Dot d = diagram_.dot(result().methods[place.method].levels[place.level], against_);
     panel_.put_block(data_row({d.x, d.y}), std::string("with points ") + kRecommendedRing);

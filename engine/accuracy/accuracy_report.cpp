@@ -108,6 +108,7 @@ std::string order_summary(const KnobResult& result) {
 }
 
 std::string verdict_summary(const KnobResult& result) {
+  if (!result.has_choice()) return "no choice";
   if (result.default_is_on_front()) return element("span class=\"good\"", "on the front");
   return element("span class=\"bad\"", factor_text(result.default_behind) + " behind " +
                                            html_escaped(result.better_than_default)) +
@@ -127,7 +128,9 @@ std::string summary_row(const KnobResult& result, std::size_t chapter) {
   std::string row = "<tr>" +
                     verdict("<a href=\"#" + anchor_of(chapter) + "\">" +
                             html_escaped(result.knob.title) + "</a>") +
-                    verdict(result.recommended ? place_name(result, *result.recommended) : "none") +
+                    verdict(!result.has_choice() ? "-"
+                            : result.recommended ? place_name(result, *result.recommended)
+                                                 : "none") +
                     verdict(verdict_summary(result)) +
                     cell(place_name(result, result.default_place()));
   for (const LevelResult& preset : result.presets) {
@@ -167,8 +170,13 @@ std::string advice_html(const Advice& advice) {
                     element("p class=\"note\"", "Device: " + html_escaped(advice.device) + ".") +
                     "\n<dl>\n";
   for (const Answer& answer : advice.answers) out += answer_html(answer);
+  // Lines break between words, never at a hyphen.
+  std::string command;
+  for (const std::string& word : command_words(advice)) {
+    command += (command.empty() ? "" : " ") + element("span", html_escaped(word));
+  }
   return out + "</dl>\n" + element("p", "To try these settings with a simulated device:") + "\n" +
-         element("pre", element("code", html_escaped(command_line(advice)))) + "\n</section>\n";
+         element("pre", element("code", command)) + "\n</section>\n";
 }
 
 // A knob
@@ -246,9 +254,9 @@ std::string mark(const char* kind, const char* text) {
 std::string marks(const KnobResult& result, const LevelPlace& place) {
   const LevelResult& level = level_at(result, place);
   std::string text;
-  if (result.recommended == place) text += mark("best", "recommended");
+  if (result.recommended == place && result.has_choice()) text += mark("best", "recommended");
   if (place == result.default_place()) text += mark("default", "default");
-  if (level.on_front) text += mark("front", "front");
+  if (level.on_front && result.has_choice()) text += mark("front", "front");
   if (level.at_floor) text += mark("floor", "floor");
   if (!level.counts()) {
     text += element("span class=\"mark bad\"", std::to_string(level.failures) + " of " +
@@ -267,7 +275,7 @@ std::string measured_cells(const Knob& knob, const LevelResult& level) {
 
 std::string level_row(const KnobResult& result, const LevelPlace& place) {
   const LevelResult& level = level_at(result, place);
-  const bool is_recommended = result.recommended == place;
+  const bool is_recommended = result.recommended == place && result.has_choice();
   return (is_recommended ? "<tr class=\"chosen\">" : "<tr>") +
          element("td class=\"verdict\"", html_escaped(level.label)) +
          element("td class=\"verdict\"", marks(result, place)) +
@@ -368,6 +376,8 @@ std::string recommendation_reason(const KnobResult& result) {
 }
 
 std::string recommendation(const KnobResult& result) {
+  if (!result.has_choice())
+    return paragraph("Recommended", whole_sentence(result.knob.enough_because));
   if (!result.recommended) return paragraph("Recommended", "none: every level failed");
   const LevelResult& level = level_at(result, *result.recommended);
   return paragraph("Recommended", place_name(result, *result.recommended) + " (" +
@@ -377,6 +387,7 @@ std::string recommendation(const KnobResult& result) {
 }
 
 std::string default_verdict(const KnobResult& result) {
+  if (!result.has_choice()) return "";
   std::string text = place_name(result, result.default_place()) + ", ";
   if (result.default_is_on_front()) return paragraph("Default", text + "on the front.");
   text +=
@@ -427,7 +438,9 @@ std::string words() {
        "The rounding of the number format. Errors below it are reported as the floor, with "
        "\u2264."},
       {"Pareto front",
-       "The levels for which no other level is better in error or time and worse in neither."},
+       "The levels for which no other level is clearly better in error or time and clearly worse "
+       "in "
+       "neither."},
       {"recommended",
        "The quickest level whose error is small enough for a hand; each knob states how small, and "
        "why. Levels that do not differ beyond their spread are ties, and the default wins a tie."},

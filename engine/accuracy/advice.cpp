@@ -66,19 +66,18 @@ double rate_of(const KnobResult& result) {
   return std::round(1.0 / chosen(result).value);
 }
 
-// One clause: what a servo knob says of its recommended rate.
-std::string servo_clause(const KnobResult& result) {
+// The figures of a servo knob at its recommended rate, as a sentence.
+std::string servo_sentence(const KnobResult& result) {
   const LevelResult& level = chosen(result);
   const std::string error = percent_text(level.error.median);
-  const bool is_enough = level.error.median <= result.knob.enough;
-  const std::string bound =
-      (is_enough ? ", at most the " : ", above the ") + percent_text(result.knob.enough);
+  const std::string bound = percent_text(result.knob.enough);
+  const char* relation = level.error.median <= result.knob.enough ? "at most" : "more than";
   if (result.knob.name == "servo_rate") {
-    return "a bounce off a wall of 1000 N/m gains " + error + " of its energy" + bound +
-           " that the device loses in it";
+    return "A bounce off 1000 N/m gains " + error + " energy, " + relation + " the " + bound +
+           " that the device's damping takes.";
   }
-  return "the path of a device pressed on a wall of 1000 N/m deviates by " + error + bound +
-         " that people notice";
+  return "The path of a device pressed on 1000 N/m deviates by " + error + ", " + relation +
+         " the " + bound + " that people notice.";
 }
 
 Answer rate_answer(const AdviceInput& input, Advice& advice) {
@@ -91,13 +90,12 @@ Answer rate_answer(const AdviceInput& input, Advice& advice) {
   const double wanted_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
   advice.rate_Hz = wanted_Hz;
   if (deciding) {
-    answer.reason =
-        "At " + human(wanted_Hz, "Hz") + " " + servo_clause(*deciding) + "; lower rates do worse.";
+    answer.reason = servo_sentence(*deciding);
   } else {
     answer.reason = "The default; the knobs servo_rate and servo_pressed were not measured.";
   }
   if (!input.scene) {
-    answer.limit = "Whether this machine keeps the rate was not measured; that needs a SCENE.";
+    answer.limit = "The rates that this machine keeps were not measured; give a SCENE.";
   } else if (const KeptRate& kept = input.scene->measured.kept_rate; !(kept.rate_Hz() > 0.0)) {
     answer.limit = "This machine kept none of the rates tried with this scene.";
   } else {
@@ -168,21 +166,19 @@ Result<ChosenCoupling> choose_coupling(const AdviceInput& input, double rate_Hz)
 
 std::string bound_sentence(const ChosenCoupling& c) {
   const StabilityLimits& limits = c.limits;
-  const std::string passive = stiffness_text(limits.passive_N_per_m);
+  const std::string passive = stiffness_text(rounded_down(limits.passive_N_per_m));
   const std::string stable =
-      "the loop is stable below " + stiffness_text(rounded_down(limits.stable_N_per_m)) + ".";
+      "; the loop is stable below " + stiffness_text(rounded_down(limits.stable_N_per_m)) + ".";
   switch (limits.passivity_bound) {
     case PassivityBound::kEncoder:
-      return "The encoder limits it: two times the Coulomb friction over the encoder quantum is " +
-             passive + "; " + stable;
-    case PassivityBound::kDamper:
-      return "Damping limits it: the device has no damping beyond that of the coupling, so no wall "
-             "is passive; " +
+      return "The encoder limits passive walls to " + passive + " (2 x friction / quantum)" +
              stable;
+    case PassivityBound::kDamper:
+      return "The damper limits it: B leaves none of the device's damping b" + stable;
     case PassivityBound::kSampling:
       break;
   }
-  return "Sampling limits it: b > K T / 2 + |B| holds up to " + passive + "; " + stable;
+  return "Sampling limits passive walls to " + passive + " (b > K T / 2 + |B|)" + stable;
 }
 
 // The surfaces of the scene that have a coupling of their own which is not passive at this rate.
@@ -210,21 +206,19 @@ Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, doubl
   Answer answer{"Stiffness", stiffness_text(c.stiffness_N_per_m), "", ""};
   const double wanted = input.coupling.stiffness_N_per_m;
   const bool is_default = wanted == CouplingSettings{}.stiffness_N_per_m;
-  const std::string wanted_text =
-      std::string(is_default ? "the default" : "the value given") + ", " + stiffness_text(wanted);
   const std::string at = " at " + human(rate_Hz, "Hz");
   if (!c.is_passive) {
     answer.reason =
-        "No wall is passive on this device; this one is stable with a gain margin of "
-        "two" +
-        at + ".";
+        "No wall is passive on this device; this one is half as stiff as the stability "
+        "limit" +
+        at + ", or softer.";
   } else if (c.stiffness_N_per_m == wanted) {
-    answer.reason = std::string(is_default ? "The default" : "The value given") +
-                    ": passive on this device" + at +
-                    ", so that no hand gets more energy out of a wall than it put in.";
+    answer.reason = std::string(is_default ? "The default" : "The value given") + ": passive" + at +
+                    ", so no hand gets more energy out of a wall than it put in.";
   } else {
-    answer.reason =
-        "The stiffest wall that is passive on this device" + at + "; " + wanted_text + ", is not.";
+    answer.reason = "The stiffest passive wall" + at + "; the " +
+                    (is_default ? "default" : "value given") + ", " + stiffness_text(wanted) +
+                    ", is not passive.";
   }
   answer.limit = bound_sentence(c) + stiff_surfaces(input, rate_Hz);
   return answer;
@@ -248,10 +242,10 @@ Answer damping_answer(const AdviceInput& input, const ChosenCoupling& c, double 
   }
   const double step = 0.1 * input.device.damping_Ns_per_m;
   if (step > 0.0) {
-    answer.limit = "B must stay below the device's damping, b = " +
-                   human(input.device.damping_Ns_per_m, "N s/m") + "; each " + short_number(step) +
-                   " N s/m lowers the sampling limit by " + stiffness_text(2.0 * step * rate_Hz) +
-                   ".";
+    answer.limit =
+        "B must stay below the device's b = " + human(input.device.damping_Ns_per_m, "N s/m") +
+        "; each " + short_number(step) + " N s/m lowers the sampling limit by " +
+        stiffness_text(2.0 * step * rate_Hz) + ".";
   } else {
     answer.limit = "The device has no damping, so no damper is passive.";
   }
@@ -271,9 +265,9 @@ LevelResult level_of(const PresetOnScene& preset, double floor_m) {
 }
 
 std::string preset_clause(const PresetOnScene& preset, double floor_m) {
-  return "its ticks take " + human(preset.p99_ns.median, "ns") +
-         " (99 %), and its proxy is within " + human(std::max(preset.worst_error_m, floor_m), "m") +
-         " of that of exact";
+  return "99 % of its ticks take at most " + human(preset.p99_ns.median, "ns") +
+         ", and its proxy is within " + human(std::max(preset.worst_error_m, floor_m), "m") +
+         " of exact";
 }
 
 Answer preset_on_scene(const SceneAccuracy& measured, Advice& advice) {
@@ -296,10 +290,10 @@ Answer preset_on_scene(const SceneAccuracy& measured, Advice& advice) {
                                                      : std::string("Clearly better here: ")) +
                     preset_clause(presets[advice.preset], measured.floor_m) + ".";
   }
-  answer.limit = "fast is not certified: its proxy may pass a thin surface. Here a tick takes " +
-                 human(presets[0].p50_ns.median, "ns") + " with fast, " +
-                 human(presets[1].p50_ns.median, "ns") + " with balanced and " +
-                 human(presets[2].p50_ns.median, "ns") + " with exact (medians).";
+  answer.limit = "fast may pass a thin surface (not certified). Median ticks: fast " +
+                 human(presets[0].p50_ns.median, "ns") + ", balanced " +
+                 human(presets[1].p50_ns.median, "ns") + ", exact " +
+                 human(presets[2].p50_ns.median, "ns") + ".";
   return answer;
 }
 
@@ -321,14 +315,13 @@ Answer preset_of_knobs(const AdviceInput& input, Advice& advice) {
   if (count == 0) {
     answer.reason = "The default; no knob was measured.";
   } else if (better.empty()) {
-    answer.reason = "The default: exact is not clearly needed on any of the " +
-                    std::to_string(count) + (count == 1 ? " knob" : " knobs") + " measured.";
+    answer.reason = "The default: exact is needed on none of the " + std::to_string(count) +
+                    (count == 1 ? " knob" : " knobs") + " measured.";
   } else {
     answer.reason = "The error of balanced is too large on " + better + ", that of exact is not.";
   }
   answer.limit =
-      "fast is not certified: its proxy may pass a thin surface. Times and errors depend "
-      "on the scene; that needs a SCENE.";
+      "fast may pass a thin surface (not certified). Times depend on the scene; give a SCENE.";
   return answer;
 }
 
@@ -370,24 +363,26 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
         input.device.encoder_quantum_m > 0.0
             ? "an encoder step of " + human(input.device.encoder_quantum_m, "m")
             : std::string("an exact encoder");
-    const char* opening = level.error.median > total->knob.enough ? "The smallest error"
-                          : chose_default(*total)                 ? "The default"
-                                                                  : "The smallest sufficient error";
-    answer.reason = std::string(opening) +
-                    " of noise and lag together: " + human(level.error.median, "m/s") + " with " +
-                    quantum + ". Noise alone would need a longer window, lag alone a shorter one.";
+    const char* opening = level.error.median > total->knob.enough ? "The least"
+                          : chose_default(*total)                 ? "The default, with little"
+                                                                  : "The best:";
+    answer.reason = std::string(opening) + " noise and lag together, " +
+                    human(level.error.median, "m/s") + " at " + quantum +
+                    "; noise alone favours more ticks, lag fewer.";
   }
   answer.limit =
-      "It affects surfaces with a damper. With more than one tick the damper returns part "
-      "of its energy, and the limits above assume one tick.";
+      "For surfaces with a damper. Above one tick the damper returns some energy; the "
+      "limits assume one.";
   return answer;
 }
 
 // ---- mesh --------------------------------------------------------------------------------------
 
-std::string smooth_shape_clause(const KnobResult& depth) {
+// The mesh that the knob of the smooth sphere recommends.
+std::string smooth_sphere_clause(const KnobResult& depth) {
   const LevelResult& level = chosen(depth);
-  return level.label + ", edges of " + human(level.value, "m") + ", on a smooth sphere of 0.2 m";
+  return " smooth sphere of 0.2 m needs " + level.label + " (edges of " + human(level.value, "m") +
+         ")";
 }
 
 Answer mesh_on_scene(const KnobResult& own, const KnobResult* depth) {
@@ -396,19 +391,17 @@ Answer mesh_on_scene(const KnobResult& own, const KnobResult* depth) {
   Answer answer{"Mesh", level.label, "", ""};
   if (chose_default(own)) {
     answer.value += ", as in the file";
-    answer.reason = "The default: no coarser mesh of this scene is clearly quicker and within " +
-                    human(own.knob.enough, "m") + ".";
+    answer.reason = "The default: no coarser mesh is clearly quicker and within " +
+                    human(own.knob.enough, "m") + " of it.";
   } else {
-    answer.value += " of " + whole.label;
-    answer.reason = "The quickest mesh of this scene within " + human(own.knob.enough, "m") +
-                    " of the file's own: " + human(level.error.median, "m") + ", with ticks of " +
+    answer.value += " instead of " + whole.label;
+    answer.reason = "The quickest mesh within " + human(own.knob.enough, "m") +
+                    " of the file's: " + human(level.error.median, "m") + " off, ticks of " +
                     human(level.time.median, "ns") + " instead of " +
                     human(whole.time.median, "ns") + ".";
   }
-  answer.limit =
-      "Errors are against the file's own mesh, because the smooth shape behind it is not "
-      "known";
-  answer.limit += depth ? "; for comparison: " + smooth_shape_clause(*depth) + "." : ".";
+  answer.limit = "Compared with the file's own mesh";
+  answer.limit += depth ? "; a" + smooth_sphere_clause(*depth) + "." : ".";
   return answer;
 }
 
@@ -418,23 +411,22 @@ Answer mesh_answer(const AdviceInput& input) {
     return mesh_on_scene(*own, depth);
   }
   Answer answer{"Mesh", "as in the file", "", ""};
-  if (depth) {
-    const LevelResult& level = chosen(*depth);
-    if (input.scene) {
-      answer.reason = "The scene's own mesh was not simplified, so that its triangles stay.";
-    } else {
-      answer.value = "edges of " + human(level.value, "m");
-      answer.reason = "The coarsest mesh of a smooth sphere of 0.2 m (" + level.label +
-                      ") with a depth error within " + human(depth->knob.enough, "m") + ": " +
-                      human(level.error.median, "m") + ".";
-    }
-    answer.limit =
-        "Half the edge leaves a quarter of the depth error; a surface with a smaller "
-        "radius of curvature needs shorter edges";
-    answer.limit += input.scene ? ": " + smooth_shape_clause(*depth) + "." : ".";
-  } else {
+  if (!depth) {
     answer.reason = "The default; the knobs mesh_depth and scene_resolution were not measured.";
     answer.limit = "More triangles than the shape needs cost time and memory alone.";
+  } else if (input.scene) {
+    answer.reason = "The default; the scene's own mesh was not simplified.";
+    answer.limit = "A" + smooth_sphere_clause(*depth) + " for a depth error within " +
+                   human(depth->knob.enough, "m") + ".";
+  } else {
+    const LevelResult& level = chosen(*depth);
+    answer.value = "edges of " + human(level.value, "m");
+    answer.reason = "The quickest mesh of a sphere of 0.2 m with a depth error within " +
+                    human(depth->knob.enough, "m") + ": " + level.label + ", " +
+                    human(level.error.median, "m") + ".";
+    answer.limit =
+        "Half the edge leaves a quarter of the error; smaller radii of curvature need "
+        "shorter edges.";
   }
   return answer;
 }
@@ -505,11 +497,15 @@ Result<Advice> advise(const AdviceInput& input) {
   return advice;
 }
 
+std::vector<std::string> command_words(const Advice& advice) {
+  std::vector<std::string> words;
+  for (const std::string& argument : advice.command) words.push_back(shell_quoted(argument));
+  return words;
+}
+
 std::string command_line(const Advice& advice) {
   std::string line;
-  for (const std::string& argument : advice.command) {
-    line += (line.empty() ? "" : " ") + shell_quoted(argument);
-  }
+  for (const std::string& word : command_words(advice)) line += (line.empty() ? "" : " ") + word;
   return line;
 }
 

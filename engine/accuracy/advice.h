@@ -31,7 +31,7 @@ struct Advice {
 
   // The same for readers: rate, stiffness, damping, preset, velocity window, mesh.
   std::string subject;  // "For this device and this scene"
-  std::string device;   // "mass 100 g, damping ..."
+  std::string device;   // "mass 0.1 kg, damping ..."
   std::vector<Answer> answers;
   // A command that applies the settings to a simulated device; the first argument is "palpate".
   std::vector<std::string> command;
@@ -52,7 +52,8 @@ inline constexpr const char* kAdviceModel = "models/sphere.glb";
 // as of stability_limits().
 Result<Advice> advise(const AdviceInput& input);
 
-// The command as a line for a shell.
+// The words of the command, quoted for a shell, and the same as a line.
+std::vector<std::string> command_words(const Advice& advice);
 std::string command_line(const Advice& advice);
 
 // A few lines for the terminal.

@@ -71,8 +71,9 @@ struct KnobResult {
   // The title of the knob that Knob::decided_by names, if reconcile() used its recommendation.
   std::string decided_by_title;
 
+  // Neither level nor method is a choice: the knob shows costs alone.
+  bool has_choice() const { return !(knob.levels_are_given && knob.methods_are_given); }
   LevelPlace default_place() const { return {knob.default_method, knob.default_level}; }
-  // On the Pareto front, or tied with a level on it.
   bool default_is_on_front() const { return default_behind <= 1.0; }
 };
 

@@ -12,14 +12,6 @@ const Spread& spread_of(const LevelResult& level, Figure figure) {
   return figure == Figure::kTime ? level.time : level.error;
 }
 
-bool is_no_worse(const LevelResult& a, const LevelResult& b) {
-  return a.time.median <= b.time.median && a.error.median <= b.error.median;
-}
-
-bool is_better(const LevelResult& a, const LevelResult& b) {
-  return is_no_worse(a, b) && (a.time.median < b.time.median || a.error.median < b.error.median);
-}
-
 bool is_clearly_less(const Spread& a, const Spread& b) {
   return a.median < b.median && !is_alike(a, b);
 }
@@ -43,7 +35,7 @@ void mark_front(KnobResult& result) {
       LevelResult& candidate = result.methods[m].levels[l];
       candidate.on_front = candidate.counts();
       for_each_rival(result, {m, l}, [&](const LevelPlace&, const LevelResult& rival) {
-        if (is_better(rival, candidate)) candidate.on_front = false;
+        if (is_clearly_better(rival, candidate)) candidate.on_front = false;
       });
     }
   }
@@ -58,7 +50,7 @@ double times_less(const Spread& better, const Spread& worse) {
 
 void judge_default(KnobResult& result) {
   const LevelPlace place = result.default_place();
-  LevelResult& usual = result.methods[place.method].levels[place.level];
+  const LevelResult& usual = result.methods[place.method].levels[place.level];
   result.default_behind = 1.0;
   result.better_than_default.clear();
   if (!usual.counts()) {
@@ -74,8 +66,6 @@ void judge_default(KnobResult& result) {
     result.default_behind = behind;
     result.better_than_default = result.methods[p.method].name + ", " + rival.label;
   });
-  // The default wins a tie.
-  if (result.default_is_on_front()) usual.on_front = true;
 }
 
 // Keeps the levels whose figure is alike to the smallest.

@@ -35,7 +35,8 @@ bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> levels,
                                         std::span<const std::size_t> distance, double enough);
 
-// Sets LevelResult::on_front of every level, default_behind, better_than_default and recommended.
+// Sets LevelResult::on_front of every level, default_behind, better_than_default and recommended. A
+// level is on the front if no level is clearly better.
 void judge(KnobResult& result);
 
 // Gives each knob with a Knob::decided_by the recommendation of that knob, if it is among the

@@ -28,7 +28,7 @@ struct SceneFindings {
   std::string no_simplification;  // why the mesh was not simplified; empty if it was
 };
 
-// "mass 100 g, damping 0.5 N s/m, ..."
+// "mass 0.1 kg, damping 0.5 N s/m, ..."
 std::string mechanics_text(const DeviceDescription& device);
 
 ReportSection scene_section(const SceneFindings& findings);

@@ -33,7 +33,8 @@ thead th { border-bottom: 2px solid #8c959f; vertical-align: bottom; }
 td.number, th.number { text-align: right; }
 td.number { white-space: nowrap; }
 th.number span { display: inline-block; max-width: 15em; }
-td.verdict { min-width: 5.5em; }
+td.verdict { min-width: 6.2em; }
+td.verdict:nth-child(3) { min-width: 8em; }
 .advice { margin: 1rem 0 2rem; padding: .2rem 1.2rem 1rem; border: 2px solid #0057a3;
   border-radius: 8px; background: var(--tint); }
 .advice h2 { margin: .8rem 0 .2rem; padding: 0; border: 0; }
@@ -41,10 +42,11 @@ td.verdict { min-width: 5.5em; }
   margin: .8rem 0; }
 .advice dt { font-weight: 600; }
 .advice dd { margin: 0; }
-.advice dd strong, .advice dd span { display: block; max-width: 90ch; }
+.advice dd strong, .advice dd span { display: block; }
 .advice .limit { color: var(--quiet); }
 .advice pre { margin: .4rem 0 0; padding: .6rem .8rem; border: 1px solid var(--line);
   border-radius: 6px; background: #fff; white-space: pre-wrap; }
+.advice pre span { display: inline-block; max-width: 100%; }
 td .spread { color: var(--quiet); }
 td.order { min-width: 12em; }
 tr.method th { background: var(--tint); font-weight: 600; }
@@ -69,7 +71,7 @@ figcaption, .note { color: var(--quiet); font-size: .9rem; max-width: 90ch; }
   .advice dl { grid-template-columns: 1fr; gap: 0; }
   .advice dd { margin: 0 0 .6rem; }
   th, td { padding: .25rem .35rem; }
-  td.verdict { max-width: 7.5rem; overflow-wrap: anywhere; }
+  td.verdict, th.verdict { overflow-wrap: break-word; }
   dl.facts { grid-template-columns: 1fr; gap: 0; }
   dl.facts dd { margin: 0 0 .4rem; }
 }

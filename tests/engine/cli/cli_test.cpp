@@ -1597,7 +1597,7 @@ TEST_F(CommandLine, AccuracyOffersACommandThatRuns) {
   const Outcome done =
       call({"accuracy", kStar, "--quick", "--knob", "velocity_total", "--device-mass", "0.2"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_NE(done.out.find("For this device and this scene (mass 200 g"), std::string::npos);
+  EXPECT_NE(done.out.find("For this device and this scene (mass 0.2 kg"), std::string::npos);
   std::vector<std::string> command = offered_command(done.out);
   ASSERT_GT(command.size(), 10u);
   EXPECT_EQ(command[1], kStar);
