@@ -436,7 +436,7 @@ Answer mesh_answer(const AdviceInput& input) {
 std::vector<std::string> command_of(const AdviceInput& input, const Advice& advice) {
   std::vector<std::string> command{"palpate", "run"};
   if (input.scene_options.empty()) {
-    command.emplace_back(kAdviceModel);
+    command.insert(command.end(), {kAdviceModel, "--fit", "auto"});
   } else {
     command.insert(command.end(), input.scene_options.begin(), input.scene_options.end());
   }

@@ -162,11 +162,12 @@ TEST(Advice, TheBoxAnswersEachQuestionInASentence) {
         "4.6 µm."}) {
     EXPECT_TRUE(says(box, sentence)) << sentence << "\n" << box;
   }
-  EXPECT_TRUE(says(without_tags(box),
-                   "palpate run models/sphere.glb --virtual --rate 2000 --stiffness 1000 --damping "
-                   "0 --accuracy balanced --velocity-estimator difference --velocity-window 4 "
-                   "--device-mass 0.1 --device-damping 0.5 --device-friction 0.01 "
-                   "--encoder-quantum 2e-05"))
+  EXPECT_TRUE(
+      says(without_tags(box),
+           "palpate run models/sphere.glb --fit auto --virtual --rate 2000 --stiffness 1000 "
+           "--damping 0 --accuracy balanced --velocity-estimator difference --velocity-window 4 "
+           "--device-mass 0.1 --device-damping 0.5 --device-friction 0.01 "
+           "--encoder-quantum 2e-05"))
       << without_tags(box);
 }
 
