@@ -37,13 +37,6 @@ bool chose_default(const KnobResult& result) {
   return *result.recommended == result.default_place();
 }
 
-// The shortest digits that give back the same number: "0.2", "2e-05".
-std::string digits(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return {text, end};
-}
-
 // Down to two significant digits.
 double rounded_down(double value) {
   if (!(value > 0.0)) return 0.0;
@@ -445,21 +438,21 @@ std::vector<std::string> command_of(const AdviceInput& input, const Advice& advi
     command.emplace_back(option);
     command.push_back(value);
   };
-  add("--rate", digits(advice.rate_Hz));
-  add("--stiffness", digits(advice.coupling.stiffness_N_per_m));
-  add("--damping", digits(advice.coupling.damping_Ns_per_m));
+  add("--rate", shortest_digits(advice.rate_Hz));
+  add("--stiffness", shortest_digits(advice.coupling.stiffness_N_per_m));
+  add("--damping", shortest_digits(advice.coupling.damping_Ns_per_m));
   add("--accuracy", kPresetNames[advice.preset]);
   const VelocitySettings& velocity = advice.coupling.velocity;
   add("--velocity-estimator", estimator_name(velocity.method));
   add("--velocity-window", std::to_string(velocity.window_ticks));
-  add("--device-mass", digits(input.device.mass_kg));
-  add("--device-damping", digits(input.device.damping_Ns_per_m));
-  add("--device-friction", digits(input.device.coulomb_friction_N));
+  add("--device-mass", shortest_digits(input.device.mass_kg));
+  add("--device-damping", shortest_digits(input.device.damping_Ns_per_m));
+  add("--device-friction", shortest_digits(input.device.coulomb_friction_N));
   // The adaptive estimator needs a quantum; `run` accepts none of 0.
   if (input.device.encoder_quantum_m > 0.0) {
-    add("--encoder-quantum", digits(input.device.encoder_quantum_m));
+    add("--encoder-quantum", shortest_digits(input.device.encoder_quantum_m));
   } else if (velocity.method == VelocityMethod::kAdaptive) {
-    add("--encoder-quantum", digits(light_device().encoder_quantum_m));
+    add("--encoder-quantum", shortest_digits(light_device().encoder_quantum_m));
   }
   return command;
 }
@@ -478,6 +471,12 @@ std::string shell_quoted(const std::string& argument) {
 }
 
 }  // namespace
+
+std::string shortest_digits(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
 
 Result<Advice> advise(const AdviceInput& input) {
   Advice advice;

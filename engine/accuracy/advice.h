@@ -52,6 +52,9 @@ inline constexpr const char* kAdviceModel = "models/sphere.glb";
 // as of stability_limits().
 Result<Advice> advise(const AdviceInput& input);
 
+// The shortest digits that give back the same number: "0.2", "2e-05".
+std::string shortest_digits(double value);
+
 // The words of the command, quoted for a shell, and the same as a line.
 std::vector<std::string> command_words(const Advice& advice);
 std::string command_line(const Advice& advice);

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -148,10 +147,7 @@ std::vector<std::string> options_of_run(const SceneOptions& scene) {
     if (!value.empty()) options.insert(options.end(), {option, value});
   };
   const auto add_number = [&](const char* option, const std::optional<double>& value) {
-    std::ostringstream text;
-    text.precision(17);
-    if (value) text << *value;
-    add(option, text.str());
+    if (value) add(option, shortest_digits(*value));
   };
   add("--node", scene.node);
   add_number("--scale", scene.scale);
