@@ -364,8 +364,8 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
                     "; noise alone favours more ticks, lag fewer.";
   }
   answer.limit =
-      "For surfaces with a damper. Above one tick the damper returns some energy; the "
-      "limits assume one.";
+      "For surfaces with a damper. Above one tick the damper returns energy, which the "
+      "limits ignore.";
   return answer;
 }
 
@@ -448,7 +448,7 @@ std::vector<std::string> command_of(const AdviceInput& input, const Advice& advi
   add("--device-mass", shortest_digits(input.device.mass_kg));
   add("--device-damping", shortest_digits(input.device.damping_Ns_per_m));
   add("--device-friction", shortest_digits(input.device.coulomb_friction_N));
-  // The adaptive estimator needs a quantum; `run` accepts none of 0.
+  // The adaptive estimator needs a quantum, and `run` rejects a quantum of 0.
   if (input.device.encoder_quantum_m > 0.0) {
     add("--encoder-quantum", shortest_digits(input.device.encoder_quantum_m));
   } else if (velocity.method == VelocityMethod::kAdaptive) {
