@@ -356,10 +356,8 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
         input.device.encoder_quantum_m > 0.0
             ? "an encoder step of " + human(input.device.encoder_quantum_m, "m")
             : std::string("an exact encoder");
-    const char* opening = level.error.median > total->knob.enough ? "The least"
-                          : chose_default(*total)                 ? "The default, with little"
-                                                                  : "The best:";
-    answer.reason = std::string(opening) + " noise and lag together, " +
+    answer.reason = (chose_default(*total) ? "The default: noise and lag together are "
+                                           : "Noise and lag together are about the least, ") +
                     human(level.error.median, "m/s") + " at " + quantum +
                     "; noise alone favours more ticks, lag fewer.";
   }

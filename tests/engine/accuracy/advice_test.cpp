@@ -154,7 +154,8 @@ TEST(Advice, TheBoxAnswersEachQuestionInASentence) {
         "The default: exact is needed on none of the 4 knobs measured.",
         // Which window?
         "<dt>Velocity window</dt><dd><strong>4 ticks, difference</strong>",
-        "noise and lag together, 3 mm/s at an encoder step of 20 µm; noise alone favours more "
+        "Noise and lag together are about the least, 3 mm/s at an encoder step of 20 µm; noise "
+        "alone favours more "
         "ticks, lag fewer.",
         // Which mesh?
         "<dt>Mesh</dt><dd><strong>edges of 2.05 mm</strong>",
