@@ -8,4 +8,5 @@ build_preset release palpate
 if (($# == 0)); then
   set -- run "$palpate_root/models/star.glb"
 fi
+export PALPATE_COMMAND=$0  # the program proposes command lines that begin with it
 exec "$palpate_root/build/release/palpate" "$@"

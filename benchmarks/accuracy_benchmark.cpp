@@ -38,9 +38,9 @@ std::string slug(const std::string& text) {
 // All knobs; only the knob in use keeps its scenes in memory.
 class Knobs {
  public:
-  explicit Knobs(const StudyEffort& effort) : effort_(effort) {}
+  explicit Knobs(const MeasurementEffort& effort) : effort_(effort) {}
 
-  const StudyEffort& effort() const { return effort_; }
+  const MeasurementEffort& effort() const { return effort_; }
   const Knob& get(std::size_t index) {
     if (index_ != index) {
       in_use_.reset();  // first, so that no two knobs are in memory together
@@ -51,7 +51,7 @@ class Knobs {
   }
 
  private:
-  StudyEffort effort_;
+  MeasurementEffort effort_;
   std::optional<std::size_t> index_;
   std::optional<Knob> in_use_;
 };
@@ -102,10 +102,10 @@ void run(benchmark::State& state, Knobs& knobs, std::size_t index, const LevelPl
 
 }  // namespace
 
-void register_accuracy_benchmarks(const StudyEffort& effort) {
+void register_accuracy_benchmarks(const MeasurementEffort& effort) {
   benchmark::AddCustomContext("accuracy", effort.quick ? "quick" : "full");
   benchmark::AddCustomContext("accuracy_seed", std::to_string(effort.seed));
-  benchmark::AddCustomContext("accuracy_repeats", std::to_string(StudyEffort::kRepeats));
+  benchmark::AddCustomContext("accuracy_repeats", std::to_string(MeasurementEffort::kRepeats));
   const auto knobs = std::make_shared<Knobs>(effort);
   const std::vector<Knob> all = all_knobs(effort);
   std::set<std::string> rows;

@@ -29,7 +29,7 @@ constexpr int kPairs = 8;
 // Each effect alone, then all effects on the touched surface, then all on an untouched surface.
 std::vector<EffectCase> effect_cases() {
   std::vector<EffectCase> cases;
-  for (const std::string_view effect : studied_effects()) cases.push_back(only(effect));
+  for (const std::string_view effect : measured_effects()) cases.push_back(only(effect));
   cases.push_back(all_effects());
   cases.push_back(effects_elsewhere());
   return cases;

@@ -51,8 +51,9 @@ std::vector<int> parse_list(std::string_view text, int most) {
 struct Options {
   std::vector<int> subdivisions{5, 7, 8, 9};
   int ticks = 10000;
-  std::optional<palpate::StudyEffort> accuracy = palpate::StudyEffort{};  // nullopt: off
-  std::uint64_t seed = palpate::StudyEffort{}.seed;
+  std::optional<palpate::MeasurementEffort> accuracy =
+      palpate::MeasurementEffort{};  // nullopt: off
+  std::uint64_t seed = palpate::MeasurementEffort{}.seed;
 };
 
 // Each function parses the value after the option's name and returns whether it is valid.
@@ -68,7 +69,7 @@ bool set_ticks(std::string_view value, Options& options) {
 bool set_accuracy(std::string_view value, Options& options) {
   options.accuracy.reset();
   if (value == "off") return true;
-  options.accuracy = palpate::StudyEffort{.quick = value == "quick"};
+  options.accuracy = palpate::MeasurementEffort{.quick = value == "quick"};
   return value == "quick" || value == "full";
 }
 bool set_seed(std::string_view value, Options& options) {

@@ -37,7 +37,7 @@ void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 
 // Once for all sizes: accuracy_<knob>/<method>/<level>, every level of every knob. Adds the
 // conditions of the measurement to the context.
-void register_accuracy_benchmarks(const StudyEffort& effort);
+void register_accuracy_benchmarks(const MeasurementEffort& effort);
 
 // Once for all sizes: load_instances/<count>x, instances_sliding/<count>x and
 // instances_sliding_searched/<count>x.

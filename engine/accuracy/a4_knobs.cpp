@@ -152,7 +152,7 @@ Knob step_knob() {
 
 }  // namespace
 
-std::vector<Knob> a4_knobs(const StudyEffort&) {
+std::vector<Knob> a4_knobs(const MeasurementEffort&) {
   return {step_knob()};
 }
 

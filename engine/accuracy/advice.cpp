@@ -356,16 +356,14 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
         input.device.encoder_quantum_m > 0.0
             ? "an encoder step of " + human(input.device.encoder_quantum_m, "m")
             : std::string("an exact encoder");
-    const char* opening = level.error.median > total->knob.enough ? "The least"
-                          : chose_default(*total)                 ? "The default, with little"
-                                                                  : "The best:";
-    answer.reason = std::string(opening) + " noise and lag together, " +
+    answer.reason = (chose_default(*total) ? "The default: noise and lag together are "
+                                           : "Noise and lag together are about the least, ") +
                     human(level.error.median, "m/s") + " at " + quantum +
                     "; noise alone favours more ticks, lag fewer.";
   }
   answer.limit =
-      "For surfaces with a damper. Above one tick the damper returns some energy; the "
-      "limits assume one.";
+      "For surfaces with a damper. Above one tick the damper returns energy, which the "
+      "limits ignore.";
   return answer;
 }
 
@@ -427,7 +425,7 @@ Answer mesh_answer(const AdviceInput& input) {
 // ---- command -----------------------------------------------------------------------------------
 
 std::vector<std::string> command_of(const AdviceInput& input, const Advice& advice) {
-  std::vector<std::string> command{"palpate", "run"};
+  std::vector<std::string> command{input.program, "run"};
   if (input.scene_options.empty()) {
     command.insert(command.end(), {kAdviceModel, "--fit", "auto"});
   } else {
@@ -448,7 +446,7 @@ std::vector<std::string> command_of(const AdviceInput& input, const Advice& advi
   add("--device-mass", shortest_digits(input.device.mass_kg));
   add("--device-damping", shortest_digits(input.device.damping_Ns_per_m));
   add("--device-friction", shortest_digits(input.device.coulomb_friction_N));
-  // The adaptive estimator needs a quantum; `run` accepts none of 0.
+  // The adaptive estimator needs a quantum, and `run` rejects a quantum of 0.
   if (input.device.encoder_quantum_m > 0.0) {
     add("--encoder-quantum", shortest_digits(input.device.encoder_quantum_m));
   } else if (velocity.method == VelocityMethod::kAdaptive) {

@@ -33,7 +33,7 @@ struct Advice {
   std::string subject;  // "For this device and this scene"
   std::string device;   // "mass 0.1 kg, damping ..."
   std::vector<Answer> answers;
-  // A command that applies the settings to a simulated device; the first argument is "palpate".
+  // A command that applies the settings to a simulated device; it begins with AdviceInput::program.
   std::vector<std::string> command;
 };
 
@@ -43,6 +43,7 @@ struct AdviceInput {
   DeviceDescription device;
   CouplingSettings coupling;               // of the loop, as given or by default
   std::vector<std::string> scene_options;  // of `palpate run`: the path, then options of the scene
+  std::string program = "palpate";         // first word of the command
 };
 
 // The scene of the command if no scene was measured: a model of this repository.

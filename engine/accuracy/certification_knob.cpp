@@ -119,7 +119,7 @@ class Grooves {
 
 }  // namespace
 
-Knob certification_knob(const StudyEffort& effort) {
+Knob certification_knob(const MeasurementEffort& effort) {
   Knob knob;
   knob.name = "certification";
   knob.title = "Certified path";

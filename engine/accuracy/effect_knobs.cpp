@@ -43,7 +43,7 @@ Method sampled(const std::string& name, const SineRelief& relief, ImageDepth dep
   return method;
 }
 
-Knob texture_knob(const StudyEffort& effort) {
+Knob texture_knob(const MeasurementEffort& effort) {
   SineRelief relief;
   if (!effort.quick) relief.waves = 3;
   Knob knob;
@@ -201,7 +201,7 @@ class TappedSphere {
 
 using Spheres = std::vector<std::pair<int, std::shared_ptr<TappedSphere>>>;
 
-Spheres spheres_of(const StudyEffort& effort) {
+Spheres spheres_of(const MeasurementEffort& effort) {
   Spheres spheres;
   for (int subdivisions = 3; subdivisions <= (effort.quick ? 6 : 7); ++subdivisions) {
     spheres.emplace_back(subdivisions,
@@ -314,7 +314,7 @@ Knob effect_costs_knob(const Spheres& spheres) {
 
 }  // namespace
 
-std::vector<Knob> effect_knobs(const StudyEffort& effort) {
+std::vector<Knob> effect_knobs(const MeasurementEffort& effort) {
   const Spheres spheres = spheres_of(effort);
   return {texture_knob(effort), effect_costs_knob(spheres), effects_knob(spheres)};
 }

@@ -84,7 +84,7 @@ struct Knob {
 };
 
 // How much work each measurement does.
-struct StudyEffort {
+struct MeasurementEffort {
   bool quick = false;  // coarser meshes and shorter paths; the number of repeats stays
   std::uint64_t seed = 1;
 

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-std::vector<Knob> all_knobs(const StudyEffort& effort, const DeviceDescription& device) {
+std::vector<Knob> all_knobs(const MeasurementEffort& effort, const DeviceDescription& device) {
   std::vector<Knob> all;
   const auto add = [&](std::vector<Knob> knobs) {
     all.insert(all.end(), std::make_move_iterator(knobs.begin()),

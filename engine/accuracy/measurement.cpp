@@ -136,7 +136,7 @@ Spread Spread::of(std::vector<double> values) {
   return {at(0.25), at(0.5), at(0.75)};
 }
 
-std::uint64_t repeat_seed(const StudyEffort& effort, int repeat) {
+std::uint64_t repeat_seed(const MeasurementEffort& effort, int repeat) {
   return effort.seed + static_cast<std::uint64_t>(repeat);
 }
 
@@ -168,29 +168,31 @@ std::optional<double> fitted_order(const std::vector<LevelResult>& levels) {
   return order;
 }
 
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress) {
+KnobResult measure(const Knob& knob, const MeasurementEffort& effort,
+                   const MeasuringProgress& progress) {
   Round round(knob);
   // A run that does not count: scenes are built, caches and clocks warm up.
   for (std::size_t i = 0; i < round.size(); ++i) Round(knob).run(i, repeat_seed(effort, 0));
-  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+  for (int repeat = 0; repeat < MeasurementEffort::kRepeats; ++repeat) {
     const auto turn = static_cast<std::size_t>(repeat);
     const std::size_t stride = stride_of(turn, round.size());
     for (std::size_t i = 0; i < round.size(); ++i) {
       round.run((i * stride + 7 * turn) % round.size(), repeat_seed(effort, repeat));
     }
-    if (progress) progress(static_cast<double>(repeat + 1) / StudyEffort::kRepeats);
+    if (progress) progress(static_cast<double>(repeat + 1) / MeasurementEffort::kRepeats);
   }
   KnobResult result = round.result();
   judge(result);
   return result;
 }
 
-LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort) {
+LevelResult measure_level(const Knob& knob, const LevelPlace& place,
+                          const MeasurementEffort& effort) {
   const Method& method = knob.methods[place.method];
   const Level& level = method.levels[place.level];
   Gathered gathered;
   level.run(repeat_seed(effort, 0));  // as in measure()
-  for (int repeat = 0; repeat < StudyEffort::kRepeats; ++repeat) {
+  for (int repeat = 0; repeat < MeasurementEffort::kRepeats; ++repeat) {
     gathered.add(checked(level.run(repeat_seed(effort, repeat))));
   }
   return gathered.result(level.value, level.label, method.floor);

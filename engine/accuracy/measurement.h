@@ -87,13 +87,15 @@ using MeasuringProgress = std::function<void(double)>;
 
 // Repeats levels in turn, so that other work of the machine affects all of them alike. Repeat r of
 // every level has the same seed.
-KnobResult measure(const Knob& knob, const StudyEffort& effort, const MeasuringProgress& progress);
+KnobResult measure(const Knob& knob, const MeasurementEffort& effort,
+                   const MeasuringProgress& progress);
 
 // The seed of a repeat.
-std::uint64_t repeat_seed(const StudyEffort& effort, int repeat);
+std::uint64_t repeat_seed(const MeasurementEffort& effort, int repeat);
 
 // Measures one level alone, for benchmarks.
-LevelResult measure_level(const Knob& knob, const LevelPlace& place, const StudyEffort& effort);
+LevelResult measure_level(const Knob& knob, const LevelPlace& place,
+                          const MeasurementEffort& effort);
 
 // Exponent of a power law: least squares of log(error) over log(value), of the levels that count
 // and are above the floor. Nothing with fewer than four levels, or where they follow no power law.

@@ -89,7 +89,7 @@ constexpr const char* kHand =
 constexpr const char* kFloat = "the rounding of a file's coordinates to single precision";
 
 // One method per surface, one level per mesh of the surface.
-Knob resolution_knob(const StudyEffort& effort, Measure measure) {
+Knob resolution_knob(const MeasurementEffort& effort, Measure measure) {
   const bool is_depth = measure == Measure::kDepth;
   Knob knob;
   knob.name = is_depth ? "mesh_depth" : "mesh_angle";
@@ -137,7 +137,7 @@ Knob resolution_knob(const StudyEffort& effort, Measure measure) {
   return knob;
 }
 
-Knob radius_knob(const StudyEffort& effort) {
+Knob radius_knob(const MeasurementEffort& effort) {
   Knob knob;
   knob.name = "proxy_radius";
   knob.title = "Sphere against point proxy";
@@ -182,7 +182,7 @@ Knob radius_knob(const StudyEffort& effort) {
 
 }  // namespace
 
-std::vector<Knob> mesh_knobs(const StudyEffort& effort) {
+std::vector<Knob> mesh_knobs(const MeasurementEffort& effort) {
   return {resolution_knob(effort, Measure::kDepth), resolution_knob(effort, Measure::kAngle),
           radius_knob(effort)};
 }

@@ -41,7 +41,7 @@ std::vector<Vec3> proxies_of(const ContactWorld& world, std::vector<Vec3> path_m
 // The same hand on the same sphere, at a distance and at the origin.
 class Displaced {
  public:
-  Displaced(const StudyEffort& effort, double distance_m, PlacedBy placed_by)
+  Displaced(const MeasurementEffort& effort, double distance_m, PlacedBy placed_by)
       : ticks_(effort.quick ? 500 : 2000),
         place_m_(Vec3::Constant(distance_m)),
         displaced_([place_m = place_m_, placed_by] { return sphere_at(place_m, placed_by); }) {}
@@ -76,7 +76,7 @@ class Displaced {
 
 }  // namespace
 
-Knob narrow_phase_knob(const StudyEffort& effort) {
+Knob narrow_phase_knob(const MeasurementEffort& effort) {
   Knob knob;
   knob.name = "narrow_phase";
   knob.title = "Arithmetic of the narrow phase, near the origin and far away";

@@ -68,16 +68,23 @@ void judge_default(KnobResult& result) {
   });
 }
 
-// Keeps the levels whose figure is alike to the smallest.
-void keep_smallest(std::span<const LevelResult* const> levels, Figure figure,
+bool is_within_factor(const Spread& a, const Spread& b) {
+  return std::max(a.median, b.median) <= kAlikeFactor * std::min(a.median, b.median);
+}
+
+// Keeps the levels whose figure is as small as the smallest, in the sense of chosen_level().
+void keep_smallest(std::span<const LevelResult* const> levels,
+                   std::span<const std::size_t> distance, Figure figure,
                    std::vector<std::size_t>& kept) {
   const Spread* least = nullptr;
   for (const std::size_t i : kept) {
     const Spread& spread = spread_of(*levels[i], figure);
     if (!least || spread.median < least->median) least = &spread;
   }
-  std::erase_if(kept,
-                [&](std::size_t i) { return !is_alike(spread_of(*levels[i], figure), *least); });
+  std::erase_if(kept, [&](std::size_t i) {
+    const Spread& spread = spread_of(*levels[i], figure);
+    return distance[i] == 0 ? !is_alike(spread, *least) : !is_within_factor(spread, *least);
+  });
 }
 
 // Levels of other methods are farther than all levels of the default's method.
@@ -114,7 +121,7 @@ bool have_same_levels(const KnobResult& a, const KnobResult& b) {
 
 bool is_alike(const Spread& a, const Spread& b) {
   const bool overlaps = a.low <= b.high && b.low <= a.high;
-  return overlaps || std::max(a.median, b.median) <= kAlikeFactor * std::min(a.median, b.median);
+  return overlaps || is_within_factor(a, b);
 }
 
 bool is_clearly_better(const LevelResult& a, const LevelResult& b) {
@@ -135,11 +142,11 @@ std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> leve
   if (counting.empty()) return std::nullopt;
   if (left.empty()) {
     left = counting;
-    keep_smallest(levels, Figure::kError, left);
-    keep_smallest(levels, Figure::kTime, left);
+    keep_smallest(levels, distance, Figure::kError, left);
+    keep_smallest(levels, distance, Figure::kTime, left);
   } else {
-    keep_smallest(levels, Figure::kTime, left);
-    keep_smallest(levels, Figure::kError, left);
+    keep_smallest(levels, distance, Figure::kTime, left);
+    keep_smallest(levels, distance, Figure::kError, left);
   }
   return *std::min_element(left.begin(), left.end(),
                            [&](std::size_t a, std::size_t b) { return distance[a] < distance[b]; });

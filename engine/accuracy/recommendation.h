@@ -27,11 +27,12 @@ bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 // The level to choose. Levels that do not count are left out.
 //  1. Only levels with an error of at most `enough` are considered; if there are none, all are, and
 //     steps 2 and 3 change places.
-//  2. Only those stay whose time is alike to that of the quickest.
-//  3. Only those stay whose error is alike to the smallest.
+//  2. Only those stay whose time is about that of the quickest.
+//  3. Only those stay whose error is about the smallest.
 //  4. The levels left are ties: the default wins, else the level nearest to it.
-// `distance[i]` ranks level i for step 4: 0 for the default, more for levels farther from it.
-// Nothing if no level counts.
+// About: within kAlikeFactor; for the default is_alike(), so that a wide spread favours the default
+// and does not decide between other levels. `distance[i]` ranks level i for step 4: 0 for the
+// default, more for levels farther from it. Nothing if no level counts.
 std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> levels,
                                         std::span<const std::size_t> distance, double enough);
 

@@ -213,7 +213,7 @@ Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Ha
 // Tries rates upwards to the first that is not kept; if that is 1 kHz, downwards to one that is
 // kept.
 std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
-                                    const StudyEffort& effort, KeptRate& kept) {
+                                    const MeasurementEffort& effort, KeptRate& kept) {
   const auto seconds = [&](double rate_Hz) {
     constexpr double kLeastTicks = 1000.0;  // so that one late tick is not too many
     return std::max(effort.quick ? 0.5 : 2.0, kLeastTicks / rate_Hz);
@@ -244,7 +244,8 @@ std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, c
 }  // namespace
 
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
-                                    const StudyEffort& effort, const MeasuringProgress& progress) {
+                                    const MeasurementEffort& effort,
+                                    const MeasuringProgress& progress) {
   SceneAccuracy measured;
   measured.hands = kHands;
   if (auto error = check_rate(setup)) return *error;
@@ -266,16 +267,17 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
     hands.push_back(std::move(*hand));
   }
   if (contact_ticks == 0) {
-    return Error{ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched the scene",
-                 "try another `StudyEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
-                 "scene to the size of a hand's reach"};
+    return Error{
+        ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched the scene",
+        "try another `MeasurementEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
+        "scene to the size of a hand's reach"};
   }
   std::sort(depths_m.begin(), depths_m.end());
   measured.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
   measured.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
 
   std::array<PresetTally, kAccuracyPresets.size()> tallies;
-  measured.repeats = StudyEffort::kRepeats;
+  measured.repeats = MeasurementEffort::kRepeats;
   for (int repeat = 0; repeat < measured.repeats; ++repeat) {
     const Hand& hand = hands[static_cast<std::size_t>(repeat) % hands.size()];
     for (std::size_t p = 0; p < kAccuracyPresets.size(); ++p) {

@@ -75,13 +75,14 @@ struct SceneAccuracy {
 // each preset in turn replays their paths. An error if no hand touches the scene, or as of
 // explore(). Takes seconds; runs the haptic thread.
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
-                                    const StudyEffort& effort, const MeasuringProgress& progress);
+                                    const MeasurementEffort& effort,
+                                    const MeasuringProgress& progress);
 
 // A knob that simplifies the scene's own surface: all surfaces in one mesh, simplified to a half, a
 // quarter and so on, without effects. Nothing if the scene has too many triangles (kMostSimplified)
 // or too few, or does not compile as one mesh; `why` states the reason.
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
-                                        const StudyEffort& effort, std::string& why);
+                                        const MeasurementEffort& effort, std::string& why);
 
 inline constexpr std::size_t kMostSimplified = 2'000'000;
 

@@ -219,7 +219,7 @@ Knob integrator_knob(const DeviceDescription& device) {
 }  // namespace
 
 // A quick measurement is the same: the mesh has two triangles, and all paths are short.
-std::vector<Knob> servo_knobs(const StudyEffort&, const DeviceDescription& device) {
+std::vector<Knob> servo_knobs(const MeasurementEffort&, const DeviceDescription& device) {
   return {rate_knob(device), pressed_knob(device), jitter_knob(device), substeps_knob(device),
           integrator_knob(device)};
 }

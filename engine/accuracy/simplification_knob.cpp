@@ -166,7 +166,7 @@ class Hands {
 }  // namespace
 
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
-                                        const StudyEffort& effort, std::string& why) {
+                                        const MeasurementEffort& effort, std::string& why) {
   // Counted before the triangles are gathered: nodes that share a mesh may repeat it any number of
   // times.
   std::size_t triangles = 0;

@@ -70,7 +70,7 @@ Result<Scene> make_slab(const SineRelief& relief, ImageDescription image) {
 // Straight on over whole waves, at a depth that swings.
 std::vector<Vec3> slide(const SineRelief& relief, SeededRandom& random) {
   const double step_m = relief.wave_m / static_cast<double>(relief.ticks_per_wave);
-  const double aside = random.uniform(-0.5, 0.5);  // of the way along x
+  const double aside = random.uniform(-0.5, 0.5);  // relative to the distance along x
   const Vec3 start_m(random.uniform(-4.0, 4.0) * relief.wave_m,
                      random.uniform(-4.0, 4.0) * relief.wave_m, 0.0);
   const double top_m = 0.5 * kThicknessInWaves * relief.wave_m;

@@ -23,7 +23,7 @@ constexpr const char* kCouplingText = "K = 1000 N/m, B = 2 N s/m, 1 kHz";
 // One hand on the bumpy sphere, with various accuracies and speeds.
 class Bumps {
  public:
-  explicit Bumps(const StudyEffort& effort)
+  explicit Bumps(const MeasurementEffort& effort)
       : scene_([subdivisions = effort.quick ? 7 : 8] {
           return mesh_scene(bumpy_sphere(subdivisions, kBumpyRadius_m, kBump_m, kWaves));
         }),
@@ -184,7 +184,7 @@ Knob candidates_knob(const Bumps& bumps) {
 
 }  // namespace
 
-std::vector<Knob> solver_knobs(const StudyEffort& effort) {
+std::vector<Knob> solver_knobs(const MeasurementEffort& effort) {
   const Bumps bumps(effort);
   return {iterations_knob(bumps), tolerance_knob(bumps), candidates_knob(bumps)};
 }

@@ -252,7 +252,7 @@ Knob total_knob(const DeviceDescription& device, std::size_t ticks) {
 
 }  // namespace
 
-std::vector<Knob> velocity_knobs(const StudyEffort& effort, const DeviceDescription& device) {
+std::vector<Knob> velocity_knobs(const MeasurementEffort& effort, const DeviceDescription& device) {
   // Whole periods of the swinging hand.
   const std::size_t ticks = effort.quick ? 500 : 1000;
   // The error is the same in every tick; more ticks would take the hand deeper than 15 mm.

@@ -100,7 +100,7 @@ class Cones {
 
 }  // namespace
 
-Knob work_budget_knob(const StudyEffort& effort) {
+Knob work_budget_knob(const MeasurementEffort& effort) {
   Knob knob;
   knob.name = "work_budget";
   knob.title = "Work that a tick may do";

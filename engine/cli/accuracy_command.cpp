@@ -18,6 +18,7 @@
 #include "engine/accuracy/scene_section.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
+#include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
@@ -50,7 +51,8 @@ bool is_chosen(const std::vector<std::string>& names, const std::string& name) {
 }
 
 // The knobs chosen, in the order of the report, without the knob of a scene.
-Result<std::vector<Knob>> chosen_knobs(const StudyEffort& effort, const DeviceDescription& device,
+Result<std::vector<Knob>> chosen_knobs(const MeasurementEffort& effort,
+                                       const DeviceDescription& device,
                                        const std::vector<std::string>& names, bool has_scene) {
   std::vector<Knob> all = all_knobs(effort, device);
   if (names.empty()) return all;
@@ -88,7 +90,8 @@ std::optional<Error> check_device(const RunSetup& setup) {
   return error;
 }
 
-std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs, const StudyEffort& effort) {
+std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs,
+                                    const MeasurementEffort& effort) {
   ProgressBar bar("accuracy");
   std::vector<KnobResult> results;
   for (std::size_t i = 0; i < knobs.size(); ++i) {
@@ -114,7 +117,7 @@ std::vector<double> rates_kept_Hz(const KeptRate& kept, double rate_Hz) {
 }
 
 Result<SceneFindings> measure_findings(const Scene& scene, const AccuracyRequest& command,
-                                       const RunSetup& setup, const StudyEffort& effort) {
+                                       const RunSetup& setup, const MeasurementEffort& effort) {
   SceneFindings findings;
   findings.path = command.scene.path;
   findings.device = setup.device;
@@ -160,7 +163,7 @@ std::vector<std::string> options_of_run(const SceneOptions& scene) {
 }
 
 AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& advice,
-                         const StudyEffort& effort) {
+                         const MeasurementEffort& effort) {
   AccuracyReport report;
   report.title = "What accuracy costs in time";
   report.introduction =
@@ -168,12 +171,12 @@ AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& a
       "device. Errors are measured against a closed form where one is known, times in the code "
       "that "
       "programs run. Points are medians of " +
-      std::to_string(StudyEffort::kRepeats) +
+      std::to_string(MeasurementEffort::kRepeats) +
       " repeats over ticks in contact, whiskers their quartiles; down and to the left is better.";
   report.advice = advice;
   report.facts = build_facts();
   report.facts.emplace_back("Seed", std::to_string(effort.seed));
-  report.facts.emplace_back("Repeats", std::to_string(StudyEffort::kRepeats));
+  report.facts.emplace_back("Repeats", std::to_string(MeasurementEffort::kRepeats));
   report.facts.emplace_back("Effort", effort.quick ? "quick" : "full");
   report.chapters = chapters_of(results);
   return report;
@@ -184,7 +187,7 @@ constexpr const char* kSceneTable = "scene.csv";
 constexpr const char* kPage = "report.html";
 
 // Every file that `accuracy` may write.
-std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
+std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
   std::vector<std::string> names{kTable, kSceneTable, kPage, std::string(kSceneKnob) + ".svg"};
   for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
   return names;
@@ -193,7 +196,7 @@ std::vector<std::string> accuracy_file_names(const StudyEffort& effort) {
 // Writes the CSV, a diagram per knob and the page. A signal stops it early.
 std::optional<Error> write_results(const std::vector<KnobResult>& results, const Advice& advice,
                                    const std::optional<SceneFindings>& findings,
-                                   const StudyEffort& effort, const OutputFiles& files) {
+                                   const MeasurementEffort& effort, const OutputFiles& files) {
   const auto csv = write_accuracy_csv(results, files.path(kTable));
   if (!csv) return csv.error();
   std::optional<Error> no_picture;
@@ -219,7 +222,7 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results, const
 }
 
 // Checks that results can be written; leaves no file.
-std::optional<Error> check_out_folder(const std::string& folder, const StudyEffort& effort) {
+std::optional<Error> check_out_folder(const std::string& folder, const MeasurementEffort& effort) {
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
   const auto files = OutputFiles::create(folder, accuracy_file_names(effort));
   return files ? std::nullopt : std::optional<Error>(files.error());
@@ -227,8 +230,8 @@ std::optional<Error> check_out_folder(const std::string& folder, const StudyEffo
 
 // Returns whether the files were written; after a signal the old files stay.
 Result<bool> write_in_place(const std::vector<KnobResult>& results, const Advice& advice,
-                            const std::optional<SceneFindings>& findings, const StudyEffort& effort,
-                            const std::string& folder) {
+                            const std::optional<SceneFindings>& findings,
+                            const MeasurementEffort& effort, const std::string& folder) {
   Result<OutputFiles> files = OutputFiles::create(folder, accuracy_file_names(effort));
   if (!files) return files.error();
   if (auto error = write_results(results, advice, findings, effort, *files)) {
@@ -313,7 +316,7 @@ int accuracy(const AccuracyRequest& command) {
   const Result<RunSetup> setup = make_setup(command.settings);
   if (!setup) return refuse(setup.error());
   if (const auto error = check_device(*setup)) return refuse(*error);
-  const StudyEffort effort{command.quick, command.seed};
+  const MeasurementEffort effort{command.quick, command.seed};
   Result<std::vector<Knob>> knobs =
       chosen_knobs(effort, setup->device, command.knobs, !command.scene.path.empty());
   if (!knobs) return refuse(knobs.error());
@@ -341,8 +344,9 @@ int accuracy(const AccuracyRequest& command) {
   }
 
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
-  const auto advice = advise({results, findings ? &*findings : nullptr, setup->device,
-                              setup->haptics.coupling, options_of_run(command.scene)});
+  const auto advice =
+      advise({results, findings ? &*findings : nullptr, setup->device, setup->haptics.coupling,
+              options_of_run(command.scene), program_name()});
   if (!advice) return refuse(advice.error());
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);

@@ -1,6 +1,7 @@
 #include "engine/cli/command_line.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace palpate {
@@ -9,6 +10,16 @@ namespace {
 // Whether one option replaces another.
 bool excludes(const std::string& option, const std::string& other) {
   return option == other || (option == "--fit" && other == "--scale");
+}
+
+// As one word of a POSIX shell.
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + '\'';
 }
 
 }  // namespace
@@ -34,20 +45,14 @@ std::vector<std::string> with_options(std::vector<std::string> arguments,
   return arguments;
 }
 
+std::string program_name() {
+  const char* const name = std::getenv("PALPATE_COMMAND");
+  return name && *name ? name : "palpate";
+}
+
 std::string shell_line(const std::vector<std::string>& arguments) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
-  std::string line = "palpate";
-  for (const std::string& argument : arguments) {
-    line += ' ';
-    if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) {
-      line += argument;
-      continue;
-    }
-    line += '\'';
-    for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += '\'';
-  }
+  std::string line = quoted(program_name());
+  for (const std::string& argument : arguments) line += ' ' + quoted(argument);
   return line;
 }
 

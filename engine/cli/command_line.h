@@ -19,7 +19,11 @@ struct OptionSetting {
 std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 
-// "palpate" and the arguments, quoted for a POSIX shell where necessary.
+// The first word of a command line that the user can type: the environment variable
+// PALPATE_COMMAND, which run.sh sets to itself, or "palpate".
+std::string program_name();
+
+// program_name() and the arguments, quoted for a POSIX shell where necessary.
 std::string shell_line(const std::vector<std::string>& arguments);
 
 }  // namespace palpate

@@ -17,6 +17,7 @@
 
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
+#include "engine/cli/command_line.h"
 #include "engine/cli/program_signals.h"
 #include "geometry/base/printable.h"
 
@@ -42,7 +43,7 @@ bool has_empty_argument(int argc, char** argv) {
               << (lacks_value ? argument.substr(0, argument.size() - 1)
                   : i > 1     ? std::string_view(argv[i - 1])
                               : "palpate")
-              << ": has an empty value; expected a value (see palpate --help)\n";
+              << ": has an empty value; expected a value (see " << program_name() << " --help)\n";
     return true;
   }
   return false;
@@ -93,7 +94,8 @@ int refuse_arguments(const CLI::App& program, const std::vector<CLI::App*>& apps
   std::replace(problem.begin(), problem.end(), '\n', ' ');
   const auto chosen = program.get_subcommands();
   const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
-  std::cerr << "palpate: " << problem << " (see palpate " << command << "--help)\n";
+  std::cerr << "palpate: " << problem << " (see " << program_name() << " " << command
+            << "--help)\n";
   return kBadArguments;
 }
 

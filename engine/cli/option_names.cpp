@@ -40,7 +40,7 @@ constexpr OptionName kOptionNames[] = {
     {"RunSettings", "device.damping_Ns_per_m", "--device-damping"},
     {"ExplorationSettings", "seconds", "--seconds"},
     {"ExplorationSettings", "seed", "--seed"},
-    {"StudyEffort", "seed", "--seed"},
+    {"MeasurementEffort", "seed", "--seed"},
     {"OutputFiles", "folder", "--out"},
     {"Scene", "tree", "palpate info SCENE --list"},
 };

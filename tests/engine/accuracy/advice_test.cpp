@@ -26,7 +26,7 @@ LevelResult made_level(double value, const std::string& label, double time, doub
   LevelResult level;
   level.value = value;
   level.label = label;
-  level.repeats = StudyEffort::kRepeats;
+  level.repeats = MeasurementEffort::kRepeats;
   level.time = {time, time, time};
   level.error = {error, error, error};
   return level;
@@ -154,7 +154,8 @@ TEST(Advice, TheBoxAnswersEachQuestionInASentence) {
         "The default: exact is needed on none of the 4 knobs measured.",
         // Which window?
         "<dt>Velocity window</dt><dd><strong>4 ticks, difference</strong>",
-        "noise and lag together, 3 mm/s at an encoder step of 20 µm; noise alone favours more "
+        "Noise and lag together are about the least, 3 mm/s at an encoder step of 20 µm; noise "
+        "alone favours more "
         "ticks, lag fewer.",
         // Which mesh?
         "<dt>Mesh</dt><dd><strong>edges of 2.05 mm</strong>",
@@ -305,7 +306,7 @@ const Knob& knob_named(const std::vector<Knob>& knobs, const std::string& name) 
 }
 
 TEST(DeviceOptions, ReachEveryKnobThatHasADevice) {
-  const StudyEffort effort{.quick = true, .seed = 1};
+  const MeasurementEffort effort{.quick = true, .seed = 1};
   DeviceDescription heavy = light_device();
   heavy.mass_kg = 0.3;
   heavy.damping_Ns_per_m = 1.5;
@@ -337,7 +338,7 @@ TEST(DeviceOptions, ReachEveryKnobThatHasADevice) {
 TEST(DeviceOptions, AnExactEncoderIsAccepted) {
   DeviceDescription exact = light_device();
   exact.encoder_quantum_m = 0.0;
-  const StudyEffort effort{.quick = true, .seed = 1};
+  const MeasurementEffort effort{.quick = true, .seed = 1};
   for (const Knob& knob : velocity_knobs(effort, exact)) {
     for (const Method& method : knob.methods) {
       EXPECT_EQ(method.levels.front().run(1).failure, "") << knob.name << ", " << method.name;

@@ -14,8 +14,8 @@
 namespace palpate {
 namespace {
 
-StudyEffort contact_effort() {
-  StudyEffort effort;
+MeasurementEffort contact_effort() {
+  MeasurementEffort effort;
   effort.quick = true;
   effort.seed = 7;
   return effort;

@@ -13,14 +13,14 @@
 namespace palpate::test {
 
 // Coarse meshes and short paths, and one seed for all.
-inline constexpr StudyEffort kEffort{.quick = true, .seed = 1};
+inline constexpr MeasurementEffort kEffort{.quick = true, .seed = 1};
 
 // Tolerance between a fitted order and that of theory.
 inline constexpr double kOrderTolerance = 0.15;
 
 // Measures the knob of this name; a test failure if it does not exist.
 inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& name,
-                           const StudyEffort& effort = kEffort) {
+                           const MeasurementEffort& effort = kEffort) {
   for (const Knob& knob : knobs) {
     if (knob.name == name) return measure(knob, effort, nullptr);
   }

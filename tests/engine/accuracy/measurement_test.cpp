@@ -94,14 +94,14 @@ TEST(Measure, RepeatsEveryLevelWithTheSameSeeds) {
                                return sample(1.0, static_cast<double>(seed));
                              }});
   }
-  StudyEffort effort;
+  MeasurementEffort effort;
   effort.seed = 40;
   const KnobResult result = measure(knob({method}), effort, nullptr);
-  ASSERT_EQ(seeds[0].size(), StudyEffort::kRepeats + 1u)
+  ASSERT_EQ(seeds[0].size(), MeasurementEffort::kRepeats + 1u)
       << "one run to warm up, which does not count";
   EXPECT_EQ(seeds[0], seeds[1]);
   EXPECT_EQ(seeds[0][1], 40u);
-  EXPECT_EQ(result.methods[0].levels[0].repeats, StudyEffort::kRepeats);
+  EXPECT_EQ(result.methods[0].levels[0].repeats, MeasurementEffort::kRepeats);
   EXPECT_EQ(result.methods[0].levels[0].error.median, 50.0);
   EXPECT_EQ(result.methods[0].levels[0].error.low, 45.0);
   EXPECT_EQ(result.methods[0].levels[0].error.high, 55.0);
@@ -129,7 +129,7 @@ TEST(Measure, ListsFailuresAndExcludesThem) {
   Sample no_number = sample(1.0, std::nan(""));
   method.levels.push_back(level(3.0, no_number));
   const KnobResult result = measured(knob({method}));
-  EXPECT_EQ(result.methods[0].levels[0].failures, StudyEffort::kRepeats);
+  EXPECT_EQ(result.methods[0].levels[0].failures, MeasurementEffort::kRepeats);
   EXPECT_EQ(result.methods[0].levels[0].failure, "unstable: it flew away");
   EXPECT_EQ(result.methods[0].levels[2].failure, "not finite");
   EXPECT_FALSE(result.methods[0].levels[0].on_front);

@@ -28,7 +28,7 @@ struct Figures {
 LevelResult level_with(const Figures& f, const std::string& label) {
   LevelResult level;
   level.label = label;
-  level.repeats = StudyEffort::kRepeats;
+  level.repeats = MeasurementEffort::kRepeats;
   level.time = {f.time * (1.0 - f.spread), f.time, f.time * (1.0 + f.spread)};
   level.error = {f.error * (1.0 - f.spread), f.error, f.error * (1.0 + f.spread)};
   level.raw_error = f.error;

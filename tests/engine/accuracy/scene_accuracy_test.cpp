@@ -19,8 +19,8 @@
 namespace palpate {
 namespace {
 
-StudyEffort scene_effort() {
-  StudyEffort effort;
+MeasurementEffort scene_effort() {
+  MeasurementEffort effort;
   effort.quick = true;
   effort.seed = 3;
   return effort;

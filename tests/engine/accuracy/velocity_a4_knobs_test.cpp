@@ -35,7 +35,7 @@ constexpr double kNoiseScatter = 0.05;
 // scatters 1.25 times as much as the mean.
 double line_fit_scatter(double w) {
   const double one_repeat = 1.0 / std::sqrt(2.0 * 500.0 / w);
-  return kNoiseScatter + 2.0 * 1.25 * one_repeat / std::sqrt(1.0 * StudyEffort::kRepeats);
+  return kNoiseScatter + 2.0 * 1.25 * one_repeat / std::sqrt(1.0 * MeasurementEffort::kRepeats);
 }
 
 // Every repeat of every level and preset counts, and fitted orders agree with theory.
@@ -44,7 +44,7 @@ void expect_sound(const KnobResult& result) {
     std::size_t above_floor = 0;
     for (const LevelResult& level : m.levels) {
       EXPECT_TRUE(level.counts()) << m.name << ", " << level.label << ": " << level.failure;
-      EXPECT_EQ(level.repeats, StudyEffort::kRepeats);
+      EXPECT_EQ(level.repeats, MeasurementEffort::kRepeats);
       EXPECT_GT(level.time.median, 0.0);
       above_floor += !level.at_floor;
     }
