@@ -43,7 +43,8 @@ bool has_empty_argument(int argc, char** argv) {
               << (lacks_value ? argument.substr(0, argument.size() - 1)
                   : i > 1     ? std::string_view(argv[i - 1])
                               : "palpate")
-              << ": has an empty value; expected a value (see " << program_name() << " --help)\n";
+              << ": has an empty value; expected a value (see " << palpate::program_name()
+              << " --help)\n";
     return true;
   }
   return false;
@@ -94,7 +95,7 @@ int refuse_arguments(const CLI::App& program, const std::vector<CLI::App*>& apps
   std::replace(problem.begin(), problem.end(), '\n', ' ');
   const auto chosen = program.get_subcommands();
   const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
-  std::cerr << "palpate: " << problem << " (see " << program_name() << " " << command
+  std::cerr << "palpate: " << problem << " (see " << palpate::program_name() << " " << command
             << "--help)\n";
   return kBadArguments;
 }
