@@ -99,7 +99,7 @@ void warn_of_duplicates(const GltfAsset& asset, std::size_t skin,
   warnings.push_back(
       gltf_element("skins", skin, "joints") + ": " + first +
       "; expected each node once. All its joints are used" +
-      (others > 1 ? "; " + std::to_string(others - 1) + " further joints are repeated" : ""));
+      (others > 1 ? "; further repeated joints: " + std::to_string(others - 1) : ""));
 }
 
 Error joint_out_of_range(const GltfAsset& asset, std::size_t skin, std::size_t joint,

@@ -371,8 +371,8 @@ TEST(HostileGltf, ANodeThatIsSeveralJointsIsNamed) {
   const SceneDescription scene = read_or_fail(asset.glb_bytes());
   EXPECT_EQ(scene.meshes.at(0).positions.at(1), Vec3(2, 0, 0));
   EXPECT_TRUE(has_warning(
-      scene, "/skins/0/joints: node 1 (\"arm\") is joint 0 and joint 2, expected each node once"));
-  EXPECT_TRUE(has_warning(scene, "so do 1 more"));
+      scene, "/skins/0/joints: node 1 (\"arm\") is joint 0 and joint 2; expected each node once"));
+  EXPECT_TRUE(has_warning(scene, "further repeated joints: 1"));
 }
 
 TEST(HostileGltf, TextAfterTheJsonIsRefused) {
