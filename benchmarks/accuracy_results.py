@@ -53,7 +53,7 @@ KNOBS = {
     "velocity_lag": Knob("velocity window, lag", "velocity error", "m/s", *TICK, "ticks"),
     "velocity_total": Knob("velocity window, total", "velocity error", "m/s", *TICK, "ticks"),
     "a4_step": Knob("period of A4's rotation", "error of the time to align", "s", *SECOND, "s"),
-    "texture_sampling": Knob("relief: texel size", "normal force / (K H)", "", *TICK, "m"),
+    "texture_sampling": Knob("relief: texel size", "error of the normal force / (K H)", "", *TICK, "m"),
     "effect_costs": Knob("each effect alone: triangles", "change of force", "N", "added time", "ns"),
     "effects": Knob("effects left out: triangles", "missing force", "N",
                     "time added by the others", "ns"),

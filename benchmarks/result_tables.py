@@ -57,13 +57,13 @@ RATIOS = [
 
 # Benchmark, its counter, decimals, the name of the row.
 LOADING = [
-    ("load_glb", "median_ms", 0, "opening a `.glb` until the first query, ms"),
+    ("load_glb", "median_ms", 0, "opening a `.glb`, up to the first answer, ms"),
     ("read_file", "median_ms", 1, "*reading the file, ms*"),
     ("openmesh_add_face", "median_ms", 0, "*OpenMesh's own `add_face`, ms*"),
     ("embree_build", "median_ms", 0, "*building Embree's own triangles, ms*"),
-    ("load_glb", "vs_parts", 2, "opening / sum of the three rows in italics"),
+    ("load_glb", "vs_parts", 2, "first row / sum of the three rows in italics"),
     ("load_glb", "bytes_per_triangle", 0, "memory counted by the scene, bytes per triangle"),
-    ("load_glb", "resident_per_triangle", 0, "growth of the process, bytes per triangle"),
+    ("load_glb", "resident_per_triangle", 0, "growth of the process's memory, bytes per triangle"),
 ]
 
 # Benchmark, its counter, the name of the row, the text of a value.
@@ -73,7 +73,7 @@ INSTANCES = [
     ("load_instances", "memory_bytes", "memory, MB", lambda v: f"{v / 1e6:.1f}"),
     ("instances_sliding", "p50_ns", "proxy update while sliding, us", lambda v: microseconds(v)),
     ("instances_sliding_searched", "p50_ns",
-     "proxy update while sliding, no candidates kept between ticks, us", lambda v: microseconds(v)),
+     "proxy update while sliding, without candidates kept between ticks, us", lambda v: microseconds(v)),
 ]
 INSTANCE_COUNTS = ["1x", "10000x"]
 
@@ -239,7 +239,7 @@ def sphere_line(runs):
         under = runs.get(("tick_sphere_sliding", size), {}).get("triangles_under_proxy")
         if under is not None:
             parts.append(f"{under:.0f} at {size_name(size)}")
-    return ("Mean number of triangles within 1 mm of the contact of the sphere proxy: " +
+    return ("Mean number of triangles within 1 mm of the point that the sphere proxy touches: " +
             ", ".join(parts) + ".") if parts else ""
 
 
@@ -309,9 +309,9 @@ def change(runs, pattern, key, scale=1):
 
 def objects_table(objects):
     columns = [("mean contact angle, deg", "%.1f", "mean_contact_angle_deg", 1),
-               ("contact within 30 deg, %", "%.0f", "share_within_30deg", 100),
+               ("contact at 30 deg or less, % of contact", "%.0f", "share_within_30deg", 100),
                ("mean penetration, mm", "%.2f", "mean_penetration_m", 1000),
-               ("in contact, %", "%.0f", "contact_share", 100),
+               ("in contact, % of time", "%.0f", "contact_share", 100),
                ("contour completed, %", "%.0f", "way_share", 100),
                ("losses of contact", "%.0f", "losses_of_contact", 1),
                ("energy returned by the device, mJ", "%.0f", "port_work_J", 1000)]

@@ -98,8 +98,8 @@ def machine_block(machine):
 def conditions_block(machine):
     clock_ns = max(run["clock_ns"] for run in machine.runs.values() if "clock_ns" in run)
     return (f"{machine.description()}, `{machine.context['flags']}`; commit "
-            f"{machine.context['commit']}, {machine.context['date'][:10]}; {clock_ns:.0f} ns for a "
-            "reading of the clock are subtracted.")
+            f"{machine.context['commit']}, {machine.context['date'][:10]}; reading the clock "
+            f"takes {clock_ns:.0f} ns, which are subtracted from every time.")
 
 
 def figure_line(machine, root):

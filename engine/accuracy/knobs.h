@@ -1,6 +1,6 @@
 #pragma once
 
-// All knobs, in the order of the report.
+// All knobs of the accuracy report (knob.h defines a knob), in the order of the report.
 
 #include <vector>
 
@@ -10,21 +10,23 @@
 
 namespace palpate {
 
-// One file per group. Knobs that simulate a device, or assume its encoder, take its description.
+// Each group is defined in its own file. A group takes a device description if its knobs simulate a
+// device or depend on its encoder.
 std::vector<Knob> solver_knobs(
     const MeasurementEffort& effort);                     // iterations, tolerance, candidates
-Knob narrow_phase_knob(const MeasurementEffort& effort);  // float against double
+Knob narrow_phase_knob(const MeasurementEffort& effort);  // single or double precision
 Knob certification_knob(const MeasurementEffort& effort);
 Knob work_budget_knob(const MeasurementEffort& effort);
-std::vector<Knob> mesh_knobs(const MeasurementEffort& effort);  // resolution, sphere against point
+std::vector<Knob> mesh_knobs(const MeasurementEffort& effort);  // resolution, sphere or point proxy
 // Rate, jitter, substeps, integrator.
 std::vector<Knob> servo_knobs(const MeasurementEffort& effort,
                               const DeviceDescription& device = light_device());
 // Estimator and window.
 std::vector<Knob> velocity_knobs(const MeasurementEffort& effort,
                                  const DeviceDescription& device = light_device());
-std::vector<Knob> a4_knobs(const MeasurementEffort& effort);      // elementary step
-std::vector<Knob> effect_knobs(const MeasurementEffort& effort);  // texture sampling, marginal cost
+std::vector<Knob> a4_knobs(const MeasurementEffort& effort);  // elementary step
+// Texture sampling, and the cost of each effect.
+std::vector<Knob> effect_knobs(const MeasurementEffort& effort);
 
 std::vector<Knob> all_knobs(const MeasurementEffort& effort,
                             const DeviceDescription& device = light_device());

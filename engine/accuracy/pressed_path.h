@@ -1,6 +1,7 @@
 #pragma once
 
-// Paths of a device that slides, pressed into a surface known in closed form.
+// Paths of a device that slides along a surface, pressed into it. The surface is known in closed
+// form.
 
 #include <cstddef>
 #include <functional>
@@ -11,6 +12,7 @@
 
 namespace palpate {
 
+// A point on a surface and the surface's normal there. Scene frame.
 struct SmoothPoint {
   Vec3 point_m = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit, outward
@@ -19,29 +21,35 @@ struct SmoothPoint {
 // Maps a point near a smooth surface to a point on it. Scene frame, metres.
 using SmoothSurface = std::function<SmoothPoint(const Vec3& near_m)>;
 
-// To the nearest point. The centre is the origin; the axis of the torus is z.
+// These surfaces map to the nearest surface point. They are centred at the origin; the axis of the
+// torus is z.
 SmoothSurface smooth_sphere(double radius_m);
 SmoothSurface smooth_torus(double major_radius_m, double minor_radius_m);
-// To the point in the same direction, for bumpy_sphere() of models.
+// The surface of bumpy_sphere() (models). It maps to the surface point in the same direction from
+// the origin, which is not the nearest one.
 SmoothSurface smooth_bumpy_sphere(double radius_m, double bump_height_m, int waves);
 
 struct PressSettings {
   double speed_m_per_s = 0.1;
-  double least_depth_m =
-      1e-3;  // the depth oscillates between the two, with a period of half a second
+  // The depth oscillates between these two values with a period of 0.5 s.
+  double least_depth_m = 1e-3;
   double most_depth_m = 3e-3;
-  double proxy_radius_m = 0.0;  // the centre of a sphere touches at this distance outside
-  double period_s = 1e-3;
-  std::size_t ticks = 1000;  // in contact
+  // In contact, the centre of a sphere proxy is this far outside the surface. Depths are measured
+  // from there. 0: a point proxy.
+  double proxy_radius_m = 0.0;
+  double period_s = 1e-3;    // of a tick
+  std::size_t ticks = 1000;  // number of ticks in contact
 };
 
 struct PressedPath {
-  std::vector<Vec3> device_m;
-  std::size_t lead_in = 0;  // ticks outside, before the first tick in contact
+  std::vector<Vec3> device_m;  // one position per tick, scene frame
+  std::size_t lead_in = 0;     // number of ticks of the approach, before the ticks in contact
 };
 
-// From a random point, in a random, wavering direction. Starts outside, because the first sample of
-// a loop determines the side of the proxy. extent_m: of the surface, for the random point.
+// A path that begins at a random point of the surface and slides in a random direction, which
+// wavers. The path approaches that point from outside, because the first sample of a loop
+// determines on which side of the surface the proxy is. extent_m: the side of the cube about the
+// origin from which the random point is drawn, before the surface maps it.
 PressedPath pressed_path(const SmoothSurface& surface, double extent_m,
                          const PressSettings& settings, SeededRandom& random);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Options of a run that `run`, `replay` and `accuracy` share.
+// The options of a run that the commands `run`, `replay` and `accuracy` share.
 
 #include <string>
 #include <string_view>
@@ -14,30 +14,35 @@
 
 namespace palpate {
 
-// The settings hold numbers and choices; make_setup() parses the texts.
+// The values of the options. Options that are numbers or choices are parsed into `settings`. The
+// other members hold the text of an option, which make_setup() parses.
 struct RunOptions {
   RunSettings settings;
   std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
-  std::string place;               // "x y z qw qx qy qz": T_device_scene at the start
-  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each
+  std::string place;               // "x y z qw qx qy qz", m: T_device_scene at the start
+  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
 };
 
+// Each add_ function adds the options of one group to a command. The options and settings must
+// outlive the parsing of the command line.
 void add_place(CLI::App& app, RunOptions& options);
-// quantum_help: help text of --encoder-quantum.
+// quantum_help: the help text of --encoder-quantum.
 void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help);
 void add_workspace(CLI::App& app, DeviceDescription& device);
-// Adds --device-mass, --device-damping and --device-friction, without a heading.
+// Adds --device-mass, --device-damping and --device-friction and returns them. They have no heading
+// in the help yet; the caller sets it.
 std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
 void add_touch(CLI::App& app, RunSettings& settings);
-// Adds --table1 and --a4-step, to be called after --a4 was added.
+// Adds --table1 and --a4-step. Call it after --a4 has been added.
 void add_rotation(CLI::App& app, RunSettings& settings);
 void add_output(CLI::App& app, RunSettings& settings, bool& json);
 
-// Checks ranges and finiteness; an error names the option, or the field that option_names.h maps
-// to it.
+// Parses the texts and checks that all numbers are finite and in range. An Error names the option,
+// or the field of a setting, which option_names.h maps to its option.
 Result<RunSetup> make_setup(const RunOptions& options);
 
-// Adds an option whose argument is one of a few words, each of which stands for a value.
+// Adds an option whose argument is one of a few words. Each word stands for a value. usual: the
+// word of the default, which the help shows.
 template <typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Simplifies a polyline within a tolerance.
+// Reduces the number of points of a polyline within a tolerance.
 
 #include <vector>
 
@@ -10,8 +10,9 @@ namespace palpate {
 
 using PicturePoint = Eigen::Vector2d;
 
-// Some of the points, in order, with the first and the last one: no point of the given line is
-// farther than `tolerance` from the returned line. Linear time. Expects finite points.
+// Returns a part of the points, in the same order; the first and the last point are always kept. No
+// point of the given line is farther than `tolerance` from the returned line. The tolerance has the
+// unit of the points. Requires finite points. Linear time.
 std::vector<PicturePoint> simplified_line(const std::vector<PicturePoint>& line, double tolerance);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// The smallest of the workspace's three extents, m: the device reaches this far along every axis.
+// The smallest of the workspace's three extents, in m. Every extent is at least this long.
 inline double workspace_extent_m(const DeviceDescription& device) {
   double least_m = device.workspace_high_m[0] - device.workspace_low_m[0];
   for (std::size_t k = 1; k < 3; ++k) {
@@ -18,15 +18,15 @@ inline double workspace_extent_m(const DeviceDescription& device) {
   return least_m;
 }
 
-// Makes the workspace a cube about the origin. extent_m: > 0.
+// Sets the workspace to a cube centred at the origin of the device frame. extent_m: its side, > 0.
 inline void set_workspace_extent(DeviceDescription& device, double extent_m) {
   device.workspace_low_m.fill(-0.5 * extent_m);
   device.workspace_high_m.fill(0.5 * extent_m);
 }
 
 // A light desktop device: a pantograph or a small parallel arm, driven by cables, with optical
-// encoders. The description contains no motors: the user chooses the actuated axes, and their force
-// limit is unknown.
+// encoders. The description contains no motors, because the user chooses the actuated axes and the
+// force limits of the motors are unknown.
 inline DeviceDescription light_device() {
   DeviceDescription device;
   device.name = "light desktop device";

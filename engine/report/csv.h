@@ -1,6 +1,6 @@
 #pragma once
 
-// Tables as comma-separated values (RFC 4180), for other programs to read.
+// Writes tables as comma-separated values (RFC 4180), which other programs can read.
 
 #include <concepts>
 #include <cstdint>
@@ -9,14 +9,16 @@
 
 namespace palpate {
 
-// The lines of a table, as text. Numbers have 17 significant digits, so that reading them restores
-// the same double; the decimal separator is a point in every locale; non-finite numbers are nan,
-// inf and -inf. Text is quoted if necessary; lines end with "\n".
+// Builds the lines of a table. A double is written with 17 significant digits, so that reading it
+// restores the same double. The decimal separator is a point in every locale, and non-finite
+// numbers are written as nan, inf and -inf. A text with a comma, a quotation mark or a line break
+// is quoted. Lines end with "\n".
 class CsvLines {
  public:
-  // columns: the column names joined by commas, which become the first line.
+  // columns: the first line, which is the column names joined by commas.
   explicit CsvLines(std::string_view columns);
 
+  // Each call of add() appends one field to the current line.
   CsvLines& add(double value);
   CsvLines& add(std::string_view text);
   CsvLines& add(const char* text) { return add(std::string_view(text)); }
@@ -29,12 +31,14 @@ class CsvLines {
       return add_unsigned(value);
     }
   }
+  // Appends this many empty fields.
   CsvLines& skip(int fields);
+  // Ends the current line, which must have at least one field.
   void end_line();
 
-  // All lines so far. Call only after end_line().
+  // Returns all lines since the start or the last clear(). Call only after end_line().
   const std::string& text() const { return text_; }
-  // Discards the lines, for a caller that has written them out.
+  // Discards the lines. Call it after writing them to a file.
   void clear() { text_.clear(); }
 
  private:

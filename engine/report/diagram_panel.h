@@ -1,7 +1,7 @@
 #pragma once
 
-// One panel of a diagram on logarithmic axes, as a gnuplot script: its frame, axes, texts, data
-// blocks and legend.
+// Writes the gnuplot script of one panel of a diagram with logarithmic axes: its frame, axes,
+// texts, data blocks and legend.
 
 #include <cstddef>
 #include <initializer_list>
@@ -14,56 +14,61 @@
 
 namespace palpate {
 
-// Pixels. The width of a panel and the data area within it; ticks, axis label and legend are below
-// the data area.
+// The width of a panel, and the data area within the panel, in pixels. The ticks and the label of
+// the horizontal axis and the legend are below the data area.
 inline constexpr double kPanelWidth = 516.0;
 inline constexpr PixelBox kPanelArea = {98.0, 34.0, 494.0, 364.0};
 inline constexpr int kPanelFontPx = 14;
 
-// The position of a panel on its canvas, pixels.
+// The upper left corner of a panel on its canvas, and the size of the canvas. Pixels.
 struct PanelPlace {
   double left = 0.0, top = 0.0;
-  double width = 0.0, height = 0.0;  // of the canvas
+  double width = 0.0, height = 0.0;  // size of the canvas
 
-  // gnuplot's `screen` coordinates of a point of the panel.
+  // Converts a point of the panel (pixels from its upper left corner, y downwards) to gnuplot's
+  // `screen` coordinates.
   std::string screen(double x, double y) const;
 };
 
-// For the n-th curve: its colour; the number of its filled point symbol, which follows that of the
-// open one; its whole gnuplot style.
+// Of the n-th curve (n = 0, 1, ...): its colour, gnuplot's number of its filled point symbol (the
+// open symbol has the number before it), and its complete gnuplot style.
 const char* curve_colour(std::size_t curve);
 int curve_point(std::size_t curve);
 std::string curve_style(std::size_t curve);
 
-// The text cut to at most this many characters; an ellipsis marks a cut. UTF-8.
+// Cuts a UTF-8 text after `longest` characters and marks the cut with an ellipsis, which is not
+// counted. A text that is not longer is returned unchanged.
 std::string shortened_label(const std::string& text, std::size_t longest);
 
-// A line of the legend: its text and the gnuplot style of its sample.
+// An entry of the legend: its text and the gnuplot style of the line sample beside the text.
 struct LegendEntry {
   std::string title;
   std::string style;
 };
 
-// The number of lines of the legend; half as many if two columns fit.
+// The number of lines of a legend with these entries. The entries are in two columns if every title
+// is short enough, otherwise in one.
 int legend_rows(const std::vector<LegendEntry>& entries);
-// The height of a panel whose legend has this many lines, pixels.
+// The height in pixels of a panel whose legend has `rows` lines.
 double panel_height(int rows);
 
-// One line of a data block.
+// Formats these numbers as one line of a data block.
 std::string data_row(std::initializer_list<double> numbers);
 
-// Collects the parts of a panel in the order in which gnuplot reads them. The axes must outlive the
-// panel.
+// Collects the parts of a panel. Each put_ function adds one part, and script() returns the parts
+// in the order in which gnuplot reads them. The axes must outlive the panel.
 class DiagramPanel {
  public:
-  // block_prefix: prefix of the names of its data blocks ("$t"), unique within the script.
+  // block_prefix: the prefix of the names of this panel's data blocks, such as "$t". No other panel
+  // of the script may have the same prefix.
   DiagramPanel(const PlotAxis& x, const PlotAxis& y, const PanelPlace& place,
                std::string block_prefix);
 
-  // The pixel of a position on an axis, in the panel.
+  // Convert a position on the horizontal or the vertical axis (PlotAxis::at) to pixels in the
+  // panel.
   double x_px(double position) const;
   double y_px(double position) const;
-  // The occupied parts of the data area.
+  // Knows which parts of the data area are occupied, and places labels in the free parts.
   LabelPlaces& places() { return places_; }
 
   void put_frame();
@@ -71,9 +76,10 @@ class DiagramPanel {
                 const std::string& up_name);
   void put_zero_bands();
   void put_label(const std::string& text, const PixelBox& box, const char* colour);
-  // A dashed horizontal line at a position of the vertical axis.
+  // Adds a dashed horizontal line at a position on the vertical axis.
   void put_line_across(double position);
-  // A data block; unless it is empty, the plot command gets the entry "$block PLOT".
+  // Adds a data block with these rows, and the entry "$block PLOT" to the plot command. Adds
+  // neither if `rows` is empty.
   void put_block(const std::string& rows, const std::string& plot);
   void put_legend(const std::vector<LegendEntry>& entries);
 

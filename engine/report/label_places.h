@@ -1,6 +1,6 @@
 #pragma once
 
-// Places the labels of a diagram so that they cover nothing.
+// Places the labels of a diagram so that they cover neither curves nor each other.
 
 #include <optional>
 #include <string_view>
@@ -17,19 +17,22 @@ struct PixelBox {
   bool is_within(const PixelBox& other) const;
 };
 
+// Finds places for labels within an area. A place is free if it lies within the area and overlaps
+// nothing that is blocked or taken. Pixels, y downwards.
 class LabelPlaces {
  public:
   explicit LabelPlaces(const PixelBox& area) : area_(area) {}
 
-  // Marks a part of the diagram that must stay visible.
+  // Marks a box or a straight line of the diagram that no label may cover.
   void block(const PixelBox& box) { taken_.push_back(box); }
   void block_line(double x0, double y0, double x1, double y1);
 
-  // Occupies a free place beside a point and returns it; nothing if no place is free. `reach`:
-  // distance from the point to the label; an urgent label may be somewhat farther away.
+  // Finds a free place of this size beside the point (x, y), takes it and returns it. Returns
+  // nothing if no place is free. reach: the distance from the point to the label. An urgent label
+  // may be up to 12 pixels farther away.
   std::optional<PixelBox> take_beside(double x, double y, double width, double height, double reach,
                                       bool is_urgent);
-  // Occupies this place if it is free.
+  // Takes this place and returns true if it is free. Otherwise returns false.
   bool take(const PixelBox& box);
 
  private:
@@ -37,7 +40,7 @@ class LabelPlaces {
   std::vector<PixelBox> taken_;
 };
 
-// The approximate width of a text in a sans-serif font. UTF-8.
+// The approximate width in pixels of a UTF-8 text in a sans-serif font of this size.
 double text_width_px(std::string_view text, double font_px);
 
 }  // namespace palpate

@@ -33,9 +33,9 @@ class WorldMover : public BeforeTick {
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
 };
 
-// Limits the force between loop and device: may reduce the commanded force of the record, and
-// reports the reason in the upper 16 bits of the record's faults. Called on the haptic thread in
-// every tick; must not block, allocate or throw.
+// Limits the force between loop and device. govern() may reduce the record's commanded force. If it
+// does, it reports the reason in the upper 16 bits of the record's faults. Called on the haptic
+// thread in every tick; must not block, allocate or throw.
 class ForceGovernor {
  public:
   virtual ~ForceGovernor() = default;
@@ -50,21 +50,21 @@ class TickObserver {
   virtual void on_tick(const TickRecord& record) noexcept = 0;
 };
 
-// The objects that take part in a tick besides loop and device. Each list is called in its order.
-// Only the governor may be null.
+// The objects that take part in a tick besides loop and device. The objects of a list are called in
+// the order of the list. Only the governor may be null. All objects must outlive the session.
 struct SessionParts {
   std::vector<BeforeTick*> changes = {};
   ForceGovernor* governor = nullptr;
   std::vector<TickObserver*> observers = {};
 };
 
-// Runs ticks. Each tick reads the device, applies the changes, runs the loop, calls the governor,
-// commands the force, publishes the record and calls the observers. tick() does not allocate, lock,
-// do I/O or throw.
+// Runs ticks. Each tick reads the device, calls SessionParts::changes, runs the loop, calls the
+// governor, commands the force, publishes the record and calls the observers. tick() itself does
+// not allocate, lock, do I/O or throw.
 //
-// The device can exert forces only between start() and stop(). A session can end by stop(), by its
-// destructor or by an exception. In each case the last command to the device is zero force, and
-// Device::stop() is called once.
+// The device can exert forces only between start() and stop(). A session ends when stop() or the
+// destructor is called, also during stack unwinding after an exception. In each case the session
+// commands zero force and then calls Device::stop() once.
 //
 // All references must outlive the session. Call tick() on one thread, and start() and stop() only
 // while no tick is running. Any thread may call latest().
@@ -79,14 +79,16 @@ class HapticSession {
   // message; the device has then been stopped, and ticks do nothing.
   std::optional<std::string> start();
 
-  // Runs one tick. Does nothing before start() and after stop(). dt_s: nominal time since the last
-  // tick. late_ns: time since this tick was due. If the force is not finite, commands zero force
-  // and sets kFaultNonFiniteForce.
+  // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
+  // last tick. late_ns: how long ago this tick was due, for the record. If the force is not finite,
+  // commands zero force and sets kFaultNonFiniteForce.
   void tick(double dt_s, std::int64_t late_ns = 0) noexcept;
 
+  // Commands zero force and stops the device. Does nothing if the session is not running.
   void stop() noexcept;
 
-  // The newest record, from any thread; see SnapshotRing::read().
+  // Copies the newest record to `record`. Returns false if no record could be copied; see
+  // SnapshotRing::read(). Any thread may call it.
   bool latest(TickRecord& record) const noexcept { return published_.read(record); }
 
  private:

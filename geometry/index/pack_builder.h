@@ -5,9 +5,10 @@
 
 namespace palpate {
 
-// Groups the faces of a mesh, mapped to the index frame, into packs and clusters of sixteen packs,
-// in the order of order_faces(). Only the last pack and the last cluster may be partly filled.
-// Deterministic for any number of threads. O(n log n).
+// Sorts the faces of a mesh, mapped to the index frame, by order_faces(). Groups each 16
+// consecutive faces into a pack and each 16 consecutive packs into a cluster. Only the last pack
+// and the last cluster may be partly filled. The result is the same for any number of threads.
+// O(n log n).
 PackedSurface pack_surface(const MappedFaces& faces);
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #pragma once
 
-// The interface of a point haptic device: its description, its samples and its commands. Depends on
-// the standard library only.
+// The interface of a point haptic device: its description, its samples and its commands. This
+// header depends only on the standard library.
 
 #include <array>
 #include <cstdint>
@@ -17,27 +17,29 @@ enum class HostSilence : std::uint8_t {
   kZeroForce    // the device sets its motors to zero force
 };
 
-// One motor. It pushes along a line, in both directions.
+// One motor. It can push in both directions along a line.
 struct MotorDescription {
-  // Unit vector, device frame. Pose-dependent motors: the direction in the device's rest pose.
+  // The direction of the line: a unit vector, device frame. If the line turns as the device moves,
+  // this is its direction in the device's rest pose.
   std::array<double, 3> direction_device = {1.0, 0.0, 0.0};
-  double peak_force_N = 0.0;        // > 0; for a time that the device limits
-  double continuous_force_N = 0.0;  // > 0, at most the peak; for an unlimited time
+  double peak_force_N = 0.0;        // > 0; for a time that the device limits itself
+  double continuous_force_N = 0.0;  // > 0, at most peak_force_N; for an unlimited time
 };
 
-// The properties of one device. Device frame, SI units. An unknown number is 0.
+// The properties of one device. Device frame, SI units. A number is 0 if it is unknown.
 struct DeviceDescription {
   std::string name;
-  int sensed_axes = 3;  // 2 or 3: the first of A1 = x, A2 = y, A3 = z
+  int sensed_axes = 3;  // 2: A1 = x and A2 = y; 3: also A3 = z
   int motor_count = 0;
   std::array<MotorDescription, 3> motors = {};  // the first motor_count are used
   bool moves_motors = false;                    // false: simulated or recorded device
+  // Two opposite corners of the workspace, a box along the axes.
   std::array<double, 3> workspace_low_m = {};
   std::array<double, 3> workspace_high_m = {};
   double mass_kg = 0.0;           // apparent mass at the tip, along an axis
   double damping_Ns_per_m = 0.0;  // viscous
   double coulomb_friction_N = 0.0;
-  double encoder_quantum_m = 0.0;  // positions are rounded to this; 0: not rounded
+  double encoder_quantum_m = 0.0;  // step to which positions are rounded; 0: not rounded
   double rate_Hz = 1000.0;         // the rate at which the host should read and command
   HostSilence when_host_is_silent = HostSilence::kUnknown;
 };
@@ -51,7 +53,8 @@ struct DeviceSample {
   bool is_valid = true;  // false: the device sensed nothing; the tick commands zero force
 };
 
-// The force that the motors must exert on the hand. Device frame; held until the next command.
+// The force that the motors must exert on the hand. Device frame. The device holds this force until
+// the next command.
 struct DeviceCommand {
   std::array<double, 3> force_N = {};
 };
@@ -65,20 +68,23 @@ struct DeviceHealth {
 //
 // Thread-safety: the thread that owns the device calls start(), stop(), description() and health(),
 // which may block. Between start() and stop(), the haptic thread calls read() and command() once
-// per tick. These two must not block, lock, allocate or throw.
+// per tick. Before stop(), when no tick is running, the owner's thread calls command() once with
+// zero force. read() and command() must not block, lock, allocate or throw.
 class Device {
  public:
   virtual ~Device() = default;
-  // The reference is valid as long as the device. The description must not change between start()
-  // and stop().
+  // The reference must stay valid as long as the device exists. The description must not change
+  // between start() and stop().
   virtual const DeviceDescription& description() const noexcept = 0;
-  // Prepares the device for read() and command(). Returns a problem in one line if the device
-  // cannot start; then neither read() nor command() is called, but stop() is.
+  // Prepares the device for read() and command(). If the device cannot start, returns a description
+  // of the problem in one line. In this case read() is not called, but a command of zero force and
+  // stop() still follow.
   virtual std::optional<std::string> start() { return std::nullopt; }
-  // Returns the latest sample. dt_s: nominal time since the last call.
+  // Returns the latest sample. dt_s: the nominal time since the last call, s.
   virtual DeviceSample read(double dt_s) noexcept = 0;
   virtual void command(const DeviceCommand& command) noexcept = 0;
-  // The last call of a session, after a command of zero force. The device stays idle until start().
+  // Ends a session. It is the last call, after a command of zero force. The device stays idle until
+  // the next start().
   virtual void stop() noexcept {}
   virtual DeviceHealth health() const { return {}; }
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 // The record of one tick of haptic rendering: the sample, the contact that was found and the force
-// that was commanded. Depends on the standard library only.
+// that was commanded. This header depends only on the standard library.
 
 #include <array>
 #include <cstddef>
@@ -13,31 +13,36 @@ namespace palpate {
 
 // The state of a contact under friction, kept from tick to tick (Harwin and Melder 2002).
 enum class FrictionState : std::uint16_t {
-  kNone,    // no contact, or no touched surface has friction
-  kSticks,  // the state of every new contact
-  kSlides   // until the tangential lag falls below the dynamic cone, even while the hand is at rest
+  kNone,  // no contact, or no touched surface has friction
+  // The contact keeps its place until the tangential lag exceeds the static limit. Every new
+  // contact starts in this state.
+  kSticks,
+  // The contact slides until the tangential lag falls below the dynamic limit. Until then the state
+  // stays kSlides, even while the hand is at rest.
+  kSlides
 };
 
 // Fault bits of a tick. A fault never stops the loop: rendering continues with the next good
-// sample. The upper 16 bits are reserved for a governor between loop and device.
+// sample. The upper 16 bits are reserved for a ForceGovernor, which limits the force between loop
+// and device.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
   kFaultNonFiniteSample = 1u << 0,  // the position is NaN or infinite: zero force
   kFaultBadTimeStep = 1u << 1,      // dt is not a valid time step (is_time_step): zero force
-  // The solver reached its limit: the proxy is feasible, but may not be the nearest point to the
-  // goal. The force is commanded all the same.
+  // The solver reached its limit of steps or of work. The proxy is feasible, but more steps might
+  // have moved it nearer to the goal. Its force is commanded nevertheless.
   kFaultSolverCapped = 1u << 2,
-  // The position moved farther than the scene's size and faster than a hand can: zero force.
+  // The position moved farther than the scene's size and faster than a hand can move: zero force.
   kFaultJump = 1u << 3,
   kFaultBodyHeld = 1u << 4,  // a moving body was stopped by a proxy that could not give way
-  // A pose was ignored: no such body, not a rigid pose, too far away, or over the limit of moving
-  // bodies.
+  // A new pose of a body was ignored: the body does not exist, the pose is not rigid or too far
+  // away, or too many bodies move.
   kFaultBadBodyPose = 1u << 5,
   kFaultNonFiniteForce = 1u << 6,  // the computed force was not finite: zero force
   kFaultFarSample = 1u << 7,       // finite, but farther than farthest_sample_m(): zero force
-  kFaultBadSettings = 1u << 8,     // check_settings() returns an Error: zero force in every tick
+  kFaultBadSettings = 1u << 8,     // check_settings() found an Error: zero force in every tick
   kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
-  kFaultBadActuation = 1u << 10    // new motor axes were ignored: they imply other sensed axes
+  kFaultBadActuation = 1u << 10    // new motor axes were ignored: they need other sensed axes
 };
 inline constexpr int kFaultCount = 11;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
@@ -47,40 +52,41 @@ inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
 inline constexpr int kFirstGovernorFault = 16;
 static_assert(kFaultCount <= kFirstGovernorFault);
 
-// Faults of a tick without a usable position or time step. Its sample must not be evaluated.
+// Each of these faults means that a tick has no usable position or time step. The sample of such a
+// tick must not be evaluated.
 inline constexpr std::uint32_t kFaultsWithoutSample = kFaultNonFiniteSample | kFaultBadTimeStep |
                                                       kFaultFarSample | kFaultBadSettings |
                                                       kFaultInvalidSample;
 
-// Faults for which a tick keeps the last state and commands zero force.
+// A tick with one of these faults keeps the state of the tick before it and commands zero force.
 inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFaultJump;
 
 // The record of one tick. All fields describe the state before the elementary rotation of that
 // tick; only q_after and o_after describe the state after it. The struct holds plain numbers
-// without padding, so that its bytes can be copied to a file or to another program. A quaternion is
-// stored w first and turns scene axes into device axes.
+// without padding, so that its bytes can be copied to a file or to another program. Quaternions are
+// stored in the order w, x, y, z and rotate vectors from the scene frame to the device frame.
 //
 // HapticLoop leaves the fields marked "session" at 0; HapticSession sets them.
 struct TickRecord {
   std::uint64_t tick = 0;
-  double time_s = 0.0;                 // since the first tick: the sum of all valid dt
-  double device_m[3] = {};             // sensed position, device frame
-  double goal_scene_m[3] = {};         // the device point
-  double proxy_scene_m[3] = {};        // equals the goal off contact
-  double normal_scene[3] = {};         // unit, as rendered; zero off contact or if planes cancel
-  double full_force_device_N[3] = {};  // before the projection on the actuated axes
-  double force_device_N[3] = {};       // commanded, acting on the hand
+  double time_s = 0.0;           // the sum of all valid dt after the first tick
+  double device_m[3] = {};       // sensed position, device frame
+  double goal_scene_m[3] = {};   // the device point, scene frame
+  double proxy_scene_m[3] = {};  // equals the goal without contact
+  double normal_scene[3] = {};   // unit, after the effects; zero: no contact, or normals cancel
+  double full_force_device_N[3] = {};      // before the projection onto the actuated axes
+  double force_device_N[3] = {};           // commanded, acting on the hand
   double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene during this tick
-  double o_before_m[3] = {};
-  double q_after_wxyz[4] = {1, 0, 0, 0};  // T_device_scene after the rotation, for the display
-  double o_after_m[3] = {};
-  double alpha_rad = 0.0;     // contact angle: normal to actuated axes, [0, pi/2]; 0 off contact
+  double o_before_m[3] = {};               // scene's origin in the device frame, this tick
+  double q_after_wxyz[4] = {1, 0, 0, 0};   // T_device_scene after the rotation, for the display
+  double o_after_m[3] = {};                // scene's origin after the rotation
+  double alpha_rad = 0.0;     // contact angle, normal to actuated axes, [0, pi/2]; 0: no contact
   double rotation_rad = 0.0;  // the angle by which A4 turns the scene after this tick
   std::int64_t step_ns = 0;   // session: computing time of the loop
-  std::int64_t late_ns = 0;   // session: delay of the tick; 0 if ticks are not scheduled
+  std::int64_t late_ns = 0;   // session: start minus due time; 0 if ticks are not scheduled
   std::uint32_t faults = kFaultNone;
-  std::uint32_t effects = 0;     // active effects, one bit each, by number in compiled_effects()
-  std::uint32_t iterations = 0;  // of the solver
+  std::uint32_t effects = 0;     // bit n: effect n of compiled_effects() was active
+  std::uint32_t iterations = 0;  // number of solver steps
   std::uint16_t contact = 0;     // 1 in contact, else 0
   FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
 };
@@ -91,13 +97,14 @@ enum class FieldType : std::uint8_t { kUint64, kInt64, kDouble, kUint32, kUint16
 struct RecordField {
   std::string_view name;
   FieldType type;
-  std::size_t count;        // numbers in the member
-  std::string_view unit;    // "1": dimensionless
-  std::string_view frame;   // "device", "scene", "device from scene" for a rotation, or ""
-  std::size_t offset;       // in bytes
-  std::string_view column;  // in a trace: the name, or its stem before "_x", "_y", "_z" or "_w"
-  bool is_of_session;       // HapticLoop leaves the member at 0
-  std::size_t bytes;        // of all its numbers
+  std::size_t count;       // how many numbers the member has
+  std::string_view unit;   // "1": dimensionless
+  std::string_view frame;  // "device", "scene", "device from scene" for a rotation, or ""
+  std::size_t offset;      // in bytes
+  // The column's name in a trace; a vector's columns append "_x", "_y", "_z" (and "_w") to it.
+  std::string_view column;
+  bool is_of_session;  // HapticLoop leaves the member at 0
+  std::size_t bytes;   // size of the member
 };
 
 namespace record_table {
