@@ -115,8 +115,8 @@ std::string run_heading(const RunRequest& command, const PreparedRun& prepared) 
   std::ostringstream text;
   text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
        << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
-       << " actuators, workspace " << workspace_extent_m(prepared.setup.device)
-       << " m along each sensed axis";
+       << (actuation.actuators() == 1 ? " actuator" : " actuators") << ", workspace "
+       << workspace_extent_m(prepared.setup.device) << " m along each sensed axis";
   if (actuation.is_planar()) {
     text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
   }

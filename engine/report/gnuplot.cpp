@@ -35,8 +35,8 @@ Error gnuplot_error(const std::string& problem) {
 }
 
 Error no_room() {
-  return {ErrorCode::kFileUnwritable, "", "gnuplot", "there is no room for its temporary files",
-          "check the folder for temporary files and the space left"};
+  return {ErrorCode::kFileUnwritable, "", "gnuplot", "its temporary files cannot be written",
+          "check TMPDIR and the free disk space"};
 }
 
 std::string content_of(std::FILE* file) {

@@ -143,9 +143,8 @@ std::optional<Error> OutputFiles::State::make_folder() {
     std::error_code failed;
     if (fs::is_directory(path, failed)) continue;
     const bool is_other = reason == EEXIST || reason == ENOTDIR;
-    return folder_error(
-        folder, path.string() + " cannot be made: " +
-                    (is_other ? "something that is no folder is in its place" : text_of(reason)));
+    return folder_error(folder, path.string() + " cannot be created: " +
+                                    (is_other ? "a file has this name" : text_of(reason)));
   }
   return std::nullopt;
 }
@@ -156,8 +155,8 @@ std::optional<Error> OutputFiles::State::check_names() const {
     const fs::file_status status = fs::symlink_status(place_of(name), failed);
     if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_symlink(status)) continue;
     return Error{ErrorCode::kFileUnwritable, place_of(name).string(), "",
-                 "is no file, and a result has this name",
-                 "move it elsewhere, or name another folder"};
+                 "is not a file, but a result needs this name",
+                 "move it, or choose another folder"};
   }
   return std::nullopt;
 }

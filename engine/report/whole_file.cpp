@@ -171,7 +171,7 @@ void WholeFile::add(std::string_view text) {
 
 std::optional<Error> WholeFile::finish() {
   if (!output_) {
-    return Error{ErrorCode::kInvalidArgument, "", "", "the file is finished already", ""};
+    return Error{ErrorCode::kInvalidArgument, "", "", "the file is already complete", ""};
   }
   const std::unique_ptr<Output> output = std::move(output_);
   if (const int reason = output->finish()) return write_error(output->path(), reason);

@@ -13,7 +13,7 @@ namespace palpate {
 inline Error write_error(const std::string& path, int reason) {
   return {ErrorCode::kFileUnwritable, path, "",
           "cannot be written: " + std::error_code(reason, std::generic_category()).message(),
-          "check the folder, its permissions and the space left"};
+          "check the folder, its permissions and the free disk space"};
 }
 
 }  // namespace palpate

@@ -989,7 +989,7 @@ TEST_F(CommandLine, RefusesInvalidMaterialValues) {
                  {"wood.1", "stiffness is \"hard\"", "N/m"});
   expect_refused({"info", good, "--material", "glass.stiffness=1"}, {"--material", "glass"});
   expect_refused({"info", good, "--material", "wood.1.stiffnes=1"},
-                 {"--material wood.1.stiffnes", "wood.1", "the keys are solid, stiffness, "});
+                 {"--material wood.1.stiffnes", "wood.1", "use one of the keys solid, stiffness, "});
   for (const char* none : {"stiffness=1", "wood.1.stiffness", "=1", ".stiffness=1", "wood.1.=1",
                            "wood.1.stiffness="}) {
     expect_refused({"info", good, "--material", none}, {"--material", none});
@@ -1502,7 +1502,7 @@ TEST_F(CommandLine, ProposesASmallerSphereForASphereThatIsTooLarge) {
   const json result = json::parse(expect_not_comparable({"run", kStar, "--virtual", "--a4", "off",
                                                          "--radius", "0.02", "--json"})
                                       .out);
-  EXPECT_NE(result["reasons"][0].get<std::string>().find("a sphere of --radius 0.02 m"),
+  EXPECT_NE(result["reasons"][0].get<std::string>().find("the sphere of --radius 0.02 m"),
             std::string::npos)
       << result["reasons"];
   const std::vector<std::string> words = proposed_words(result);
