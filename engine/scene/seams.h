@@ -19,7 +19,7 @@ namespace palpate {
 
 // A surface with the transform of its node, and with the transform that the solver uses for it.
 struct SeamSurface {
-  const NodeDescription* node;  // its transform; its mesh is an index into the meshes
+  const NodeDescription* node;  // has the transform, and the index of the mesh among the meshes
   Mat3 deformation;             // linear part of the map from mesh frame to body frame, metres
   Quat rotation;                // rotation of T_scene_body
 };
@@ -34,9 +34,9 @@ struct Seams {
   std::vector<SeamBody> bodies;  // in ascending order
   std::size_t vertices = 0;      // joined vertices, including those that did not have to move
   std::size_t places = 0;        // distinct positions of the joined vertices
-  // Surfaces with an open edge near another surface, and surfaces near such an edge, whose
-  // coordinates are too large relative to the scene to decide which vertices coincide. None of
-  // their vertices is joined.
+  // Surfaces whose coordinates are too large, relative to the scene, to decide which vertices
+  // coincide. The list contains only surfaces with an open edge near another surface, and surfaces
+  // near such an edge. None of their vertices is joined.
   std::vector<std::uint32_t> too_far;
   // Surfaces whose vertices are too close together, relative to the size of the scene, to be
   // distinguished. None of their vertices is joined.
@@ -45,7 +45,7 @@ struct Seams {
 
 // Joins coinciding vertices of different surfaces. Two vertices coincide if their distance is at
 // most the sum of the bounds on their rounding errors (see the .cpp). Joined vertices get the
-// position of the vertex whose surface has the lowest number. Of each surface, at most one vertex
+// position of the vertex whose surface has the lowest number. At most one vertex of each surface
 // joins a place: the nearest one. At least one of the joined vertices must lie on the boundary of
 // its mesh; closed surfaces and separate surfaces are left alone.
 //

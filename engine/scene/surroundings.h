@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// The keys of scenes and of nodes that belong to no effect. For a list, the limits apply to each
-// number in it.
+// Keys that belong to no effect: those of scenes, and those of nodes. For a list, the limits apply
+// to each number in it.
 std::span<const ParameterKey> scene_keys();   // gravity, toolMass, constantForce
 std::span<const ParameterKey> region_keys();  // size, radius
 inline constexpr std::string_view kMediumKey = "medium";

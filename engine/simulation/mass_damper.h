@@ -36,8 +36,8 @@ class MassDamper {
   double kinetic_J() const { return 0.5 * mass_kg_ * velocity_m_per_s_.squaredNorm(); }
 
  private:
-  // h(a). For a < 1 the closed form loses digits; the series sum over k of (-a)^k / (k + 2)! is
-  // used instead, whose remainder is below 2^-53 after 18 terms (1 / 20! = 4e-19).
+  // h(a). For a <= 1 the closed form loses digits, and a series is used instead: the sum over k of
+  // (-a)^k / (k + 2)!. Its remainder after 18 terms is below 2^-53 (1 / 20! = 4e-19).
   static double lag(double a) {
     if (a > 1.0) return (1.0 + std::expm1(-a) / a) / a;
     double sum = 0.0;

@@ -27,8 +27,8 @@ Workspace hand_workspace(int sensors, double extent_m);
 std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,
                                 double largest_extent_m);
 
-// The value of --fit with which the scene fills half of the workspace along the sensed axis of its
-// largest extent, or the workspace less the clearance for the hand if that is smaller. Rounded down
+// The value of --fit that scales the scene's largest extent along a sensed axis to half of the
+// workspace, or to the workspace less the clearance for the hand if that is smaller. Rounded down
 // to three digits. Returns nothing if the scene has no extent along any sensed axis.
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
