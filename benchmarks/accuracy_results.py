@@ -54,7 +54,8 @@ KNOBS = {
     "velocity_total": Knob("velocity window, total", "velocity error", "m/s", *TICK, "ticks"),
     "a4_step": Knob("period of A4's rotation", "error of the time to align", "s", *SECOND, "s"),
     "texture_sampling": Knob("relief: texel size", "error of the normal force / (K H)", "", *TICK, "m"),
-    "effect_costs": Knob("each effect alone: triangles", "change of force", "N", "added time", "ns"),
+    "effect_costs": Knob("each effect alone: triangles", "change of force (not an error)", "N",
+                         "added time", "ns"),
     "effects": Knob("effects left out: triangles", "missing force", "N",
                     "time added by the others", "ns"),
 }
@@ -124,7 +125,7 @@ def human(value, unit):
 # Table
 
 def levels_of(rows, knob):
-    """{method: [(level, row), ...]} without failed levels, from coarse to fine."""
+    """{method: [(level, row), ...]} without failed levels, in their order."""
     methods = {}
     for (name, method, level), row in rows.items():
         if name == knob and not row.get("failures"):
@@ -153,7 +154,7 @@ def table(rows):
                      f"{default} | {cell(knob, levels[-1][1])} |")
     if not lines:
         return ""
-    return "\n".join(["| parameter | error, time | coarsest | default | finest |",
+    return "\n".join(["| parameter | error, time | first level | default | last level |",
                       "|---|---|---:|---:|---:|"] + lines)
 
 

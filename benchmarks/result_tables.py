@@ -24,7 +24,7 @@ TICKS = [
     ("tick_tapping_evicted", "tapping, L1 and L2 evicted"),
     ("tick_sliding_evicted", "sliding, L1 and L2 evicted"),
     ("tick_sphere_sliding", "sliding, sphere proxy of 1 mm"),
-    ("tick_centre", "start at the sphere's centre, first 50 ticks"),
+    ("tick_centre", "first 50 ticks of a hand that starts at the sphere's centre"),
     ("tick_centre_pressed", "pressing towards the sphere's centre"),
     ("tick_teleport", "random jumps across the sphere"),
 ]

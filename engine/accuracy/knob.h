@@ -1,6 +1,6 @@
 #pragma once
 
-// A knob: a parameter that buys accuracy for time. It states the levels of the parameter, the run
+// A knob: a parameter that buys accuracy with time. It states the levels of the parameter, the run
 // at each level, and the reference of the errors.
 //
 // Every run is a closure, so that the report, the benchmarks and the tests measure the same code.

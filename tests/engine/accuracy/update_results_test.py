@@ -98,7 +98,7 @@ def check_accuracy(copy):
     text, figure = copy.block("accuracy"), copy.figure.read_text()
     expect("| mesh resolution: mean edge | penetration depth, tick | 15 mm: 750 um, 182 ns | "
            "3.75 mm: 46.9 um, 220 ns | 469 um: 732 nm, 292 ns |" in text,
-           "the table has the coarsest, the default and the finest level")
+           "the table has the first level, the default and the last level")
     expect("| 1: 100 um, 134 ns | 16: 0, 670 ns |" in text, "an error of 0 is 0")
     expect("servo" not in text, "the table leaves out a failed level")
     expect(re.search(r"!\[[^]]{10,}\]\(results/[^)]*accuracy\.svg\)", text),
