@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "engine/devices/light_device.h"
 #include "engine/devices/stability_limits.h"
 #include "engine/report/human_units.h"
+#include "engine/report/shell_word.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -37,11 +39,13 @@ bool chose_default(const KnobResult& result) {
   return *result.recommended == result.default_place();
 }
 
-// Down to two significant digits.
+// Down to two significant digits. A value that has two digits already keeps them: the rounding of
+// the power of ten and of the quotient, below 4 epsilon, must not lower it.
 double rounded_down(double value) {
   if (!(value > 0.0)) return 0.0;
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return std::floor(value / unit * (1.0 + 1e-12)) * unit;
+  return std::floor(value / unit * (1.0 + kRounding)) * unit;
 }
 
 std::string stiffness_text(double stiffness_N_per_m) {
@@ -177,6 +181,7 @@ std::string bound_sentence(const ChosenCoupling& c) {
 // The surfaces of the scene that have a coupling of their own which is not passive at this rate.
 std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
   if (!input.scene) return "";
+  constexpr std::size_t kMostNamed = 3;
   std::string names;
   std::size_t count = 0;
   for (const CouplingVerdict& v : input.scene->verdicts) {
@@ -184,7 +189,6 @@ std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
     const auto limits = stability_limits(DeviceMechanics::of(input.device),
                                          v.surface.coupling.damping_Ns_per_m, {1.0 / rate_Hz, 0});
     if (!limits || limits->is_passive(v.effective_N_per_m)) continue;
-    constexpr std::size_t kMostNamed = 3;
     if (++count > kMostNamed) continue;
     names += (names.empty() ? "" : ", ") + printable(v.surface.name) + " (" +
              stiffness_text(v.effective_N_per_m) +
@@ -192,7 +196,7 @@ std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
   }
   if (count == 0) return "";
   return " Surfaces of this scene that are not passive: " + names +
-         (count > 3 ? " and " + std::to_string(count - 3) + " more." : ".");
+         (count > kMostNamed ? " and " + std::to_string(count - kMostNamed) + " more." : ".");
 }
 
 Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
@@ -455,19 +459,6 @@ std::vector<std::string> command_of(const AdviceInput& input, const Advice& advi
   return command;
 }
 
-std::string shell_quoted(const std::string& argument) {
-  const auto is_plain = [](unsigned char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("-_./:=,+@%").find(static_cast<char>(c)) != std::string_view::npos;
-  };
-  if (!argument.empty() && std::all_of(argument.begin(), argument.end(), is_plain)) {
-    return argument;
-  }
-  std::string quoted = "'";
-  for (const char c : argument) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
 }  // namespace
 
 std::string shortest_digits(double value) {
@@ -496,7 +487,7 @@ Result<Advice> advise(const AdviceInput& input) {
 
 std::vector<std::string> command_words(const Advice& advice) {
   std::vector<std::string> words;
-  for (const std::string& argument : advice.command) words.push_back(shell_quoted(argument));
+  for (const std::string& argument : advice.command) words.push_back(shell_word(argument));
   return words;
 }
 

@@ -4,22 +4,14 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/report/shell_word.h"
+
 namespace palpate {
 namespace {
 
 // Whether one option replaces another.
 bool excludes(const std::string& option, const std::string& other) {
   return option == other || (option == "--fit" && other == "--scale");
-}
-
-// As one word of a POSIX shell.
-std::string quoted(const std::string& word) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + '\'';
 }
 
 }  // namespace
@@ -51,8 +43,8 @@ std::string program_name() {
 }
 
 std::string shell_line(const std::vector<std::string>& arguments) {
-  std::string line = quoted(program_name());
-  for (const std::string& argument : arguments) line += ' ' + quoted(argument);
+  std::string line = shell_word(program_name());
+  for (const std::string& argument : arguments) line += ' ' + shell_word(argument);
   return line;
 }
 

@@ -75,8 +75,8 @@ View view_of(const std::vector<ExplorationRun>& runs) {
     for (const TickRecord& r : run.records) add({r.device_m[1], r.device_m[0]});
   }
   constexpr double kMargin = 1.12;
-  constexpr double kLeastExtent_m = 1e-9;  // of a path that is one point
-  const PicturePoint extent = kMargin * (high - low).cwiseMax(kLeastExtent_m);
+  PicturePoint extent = kMargin * (high - low);
+  if (extent.isZero(0.0)) extent.setOnes();  // a path that is one point: any scale shows it
   return {0.5 * (low + high), std::min(kPanelWidth / extent.x(), kPathHeight / extent.y())};
 }
 

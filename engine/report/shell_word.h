@@ -1,0 +1,19 @@
+#pragma once
+
+// Words of a command line that a user can copy into a shell.
+
+#include <string>
+
+namespace palpate {
+
+// The text as one word of a POSIX shell, quoted only where necessary.
+inline std::string shell_word(const std::string& text) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + '\'';
+}
+
+}  // namespace palpate
