@@ -11,12 +11,12 @@
 #include "engine/scene/memory_budget.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/simulation/ball_outline.h"
+#include "engine/simulation/clearance_hint.h"
 #include "engine/simulation/contour_path.h"
 #include "engine/simulation/outline.h"
 #include "engine/simulation/path_coverage.h"
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/placed_bounds.h"
-#include "engine/simulation/room_hint.h"
 #include "engine/simulation/scene_cut.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
@@ -157,7 +157,7 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
                  "has no surface with clearance for the hand in front of it",
-                 room_hint(scene, setup, wanted)};
+                 clearance_hint(scene, setup, wanted)};
   }
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;

@@ -53,7 +53,7 @@ PathPlan::PathPlan(HandPath path, const PathFacts& facts, const PathPlanSettings
   }
   if (facts.sides != PathSides::kFront) paths_.push_back(other_side(path));
   paths_.insert(paths_.begin(), std::move(path));
-  for (const HandPath& side : paths_) ways_.emplace_back(side, depth);
+  for (const HandPath& side : paths_) tracks_.emplace_back(side, depth);
   const double first_m =
       facts.slips_off_at_ends ? std::min(kFromEnd * depth, 0.25 * length_m_.back()) : 0.0;
   const Vec3 first = place(first_m);
@@ -102,7 +102,7 @@ HandTarget PathPlan::touching_target(double time_s, const ScenePose& T_device_sc
   const double dt_s = time_s - last_time_s_;
   last_time_s_ = time_s;
   if (detour_.is_done()) {
-    if (!track(last) && is_round_edge(last)) proxy_along_m_ = hand_along_m();
+    if (!locate_proxy(last) && is_round_edge(last)) proxy_along_m_ = hand_along_m();
     if (is_out_of_patience(last.contact, dt_s)) lift(last);
   }
   const Aim aim = detour_.is_done() ? follow(time_s, dt_s) : detour(last, dt_s);
@@ -115,16 +115,16 @@ HandTarget PathPlan::touching_target(double time_s, const ScenePose& T_device_sc
 
 // The length along the path that corresponds to the hand's target.
 double PathPlan::hand_along_m() const {
-  const HandWay::Waypoint& from = way().waypoints()[leg_];
-  const HandWay::Waypoint& to = way().waypoints()[leg_ + 1];
-  const double leg_m = to.way_m - from.way_m;
-  const double part = leg_m > 0.0 ? (travelled_m_ - from.way_m) / leg_m : 1.0;
+  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
+  const TargetTrack::Waypoint& to = track().waypoints()[leg_ + 1];
+  const double leg_m = to.track_m - from.track_m;
+  const double part = leg_m > 0.0 ? (travelled_m_ - from.track_m) / leg_m : 1.0;
   return from.along_m + part * (to.along_m - from.along_m);
 }
 
 // Whether the proxy is near enough for the hand to advance.
 bool PathPlan::may_advance() const {
-  const HandWay::Waypoint& from = way().waypoints()[leg_];
+  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
   const double depth = settings_.press_depth_m;
   if (from.is_turn && proxy_along_m_ < from.along_m - kAtCorner * depth) return false;
   return hand_along_m() - proxy_along_m_ <= kMostLead * depth;
@@ -132,14 +132,14 @@ bool PathPlan::may_advance() const {
 
 // Whether the hand waits beyond an edge and the proxy has arrived there without contact.
 bool PathPlan::is_round_edge(const TickRecord& last) const {
-  const HandWay::Waypoint& at = way().waypoints()[leg_];
+  const TargetTrack::Waypoint& at = track().waypoints()[leg_];
   return at.is_turn && !last.contact &&
          (vec3(last.proxy_scene_m) - at.p_m).norm() <= kAtCorner * settings_.press_depth_m;
 }
 
 // Advances along the path at the speed that reaches the end in time.
 PathPlan::Aim PathPlan::follow(double time_s, double dt_s) {
-  const double end_m = way().length_m();
+  const double end_m = track().length_m();
   double speed_m_per_s = 0.0;
   if (travelled_m_ < end_m && may_advance()) {
     const double usual_m_per_s = end_m / settings_.follow_s;
@@ -148,11 +148,11 @@ PathPlan::Aim PathPlan::follow(double time_s, double dt_s) {
     if (left_s > 0.0) speed_m_per_s = std::min(speed_m_per_s, (end_m - travelled_m_) / left_s);
     advance(speed_m_per_s * dt_s);
   }
-  const HandWay::Waypoint& from = way().waypoints()[leg_];
-  const Vec3 direction = (way().waypoints()[leg_ + 1].p_m - from.p_m).normalized();
+  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
+  const Vec3 direction = (track().waypoints()[leg_ + 1].p_m - from.p_m).normalized();
   const Vec3 lightened_m = -ease(dt_s) * settings_.press_depth_m * from.inward.normalized();
-  return {from.p_m + (travelled_m_ - from.way_m) * direction + lightened_m, direction, from.inward,
-          speed_m_per_s};
+  return {from.p_m + (travelled_m_ - from.track_m) * direction + lightened_m, direction,
+          from.inward, speed_m_per_s};
 }
 
 // The share by which the hand reduces its press depth. It grows while the hand makes no progress,
@@ -169,14 +169,14 @@ double PathPlan::ease(double dt_s) {
 }
 
 void PathPlan::advance(double step_m) {
-  const auto& waypoints = way().waypoints();
+  const auto& waypoints = track().waypoints();
   while (step_m > 0.0) {
-    const double to_m = std::min(step_m, waypoints[leg_ + 1].way_m - travelled_m_);
+    const double to_m = std::min(step_m, waypoints[leg_ + 1].track_m - travelled_m_);
     travelled_m_ += to_m;
     step_m -= to_m;
-    if (travelled_m_ < waypoints[leg_ + 1].way_m || leg_ + 2 >= waypoints.size()) return;
+    if (travelled_m_ < waypoints[leg_ + 1].track_m || leg_ + 2 >= waypoints.size()) return;
     ++leg_;
-    travelled_m_ = waypoints[leg_].way_m;
+    travelled_m_ = waypoints[leg_].track_m;
     if (!may_advance()) return;
   }
 }
@@ -200,7 +200,7 @@ PathPlan::Aim PathPlan::detour(const TickRecord& last, double dt_s) {
 // way.
 void PathPlan::end_detour(const TickRecord& last) {
   go_on_from(detour_.ends_along_m);
-  if (last.contact && !track(last)) find(last, detour_.begins_along_m, detour_.ends_along_m);
+  if (last.contact && !locate_proxy(last)) find(last, detour_.begins_along_m, detour_.ends_along_m);
   go_on_from(proxy_along_m_);
   waited_at_m_ = proxy_along_m_;
   waited_s_ = 0.0;
@@ -209,13 +209,13 @@ void PathPlan::end_detour(const TickRecord& last) {
 void PathPlan::go_on_from(double along_m) {
   proxy_along_m_ = along_m;
   wall_ = wall_at(along_m);
-  leg_ = way().leg_at(along_m);
-  const HandWay::Waypoint& from = way().waypoints()[leg_];
-  const HandWay::Waypoint& to = way().waypoints()[leg_ + 1];
+  leg_ = track().leg_at(along_m);
+  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
+  const TargetTrack::Waypoint& to = track().waypoints()[leg_ + 1];
   const double walls_m = to.along_m - from.along_m;
   const double part =
       walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
-  travelled_m_ = from.way_m + part * (to.way_m - from.way_m);
+  travelled_m_ = from.track_m + part * (to.track_m - from.track_m);
 }
 
 // Whether the hand has waited for too long without progress of the proxy.
@@ -226,7 +226,7 @@ bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
     lift_step_m_ = depth;
     waited_at_m_ = proxy_along_m_;
   }
-  const bool is_at_end = travelled_m_ >= way().length_m();
+  const bool is_at_end = travelled_m_ >= track().length_m();
   const bool is_there = proxy_along_m_ >= length_m_.back() - depth;
   const bool is_well = is_in_contact && (gets_on || (is_at_end ? is_there : may_advance()));
   waited_s_ = is_well ? 0.0 : waited_s_ + dt_s;
@@ -299,7 +299,7 @@ Vec3 PathPlan::correct_lag(const Aim& aim, const TickRecord& last, double dt_s) 
 // Searches for the proxy near its last position and up to the hand. Distant parts of the path that
 // happen to be near are not searched, nor are parts beyond the hand's next turn or before its last
 // turn.
-bool PathPlan::track(const TickRecord& last) {
+bool PathPlan::locate_proxy(const TickRecord& last) {
   const double searched_m = kSearched * settings_.press_depth_m;
   const double hand_m = hand_along_m();
   const auto next_turn = std::lower_bound(turns_m_.begin(), turns_m_.end(), hand_m);

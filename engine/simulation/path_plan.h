@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/simulation/hand_path.h"
-#include "engine/simulation/hand_way.h"
 #include "engine/simulation/simulated_device.h"
+#include "engine/simulation/target_track.h"
 
 namespace palpate {
 
@@ -46,7 +46,7 @@ struct PathFacts {
 };
 
 // A hand that follows a path over the displayed scene: the path is fixed to the scene and moves
-// with it. The hand's target is press_depth_m inside the wall that it follows (HandWay).
+// with it. The hand's target is press_depth_m inside the wall that it follows (TargetTrack).
 //
 // The hand observes the proxy. It waits if it gets too far ahead of the proxy, and at a sharp edge
 // or a new heading it turns only when the proxy has arrived. If the proxy does not arrive within
@@ -93,12 +93,12 @@ class PathPlan final : public HandPlan {
   };
 
   const HandPath& path() const { return paths_[is_behind_ ? 1 : 0]; }
-  const HandWay& way() const { return ways_[is_behind_ ? 1 : 0]; }
+  const TargetTrack& track() const { return tracks_[is_behind_ ? 1 : 0]; }
   std::size_t wall_at(double along_m) const;
   Vec3 place(double along_m) const;
   const Vec3& inward(double along_m) const { return path().points[wall_at(along_m)].inward; }
   double hand_along_m() const;
-  bool track(const TickRecord& last);
+  bool locate_proxy(const TickRecord& last);
   bool find(const TickRecord& last, double first_m, double last_m);
   bool may_advance() const;
   bool is_behind_wall(const TickRecord& last) const;
@@ -116,7 +116,7 @@ class PathPlan final : public HandPlan {
   PathPlanSettings settings_;
   PathFacts facts_;
   std::vector<HandPath> paths_;  // by side
-  std::vector<HandWay> ways_;
+  std::vector<TargetTrack> tracks_;
   std::vector<double> length_m_;  // of the path, up to each point
   std::vector<double> turns_m_;   // along the path, where the hand takes a new heading
   Vec3 start_m_;
@@ -124,7 +124,7 @@ class PathPlan final : public HandPlan {
   bool is_behind_ = false;  // the hand follows the second side
   Detour detour_;
   std::size_t leg_ = 0;               // current leg of the hand
-  double travelled_m_ = 0.0;          // length travelled along way()
+  double travelled_m_ = 0.0;          // length travelled along track()
   Vec3 correction_m_ = Vec3::Zero();  // scene frame, in directions without a wall
   double press_more_m_ = 0.0;         // additional press depth into the wall
   double last_time_s_ = 0.0;

@@ -131,7 +131,7 @@ class DracoReader {
         primitive_element_(gltf_element("meshes", mesh, "primitives/" + std::to_string(primitive))),
         element_(primitive_element_ + "/extensions/" + kDraco) {}
 
-  Result<std::optional<DracoPrimitive>> run(const DracoRoom& room) {
+  Result<std::optional<DracoPrimitive>> run(const DracoLimits& remaining) {
     const auto extension = find_extension(json_, primitive_element_, kDraco);
     if (!extension) return extension.error();
     if (*extension == nullptr) return std::optional<DracoPrimitive>();
@@ -142,14 +142,14 @@ class DracoReader {
     DracoPrimitive result(asset_, element_);
     if (auto error = read_attributes(**extension, result)) return *error;
     if (auto error = declare_indices()) return *error;
-    if (auto error = check_limits(room)) return *error;
+    if (auto error = check_limits(remaining)) return *error;
     const auto view = required_id(**extension, element_, "bufferView", "/bufferViews",
                                   asset_.model.bufferViews.size());
     if (!view) return view.error();
     const auto bytes = view_bytes(asset_, *view);
     if (!bytes) return bytes.error();
     if (auto error = check_expansion(bytes->size())) return *error;
-    auto mesh = decode_draco(*bytes, asset_.buffers, declared_, room, element_);
+    auto mesh = decode_draco(*bytes, asset_.buffers, declared_, remaining, element_);
     if (!mesh) return mesh.error();
     if (auto error = check_corners(**mesh)) return *error;
     result.mesh_ = std::move(*mesh);
@@ -259,12 +259,14 @@ class DracoReader {
         gltf_element("accessors", accessor_id, "count"));
   }
 
-  std::optional<Error> check_limits(const DracoRoom& room) const {
+  std::optional<Error> check_limits(const DracoLimits& remaining) const {
     const std::uint64_t triangles = declared_.strip ? declared_.indices : declared_.indices / 3;
-    if (declared_.vertices <= room.vertices && triangles <= room.triangles) return std::nullopt;
+    if (declared_.vertices <= remaining.vertices && triangles <= remaining.triangles)
+      return std::nullopt;
     return gltf_error(ErrorCode::kLimitExceeded, primitive_element_,
                       "has more vertices or triangles than can still be read, " +
-                          std::to_string(room.vertices) + " and " + std::to_string(room.triangles));
+                          std::to_string(remaining.vertices) + " and " +
+                          std::to_string(remaining.triangles));
   }
 
   std::optional<Error> check_expansion(std::size_t stream_bytes) const {

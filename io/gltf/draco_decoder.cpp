@@ -21,11 +21,11 @@ using Bytes = std::span<const std::uint8_t>;
 // limit that depends on the length of the stream.
 class Gate {
  public:
-  Gate(GltfBuffers& buffers, const DracoDeclared& declared, const DracoRoom& room,
+  Gate(GltfBuffers& buffers, const DracoDeclared& declared, const DracoLimits& remaining,
        std::size_t stream_bytes, const std::string& element)
       : buffers_(buffers),
         declared_(declared),
-        room_(room),
+        remaining_(remaining),
         stream_bytes_(stream_bytes),
         element_(element) {}
 
@@ -35,7 +35,8 @@ class Gate {
     if (!connectivity) return refuse("its stream ends within the connectivity");
     faces_ = connectivity->faces;
     if (faces_ == 0) return refuse("its stream has no triangle");
-    if (faces_ > room_.triangles) return refuse_count(faces_, "triangles", room_.triangles);
+    if (faces_ > remaining_.triangles)
+      return refuse_count(faces_, "triangles", remaining_.triangles);
     // The decoder's memory per triangle: 3 corners in 4 arrays of 4 bytes; 3 corners in 2 arrays
     // for the triangles and the order of decoding; up to 6 symbols of the contexts. For each corner
     // and attribute connectivity: the vertex, the seams and their order.
@@ -52,7 +53,8 @@ class Gate {
   // values.
   bool admit(const draco::PointCloud& points) {
     const std::uint64_t vertices = points.num_points();
-    if (vertices > room_.vertices) return refuse_count(vertices, "vertices", room_.vertices);
+    if (vertices > remaining_.vertices)
+      return refuse_count(vertices, "vertices", remaining_.vertices);
     if (!admit_decoded(declared_.bytes_of(vertices, 3 * faces_))) return false;
     std::uint64_t per_point = 0;
     for (int i = 0; i < points.num_attributes(); ++i) {
@@ -77,9 +79,9 @@ class Gate {
     return false;
   }
 
-  bool refuse_count(std::uint64_t count, const char* what, std::size_t room) {
+  bool refuse_count(std::uint64_t count, const char* what, std::size_t remaining) {
     return refuse_limit("its stream has " + std::to_string(count) + " " + what + "; at most " +
-                        std::to_string(room) + " can still be read");
+                        std::to_string(remaining) + " can still be read");
   }
 
   // Data beyond the size that the accessors describe are counted as decoded data.
@@ -113,7 +115,7 @@ class Gate {
 
   GltfBuffers& buffers_;
   const DracoDeclared& declared_;
-  DracoRoom room_;
+  DracoLimits remaining_;
   std::size_t stream_bytes_;
   const std::string& element_;
   std::uint64_t faces_ = 0;
@@ -154,9 +156,9 @@ bool decode_with(Decoder&& decoder, Bytes bytes, draco::Mesh& mesh) {
 
 Result<std::shared_ptr<const draco::Mesh>> decode_draco(Bytes bytes, GltfBuffers& buffers,
                                                         const DracoDeclared& declared,
-                                                        const DracoRoom& room,
+                                                        const DracoLimits& remaining,
                                                         const std::string& element) {
-  Gate gate(buffers, declared, room, bytes.size(), element);
+  Gate gate(buffers, declared, remaining, bytes.size(), element);
   const auto stream = check_draco_stream(bytes, element);
   if (!stream) return stream.error();
   const auto mesh = std::make_shared<draco::Mesh>();

@@ -39,7 +39,7 @@ struct DracoDeclared {
 };
 
 // The remaining budget.
-struct DracoRoom {
+struct DracoLimits {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
 };
@@ -49,7 +49,7 @@ struct DracoRoom {
 Result<std::shared_ptr<const draco::Mesh>> decode_draco(std::span<const std::uint8_t> bytes,
                                                         GltfBuffers& buffers,
                                                         const DracoDeclared& declared,
-                                                        const DracoRoom& room,
+                                                        const DracoLimits& remaining,
                                                         const std::string& element);
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ constexpr Wide kInfinity = std::numeric_limits<Wide>::infinity();
 // stand-offs too high may descend past the edge by sqrt(2 x).
 constexpr Wide kTouchUlps = 64;
 
-// A way may come nearer to a triangle by the rounding of its end's coordinates and of a body's
+// An escape may come nearer to a triangle by the rounding of its end's coordinates and of a body's
 // pose.
 constexpr Wide kWayUlps = 8;
 
@@ -57,7 +57,7 @@ struct Near {
   bool is_over;  // the proxy is over the triangle, not beside it
 };
 
-// A constraint: no way may approach the wall.
+// A constraint: no escape may approach the wall.
 struct Wall {
   Wide3 away;  // unit; in the plane of motion, if any
   Wide slope_error;
@@ -69,7 +69,7 @@ struct Slide {
   Wide hold_m = 0;  // the part of the lag that friction holds
 };
 
-// The point where a triangle stops a way.
+// The point where a triangle stops an escape.
 struct Stop {
   Wide length_m = kInfinity;
   Wide3 away = Wide3::Zero();  // unit, from the triangle
@@ -126,10 +126,10 @@ class Search {
   Verdict judge() {
     if (lag_m_ <= tolerance_m_) return {std::nullopt, true};
     find_near();
-    if (auto way = try_slide({lag_ / lag_m_}, "straight")) return {way, true};
+    if (auto escape = try_slide({lag_ / lag_m_}, "straight")) return {escape, true};
     if (gain_of(steepest(cone_)) <= tolerance_m_) return {std::nullopt, true};
-    if (auto way = is_held() ? slide_on_touched_surfaces() : descend()) return {way, true};
-    if (auto way = slide_on_planes()) return {way, true};
+    if (auto escape = is_held() ? slide_on_touched_surfaces() : descend()) return {escape, true};
+    if (auto escape = slide_on_planes()) return {escape, true};
     return {std::nullopt, false};
   }
 
@@ -270,7 +270,7 @@ class Search {
     return part - part.dot(normal) * normal;
   }
 
-  // True if a way along this part of the lag could gain more than the tolerance. Otherwise the
+  // True if an escape along this part of the lag could gain more than the tolerance. Otherwise the
   // direction of the part is not meaningful.
   bool is_worth_it(Wide part_m) const { return part_m * part_m > tolerance_m_ * lag_m_; }
 
@@ -311,8 +311,8 @@ class Search {
     return gain_of(*slide, length_of(*slide));
   }
 
-  // The smallest distance that a way may have from a triangle. null: the triangle is not near the
-  // proxy.
+  // The smallest distance that an escape may have from a triangle. null: the triangle is not near
+  // the proxy.
   Wide allowed_m(const Near* near) const {
     return near && near->distance_m <= touch_m_ ? near->distance_m - round_m_ / 2 : touch_m_;
   }
@@ -360,7 +360,7 @@ class Search {
     }
   }
 
-  // Finds the first obstacle of a way of this length.
+  // Finds the first obstacle of an escape of this length.
   Stop first_stop(const Wide3& direction, Wide length_m) const {
     Stop stop;
     stop.length_m = length_m;
@@ -389,7 +389,8 @@ class Search {
     return stop;
   }
 
-  std::optional<Way> try_slide(const Slide& slide, const char* kind, Stop* stop_found = nullptr) {
+  std::optional<Escape> try_slide(const Slide& slide, const char* kind,
+                                  Stop* stop_found = nullptr) {
     const Wide length_m = length_of(slide);
     if (length_m <= 0 || gain_of(slide, length_m) <= tolerance_m_) return std::nullopt;
     const Stop stop = first_stop(slide.direction, length_m);
@@ -401,7 +402,7 @@ class Search {
       const Vec3 to = (proxy_ + part * slide.direction).cast<double>();
       const Wide gain_m = gain_to(to);
       if (gain_m > tolerance_m_ && is_way(to)) {
-        return Way{rest_.proxy, to, static_cast<double>(gain_m), kind};
+        return Escape{rest_.proxy, to, static_cast<double>(gain_m), kind};
       }
     }
     return std::nullopt;
@@ -413,7 +414,7 @@ class Search {
     return from.norm() - left.norm();
   }
 
-  // Checks the definition of a way (rest_judge.h).
+  // Checks the definition of an escape (rest_judge.h).
   bool is_way(const Vec3& to) const {
     if (motion_normal_ && std::abs(motion_normal_->dot(to.cast<Wide>() - proxy_)) > round_m_) {
       return false;
@@ -441,19 +442,19 @@ class Search {
     return true;
   }
 
-  std::optional<Way> descend() {
+  std::optional<Escape> descend() {
     std::vector<Wall> cone = cone_;
     std::optional<Slide> blocked;
     for (int bend = 0; bend < kMostBends; ++bend) {
       const std::optional<Slide> slide = steepest(cone);
       if (blocked && slide) {
-        if (auto way = try_tangent(*blocked, *slide)) return way;
+        if (auto escape = try_tangent(*blocked, *slide)) return escape;
       }
       if (gain_of(slide) <= tolerance_m_) return std::nullopt;
       Stop stop;
-      if (auto way =
+      if (auto escape =
               try_slide(*slide, bend == 0 ? "steepest" : "steepest beside the obstacles", &stop)) {
-        return way;
+        return escape;
       }
       if (!add_wall(stop.away, kSlopeUlps * kWideEpsilon, cone)) return std::nullopt;
       blocked = slide;
@@ -462,7 +463,7 @@ class Search {
   }
 
   // Under friction, only touched surfaces can be slid along, and they also hold the proxy.
-  std::optional<Way> slide_on_touched_surfaces() {
+  std::optional<Escape> slide_on_touched_surfaces() {
     if (cone_.empty()) return std::nullopt;
     const std::optional<Slide> slide = steepest(cone_);
     return slide ? try_slide(*slide, "along the touched surfaces") : std::nullopt;
@@ -470,7 +471,7 @@ class Search {
 
   // Searches between a blocked and a free direction for the one nearest to the blocked direction
   // that passes the obstacle.
-  std::optional<Way> try_tangent(const Slide& blocked, const Slide& free) {
+  std::optional<Escape> try_tangent(const Slide& blocked, const Slide& free) {
     Wide low = 0;
     Wide high = 1;
     for (int i = 0; i < kBisections; ++i) {
@@ -483,7 +484,7 @@ class Search {
         high = middle;
         continue;
       }
-      if (auto way = try_slide(slide, "past an obstacle")) return way;
+      if (auto escape = try_slide(slide, "past an obstacle")) return escape;
       low = middle;
     }
     return std::nullopt;
@@ -513,7 +514,7 @@ class Search {
     return normals;
   }
 
-  std::optional<Way> slide_on_planes() {
+  std::optional<Escape> slide_on_planes() {
     std::vector<Wide3> normals;
     const auto add = [&](const Wide3& normal) {
       const std::optional<Wide3> part = in_motion_plane(normal);
@@ -537,7 +538,7 @@ class Search {
       const Wide3 part = part_across(normals[i]);
       if (!is_worth_it(part.norm())) continue;
       const Slide slide{part.normalized(), held_by_one_m(std::abs(lag_.dot(normals[i])))};
-      if (auto way = try_slide(slide, "along a plane")) return way;
+      if (auto escape = try_slide(slide, "along a plane")) return escape;
     }
     for (std::size_t i = 0; i < normals.size() && !motion_normal_; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
@@ -547,7 +548,7 @@ class Search {
         // The sign of the lag determines the side from which each plane is pressed.
         const auto pressed = [&](const Wide3& n) { return lag_.dot(n) > 0 ? Wide3(-n) : n; };
         const Slide slide{unit, held_by_two_m(pressed(normals[i]), pressed(normals[j]))};
-        if (auto way = try_slide(slide, "along a line")) return way;
+        if (auto escape = try_slide(slide, "along a line")) return escape;
       }
     }
     return std::nullopt;
@@ -580,11 +581,11 @@ std::string hex(const Vec3& p) {
   return text;
 }
 
-std::string to_text(const Way& way) {
+std::string to_text(const Escape& escape) {
   char text[160];
   std::snprintf(text, sizeof text, "%s, %.4g m long, ends %.4g m nearer to the goal: from ",
-                way.kind, (way.to - way.from).norm(), way.gain_m);
-  return text + hex(way.from) + " to " + hex(way.to);
+                escape.kind, (escape.to - escape.from).norm(), escape.gain_m);
+  return text + hex(escape.from) + " to " + hex(escape.to);
 }
 
 RestJudge::RestJudge(double size_m, double radius_m, double stand_off_m)
@@ -594,9 +595,9 @@ Verdict RestJudge::judged(std::span<const JudgedBody> bodies, const Rest& rest) 
   return Search(bodies, rest, size_m_, radius_m_, stand_off_m_, tolerance_m()).judge();
 }
 
-std::optional<Way> RestJudge::way_on(const ExactJudge& judge, const Rest& rest) const {
+std::optional<Escape> RestJudge::escape_from(const ExactJudge& judge, const Rest& rest) const {
   const JudgedBody body{&judge, {}};
-  return way_on(std::span(&body, 1), rest);
+  return escape_from(std::span(&body, 1), rest);
 }
 
 }  // namespace palpate::test

@@ -55,8 +55,8 @@ struct Rest {
   double static_friction = 0.0;  // of all surfaces
 };
 
-// A way that leads nearer to the goal. Solver frame, metres.
-struct Way {
+// A path that leads nearer to the goal. Solver frame, metres.
+struct Escape {
   Vec3 from;
   Vec3 to;
   double gain_m;     // decrease of the distance to the goal
@@ -64,12 +64,12 @@ struct Way {
 };
 
 struct Verdict {
-  std::optional<Way> way;
-  bool is_proven;  // the absence of a way is proven, or a way was found
+  std::optional<Escape> escape;
+  bool is_proven;  // the absence of an escape is proven, or an escape was found
 };
 
-// A text with all data to check the way by hand; doubles in hexadecimal.
-std::string to_text(const Way& way);
+// A text with all data to check the escape by hand; doubles in hexadecimal.
+std::string to_text(const Escape& escape);
 std::string hex(const Vec3& p);
 
 class RestJudge {
@@ -77,12 +77,12 @@ class RestJudge {
   // size_m: of the scene. The stand-off is the engine's.
   RestJudge(double size_m, double radius_m, double stand_off_m);
 
-  // Returns a way that gains more than tolerance_m(), if the search finds one.
-  std::optional<Way> way_on(std::span<const JudgedBody> bodies, const Rest& rest) const {
-    return judged(bodies, rest).way;
+  // Returns an escape that gains more than tolerance_m(), if the search finds one.
+  std::optional<Escape> escape_from(std::span<const JudgedBody> bodies, const Rest& rest) const {
+    return judged(bodies, rest).escape;
   }
   // The same in a world of one body without a transform.
-  std::optional<Way> way_on(const ExactJudge& judge, const Rest& rest) const;
+  std::optional<Escape> escape_from(const ExactJudge& judge, const Rest& rest) const;
 
   Verdict judged(std::span<const JudgedBody> bodies, const Rest& rest) const;
 

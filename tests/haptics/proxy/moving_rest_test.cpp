@@ -336,7 +336,7 @@ class MovingScene {
     for (std::uint32_t b = 0; b < judges_.size(); ++b) {
       bodies.push_back({&judges_[b], placed(b).T_solver_body});
     }
-    const auto way = rests_.way_on(
+    const auto way = rests_.escape_from(
         bodies, {proxy, goal_, plane_normal_, cone_ ? cone_->cone.static_friction : 0.0});
     if (!way) return;
     ++totals.false_rests;

@@ -17,12 +17,12 @@ namespace {
 
 using test::box_soup;
 using test::Corners;
+using test::Escape;
 using test::ExactJudge;
 using test::Random;
 using test::Rest;
 using test::RestJudge;
 using test::Soup;
-using test::Way;
 
 constexpr double kSize_m = 1.0;
 constexpr double kStandOff_m = 1e-11;
@@ -33,14 +33,14 @@ class Posed {
   Posed(const Soup& soup, const RigidTransform& pose, double radius_m = 0.0)
       : pose_(pose), exact_(corners(soup, pose)), judge_(kSize_m, radius_m, kStandOff_m) {}
 
-  std::optional<Way> way_on(const Rest& rest) const {
+  std::optional<Escape> escape_from(const Rest& rest) const {
     Rest posed = rest;
     posed.proxy = pose_.point(rest.proxy);
     posed.goal = pose_.point(rest.goal);
     if (rest.motion_plane_normal) {
       posed.motion_plane_normal = pose_.direction(*rest.motion_plane_normal);
     }
-    return judge_.way_on(exact_, posed);
+    return judge_.escape_from(exact_, posed);
   }
   const ExactJudge& exact() const { return exact_; }
 
@@ -77,7 +77,7 @@ Soup floor() {
 
 #define EXPECT_REST(posed, ...)                                       \
   do {                                                                \
-    const auto way = (posed).way_on(__VA_ARGS__);                     \
+    const auto way = (posed).escape_from(__VA_ARGS__);                \
     EXPECT_FALSE(way) << (way ? test::to_text(*way) : std::string()); \
   } while (false)
 
@@ -94,13 +94,13 @@ TEST_P(Proxies, RestOnAPlaneOnlyAtTheFootOfTheGoal) {
     const double turn_rad = random.uniform(0.0, 6.0);
     const Vec3 aside(aside_m * std::cos(turn_rad), aside_m * std::sin(turn_rad), 0.0);
     const Vec3 beside = Vec3(goal.x(), goal.y(), z) + aside;
-    EXPECT_TRUE(posed.way_on({beside, goal}));
-    EXPECT_TRUE(posed.way_on({{goal.x(), goal.y(), z + 1e-8}, goal})) << "above the foot";
+    EXPECT_TRUE(posed.escape_from({beside, goal}));
+    EXPECT_TRUE(posed.escape_from({{goal.x(), goal.y(), z + 1e-8}, goal})) << "above the foot";
     // In a plane of motion perpendicular to the shift, the proxy may rest there.
     Rest held{beside, goal + aside, aside.normalized()};
     EXPECT_REST(posed, held);
     held.goal = goal + aside + Vec3(-aside.y(), aside.x(), 0.0);
-    EXPECT_TRUE(posed.way_on(held));
+    EXPECT_TRUE(posed.escape_from(held));
   }
 }
 
@@ -116,13 +116,13 @@ TEST_P(Proxies, RestInACornerWhereAllWallsPush) {
     const int free = static_cast<int>(random.index(3));
     Vec3 goal = Vec3::Constant(at) + out;
     goal[free] = at - random.uniform(0.001, 0.1);
-    EXPECT_TRUE(posed.way_on({Vec3::Constant(at), goal}));
+    EXPECT_TRUE(posed.escape_from({Vec3::Constant(at), goal}));
     // On the remaining edge, the solution is the foot of the goal.
     Vec3 foot = Vec3::Constant(at);
     foot[free] = goal[free];
     EXPECT_REST(posed, {foot, goal});
     foot[free] += 1e-3;
-    EXPECT_TRUE(posed.way_on({foot, goal}));
+    EXPECT_TRUE(posed.escape_from({foot, goal}));
   }
 }
 
@@ -136,11 +136,11 @@ TEST_P(Proxies, DoNotHoverBeforeARim) {
     const Vec3 goal(random.uniform(0.05, 0.2), random.uniform(-0.2, 0.2), 0.0);
     const double short_m = std::pow(10.0, random.uniform(-6.0, -1.0));
     const Vec3 at_rim(-keep_m(GetParam()), goal.y(), 0.0);
-    EXPECT_TRUE(posed.way_on({at_rim - Vec3(short_m, 0.0, 0.0), goal}));
+    EXPECT_TRUE(posed.escape_from({at_rim - Vec3(short_m, 0.0, 0.0), goal}));
     // For a proxy slightly above the plane, the goal is under the plate.
     const Vec3 above(-short_m, goal.y(), (0.5 + random.uniform(0.0, 1.0)) * keep_m(GetParam()));
-    EXPECT_TRUE(posed.way_on({above - Vec3(keep_m(GetParam()), 0.0, 0.0), goal}));
-    EXPECT_TRUE(posed.way_on({above + Vec3(2e-3 + short_m, 0.0, keep_m(GetParam())), goal}));
+    EXPECT_TRUE(posed.escape_from({above - Vec3(keep_m(GetParam()), 0.0, 0.0), goal}));
+    EXPECT_TRUE(posed.escape_from({above + Vec3(2e-3 + short_m, 0.0, keep_m(GetParam())), goal}));
   }
 }
 
@@ -160,8 +160,8 @@ TEST_P(Proxies, RestInAGroove) {
     const double z = keep_m(GetParam()) / std::sin(half_rad);
     const double x = random.uniform(-0.2, 0.2);
     EXPECT_REST(posed, {{x, 0.0, z}, {x, 0.0, z - 0.05}});
-    EXPECT_TRUE(posed.way_on({{x, 0.0, z}, {x + 1e-3, 0.0, z - 0.05}}));
-    EXPECT_TRUE(posed.way_on({{x, 0.0, z + 1e-6}, {x, 0.0, z - 0.05}}));
+    EXPECT_TRUE(posed.escape_from({{x, 0.0, z}, {x + 1e-3, 0.0, z - 0.05}}));
+    EXPECT_TRUE(posed.escape_from({{x, 0.0, z + 1e-6}, {x, 0.0, z - 0.05}}));
   }
 }
 
@@ -178,7 +178,7 @@ TEST_P(Proxies, LeaveAGrooveAlongAWall) {
   const Posed posed(groove, {}, radius_m);
   const double z = std::sqrt(2.0) * keep_m(radius_m);
   EXPECT_REST(posed, {{0.0, 0.0, z}, {0.0, 0.049, z - 0.05}});
-  EXPECT_TRUE(posed.way_on({{0.0, 0.0, z}, {0.0, 0.051, z - 0.05}}));
+  EXPECT_TRUE(posed.escape_from({{0.0, 0.0, z}, {0.0, 0.051, z - 0.05}}));
 }
 
 // Static friction mu holds a tangential lag of at most mu times the depth.
@@ -195,10 +195,10 @@ TEST_P(Proxies, RestUnderFrictionWithinTheCone) {
     Rest rest{proxy, proxy + 0.999 * mu * depth_m * along - Vec3(0.0, 0.0, depth_m), {}, mu};
     EXPECT_REST(posed, rest);
     rest.goal = proxy + 1.01 * mu * depth_m * along - Vec3(0.0, 0.0, depth_m);
-    EXPECT_TRUE(posed.way_on(rest));
+    EXPECT_TRUE(posed.escape_from(rest));
     // Friction does not hold a proxy that is free to move.
     rest.goal = proxy + Vec3(0.0, 0.0, 1e-3);
-    EXPECT_TRUE(posed.way_on(rest));
+    EXPECT_TRUE(posed.escape_from(rest));
   }
 }
 
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Proxies, testing::Values(0.0, 1e-6, 1e-3, 0.03),
 TEST(RestJudge, FindsTheSegmentPastAnEdgeThatIsNotUnderTheProxy) {
   const Posed posed(floor(), {});
   // The proxy is 1e-8 beside the edge from (0.5, -0.4) to (0.4, 0.4): downwards is free.
-  EXPECT_TRUE(posed.way_on({{0.45 + 1e-8, 0.0, 1e-11}, {0.45 + 1e-8, 0.0, -0.1}}));
+  EXPECT_TRUE(posed.escape_from({{0.45 + 1e-8, 0.0, 1e-11}, {0.45 + 1e-8, 0.0, -0.1}}));
   EXPECT_REST(posed, {{0.45 - 1e-8, 0.0, 1e-11}, {0.45 - 1e-8, 0.0, -0.1}});
 }
 
@@ -234,8 +234,8 @@ TEST(RestJudge, FindsTheGapBetweenTwoFacesOfASaddleIfItIsWideEnough) {
   const ExactJudge exact(fan);
   const Vec3 proxy(-0x1.71f617fffb9e6p-7, -0x1.157892001c879p-5, 0x1.30e03c00f558ap-6);
   const Vec3 goal(-0x1.093a8d36296p-9, -0x1.3613015ed1354p-6, -0x1.33f4e70972324p-5);
-  EXPECT_FALSE(RestJudge(0.1, 0.0, 1e-12).way_on(exact, {proxy, goal}));
-  const auto way = RestJudge(0.1, 0.0, 0.25e-12).way_on(exact, {proxy, goal});
+  EXPECT_FALSE(RestJudge(0.1, 0.0, 1e-12).escape_from(exact, {proxy, goal}));
+  const auto way = RestJudge(0.1, 0.0, 0.25e-12).escape_from(exact, {proxy, goal});
   ASSERT_TRUE(way);
   EXPECT_GT(way->gain_m, 1e-6);
 }
@@ -261,7 +261,7 @@ TEST(RestJudge, JudgesBodiesAtTheirPoses) {
     // The margin covers the rounding of the rotation by pi / 2.
     const Vec3 proxy(at + 1e-14, 0.0, at + 1e-14);
     const auto way_to = [&](const Vec3& goal) {
-      return judge.way_on(bodies, {frame.point(proxy), frame.point(goal)});
+      return judge.escape_from(bodies, {frame.point(proxy), frame.point(goal)});
     };
     EXPECT_FALSE(way_to({-0.1, 0.0, -0.1}));
     EXPECT_TRUE(way_to({-0.1, 0.01, -0.1}));
@@ -362,7 +362,7 @@ TEST(RestJudge, FindsASegmentWheneverRandomTrialsFindOne) {
     const Vec3 goal = p + random.uniform(0.01, 0.1) * towards;
     const RestJudge judge(kSize_m, radius_m, kStandOff_m);
     const double tried_m = gain_by_trying(exact, p, goal, keep, random);
-    const auto way = judge.way_on(exact, {p, goal});
+    const auto way = judge.escape_from(exact, {p, goal});
     (way ? ways : rests) += 1;
     if (tried_m > 2 * judge.tolerance_m()) {
       EXPECT_TRUE(way) << "seed " << seed << ", gain " << tried_m;

@@ -15,20 +15,20 @@ namespace palpate {
 // before it turns. If it moved along the old wall only, the hand would press ever deeper and never
 // pass the edge (numerics: corners of 90 deg and less). In a concave corner the target lies inside
 // both walls.
-class HandWay {
+class TargetTrack {
  public:
   struct Waypoint {
     Vec3 p_m;
     Vec3 inward;     // of the leg that begins here: a wall in this direction supports the hand
     double along_m;  // the corresponding length along the path
-    double way_m;    // from the first waypoint
+    double track_m;  // from the first waypoint
     bool is_turn = false;  // the target waits here until the proxy arrives
   };
 
-  HandWay(const HandPath& path, double press_depth_m);
+  TargetTrack(const HandPath& path, double press_depth_m);
 
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
-  double length_m() const { return waypoints_.back().way_m; }
+  double length_m() const { return waypoints_.back().track_m; }
 
   // The last leg that begins at this length along the path or before; the index of its first
   // waypoint.

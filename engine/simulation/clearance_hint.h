@@ -13,6 +13,7 @@ namespace palpate {
 // path exists, or a device that senses two axes. If none helps, the hint states how the scene has
 // to change. wanted: the settings for which no path exists. Takes as long as planning a few paths.
 // Not for the haptic thread.
-std::string room_hint(const Scene& scene, const RunSetup& setup, const SurfacePathSettings& wanted);
+std::string clearance_hint(const Scene& scene, const RunSetup& setup,
+                           const SurfacePathSettings& wanted);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "engine/simulation/room_hint.h"
+#include "engine/simulation/clearance_hint.h"
 
 #include <sstream>
 
@@ -35,8 +35,8 @@ std::string two_sensors_text(const ActuationModel& actuation) {
 
 }  // namespace
 
-std::string room_hint(const Scene& scene, const RunSetup& setup,
-                      const SurfacePathSettings& wanted) {
+std::string clearance_hint(const Scene& scene, const RunSetup& setup,
+                           const SurfacePathSettings& wanted) {
   const Workspace workspace =
       hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);

@@ -1,4 +1,4 @@
-#include "engine/simulation/hand_way.h"
+#include "engine/simulation/target_track.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ Vec3 unit_across(const Vec3& v, const Vec3& unit, const Vec3& otherwise) {
 
 }  // namespace
 
-struct HandWay::Corner {
+struct TargetTrack::Corner {
   Vec3 p_m;
   Vec3 tangent_in, tangent_out;
   Vec3 inward_in, inward_out;
@@ -37,7 +37,7 @@ struct HandWay::Corner {
   double length_out_m;  // of the leg from here
 };
 
-HandWay::HandWay(const HandPath& path, double press_depth_m) : depth_m_(press_depth_m) {
+TargetTrack::TargetTrack(const HandPath& path, double press_depth_m) : depth_m_(press_depth_m) {
   const auto& points = path.points;
   const auto tangent = [&](std::size_t i) {
     return Vec3((points[i + 1].p_m - points[i].p_m).normalized());
@@ -53,13 +53,13 @@ HandWay::HandWay(const HandPath& path, double press_depth_m) : depth_m_(press_de
   add(points[last].p_m + depth_m_ * points[last].inward, points[last].inward, lengths_m[last]);
 }
 
-void HandWay::add(const Vec3& p_m, const Vec3& inward, double along_m, bool is_turn) {
-  const double way_m =
-      waypoints_.empty() ? 0.0 : waypoints_.back().way_m + (p_m - waypoints_.back().p_m).norm();
-  waypoints_.push_back({p_m, inward, along_m, way_m, is_turn});
+void TargetTrack::add(const Vec3& p_m, const Vec3& inward, double along_m, bool is_turn) {
+  const double track_m =
+      waypoints_.empty() ? 0.0 : waypoints_.back().track_m + (p_m - waypoints_.back().p_m).norm();
+  waypoints_.push_back({p_m, inward, along_m, track_m, is_turn});
 }
 
-void HandWay::add_corner(const Corner& c) {
+void TargetTrack::add_corner(const Corner& c) {
   if (c.fold_rad >= kSharpCornerRad) {
     add_edge(c);
     return;
@@ -74,7 +74,7 @@ void HandWay::add_corner(const Corner& c) {
   add(c.p_m + reach * bisector, c.inward_out, c.along_m, c.is_turn);
 }
 
-void HandWay::add_edge(const Corner& c) {
+void TargetTrack::add_edge(const Corner& c) {
   const bool turns_back = c.fold_rad > kTurnsBackRad;
   const Vec3 over =
       turns_back ? c.tangent_in : unit_across(-c.inward_out, c.inward_in, c.tangent_in);
@@ -97,7 +97,7 @@ void HandWay::add_edge(const Corner& c) {
   add(c.p_m + beyond + depth_m_ * c.inward_out, c.inward_out, c.along_m);
 }
 
-std::size_t HandWay::leg_at(double along_m) const {
+std::size_t TargetTrack::leg_at(double along_m) const {
   const auto after = std::upper_bound(
       waypoints_.begin() + 1, waypoints_.end() - 1, along_m,
       [](double along, const Waypoint& waypoint) { return along < waypoint.along_m; });
