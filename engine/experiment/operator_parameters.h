@@ -1,0 +1,36 @@
+#pragma once
+
+// The parameters of one simulated person, and how this person follows a scene that turns.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace palpate {
+
+// What a simulated person believes about the pose of a scene that turns (operator_hand.h).
+enum class Following : std::uint8_t {
+  kDelayed,  // the pose in the newest picture that the person has seen
+  kPredict,  // that pose, turned on about the seen proxy at the seen rate for the picture's age
+  kReplan,   // a seen pose, held for replan_s
+  kFrozen    // the pose seen at the last loss of contact or corner
+};
+inline constexpr std::array<std::string_view, 4> kFollowingNames = {"delayed", "predict", "replan",
+                                                                    "frozen"};
+
+// The parameters of a simulated person. An operator file gives the range of each parameter and the
+// source of the range (operator_file.h).
+struct OperatorParameters {
+  double sight_delay_s = 0.15;            // > 0, from a picture to the hand
+  double replan_s = 0.35;                 // > 0, for Following::kReplan
+  double gain_per_s = 3.0;                // >= 0, of the correction along the way
+  double force_noise = 0.05;              // >= 0, standard deviation as a share of the hand's force
+  double intention_noise_m = 2e-3;        // >= 0, standard deviation along each axis
+  double intention_noise_Hz = 1.0;        // > 0, its natural frequency
+  double hand_stiffness_N_per_m = 443.0;  // > 0
+  double hand_damping_Ns_per_m = 15.0;    // >= 0
+  double press_depth_m = 8e-3;            // > 0, of the target inside the wall
+  double speed_m_per_s = 0.045;           // >= 0, along the way
+};
+
+}  // namespace palpate

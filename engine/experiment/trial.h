@@ -1,0 +1,71 @@
+#pragma once
+
+// One trial of the experiment: a simulated person follows the contour of an object from the green
+// to the red sphere.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/operator_parameters.h"
+#include "engine/experiment/trial_row.h"
+#include "engine/scene/scene.h"
+#include "engine/session/run_setup.h"
+#include "engine/simulation/hand_path.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// What all trials of a plan share.
+struct TrialSettings {
+  double display_Hz = 40.0;        // pictures per second
+  double sphere_radius_m = 0.006;  // of the green and the red sphere
+  double limit_s = 120.0;          // a trial that takes longer ends with the status timeout
+};
+
+// The way of a trial in the plane of the device: a closed contour, opened at the centre of the
+// green sphere. Scene frame.
+struct TrialWay {
+  HandPath path;         // once round the contour, from green to green, with material on the left
+  double red_along_m;    // the centre of the red sphere, as a length along the path
+  double longest_leg_m;  // the longest straight leg of the contour
+};
+
+// Finds the way of trials on this scene. The node's palpate_contour states the centres of the
+// spheres; without it they are on the longest wall. setup: of a device with two sensors; its plane
+// height is the height of the contour. The error names the element of the scene.
+Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
+                                const TrialSettings& settings);
+
+// The conditions of one trial.
+struct TrialConditions {
+  ForceMode force = ForceMode::kActuated;
+  bool a4 = false;
+  Following following = Following::kDelayed;
+  std::uint64_t noise_seed = 0;
+};
+
+// The outcome of a trial.
+struct TrialOutcome {
+  TrialStatus status = TrialStatus::kDone;
+  std::array<std::optional<double>, kMeasureCount> measures;
+  std::uint64_t ticks = 0;  // computed in this trial, before and after the start of the clock
+};
+
+// Called with the record of every tick of a trial.
+using TickSink = std::function<void(const TickRecord&)>;
+
+// Runs one trial in simulated time. The same arguments give the same outcome to the bit: no trial
+// depends on trials before it. setup: as for find_trial_way(); its force mode and A4 are replaced
+// by the conditions. sink: may be empty. Thread-safe: any number of threads may run trials on one
+// scene.
+//
+// Errors: those of check_setup() and check_plant(), which depend neither on the seed nor on the
+// conditions.
+Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const RunSetup& setup,
+                               const TrialSettings& settings, const OperatorParameters& person,
+                               const TrialConditions& conditions, const TickSink& sink = {});
+
+}  // namespace palpate

@@ -1,0 +1,76 @@
+#pragma once
+
+// One row of trials.csv: the conditions of a trial and what was measured in it.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "palpate/record.h"
+
+namespace palpate {
+
+// How a trial ended.
+enum class TrialStatus : std::uint8_t {
+  kDone,     // with a contact within the red sphere
+  kTimeout,  // at the time limit
+  kFault     // by a fault of a tick
+};
+inline constexpr std::array<std::string_view, 3> kTrialStatusNames = {"done", "timeout", "fault"};
+
+// A measure of a trial: its column in trials.csv.
+struct TrialMeasure {
+  std::string_view name;
+  std::string_view unit;  // "1": dimensionless
+  std::string_view meaning;
+  std::string_view paper;  // the paper's name of the measure; empty: the paper does not have it
+};
+
+// The places of the measures in kTrialMeasures. A column for each fault (kFaultNames) follows
+// kFirstFaultMeasure, and kMissedDeadlines is last.
+enum MeasureIndex : std::size_t {
+  kTotalTime,
+  kContactTime,
+  kLosses,
+  kLosses100ms,
+  kLossesPerSecond,
+  kLosses100msPerSecond,
+  kPenetration,
+  kPenetrationDm,
+  kContactAngle,
+  kShareWithin30deg,
+  kTrackedShare,
+  kRecoveries,
+  kDevicePath,
+  kProxyPath,
+  kPortWork,
+  kWorkLost,
+  kGhostForce,
+  kMissingForce,
+  kFirstFaultMeasure,
+  kMissedDeadlines = kFirstFaultMeasure + kFaultCount,
+  kMeasureCount
+};
+
+// All measures, in the order of the columns.
+const std::array<TrialMeasure, kMeasureCount>& trial_measures();
+
+struct TrialRow {
+  std::string following;    // of a simulated operator (following.h); empty for a person
+  std::string participant;  // "1", "2", ... for simulated operators
+  int block = 0;            // 0: practice
+  int trial = 0;            // place within the block, 1 for the first
+  std::string haptic;       // NoH, UaH or H
+  std::string rotation;     // NoR or R
+  std::string object;
+  int attempt = 1;
+  TrialStatus status = TrialStatus::kDone;
+  // No value: undefined in this trial (for example a mean over contact without any contact), or not
+  // in the file.
+  std::array<std::optional<double>, kMeasureCount> measures;
+};
+
+}  // namespace palpate
