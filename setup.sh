@@ -49,9 +49,25 @@ install_missing_packages() {
   rm -f "$log"
 }
 
+palpate_progress_s=60  # the shortest time between two lines of progress
+
+# report_progress TASK LOG: copies the output of ninja from stdin to the file LOG. From time to time
+# it prints how many of ninja's steps are done. Requires NINJA_STATUS='[%f/%t] '.
+report_progress() {
+  local task=$1 log=$2 line last_s=$SECONDS
+  local status='^\[([0-9]+)/([0-9]+)\] '
+  while IFS= read -r line || [ -n "$line" ]; do
+    printf '%s\n' "$line"
+    if ((SECONDS - last_s >= palpate_progress_s)) && [[ $line =~ $status ]]; then
+      say "$task: ${BASH_REMATCH[1]} of ${BASH_REMATCH[2]} files"
+      last_s=$SECONDS
+    fi
+  done >"$log"
+}
+
 # build_preset PRESET [TARGET...]: configures the preset if it is not configured or if the presets
 # have changed since, then builds the targets. On a terminal it shows the progress of the build;
-# otherwise it shows the output of a failed build.
+# otherwise it prints a line of progress at most once a minute, and the output of a failed build.
 build_preset() {
   local preset=$1 build=$palpate_root/build/$1
   shift
@@ -76,7 +92,11 @@ build_preset() {
   fi
   local log
   log=$(mktemp)
-  if ! cmake --build "$build" "${target_flags[@]}" >"$log" 2>&1; then
+  if ! (
+    set -o pipefail
+    NINJA_STATUS='[%f/%t] ' cmake --build "$build" "${target_flags[@]}" 2>&1 |
+      report_progress "building $preset" "$log"
+  ); then
     cat "$log" >&2
     rm -f "$log"
     return 1

@@ -1,6 +1,7 @@
 #pragma once
 
-// Cold caches, as they are when a haptic loop shares its core with other work.
+// Eviction of data from the caches, as it happens when a haptic loop shares its core with other
+// work.
 
 #include <cstdint>
 

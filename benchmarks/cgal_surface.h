@@ -1,7 +1,7 @@
 #pragma once
 
-// The second peer: the same queries on CGAL's AABB_tree, in double, on CGAL's copy of the
-// triangles.
+// The second library to which Palpate is compared (peer): the same queries on CGAL's AABB_tree, in
+// double, on CGAL's copy of the triangles.
 
 #include <memory>
 #include <optional>
@@ -20,8 +20,8 @@ class CgalSurface {
   CgalSurface(CgalSurface&&) noexcept;
   CgalSurface& operator=(CgalSurface&&) noexcept;
 
-  // The nearest surface point. hint: any point of the surface; a nearer hint makes the query
-  // faster.
+  // The nearest surface point. hint: any point of the surface; the nearer it is to p, the faster is
+  // the query.
   Vec3 closest_point(const Vec3& p, const Vec3& hint) const;
 
   // The fraction of the segment p to p + d at which it meets some triangle, not necessarily

@@ -13,13 +13,14 @@ namespace palpate::bench {
 // How the hand touches the surface.
 struct WalkStyle {
   double proxy_radius_m = 0.0;
-  HeightSwing swing;  // height of the device over the proxy's centre in contact
+  HeightSwing swing;  // height of the device over the centre of a proxy in contact
   std::uint64_t seed = 1;
 };
 
-// A random walk over the surface of the body with steps of kSpherePathStep_m and a slowly changing
-// heading; the device is above or below the surface. The device slows down at sharp edges of the
-// body. The path begins outside. Frame of the body, metres. Deterministic.
+// A random walk over the surface of the body, with steps of kSpherePathStep_m and a slowly changing
+// heading. The device is above or below the surface, as WalkStyle::swing states. The device slows
+// down at sharp edges of the body. The path begins outside. Frame of the body, metres.
+// Deterministic.
 DevicePath contact_walk(const ScannedBody& body, const WalkStyle& style, std::size_t samples);
 
 }  // namespace palpate::bench

@@ -1,6 +1,6 @@
 #pragma once
 
-// Repeats of a slow step; its median is reported.
+// Number of repeats of a slow step; the median of its times is reported.
 
 namespace palpate::bench {
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// The medians measured so far in this process: a row can report its ratio to the median of a peer.
+// The medians measured so far in this process. With them, a row can report the ratio of its median
+// to that of a peer.
 
 #include <string>
 

@@ -16,20 +16,22 @@
 
 namespace palpate::bench {
 
-// Passes over a path. The shortest time of each sample counts: interruptions rarely hit the same
-// sample in every pass. Unless they are evicted, caches stay warm from sample to sample; on a
-// device, with a millisecond between ticks, they may not.
+// Number of passes over a path. The shortest time of each sample counts, because interruptions
+// rarely hit the same sample in every pass. Unless the caches are evicted, they stay warm from
+// sample to sample; on a device, with a millisecond between ticks, they may not.
 inline constexpr std::size_t kRepeats = 6;
 
-// Reads std::chrono::steady_clock around every sample. On Linux it reads the same time stamp
-// counter as rdtscp and takes the same 20 ns, so rdtscp would gain nothing. The counter may advance
-// in coarser steps than a nanosecond (10 ns on AMD processors).
+// The time since `start` by std::chrono::steady_clock, which is read before and after every sample.
+// On Linux this clock reads the same time stamp counter as rdtscp and also takes 20 ns, so rdtscp
+// would gain nothing. The counter may advance in coarser steps than a nanosecond (10 ns on AMD
+// processors).
 inline std::int64_t nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
 }
 
-// The time of the clock itself: the median of empty samples, each the shortest of kRepeats like
-// every sample. It is subtracted from every time and reported as clock_ns.
+// The time that reading the clock takes: the median time of empty samples. As for every sample, the
+// time of an empty sample is the shortest of kRepeats. The median is subtracted from every time and
+// reported as clock_ns.
 inline std::int64_t clock_overhead_ns() {
   static const std::int64_t median = [] {
     std::vector<std::int64_t> empty(10001, std::numeric_limits<std::int64_t>::max());
@@ -56,14 +58,14 @@ using SampleError = const char*;  // null: no error
 
 struct Samples {
   std::size_t count;
-  Caches caches;  // before every sample
+  Caches caches;  // state of the caches before every sample
 };
 
 // Runs the path kRepeats times, one sample per iteration. Only sample(n) is timed. begin_pass()
 // runs before each pass. before_sample(n) brings the sample's input back into the caches. A
 // SampleError returned by after_sample(n) ends the benchmark. Google Benchmark's own time is the
-// mean over all passes. For benchmarks registered with UseManualTime() and Iterations(kRepeats *
-// count).
+// mean over all passes. The benchmark must be registered with UseManualTime() and
+// Iterations(kRepeats * count).
 template <typename BeginPass, typename BeforeSample, typename Sample, typename AfterSample>
 void time_path(benchmark::State& state, const Samples& samples, BeginPass begin_pass,
                BeforeSample before_sample, Sample sample, AfterSample after_sample) {

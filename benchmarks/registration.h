@@ -14,18 +14,19 @@ namespace palpate::bench {
 struct SampleCounts {
   std::size_t warm;
 
-  // For evicted caches, because evicting takes a hundred times as long as the timed sample, and for
-  // inputs that are slow on purpose. At least one tap.
+  // The number of samples for evicted caches, because evicting takes a hundred times as long as the
+  // timed sample, and for inputs that are slow on purpose. The path includes at least one tap.
   std::size_t fewer() const { return std::min(warm, std::max<std::size_t>(warm / 4, 250)); }
   std::size_t for_caches(Caches caches) const { return caches == Caches::kWarm ? warm : fewer(); }
 };
 
-// Google Benchmark appends the iterations.
+// The name of a row, to which Google Benchmark appends the number of iterations.
 inline std::string row_name(const std::string& workload, int subdivisions) {
   return workload + "/" + std::to_string(sphere_triangles(subdivisions));
 }
 
-// Call these two in this order for each size: ticks are compared with peers of the index.
+// Call these two functions in this order for each size, because the rows of ticks are compared with
+// those of the index's peers.
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 // scan_<proxy>/<approximate triangles>, for sizes that have a scan.
@@ -36,7 +37,7 @@ void register_worst_benchmarks(bool is_large);
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 
 // Once for all sizes: accuracy_<knob>/<method>/<level>, every level of every knob. Adds the
-// conditions of the measurement to the context.
+// conditions of the measurement to the context of the results.
 void register_accuracy_benchmarks(const MeasurementEffort& effort);
 
 // Once for all sizes: load_instances/<count>x, instances_sliding/<count>x and

@@ -11,8 +11,8 @@
 
 namespace palpate::bench {
 
-// A solid defined by a function that is negative inside, zero on the surface and nowhere larger
-// than the distance to the surface. Frame of the body, metres. Deterministic.
+// A solid defined by a function that is negative inside, zero on the surface and, outside, never
+// larger than the distance to the surface. Frame of the body, metres. Deterministic.
 class ScannedBody {
  public:
   ScannedBody();

@@ -1,11 +1,11 @@
 #pragma once
 
-// On which side of a line an edge passes: three methods to compute the sign.
+// Three methods to compute the sign that tells on which side of a line an edge passes.
 //
-// The question behind "does a segment meet a triangle" (geometry/exact/segment_triangle.h): the sign of
-// d . ((from - p) x (to - p)), positive if the edge passes the line on its left. Each method
-// begins with a filter in double; the methods differ in the arithmetic used when the filter is
-// undecided.
+// The test whether a segment meets a triangle (geometry/exact/segment_triangle.h) needs the sign of
+// d . ((from - p) x (to - p)), which is positive if the edge passes the line on its left. Each
+// method begins with a filter in double. The methods differ in the arithmetic that they use when
+// the filter is undecided.
 
 #include <memory>
 #include <span>
@@ -23,7 +23,7 @@ struct SideInput {
 // Whether the filter shared by the first two methods decides the sign.
 bool filter_decides(const SideInput& input);
 
-// 113-bit arithmetic in software. Returns 0 also if 113 bits are undecided.
+// 113-bit arithmetic in software. Returns 0 also if 113 bits do not decide the sign.
 int side_float128(const SideInput& input);
 
 // The method of the engine (geometry/exact/orientation.h): pairs of doubles, then expansions. Exact

@@ -12,23 +12,24 @@ namespace palpate::bench {
 
 inline constexpr double kSphereRadius_m = 0.1;
 
-// 20 * 4^subdivisions.
+// The number of triangles of the sphere: 20 * 4^subdivisions.
 constexpr std::size_t sphere_triangles(int subdivisions) {
   return std::size_t{20} << (2 * subdivisions);
 }
 
-// The icosphere of kSphereRadius_m about the origin. Each function keeps its last result and
-// destroys it when called with other arguments, so benchmarks of one size should run consecutively.
+// The sphere is the icosphere of kSphereRadius_m about the origin. Each of the following functions
+// keeps its last result and destroys it when called with other arguments, so benchmarks of one size
+// should run consecutively.
 
 // The scene for a proxy of proxy_radius_m; null if it could not be compiled.
 const Scene* sphere_scene(int subdivisions, double proxy_radius_m);
 
 const StockSurface& stock_sphere(int subdivisions);
 
-// Requires kHaveCgal.
+// The sphere in CGAL's tree. Requires kHaveCgal.
 const CgalSurface& cgal_sphere(int subdivisions);
 
-// The index of the sphere in metres, about the origin, compared with the peers.
+// The index of the sphere in metres, about the origin, for the comparison with the peers.
 const SurfaceIndex& sphere_index(int subdivisions);
 
 // The nearest point of the only body of a scene, scene frame.

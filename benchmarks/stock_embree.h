@@ -1,7 +1,8 @@
 #pragma once
 
-// The first peer: the same queries on Embree without Palpate, on Embree's own triangle geometry, in
-// float, with the point query callback described in its tutorials.
+// The first library to which Palpate is compared (peer): the same queries on Embree without
+// Palpate, in float, on Embree's own triangle geometry, with the point query callback described in
+// Embree's tutorials.
 
 #include <cstdint>
 #include <memory>

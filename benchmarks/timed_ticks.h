@@ -1,6 +1,7 @@
 #pragma once
 
-// Ticks of a haptic loop along a path, timed one by one, with a tally that proves their validity.
+// Ticks of a haptic loop along a path, timed one by one, with a tally that shows whether they are
+// valid.
 
 #include <vector>
 

@@ -20,14 +20,16 @@ inline constexpr HeightSwing kTapping{-3e-3, 3e-3, 0.25};  // in and out, four t
 inline constexpr HeightSwing kNear{0.0, 5e-3, 0.5};  // like a device point that leaves the surface
 inline constexpr HeightSwing kOnSurface{0.0, 0.0, 0.5};  // like a proxy in contact
 
-// From kStep_m outside the sphere straight towards its centre, without the centre itself.
+// A path from kStep_m outside the sphere straight towards its centre, without the centre itself.
 std::vector<Vec3> path_to_centre(double radius_m);
 
-// The exact centre of the sphere, where all triangles are about equally near, then points around it
-// in all directions, at distances from a nanometre to farthest_m.
+// A path that begins at the exact centre of the sphere, where all triangles are about equally near.
+// Its further points lie around the centre in all directions, at distances from a nanometre to
+// farthest_m.
 std::vector<Vec3> path_about_centre(double farthest_m, std::size_t sample_count);
 
-// Jumps in every tick, at most longest_m long, between points uniformly distributed over the ball.
+// A path with a jump in every tick, at most longest_m long, between points uniformly distributed
+// over the ball.
 std::vector<Vec3> random_teleports(double ball_radius_m, double longest_m,
                                    std::size_t sample_count);
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Scenes and motions that need the most work in a tick. The work budget of a tick bounds it.
+// Scenes and motions that need the most work in a tick. The work budget limits the work of each
+// tick.
 
 #include <cstddef>
 #include <memory>
@@ -31,8 +32,8 @@ struct WorstInput {
 // so.
 struct WorstKind {
   std::string_view name;
-  std::size_t most;   // number for benchmarks
-  std::size_t least;  // number for tests
+  std::size_t most;   // argument of make() for benchmarks
+  std::size_t least;  // argument of make() for tests
   std::size_t ticks;  // number of goals
   WorstInput (*make)(std::size_t count);
 };

@@ -11,14 +11,14 @@ namespace {
 std::optional<Error> check_pose(const ContactWorld& world, const RigidTransform& T_device_scene) {
   if (!is_pose(T_device_scene)) {
     return invalid_argument("initial_pose",
-                            "is not a rigid pose: expected finite numbers and a unit quaternion");
+                            "is not a rigid pose; expected finite numbers and a unit quaternion");
   }
   const double away_m = T_device_scene.translation_m.stableNorm();
   const double most_m = farthest_place_m(world);
   if (away_m <= most_m) return std::nullopt;
   return invalid_argument("initial_pose",
-                          digits_of(away_m) + " m from the device's origin, expected at most " +
-                              digits_of(most_m) +
+                          "is " + digits_of(away_m) +
+                              " m from the device's origin; expected at most " + digits_of(most_m) +
                               " m, where positions keep half of their digits for the scene",
                           "place the scene nearer to the device's origin");
 }
@@ -29,7 +29,7 @@ std::optional<Error> check_coupling(const ContactWorld& world, const HapticSetti
   const auto check = [](const char* field, double value, double most) -> std::optional<Error> {
     if (auto error = check_number(field, value, true)) return error;
     if (value <= most) return std::nullopt;
-    return invalid_argument(field, digits_of(value) + " given, expected at most " +
+    return invalid_argument(field, "is " + digits_of(value) + "; expected at most " +
                                        digits_of(most) + ", so that no force overflows");
   };
   if (auto error = check("coupling.stiffness_N_per_m", coupling.stiffness_N_per_m,
@@ -67,8 +67,8 @@ std::optional<Error> check_settings(const ContactWorld& world, const HapticSetti
     if (auto error = check_number("a4.profile", part, false)) return error;
   }
   if (!std::isfinite(settings.plane_height_m)) {
-    return invalid_argument(
-        "plane_height_m", digits_of(settings.plane_height_m) + " given, expected a finite number");
+    return invalid_argument("plane_height_m", "is " + digits_of(settings.plane_height_m) +
+                                                  "; expected a finite number");
   }
   return std::nullopt;
 }

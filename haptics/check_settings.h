@@ -24,7 +24,7 @@ struct HapticSettings;
 //   plane_height_m        finite
 //   initial_pose          finite, with a quaternion of length 1 (is_pose), and at most
 //                         farthest_place_m() from the device's origin: a device's positions have 53
-//                         bits, and the distance uses up the leading ones
+//                         bits, and a large distance leaves fewer of them for the scene
 //
 // A loop that is constructed with a bad setting reports kFaultBadSettings and commands zero force
 // in every tick.
@@ -48,17 +48,20 @@ inline double farthest_sample_m(double world_extent_m,
 }
 
 // The largest lag that good samples can give. The goal is within farthest_sample_m() of the
-// device's origin, and the scene's middle is within a 2^26th of that distance; so the goal is less
-// than two such distances from the middle. The proxy is at an earlier goal or touches a surface, so
-// that it is less than two such distances from the middle, too. The sum is four. (A4 moves the
-// scene by less than that, and kLargestForce_N leaves half of the exponents in reserve.) m.
+// device's origin, and the scene's middle is within a 2^26th of that distance; therefore, the goal
+// is less than two such distances from the middle. The proxy is at an earlier goal or touches a
+// surface; therefore, it is also less than two such distances from the middle. The lag is less than
+// the sum, four such distances. (A4 moves the scene by less than this, and kLargestForce_N leaves
+// half of the exponents in reserve.) m.
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept;
 
-// Half of the exponent range of double: sums and squares of such forces are finite. N.
+// The limit of the coupling's force under valid settings. It uses half of the exponent range of
+// double, so that sums and squares of such forces are finite. N.
 inline constexpr double kLargestForce_N = 0x1p511;
 
-// A thousandth of the tick of a servo at 1 MHz. In shorter ticks a damper can still overflow; these
-// ticks report kFaultNonFiniteForce. s.
+// The shortest tick for which the damper's force is bounded: a thousandth of the tick of a servo at
+// 1 MHz. In a shorter tick the damper can still overflow; the tick then reports
+// kFaultNonFiniteForce. s.
 inline constexpr double kShortestTick_s = 1e-9;
 
 }  // namespace palpate

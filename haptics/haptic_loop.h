@@ -53,8 +53,8 @@ inline constexpr bool is_time_step(double dt_s) {
 }
 
 // The fastest motion of a hand that holds a device; only a boxer's fist is as fast. A sample is a
-// jump if it needs a higher speed and also lies farther away than the scene is large. A hand at
-// this speed moves 10 mm per tick at 1 kHz.
+// jump if only a faster motion could reach it and its distance also exceeds the size of the scene.
+// A hand at this speed moves 10 mm per tick at 1 kHz.
 inline constexpr double kFastestHand_m_per_s = 10.0;
 
 // The haptic loop: the six actions of A4 (Lecuyer et al. 2005, section 3), once per tick.
@@ -74,12 +74,12 @@ class HapticLoop {
   // first good sample places the proxy at the goal.
   //
   // A bad sample keeps the last state, commands zero force and sets a fault bit. A jump is a bad
-  // sample, too: a sample whose distance from the last sample and from the last good one exceeds
-  // both the scene's size and the distance that a hand can move in the time since
-  // (kFastestHand_m_per_s). Without this rule, every obstacle between the two positions would cause
-  // a force. If the device stays at the new position, its next sample is good. If the jump was a
-  // single outlier, the sample after it is good. In both cases the proxy follows and keeps its
-  // contacts.
+  // sample, too. A sample is a jump if it is too far from both the last sample and the last good
+  // sample. "Too far" is a distance larger than the scene's size and than the distance that a hand
+  // can move in the time since that sample (kFastestHand_m_per_s). Without this rule, every
+  // obstacle between the two positions would cause a force. If the device stays at the new
+  // position, its next sample is good. If the jump was a single outlier, the sample after it is
+  // good. In both cases the proxy follows the device and keeps its contacts.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
   // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
@@ -87,8 +87,8 @@ class HapticLoop {
   void refuse_sample() noexcept { next_faults_ |= kFaultInvalidSample; }
 
   // Sets the pose that a body of the world takes in the next good tick. The moving body pushes the
-  // proxy ahead of it (GodObject::move_bodies). A body that would crush the proxy stays where it is
-  // and tries again in every tick (kFaultBodyHeld).
+  // proxy ahead of it (GodObject::move_bodies). A body that would crush the proxy stays where it
+  // is, and the loop tries to move it again in every tick (kFaultBodyHeld).
   //
   // body: index into the world's bodies. T_scene_body: pose of the body in the scene frame. In the
   // following cases the call changes nothing, and the next tick sets kFaultBadBodyPose: the body
@@ -136,7 +136,8 @@ class HapticLoop {
   void step(double dt_s);
   template <std::uint32_t kNeeds>
   void run_actions(double dt_s);
-  // Inlined, because each has one caller and the cost of a call shows in short ticks.
+  // The next two functions are inlined, because each has one caller and the cost of a call is
+  // measurable in short ticks.
   template <std::uint32_t kNeeds>
   [[gnu::always_inline]] void detect_collision();
   [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
@@ -146,7 +147,7 @@ class HapticLoop {
   void render_force(double dt_s);
   template <std::uint32_t kNeeds>
   Vec3 contact_force_N(double dt_s);
-  // A face that the proxy touches is at most this far from the proxy's centre.
+  // The largest distance of a touched face from the proxy's centre.
   double touch_m() const { return god_object_.radius_m() + 4 * god_object_.scale().stand_off_m; }
   EffectMotion motion(double dt_s) const;
   void find_velocity(const Vec3& last_goal_m, double dt_s);
@@ -172,7 +173,7 @@ class HapticLoop {
 
   Mat3 R_device_scene_;  // rotation matrix of the pose after the last tick
   Vec3 normal_device_ = Vec3::Zero();
-  // A finite sample and the time since then.
+  // A finite sample and the time since it.
   struct Sample {
     Vec3 p_device_m = Vec3::Zero();
     double age_s = 0.0;
@@ -186,7 +187,7 @@ class HapticLoop {
   double world_extent_m_;  // argument of farthest_sample_m()
 
   Step step_;
-  Step step_without_effects_;              // the remaining actions where no effect is near
+  Step step_without_effects_;              // actions 3 to 6 where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
   ContactResponse response_;               // of this tick
   EffectMotion motion_;                    // of this tick

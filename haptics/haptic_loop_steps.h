@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// Gives the god-object the friction that a world's effects declare for its faces.
+// Provides the god-object with the friction coefficients that a world's effects set for its faces.
 class ConesOfEffects final : public FrictionCones {
  public:
   ConesOfEffects(EffectRunner& effects, const LiveWorld& world)

@@ -23,8 +23,8 @@ struct ImageDescription {
 // How an image continues beyond its edges in one direction, as in a glTF sampler.
 enum class TextureWrap { kRepeat, kClamp, kMirror };
 
-// A reference from a material to a texture. Its image is decoded only if texture_map() or
-// friction_map() selects the reference.
+// A reference from a material to a texture. The image of the texture is decoded only if
+// texture_map() or friction_map() selects the reference.
 struct TextureReference {
   std::uint32_t texture = 0;  // index into /textures of the file
   std::optional<std::uint32_t>
@@ -77,7 +77,7 @@ enum class CombineMode { kAverage, kMinimum, kMaximum, kMultiply };
 inline constexpr double kPhysicsFriction = 0.6;
 
 // An entry of physicsMaterials of KHR_physics_rigid_bodies. The values are dimensionless, finite
-// and not negative; absent if the file does not state them.
+// and not negative; a value that the file does not state is absent.
 struct PhysicsMaterialDescription {
   std::optional<double> static_friction = {};
   std::optional<double> dynamic_friction = {};
@@ -100,15 +100,16 @@ struct HapticMaterialDescription {
   std::vector<HapticMap> maps;  // grouped by property, each group in file order
 };
 
-// The map of the haptic texture for triangles of this material in a mesh of this haptic material
-// (may be null). The first vibrotactileTexture of the haptic material takes precedence over the
+// The map of the haptic texture for triangles of this material in a mesh with this haptic material
+// (null: none). The first vibrotactileTexture of the haptic material takes precedence over the
 // material's normal texture, which is used only together with the parameter "textureHeight".
-// Returns null if neither applies or if that parameter is the number 0. Thread-safe, as are the
-// next two functions.
+// Returns null if neither texture applies or if "textureHeight" is the number 0. Thread-safe, as
+// are the next two functions.
 const TextureReference* texture_map(const MaterialDescription& material,
                                     const HapticMaterialDescription* haptic);
 
-// The map of the friction over a mesh of this haptic material: its first friction map, or null.
+// The map of the friction over a mesh with this haptic material: its first friction map. Returns
+// null if it has none or if haptic is null.
 const TextureReference* friction_map(const HapticMaterialDescription* haptic);
 
 // True if the parameter "textureHeight" is the number 0, which disables the haptic texture.

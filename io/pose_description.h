@@ -22,7 +22,8 @@ struct PoseDescription {
 // "1.25 s", with enough digits to restore the number.
 std::string seconds_text(double time_s);
 
-// "at rest" or "animation #0 "Walk" at 1.5 s"; with the time of the last key if that is earlier.
+// "at rest" or "animation #0 "Walk" at 1.5 s". If the last key is earlier than the pose, its time
+// is appended.
 std::string pose_text(std::span<const AnimationDescription> animations,
                       const std::optional<PoseDescription>& pose);
 

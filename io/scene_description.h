@@ -25,8 +25,8 @@ struct MaterialRun {
   std::optional<std::uint32_t> material;  // index into SceneDescription::materials
 };
 
-// The triangles of one glTF mesh, its primitives appended in file order. A mesh that has two poses,
-// by skins or morph weights, gives two descriptions.
+// The triangles of one glTF mesh, its primitives appended in file order. If skins or morph weights
+// give a mesh two poses, it has two descriptions.
 struct MeshDescription {
   std::string name;
   std::vector<Vec3> positions;                  // mesh frame, metres, as in the file or as posed
@@ -35,9 +35,9 @@ struct MeshDescription {
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
   // Texture coordinates of the positions in the maps of texture_map() and friction_map(): fractions
-  // of the width from the left and of the height from the top, with the map's transform applied;
-  // any finite number. One for each position, zeros for primitives without a map; empty if no
-  // primitive has a map.
+  // of the width from the left and of the height from the top, with the map's transform applied.
+  // They may be any finite numbers. There is one pair for each position, of zeros in primitives
+  // without a map. A vector is empty if no primitive has a map.
   std::vector<std::array<double, 2>> texture_uv = {};
   std::vector<std::array<double, 2>> friction_uv = {};
 };
@@ -65,8 +65,8 @@ struct NodeDescription {
   std::uint32_t tree_node = 0;  // index into SceneDescription::tree
   std::optional<std::uint32_t> physics_material =
       {};  // index into SceneDescription::physics_materials
-  // The magnitudes in the product that gave linear_scene_mesh and translation_m. The default is for
-  // numbers that were rounded once.
+  // The magnitudes of the product that gave linear_scene_mesh and translation_m. The default
+  // applies to numbers that were rounded once.
   TransformProduct product = {1, 0.0, Vec3::Zero(), 0.0};
 };
 
@@ -77,7 +77,8 @@ struct RegionDescription {
   std::string element;                        // "/nodes/7/extras/palpate"
   std::vector<MaterialParameter> parameters;  // in the order of their keys
   std::uint32_t tree_node = 0;                // index into SceneDescription::tree
-  // p_scene = linear * p_node + translation_m, as for a mesh, except that linear may be singular.
+  // p_scene = linear * p_node + translation_m, as for a mesh, except that linear_scene_node may be
+  // singular.
   Mat3 linear_scene_node = Mat3::Identity();
   Vec3 translation_m = Vec3::Zero();
 };

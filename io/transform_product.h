@@ -34,7 +34,8 @@ struct TransformProduct {
   std::uint32_t factors = 0;
   double linear = 1.0;          // the product of the factors' lengthening()
   Vec3 columns = Vec3::Ones();  // column lengths of the last factor, times the others' lengthening
-  double translation_m = 0.0;   // sum of the translations' lengths, each times its lengthening
+  // Sum of the lengths of the translations, each times the lengthening of the factors to its left.
+  double translation_m = 0.0;
 
   static TransformProduct of(const Mat3& linear, const Vec3& translation_m) {
     // The common case needs no further computation.

@@ -19,8 +19,8 @@ struct EffectScene {
   SceneContent content;
 };
 
-// The last scene is "gallery": the nodes of all other scenes, with the gravity of effect_gravity. A
-// node, its mesh and its material are named after the effect.
+// One scene per effect, then the scene "gallery", which has the nodes of all other scenes and the
+// gravity of effect_gravity. A node, its mesh and its material are named after the effect.
 std::vector<EffectScene> effect_scenes();
 
 }  // namespace palpate

@@ -16,11 +16,11 @@ struct SceneContent;
 
 // Returns the bytes of a GLB container (glTF 2.0, section 4) with one scene. Positions and texture
 // coordinates are floats, rounded from double. Indices have 16 bits if these suffice, otherwise 32.
-// There are no normals, so a viewer shades the scene flat. Extensions are listed as used, never as
-// required. The same content gives the same bytes. Returns kInvalidArgument if there is no mesh, a
-// mesh has no triangle, an index is out of range, a number is not a finite float or some but not
-// all vertices have texture coordinates. Returns kLimitExceeded beyond 4 GiB. Not for the haptic
-// thread. Thread-safe.
+// The asset has no normals, so a viewer shades the scene flat. Extensions are listed as used, never
+// as required. The same content gives the same bytes. Returns kInvalidArgument if there is no mesh,
+// if a mesh has no triangle, if an index is out of range, if a number is not a finite float, or if
+// some but not all vertices of a mesh have texture coordinates. Returns kLimitExceeded beyond 4
+// GiB. Not for the haptic thread. Thread-safe.
 Result<std::string> encode_scene(const SceneContent& content);
 
 struct GlbContent {

@@ -2,8 +2,8 @@
 
 // Images with haptic values for the effect scenes. Each image repeats without a seam. Pixel (i, j)
 // of an image with n pixels per side has the texture coordinates ((i + 0.5) / n, (j + 0.5) / n),
-// with j downwards. The images are identical on every platform: sines may differ in their last bit,
-// but the rounded pixels do not. Thread-safe.
+// with j downwards. The images are identical on every platform: the sines of two platforms may
+// differ in their last bit, but the rounded pixels do not. Thread-safe.
 
 #include "models/png_writer.h"
 

@@ -5,9 +5,9 @@
 //
 // Source: Lecuyer et al., World Haptics 2005. The paper names the objects and shows pictures but
 // gives no dimensions; the shapes here are Palpate's own. They keep the properties that determine
-// the result of the experiment. The mean angle of the walls to any fixed line is 45 deg for a hand
-// that follows the contour at constant speed (the paper measured 49.4). One turn takes 25 to 30 s
-// at 24 to 46 mm/s. A hand that overshoots a corner by 5 mm does not meet another wall.
+// the result of the experiment. For a hand that follows the contour at constant speed, the mean
+// angle of the walls to any fixed line is 45 deg (the paper measured 49.4 deg). One turn takes 25
+// to 30 s at 24 to 46 mm/s. A hand that overshoots a corner by 5 mm does not meet another wall.
 //
 // Frame: object, with x and y in the plane of the contour, z along the prism and the origin at the
 // centre of the object. Not for the haptic thread. Thread-safe.
@@ -22,9 +22,8 @@ namespace palpate {
 
 inline constexpr double kPaperObjectHeight_m = 0.04;  // along z, centred on z = 0
 
-// Each contour is counter-clockwise and simple, and no wall is shorter than 25 mm. The first wall
-// is the wall where a turn starts. This wall faces sideways, so that a device actuated along x can
-// render its force.
+// Each contour is counter-clockwise and simple, and no wall is shorter than 25 mm. A turn starts on
+// the first wall. This wall faces sideways, so that a device actuated along x can render its force.
 Contour star_contour();                // 10 corners
 Contour labyrinth_contour();           // 16 corners, all right-angled
 Contour inverted_labyrinth_contour();  // 14 corners, all right-angled
@@ -38,8 +37,9 @@ struct PaperObject {
 // O1 to O4, in this order.
 std::vector<PaperObject> paper_objects();
 
-// The start and end of one counter-clockwise turn along the contour: on its first wall, 10 mm after
-// and 10 mm before the middle, at z = 0. Requires a first wall longer than 20 mm.
+// The start and end of one counter-clockwise turn along the contour. Both are on its first wall at
+// z = 0, the start 10 mm after the middle of the wall and the end 10 mm before it. Requires a first
+// wall longer than 20 mm.
 struct ContourRoute {
   Vec3 start_m;
   Vec3 end_m;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Writes images as PNG files with identical bytes on every platform: no filter, no compression, no
-// time, no colour space. A compression library may divide the same pixels differently in its next
-// version, so only the checksums come from a library. Thread-safe.
+// Writes images as PNG files with identical bytes on every platform. The files have no filter,
+// compression, time or colour space. Only the checksums come from a library, because another
+// version of a compression library may give different bytes for the same pixels. Thread-safe.
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// Row by row from the top left.
+// The pixels are stored row by row from the top left.
 template <typename Pixel>
 struct Image {
   std::size_t width = 0;
@@ -20,8 +20,8 @@ struct Image {
   std::vector<Pixel> pixels;
 };
 
-using GreyImage = Image<std::uint16_t>;               // 65535 is one
-using RgbImage = Image<std::array<std::uint8_t, 3>>;  // 255 is one
+using GreyImage = Image<std::uint16_t>;               // 65535 represents 1
+using RgbImage = Image<std::array<std::uint8_t, 3>>;  // 255 represents 1
 
 // Returns the bytes of the file: grey with 16 bits, or red, green and blue with 8 bits each.
 // Requires width and height from 1 to 2^14 and width * height pixels. Source: PNG Specification,

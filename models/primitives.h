@@ -19,7 +19,7 @@ namespace palpate {
 
 using Point2 = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
 
-// A closed polygon, counter-clockwise, its last vertex joined to its first. Metres.
+// A closed polygon, counter-clockwise; its last vertex is joined to its first. Metres.
 using Contour = std::vector<Point2>;
 
 struct TriangleMesh {
@@ -33,8 +33,8 @@ inline double to_float(double x) {
 }
 
 // An icosahedron whose triangles are split into four `subdivisions` times, with vertices projected
-// to the sphere: 20 * 4^subdivisions triangles (5: 20,480; 6: 81,920; 7: 327,680; 8: 1,310,720; 9:
-// 5,242,880). Requires 0 <= subdivisions <= 12 and radius_m > 0.
+// to the sphere. It has 20 * 4^subdivisions triangles (5 subdivisions: 20,480; 6: 81,920; 7:
+// 327,680; 8: 1,310,720; 9: 5,242,880). Requires 0 <= subdivisions <= 12 and radius_m > 0.
 TriangleMesh icosphere(int subdivisions, double radius_m);
 
 // An icosphere whose vertices lie at radius_m + bump_height_m * T(x) T(y) T(z), where (x, y, z) is

@@ -58,7 +58,7 @@ struct SceneContent {
   std::vector<HapticMaterialContent> haptic_materials = {};
   std::vector<nlohmann::json> physics_materials = {};  // in the form of KHR_physics_rigid_bodies
   std::vector<std::string> images = {};                // PNG files; each is a repeating texture
-  std::vector<NodeContent> nodes = {};                 // all are roots
+  std::vector<NodeContent> nodes = {};                 // all nodes are roots
   nlohmann::json extras = nullptr;
 };
 

@@ -14,9 +14,9 @@ struct TexturedMesh {
   std::vector<Point2> texture_coordinates;  // one per vertex: u to the right, v down; no unit
 };
 
-// A box with the corners of box(), but with four separate vertices per face, so that the texture
-// runs straight across each face and is not mirrored as seen from outside. An image is tile_m wide
-// and high on the surface and repeats. On the top, u runs along +x and v along -y, and the upper
+// A box with the corners of box(), but with four separate vertices per face. The texture therefore
+// runs straight across each face and, seen from outside, is not mirrored. On the surface, an image
+// is tile_m wide and high, and repeats. On the top, u runs along +x and v along -y, and the upper
 // left corner of the first image is at low x and high y. Coordinates are float values. Frame: the
 // slab's own, with its centre at the origin; metres. Requires every component of size_m > 0 and
 // tile_m > 0. Thread-safe.

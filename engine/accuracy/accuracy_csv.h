@@ -1,6 +1,6 @@
 #pragma once
 
-// The results of knobs as a table for other programs.
+// The results of knobs (knob.h) as a table for other programs.
 
 #include <span>
 #include <string>
@@ -16,14 +16,15 @@ inline constexpr std::string_view kAccuracyColumns =
     "floor,at_floor,time_median,time_low,time_high,time_unit,iterations,ticks,repeats,failures,"
     "failure,on_front,recommended,is_default,preset";
 
-// kAccuracyColumns, then a line per level of each method, and a line per preset with the name of
-// the preset and without method, level and value. Low and high are quartiles. Numbers have 17
-// significant digits, which give back the same double, in the unit of their column; flags are 0
-// or 1. Figures are empty if every repeat failed. Fields with commas, quotes or
-// line breaks are quoted (RFC 4180); lines end with "\n".
+// The first line is kAccuracyColumns. One line follows for each level of each method, then one for
+// each preset. The line of a preset has the name of the preset and no method, level or value. Low
+// and high are quartiles. Numbers have 17 significant digits, so that reading them restores the
+// same doubles. Numbers are in the unit of their column; flags are 0 or 1. The numbers of a level
+// are empty if every repeat failed. Fields with commas, quotation marks or line breaks are quoted
+// (RFC 4180). Lines end with "\n".
 std::string accuracy_csv(std::span<const KnobResult> results);
 
-// Writes the table to a file. Returns the path, or an error that names it.
+// Writes the table to a file. Returns the path, or an error that names the path.
 Result<std::string> write_accuracy_csv(std::span<const KnobResult> results,
                                        const std::string& path);
 

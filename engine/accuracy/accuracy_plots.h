@@ -1,6 +1,7 @@
 #pragma once
 
-// Work-precision diagrams, drawn by gnuplot: the accuracy that a knob buys, and its time.
+// Work-precision diagrams, drawn by gnuplot. They show the error at each level of a knob (knob.h)
+// and the time that the level takes.
 
 #include <string>
 
@@ -9,23 +10,24 @@
 
 namespace palpate {
 
-// Two SVG documents. Both have errors on the upright axis; if all errors are at the floor, the
-// second has times instead.
+// Two SVG documents. Both have the errors on the vertical axis; if all errors are at the floor, the
+// second document has the times there instead.
 //
-// Axes are logarithmic; a grey band beside the axis holds errors, times and levels of 0. Points are
-// medians, whiskers quartiles; open points are at the floor. A line is interrupted at a failed
-// level, and the legend counts the failures.
+// The axes are logarithmic. A grey band beside an axis contains the points whose error, time or
+// level is 0. Points are medians, and whiskers extend over the quartiles; open points are at the
+// floor. A line is interrupted at a failed level, and the legend counts the failures.
 struct WorkPrecisionPanels {
-  // One curve for each method, the Pareto front, the presets and the level recommended.
+  // Errors against times: one curve for each method, the Pareto front, the presets and the
+  // recommended level.
   std::string error_against_time;
-  // With the fitted order and the slope of the expected order.
+  // Errors against levels, with the fitted order and the slope of the expected order.
   std::string error_against_level;
 };
 
-// An error if gnuplot is missing or fails.
+// Returns an error if gnuplot is missing or fails.
 Result<WorkPrecisionPanels> work_precision_panels(const KnobResult& result);
 
-// Both side by side under the title of the knob, as one document.
+// Both panels side by side under the title of the knob, as one SVG document.
 Result<std::string> work_precision_svg(const KnobResult& result);
 
 }  // namespace palpate

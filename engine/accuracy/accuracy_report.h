@@ -1,6 +1,7 @@
 #pragma once
 
-// The results as one page for readers: the advice first, then the knobs, the build facts last.
+// The results as one page for readers: first the advice, then the knobs, last the facts about the
+// build.
 
 #include <optional>
 #include <span>
@@ -18,7 +19,7 @@ namespace palpate {
 
 struct KnobChapter {
   KnobResult result;
-  Result<WorkPrecisionPanels> panels;  // in case of an error the page shows it instead
+  Result<WorkPrecisionPanels> panels;  // if this is an error, the page shows its text
 };
 
 struct AccuracyReport {

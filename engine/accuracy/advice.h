@@ -1,8 +1,8 @@
 #pragma once
 
-// The answers that the report gives first: the settings for a device, and for a scene if one was
-// measured. Where several knobs have a recommendation for one setting, the advice states one
-// answer.
+// The answers at the beginning of the report: the settings recommended for a device, and for a
+// scene if one was measured. If several knobs have a recommendation for one setting, the advice
+// states a single answer.
 
 #include <span>
 #include <string>
@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-// One answer. Plain text; reason and limit are sentences.
+// One answer of the advice, in plain text. reason and limit are sentences.
 struct Answer {
   std::string setting;  // "Rate"
   std::string value;    // "2 kHz"
@@ -26,10 +26,11 @@ struct Answer {
 struct Advice {
   // The settings.
   double rate_Hz = 1000.0;
-  CouplingSettings coupling;            // with the velocity estimator of its damper
+  CouplingSettings coupling;            // including the velocity estimator of its damper
   std::size_t preset = kDefaultPreset;  // index into kAccuracyPresets
 
-  // The same for readers: rate, stiffness, damping, preset, velocity window, mesh.
+  // The same settings as texts for readers: rate, stiffness, damping, preset, velocity window,
+  // mesh.
   std::string subject;  // "For this device and this scene"
   std::string device;   // "mass 0.1 kg, damping ..."
   std::vector<Answer> answers;
@@ -41,22 +42,22 @@ struct AdviceInput {
   std::span<const KnobResult> results;   // after reconcile()
   const SceneFindings* scene = nullptr;  // null: no scene was measured
   DeviceDescription device;
-  CouplingSettings coupling;               // of the loop, as given or by default
-  std::vector<std::string> scene_options;  // of `palpate run`: the path, then options of the scene
+  CouplingSettings coupling;               // of the loop: set by the user, or the default
+  std::vector<std::string> scene_options;  // of `palpate run`: the path, then scene options
   std::string program = "palpate";         // first word of the command
 };
 
-// The scene of the command if no scene was measured: a model of this repository.
+// The scene in Advice::command if no scene was measured: a model of this repository.
 inline constexpr const char* kAdviceModel = "models/sphere.glb";
 
-// A knob that was not measured leaves its setting at the default, and the reason says so. An error
-// as of stability_limits().
+// If a knob was not measured, its setting keeps the default, and the reason states that. Returns
+// the errors of stability_limits().
 Result<Advice> advise(const AdviceInput& input);
 
 // The shortest digits that give back the same number: "0.2", "2e-05".
 std::string shortest_digits(double value);
 
-// The words of the command, quoted for a shell, and the same as a line.
+// The words of the command, each quoted for a shell; and the command as one line.
 std::vector<std::string> command_words(const Advice& advice);
 std::string command_line(const Advice& advice);
 

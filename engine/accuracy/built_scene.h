@@ -12,12 +12,13 @@
 
 namespace palpate {
 
-// A scene of one node with this mesh, without effects, compiled like the scene of a file.
+// Compiles a scene of one node with this mesh, without effects, in the same way as the scene of a
+// file.
 // place_m: translation of the node.
 Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                                   const Vec3& place_m = Vec3::Zero());
 
-// The same for a mesh that is known to compile: ends the program if it does not.
+// The same for a mesh that is known to compile. If it does not compile, the program ends.
 std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                         const Vec3& place_m = Vec3::Zero());
 
@@ -41,15 +42,15 @@ class LazyScene {
   std::shared_ptr<Held> held_;
 };
 
-// The rounding of positions on surfaces by the scene's file: float_floor_m() of the farthest
-// coordinate of a mesh in its own frame, at the scale of its node. The translation of nodes loses
-// no digits. Scene frame.
+// The rounding error, in metres in the scene frame, that the scene's file causes in positions on
+// surfaces. It is the float_floor_m() of the farthest coordinate of a mesh in its own frame, at the
+// scale of its node; the translations of nodes lose no digits.
 double file_floor_m(const Scene& scene);
 
 // "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".
 std::string triangles_label(std::size_t triangles);
 
-// Mean length of the edges of the triangles.
+// Mean length of the edges of the triangles, in metres.
 double mean_edge_m(const TriangleMesh& mesh);
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #pragma once
 
-// Scenes of a sphere with effects, and of the same sphere without them. The cost of an effect is
-// the difference between the two.
+// Scenes of a sphere with effects, and of the same sphere without effects. The cost of an effect is
+// the difference between the costs of these two scenes.
 
 #include <span>
 #include <string>
@@ -19,7 +19,7 @@ std::span<const std::string_view> measured_effects();
 struct EffectCase {
   std::string name;
   std::vector<std::string_view> effects;  // from measured_effects(), in the same order
-  // The effects belong to a small sphere beside this one, which is never touched.
+  // If true, the effects belong to a second, small sphere, which is never touched.
   bool is_elsewhere = false;
 
   bool has(std::string_view effect) const;
@@ -32,9 +32,10 @@ EffectCase effects_elsewhere();               // "elsewhere"
 // The geometry of a case without its effects.
 EffectCase without_effects(const EffectCase& effect_case);
 
-// An icosphere of this radius about the origin, with 20 * 4^subdivisions triangles, as a file would
-// declare it, with the effects of the case on the surface, in a medium and in a field. Metres. An
-// error as of Scene::compile() if the program was built without one of the effects.
+// A scene, as a file would declare it, of an icosphere about the origin with 20 * 4^subdivisions
+// triangles. The effects of the case are those of its surface, of a medium and of a force field.
+// Metres. Returns the error of Scene::compile() if the program was built without one of the
+// effects.
 Result<Scene> effect_scene(int subdivisions, double radius_m, const EffectCase& effect_case);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// The mean of errors, and the floor below which they cannot be distinguished.
+// The mean of errors, and the floor below which errors cannot be distinguished.
 
 #include <cmath>
 #include <limits>
@@ -21,8 +21,9 @@ class RootMeanSquare {
   double count_ = 0.0;
 };
 
-// The rounding of a file's coordinates: half a step of single precision at the farthest coordinate.
-// Smaller errors are meaningless for a scene from a file.
+// The rounding error of a file's coordinates: half of the distance between neighbouring numbers of
+// single precision at the farthest coordinate. For a scene from a file, smaller errors are
+// meaningless.
 inline double float_floor_m(double farthest_coordinate_m) {
   return 0.5 * std::numeric_limits<float>::epsilon() * farthest_coordinate_m;
 }

@@ -7,11 +7,12 @@
 
 namespace palpate {
 
-// A posed_sheet() with a given normal. Movable; world() stays valid as long as the sheet. Not for
-// the haptic thread.
+// A sheet like that of posed_sheet(), but with a given normal. The object can be moved; world() is
+// valid as long as the object exists. Not for the haptic thread.
 class FlatSheet {
  public:
-  // The front faces `normal` (unit); the turn about it and the position are random. Scene frame.
+  // The front of the sheet faces `normal` (unit vector). The rotation about the normal and the
+  // position are random. Scene frame.
   FlatSheet(const Vec3& normal, SeededRandom& random);
 
   const ContactWorld& world() const { return sheet_.scene.world(); }

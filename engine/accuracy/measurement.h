@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures a knob: repeats every level in turn, takes medians and quartiles, and fits orders.
-// recommendation.h decides what the figures mean.
+// Measures a knob: repeats every level in turn, computes medians and quartiles, and fits orders of
+// convergence. recommendation.h judges these results.
 
 #include <array>
 #include <functional>
@@ -34,7 +34,7 @@ struct LevelResult {
   int failures = 0;     // repeats that failed
   std::string failure;  // the first failure
   bool at_floor = false;
-  bool on_front = false;  // as of judge() in recommendation.h
+  bool on_front = false;  // on the Pareto front: judge() in recommendation.h
 
   // A level counts if no repeat failed.
   bool counts() const { return failures == 0; }
@@ -45,7 +45,7 @@ struct MethodResult {
   std::string name;
   std::vector<LevelResult> levels;
   std::optional<double> expected_order;
-  std::optional<double> order;  // as of fitted_order()
+  std::optional<double> order;  // fitted_order() of the levels
   double floor = 0.0;
 };
 
@@ -62,16 +62,17 @@ struct KnobResult {
   std::vector<MethodResult> methods;
   std::array<LevelResult, 3> presets;  // fast, balanced, exact
 
-  // judge() in recommendation.h sets the following.
+  // judge() in recommendation.h sets the following members. reconcile() may replace `recommended`
+  // and sets decided_by_title.
   std::optional<LevelPlace> recommended;
-  // By what factor the best of the clearly better levels is better than the default in time or
-  // error; 1 if no level is clearly better.
+  // The factor by which the best of the clearly better levels is better than the default, in time
+  // or in error; 1 if no level is clearly better.
   double default_behind = 1.0;
-  std::string better_than_default;  // that level
+  std::string better_than_default;  // names this best level
   // The title of the knob that Knob::decided_by names, if reconcile() used its recommendation.
   std::string decided_by_title;
 
-  // Neither level nor method is a choice: the knob shows costs alone.
+  // False if the user can choose neither the level nor the method. The knob then only shows costs.
   bool has_choice() const { return !(knob.levels_are_given && knob.methods_are_given); }
   LevelPlace default_place() const { return {knob.default_method, knob.default_level}; }
   bool default_is_on_front() const { return default_behind <= 1.0; }
@@ -82,11 +83,11 @@ inline constexpr std::array kAccuracyPresets = {Accuracy::fast(), Accuracy::bala
 inline constexpr std::array<const char*, 3> kPresetNames = {"fast", "balanced", "exact"};
 inline constexpr std::size_t kDefaultPreset = 1;
 
-// Called with the share of the work that is done, 0 to 1.
+// Called with the completed share of the work, 0 to 1.
 using MeasuringProgress = std::function<void(double)>;
 
-// Repeats levels in turn, so that other work of the machine affects all of them alike. Repeat r of
-// every level has the same seed.
+// Measures a knob. Repeats the levels in turn, so that other work of the machine affects all levels
+// alike. Repeat r of every level has the same seed.
 KnobResult measure(const Knob& knob, const MeasurementEffort& effort,
                    const MeasuringProgress& progress);
 
@@ -97,8 +98,9 @@ std::uint64_t repeat_seed(const MeasurementEffort& effort, int repeat);
 LevelResult measure_level(const Knob& knob, const LevelPlace& place,
                           const MeasurementEffort& effort);
 
-// Exponent of a power law: least squares of log(error) over log(value), of the levels that count
-// and are above the floor. Nothing with fewer than four levels, or where they follow no power law.
+// The exponent of the power law of error and value: a least-squares fit of log(error) over
+// log(value), for the levels that count and are above the floor. No value if there are fewer than
+// four such levels or if they do not follow a power law.
 std::optional<double> fitted_order(const std::vector<LevelResult>& levels);
 
 }  // namespace palpate

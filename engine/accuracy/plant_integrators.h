@@ -1,6 +1,6 @@
 #pragma once
 
-// Integrators of a pressed device, compared with the exact solution.
+// Numerical integrators of the motion of a pressed device, compared with the exact solution.
 
 #include <cstdint>
 #include <limits>
@@ -15,17 +15,19 @@ enum class PlantIntegrator : std::uint8_t {
   kRungeKutta4         // the classical method: order 4
 };
 
-// The time between the instants at which paths are compared; every step divides it.
+// The time between the instants at which a path is compared with the exact one. It is a multiple of
+// every step.
 inline constexpr double kPlantInstant_s = 4e-3;
 
 // The rounding error of sums in double: each step rounds the depth by up to half a unit in the last
-// place, and n roundings accumulate like a random walk, to sqrt(n) of them. Relative to the depth.
+// place, and n roundings accumulate like a random walk, to sqrt(n) times one rounding. Relative to
+// the depth.
 double plant_roundoff(const PressedContact& contact, double step_s);
 
 // Integrates the contact with a continuous spring and damper of the wall, under a random push.
-// steps_per_instant: steps per kPlantInstant_s, >= 1. error: the largest deviation from
-// contact.depth_m() over the static depth; time: computing for a second of contact, us; ticks:
-// steps.
+// steps_per_instant: steps per kPlantInstant_s, >= 1. Sample::error: the largest deviation from the
+// exact depth (PressedContact::depth_m() under this push), divided by the static depth.
+// Sample::time: computing time for one second of contact, us. Sample::ticks: number of steps.
 Sample integrate(const PressedContact& contact, PlantIntegrator integrator, int steps_per_instant,
                  std::uint64_t seed);
 

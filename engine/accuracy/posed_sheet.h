@@ -1,6 +1,6 @@
 #pragma once
 
-// A flat square in any pose, to press on.
+// A flat square in any pose, on which a device presses.
 
 #include "engine/scene/scene.h"
 #include "geometry/base/random.h"
@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// Sheet frame: origin in its middle, z its front. The scene frame is the device's.
+// The sheet frame has its origin in the middle of the sheet and its z axis towards the front. The
+// scene frame is equal to the device frame.
 struct PosedSheet {
   Scene scene;
   RigidTransform T_scene_sheet;
@@ -18,8 +19,8 @@ struct PosedSheet {
 
 inline constexpr double kSheetSize_m = 0.2;
 
-// friction: the static and dynamic coefficient; 0 for none. An error only if the build lacks
-// friction. Not for the haptic thread.
+// friction: the static and the dynamic coefficient; 0 for no friction. Returns an error only if the
+// effect friction is needed and not in this build. Not for the haptic thread.
 Result<PosedSheet> sheet_at(const RigidTransform& T_scene_sheet, double friction = 0.0);
 
 // The same in a random pose.

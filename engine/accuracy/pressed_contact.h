@@ -1,7 +1,7 @@
 #pragma once
 
-// A steady hand presses a device on a virtual wall, then twice as hard. The path in continuous time
-// is known in closed form; a servo is compared with it.
+// A hand presses a device on a virtual wall with a steady force, then with twice this force. The
+// path in continuous time is known in closed form; the path with a servo is compared with it.
 
 #include <cstdint>
 
@@ -16,25 +16,25 @@ struct PressedContact {
   double mass_kg = light_device().mass_kg;
   double damping_Ns_per_m = light_device().damping_Ns_per_m;  // of the device
   CouplingSettings coupling = {1000.0, 1.0};
-  double push_N = 2.0;      // force of the hand from time 0 on; half of it before, at rest
+  double push_N = 2.0;      // force of the hand from time 0 on; before, half of it, at rest
   double duration_s = 0.5;  // about four time constants: the motion has nearly settled
 
-  // The contact above with the mass and the damping of this device, for as many of its time
-  // constants; from 0.5 s to 5 s.
+  // The default contact with the mass and the damping of this device instead. Its duration is the
+  // same number of time constants, but at least 0.5 s and at most 5 s.
   static PressedContact on(const DeviceDescription& device);
 
   double static_depth_m() const { return push_N / coupling.stiffness_N_per_m; }
   double start_depth_m() const { return 0.5 * static_depth_m(); }
 
-  // Depth at a time >= 0 in continuous time: m x'' = -(b + B) x' - K x + f, solved by the matrix
-  // exponential. Exact to rounding.
+  // Depth at a time >= 0 in continuous time: the solution of m x'' = -(b + B) x' - K x + f, by the
+  // matrix exponential, exact to within rounding.
   double depth_m(double time_s) const;
 };
 
-// Simulates the contact with a servo of this period, in a random pose, with the hand pushing from a
-// random phase on. error: the largest deviation from depth_m() over the static depth; time:
-// computing for a second of contact, us. If the motion grows instead of decaying, the failure
-// states the stability limit.
+// Simulates the contact with a servo of this period, in a random pose; the hand begins to push
+// harder at a random phase of the servo. Sample::error: the largest deviation from depth_m(),
+// divided by the static depth. Sample::time: computing time for one second of contact, us. If the
+// motion grows instead of decaying, the failure states the stability limit.
 Sample press(const PressedContact& contact, double period_s, const Accuracy& accuracy,
              std::uint64_t seed);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Paths of a device that slides along a surface, pressed into it. The surface is known in closed
-// form.
+// Paths of a device that slides along a surface and is pressed into it. The surface is known in
+// closed form.
 
 #include <cstddef>
 #include <functional>
@@ -26,7 +26,7 @@ using SmoothSurface = std::function<SmoothPoint(const Vec3& near_m)>;
 SmoothSurface smooth_sphere(double radius_m);
 SmoothSurface smooth_torus(double major_radius_m, double minor_radius_m);
 // The surface of bumpy_sphere() (models). It maps to the surface point in the same direction from
-// the origin, which is not the nearest one.
+// the origin, which is not the nearest surface point.
 SmoothSurface smooth_bumpy_sphere(double radius_m, double bump_height_m, int waves);
 
 struct PressSettings {
@@ -46,10 +46,10 @@ struct PressedPath {
   std::size_t lead_in = 0;     // number of ticks of the approach, before the ticks in contact
 };
 
-// A path that begins at a random point of the surface and slides in a random direction, which
-// wavers. The path approaches that point from outside, because the first sample of a loop
-// determines on which side of the surface the proxy is. extent_m: the side of the cube about the
-// origin from which the random point is drawn, before the surface maps it.
+// A path that begins at a random point of the surface and slides in a random direction, with slight
+// turns to both sides. The path approaches that point from outside, because the first sample of a
+// loop determines on which side of the surface the proxy is. extent_m: the side of the cube about
+// the origin from which the random point is drawn, before the surface maps it.
 PressedPath pressed_path(const SmoothSurface& surface, double extent_m,
                          const PressSettings& settings, SeededRandom& random);
 

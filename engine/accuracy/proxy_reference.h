@@ -1,6 +1,6 @@
 #pragma once
 
-// The proxies of a converged solver, as the reference of other proxies.
+// The proxy positions of a converged solver, as the reference for other solvers.
 
 #include <cstdint>
 #include <map>
@@ -10,10 +10,12 @@
 
 namespace palpate {
 
-// Proxies of ticks in contact, kept by seed, because every level uses the same proxies.
+// The proxy positions of the ticks in contact. They are kept for each seed, because every level
+// uses the same reference.
 class ProxyReference {
  public:
-  // make() runs the reference on first use. Scene frame, metres.
+  // Returns the positions for this seed, in the scene frame, metres. On first use, make() computes
+  // them.
   template <typename Make>
   const std::vector<Vec3>& get(std::uint64_t seed, Make make) {
     auto [place, is_new] = proxies_.try_emplace(seed);

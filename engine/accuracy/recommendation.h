@@ -1,7 +1,7 @@
 #pragma once
 
-// Decides what a knob's measurements mean: the Pareto front, the rank of the default, and the level
-// recommended.
+// Judges the measurements of a knob: the Pareto front, the rank of the default, and the recommended
+// level.
 
 #include <cstddef>
 #include <optional>
@@ -12,32 +12,34 @@
 
 namespace palpate {
 
-// Medians that differ by no more than this factor count as equal: the times of one level in two
-// runs of the program on an idle machine differ by up to this much, as code and data lie elsewhere.
+// Medians that differ by no more than this factor count as equal. The times of one level in two
+// runs of the program on an idle machine differ by up to this factor, because code and data have
+// other addresses.
 inline constexpr double kAlikeFactor = 1.15;
 
-// Whether two figures do not differ beyond their spread: their quartiles overlap, or their medians
-// are within kAlikeFactor.
+// Whether two spreads count as equal: the intervals between their quartiles overlap, or their
+// medians are within kAlikeFactor.
 bool is_alike(const Spread& a, const Spread& b);
 
-// Whether `a` is clearly better in time or in error, and clearly worse in neither. Clearly: not
-// is_alike().
+// Whether `a` is clearly better than `b` in time or in error, and clearly worse in neither.
+// "Clearly" means that the two spreads are not is_alike().
 bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 
-// The level to choose. Levels that do not count are left out.
-//  1. Only levels with an error of at most `enough` are considered; if there are none, all are, and
-//     steps 2 and 3 change places.
-//  2. Only those stay whose time is about that of the quickest.
-//  3. Only those stay whose error is about the smallest.
-//  4. The levels left are ties: the default wins, else the level nearest to it.
-// About: within kAlikeFactor; for the default is_alike(), so that a wide spread favours the default
-// and does not decide between other levels. `distance[i]` ranks level i for step 4: 0 for the
-// default, more for levels farther from it. Nothing if no level counts.
+// The index of the level to choose. Levels that do not count are left out.
+//  1. Only levels with an error of at most `enough` are considered. If there are none, all levels
+//     are considered, and steps 2 and 3 are exchanged.
+//  2. Levels stay if their time is about the shortest.
+//  3. Levels stay if their error is about the smallest.
+//  4. The levels that are left are ties. The default is chosen, or else the level nearest to it.
+// "About" means that the medians are within kAlikeFactor. For the default it means is_alike(), so
+// that a wide spread favours the default, but does not decide between other levels. `distance[i]`
+// ranks level i for step 4: 0 for the default, more for levels farther from it. Returns no value if
+// no level counts.
 std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> levels,
                                         std::span<const std::size_t> distance, double enough);
 
 // Sets LevelResult::on_front of every level, default_behind, better_than_default and recommended. A
-// level is on the front if no level is clearly better.
+// level is on the front if no other level is clearly better.
 void judge(KnobResult& result);
 
 // Gives each knob with a Knob::decided_by the recommendation of that knob, if it is among the

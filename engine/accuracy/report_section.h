@@ -4,10 +4,10 @@
 
 namespace palpate {
 
-// A section that the caller adds to the report, before the knobs.
+// A section of the report that the caller provides. It stands before the knobs.
 struct ReportSection {
   std::string title;
-  std::string html;  // inserted unchanged: html_escaped() and inline_svg() are in html.h
+  std::string html;  // inserted unchanged; html.h has html_escaped() and inline_svg()
 };
 
 }  // namespace palpate

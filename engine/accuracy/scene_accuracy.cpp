@@ -31,7 +31,7 @@ std::optional<Error> check_rate(const RunSetup& setup) {
   const double rate_Hz = 1.0 / setup.dt_s;
   if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return std::nullopt;
   return Error{ErrorCode::kInvalidArgument, "", "rate_Hz",
-               std::to_string(rate_Hz) + " Hz given, expected 20 to 20000 Hz",
+               "is " + std::to_string(rate_Hz) + " Hz; expected 20 to 20000 Hz",
                "1000 Hz is usual; the report states the highest rate that this machine keeps"};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The cost of accuracy on a user's own scene: the time and the error of each preset under a
-// simulated hand, and the highest servo rate that this machine keeps.
+// The cost of accuracy on a user's own scene: the time and the error of each preset while a
+// simulated hand touches the scene, and the highest servo rate that this machine can keep.
 
 #include <array>
 #include <cstdint>
@@ -17,8 +17,8 @@
 
 namespace palpate {
 
-// A preset in the ticks in contact. Times: median and quartiles over the repeats of the percentile
-// in one repeat.
+// The results of a preset in the ticks in contact. Each time is a percentile of one repeat; its
+// Spread has the median and the quartiles over the repeats.
 struct PresetOnScene {
   std::string name;
   Spread p50_ns;
@@ -27,7 +27,8 @@ struct PresetOnScene {
   double iterations = 0.0;
   std::uint64_t ticks = 0;  // in contact, of all repeats
   std::uint64_t capped_ticks = 0;
-  // Distance between its proxy and that of the preset exact in the same tick, over all hands.
+  // Distance between the proxy of this preset and that of the preset exact in the same tick, over
+  // all hands.
   double rms_error_m = 0.0;
   double p99_error_m = 0.0;
   double worst_error_m = 0.0;
@@ -40,11 +41,11 @@ struct RateTrial {
   int trials = 0;
   int kept = 0;               // trials that kept the rate
   std::uint64_t ticks = 0;    // of all trials
-  std::uint64_t missed = 0;   // deadlines
-  std::int64_t worst_ns = 0;  // tick
+  std::uint64_t missed = 0;   // missed deadlines, of all trials
+  std::int64_t worst_ns = 0;  // longest tick of all trials
 
-  // The largest share of missed deadlines in a trial that keeps the rate. At 1 kHz, one late tick
-  // in a thousand holds a force for twice as long once a second.
+  // A trial keeps the rate if its share of missed deadlines is at most this. At 1 kHz, one late
+  // tick in a thousand means that once a second a force is held for twice as long.
   static constexpr double kMostMissed = 1e-3;
   bool passed() const { return 2 * kept > trials; }
 };
@@ -52,8 +53,8 @@ struct RateTrial {
 struct KeptRate {
   std::vector<RateTrial> trials;  // in ascending order; above 1 kHz up to the first failure
   double by_trial_Hz = 0.0;       // the highest rate that passed; 0 if none did
-  // 1 / (2 t), where one tick in a thousand takes longer than t: half of the period is left for the
-  // device and the rest of the program.
+  // 1 / (2 t), where one tick in a thousand takes longer than t. At this rate, half of the period
+  // is left for the device and the rest of the program.
   double by_computing_Hz = 0.0;
   std::string realtime_note;  // the real-time rights that the system did not grant
 
@@ -71,16 +72,17 @@ struct SceneAccuracy {
   KeptRate kept_rate;
 };
 
-// Hands wander over the scene with the settings of `setup`, recorded under the preset exact; then
-// each preset in turn replays their paths. An error if no hand touches the scene, or as of
-// explore(). Takes seconds; runs the haptic thread.
+// Simulated hands explore the scene with the settings of `setup` and the preset exact, and their
+// paths are recorded. Then each preset in turn replays these paths. Returns an error if no hand
+// touches the scene, if the rate of `setup` is not from 20 Hz to 20 kHz, or the errors of
+// explore(). Takes many seconds and starts haptic threads.
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
                                     const MeasurementEffort& effort,
                                     const MeasuringProgress& progress);
 
-// A knob that simplifies the scene's own surface: all surfaces in one mesh, simplified to a half, a
-// quarter and so on, without effects. Nothing if the scene has too many triangles (kMostSimplified)
-// or too few, or does not compile as one mesh; `why` states the reason.
+// A knob that simplifies the scene itself: all surfaces as one mesh without effects, with a half of
+// the triangles, a quarter and so on. Returns no value if the scene has more triangles than
+// kMostSimplified or too few, or if it does not compile as one mesh; `why` then states the reason.
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const MeasurementEffort& effort, std::string& why);
 

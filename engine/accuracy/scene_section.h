@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// Limits of the loop's coupling at another rate.
+// The stability limits of the loop's coupling at another rate.
 struct LimitsAtRate {
   double rate_Hz = 0.0;
   StabilityLimits limits;
@@ -22,7 +22,7 @@ struct SceneFindings {
   std::string path;  // as given on the command line
   SceneAccuracy measured;
   DeviceDescription device;
-  double rate_Hz = 0.0;  // of the servo loop, as given
+  double rate_Hz = 0.0;  // of the servo loop, as set by the user
   std::vector<CouplingVerdict> verdicts;
   std::vector<LimitsAtRate> by_rate;
   std::string no_simplification;  // why the mesh was not simplified; empty if it was
@@ -33,7 +33,8 @@ std::string mechanics_text(const DeviceDescription& device);
 
 ReportSection scene_section(const SceneFindings& findings);
 
-// A table of the presets, the trials and the limits: "what,name,quantity,value,unit" a line.
+// A table of the presets, the trials and the limits as CSV. Each line has the fields
+// "what,name,quantity,value,unit".
 std::string scene_csv(const SceneFindings& findings);
 
 // A few lines for the terminal.

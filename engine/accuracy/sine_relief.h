@@ -1,7 +1,7 @@
 #pragma once
 
 // Renders a sine relief from an image and compares the force with the exact one, which is known in
-// closed form. This shows how the error depends on the size of a texel.
+// closed form. The comparison shows how the error depends on the size of a texel.
 
 #include <cstddef>
 #include <cstdint>

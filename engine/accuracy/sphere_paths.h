@@ -14,21 +14,22 @@ inline constexpr double kSpherePathSpeed_m_per_s = 0.1;
 inline constexpr double kSpherePathPeriod_s = 1e-3;
 inline constexpr double kSpherePathStep_m = kSpherePathSpeed_m_per_s * kSpherePathPeriod_s;
 
-// The bounds of the height above the sphere (negative: below) and the period of the swing between
-// them. Requires a climb slower than the path: pi (high - low) / period.
+// The bounds of the height above the sphere (negative: below it), and the period with which the
+// height swings between them. The fastest climb, pi (high_m - low_m) / period_s, must be slower
+// than kSpherePathSpeed_m_per_s.
 struct HeightSwing {
   double low_m;
   double high_m;
   double period_s;
 };
 
-// The start of the path: away from the planes of symmetry of the icosphere, where the path would
-// run along edges. Unit.
+// The direction in which a path starts, as a unit vector. It is away from the planes of symmetry of
+// the icosphere, in which a path would run along edges.
 Vec3 sphere_path_start();
 
-// Moves at kSpherePathSpeed_m_per_s along a gently weaving line over the sphere, so that it keeps
-// reaching new triangles, while its height swings; starts at the upper bound. Consecutive samples
-// are kSpherePathStep_m apart, within the curvature of a step.
+// A path that moves at kSpherePathSpeed_m_per_s along a gently weaving line over the sphere, so
+// that it always reaches new triangles. Its height swings and starts at the upper bound. The
+// distance of consecutive samples is kSpherePathStep_m, except for the curvature of a step.
 std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
                                    std::size_t sample_count);
 
@@ -39,7 +40,7 @@ struct DevicePath {
 };
 
 // path_over_sphere() with an approach from outside, because the first sample of a loop determines
-// the side of the proxy.
+// on which side of the surface the proxy is.
 DevicePath entered_path_over_sphere(double radius_m, const HeightSwing& swing,
                                     std::size_t sample_count);
 

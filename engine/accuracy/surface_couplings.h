@@ -1,6 +1,7 @@
 #pragma once
 
-// The stiffness of the surfaces of a scene, and whether it is passive and stable on a device.
+// The stiffness of the surfaces of a scene, and whether walls of this stiffness are passive and
+// stable on a device.
 
 #include <string>
 #include <vector>
@@ -27,11 +28,11 @@ struct SurfaceCoupling {
 };
 
 // The coupling of the loop first, then that of each material that declares a stiffness, a damping
-// or a texture. The relief counts in full, as for a hand at rest, for which no texel is faded out.
-// Force shading is not counted.
+// or a texture. The full relief is considered, as for a hand at rest, because then no texel is
+// faded out. Force shading is not considered.
 std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop);
 
-// A coupling on a device.
+// The verdict on a coupling on a device.
 struct CouplingVerdict {
   SurfaceCoupling surface;
   double effective_N_per_m =
@@ -41,7 +42,7 @@ struct CouplingVerdict {
   bool is_stable = false;
 };
 
-// The verdicts at this depth. An error as of stability_limits().
+// The verdicts for a hand at this depth, in metres. Returns the errors of stability_limits().
 Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCoupling>& couplings,
                                                      const DeviceDescription& device,
                                                      const ServoTiming& timing, double depth_m);

@@ -65,7 +65,7 @@ Result<std::vector<Knob>> chosen_knobs(const MeasurementEffort& effort,
         (has_scene && name == kSceneKnob) ||
         std::any_of(all.begin(), all.end(), [&](const Knob& k) { return k.name == name; });
     if (!is_known)
-      return invalid_argument("--knob", "\"" + name + "\" is unknown; expected one of " + known);
+      return invalid_argument("--knob", "is \"" + name + "\"; expected one of " + known);
   }
   for (Knob& knob : all) {
     if (is_chosen(names, knob.name)) chosen.push_back(std::move(knob));

@@ -9,18 +9,18 @@
 
 namespace palpate {
 
-// All result files appear under their names together, once every one is complete (output_files.h).
-// SIGINT, SIGTERM and SIGHUP end a command at once as long as it has no results; they end a run
-// after the present tick, and the run writes the results until then.
+// The result files of a command appear under their names together, when all are complete
+// (output_files.h). SIGINT, SIGTERM and SIGHUP end a command at once as long as it has no results.
+// They end a run after the current tick; the run then writes the results up to this tick.
 class Command {
  public:
   virtual ~Command() = default;
   // Adds the subcommand with its options and its help. Parsing writes into this object, which must
   // outlive `program`.
   virtual CLI::App* add_to(CLI::App& program) = 0;
-  // arguments: of the program, unchanged. Returns the exit code: 0; 1 for a fault of the program; 2
-  // for bad arguments or bad input, reported in one line on stderr; 3 for a run that is not
-  // comparable; 128 + the signal after a signal.
+  // arguments: the arguments of the program, unchanged. Returns the exit code: 0 for success; 1 for
+  // a fault of the program; 2 for bad arguments or bad input, reported in one line on stderr; 3 for
+  // a run that is not comparable; 128 + the number of the signal after a signal.
   virtual int run(const std::vector<std::string>& arguments) = 0;
 };
 

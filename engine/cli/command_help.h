@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// Headings of the help, in the order in which options are added.
+// Headings of groups of options in the help, in the order in which the groups are added.
 inline constexpr const char* kSceneGroup = "Scene";
 inline constexpr const char* kDeviceGroup = "Device";
 inline constexpr const char* kTouchGroup = "Touch";
@@ -18,7 +18,7 @@ inline constexpr const char* kHandGroup = "Hand";
 inline constexpr const char* kA4Group = "A4, which turns the scene";
 inline constexpr const char* kOutputGroup = "Output";
 
-// CLI11's help below an example.
+// The help text of CLI11, below an example.
 class HelpWithExample final : public CLI::Formatter {
  public:
   explicit HelpWithExample(std::string example) : example_(std::move(example)) {}
@@ -32,9 +32,9 @@ class HelpWithExample final : public CLI::Formatter {
   std::string example_;
 };
 
-// Sets the example, the last lines and the exit codes of a help. example: command lines that work
-// as they stand in the project's folder, each indented by two spaces and ended by a newline;
-// examples_test.py runs them. last_lines: ended by a newline, or empty.
+// Sets the example, the last lines and the exit codes of a help text. example: command lines that
+// work unchanged in the project's folder; each is indented by two spaces and ends with a newline.
+// examples_test.py runs them. last_lines: empty, or ends with a newline.
 inline void set_help(CLI::App& app, const std::string& example,
                      const std::string& last_lines = "") {
   app.formatter(std::make_shared<HelpWithExample>(example));

@@ -14,8 +14,8 @@ struct OptionSetting {
 };
 
 // The arguments with each option in `changes` set to its value, or removed. Earlier settings of the
-// option, and of options that exclude it, are removed. Every such option has one value, written
-// "--fit 0.2" or "--fit=0.2".
+// option, and of options that exclude it, are removed. Each of these options has one value, written
+// as in "--fit 0.2" or "--fit=0.2".
 std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 

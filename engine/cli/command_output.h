@@ -20,25 +20,25 @@ int refuse(const Error& error);
 // Prints JSON on stdout. Bytes of a name that are not UTF-8 become replacement characters.
 void print(const nlohmann::ordered_json& json);
 
-// Flushes stdout and prints the warnings on stderr, one per line. Returns the exit code: lost
-// output (a full disk) is an error. To be called last: a command that fails prints one line only,
-// the error.
+// Flushes stdout and prints the warnings on stderr, one per line. Returns the exit code; lost
+// output, for example because of a full disk, is an error. Call it last, because a command that
+// fails prints only one line on stderr, the error.
 int finish_output(const std::vector<std::string>& warnings = {});
 
-// An error if stdout is closed, open for reading only, or a full device. A disk may still become
-// full later.
+// Returns an error if stdout is closed, is open for reading only, or is a full device. A disk may
+// still become full later.
 std::optional<Error> check_output();
 
-// A line of progress: label, bar, seconds done of total_s, and the share in percent. Parts that do
-// not fit `columns` are left out, the share last.
+// A line of progress: label, bar, seconds done of total_s, and the share in percent. If the line
+// does not fit into `columns`, parts are left out; the share is kept longest.
 std::string progress_line(const std::string& label, double share, double total_s,
                           std::size_t columns);
 
-// A line of progress on a terminal; no output elsewhere. It needs only a carriage return, and
-// disappears with the object.
+// A line of progress on stderr if stderr is a terminal; otherwise no output. The only control
+// character of the line is the carriage return. The destructor removes the line.
 class ProgressBar {
  public:
-  // total_s: simulated or real duration of the whole; 0: no seconds are shown.
+  // total_s: simulated or real duration of the whole work; 0: no seconds are shown.
   explicit ProgressBar(std::string label, double total_s = 0.0);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

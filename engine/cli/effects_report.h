@@ -19,11 +19,11 @@ nlohmann::ordered_json declaration_json(const DeclarationReport& declaration);
 // The same for each material, with its name and the unchanged parameters of its extras.
 nlohmann::ordered_json materials_json(const Scene& scene);
 nlohmann::ordered_json regions_json(const Scene& scene);
-// {"friction": {"ticks": n, "time_share": x}, ..., "a4": {"ticks": n}}: time_share only if
-// measured.
+// {"friction": {"ticks": n, "time_share": x}, ..., "a4": {"ticks": n}}. time_share is present only
+// if it was measured.
 nlohmann::ordered_json effects_use_json(const RunSummary& summary, const Scene& scene);
 
-// One line for each ignored parameter: element of the file, key, name and reason.
+// One line for each ignored parameter: element of the file, key, name of its owner, and reason.
 std::vector<std::string> not_understood_lines(const Scene& scene);
 // Lines for every declaration with parameters, and one line with the effects of the scene.
 std::string declarations_text(const Scene& scene);

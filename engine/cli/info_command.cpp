@@ -1,6 +1,7 @@
 // The subcommand `info`: describes a scene.
 
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,32 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/report.h"
 #include "engine/cli/scene_options.h"
+#include "engine/devices/light_device.h"
 #include "engine/scene/node_tree.h"
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/workspace.h"
 
 namespace palpate {
 namespace {
+
+// A hint at --fit auto if `run` with its default device would refuse the size of the scene; else
+// empty.
+std::string size_hint(const Scene& scene) {
+  constexpr int kSensors = 2;  // the default of `run`
+  if (scene.objects().empty()) return {};
+  const double workspace_m = workspace_extent_m(light_device());
+  const Workspace workspace = hand_workspace(kSensors, workspace_m);
+  const Box bounds = bounds_in_device(scene, ScenePose{});
+  const Vec3& extent_m = scene.statistics().extent_m;
+  const double largest_m = extent_m.maxCoeff();
+  if (!check_fits(workspace, bounds, largest_m)) return {};
+  if (!fitting_size_m(workspace, bounds, largest_m)) return {};
+  std::ostringstream text;
+  text.precision(3);
+  text << "  size: " << extent_m.x() << " x " << extent_m.y() << " x " << extent_m.z()
+       << " m; a device's workspace is " << workspace_m << " m: run it with --fit auto\n";
+  return text.str();
+}
 
 class InfoCommand final : public Command {
  public:
@@ -42,7 +65,7 @@ int InfoCommand::run(const std::vector<std::string>&) {
     print(list_ ? tree_json(*scene) : scene_json(*scene));
   } else {
     std::cout << (list_ ? scene_.path + "\n" + tree_text(scene->tree())
-                        : scene_text(scene_.path, *scene));
+                        : scene_text(scene_.path, *scene) + size_hint(*scene));
   }
   return finish_output();
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Numbers of the command line. CLI11's own conversion accepts octal and hexadecimal integers,
-// "nan" and, in newer versions, digit separators, and clamps an integer that is too large. So no
+// Numbers of the command line. CLI11's own conversion accepts octal and hexadecimal integers, "nan"
+// and, in newer versions, digit separators; it clamps integers that are too large. Therefore no
 // option with a number uses CLI11's conversion.
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct IntegerRange {
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 };
 
-// By default all finite numbers.
+// By default, a range contains all finite numbers.
 struct RealRange {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
@@ -49,7 +49,8 @@ struct OptionValue<std::optional<T>> {
   using Type = T;
 };
 
-// Adds an option that `parse` reads into `value`. An option with a std::optional has no default.
+// Adds an option; `parse` converts its text, and the result is stored in `value`. If `value` is a
+// std::optional, the option has no default.
 template <typename T, typename Range, typename Parsed>
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, T& value, const Range& range,
                         Result<Parsed> (*parse)(const std::string&, std::string_view, const Range&),
@@ -69,7 +70,7 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, T& value, const 
   return option;
 }
 
-// range: within the range of T.
+// range: must lie within the range of T.
 template <typename T>
 CLI::Option* add_integer(CLI::App& app, const std::string& name, T& value,
                          const IntegerRange& range, const std::string& help) {

@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-// Returns the text with every `Struct::field` in backquotes replaced by its option. A name in a
-// file that is written in this form is replaced as well.
+// Returns the text with every `Struct::field` in backquotes replaced by its option. A name from a
+// scene file that has this form is replaced as well.
 std::string with_option_names(std::string text);
 
-// Returns the error with its element replaced by the option, if it is a field, and its texts
-// changed as above.
+// Returns the error with its texts changed in the same way. If its element is a field, the option
+// replaces the element.
 Error with_option_names(Error error);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene and the settings of `run` before the hand moves.
+// The scene and the settings of the subcommand `run`, prepared before the hand moves.
 
 #include "engine/cli/run_command.h"
 #include "engine/scene/scene.h"
@@ -10,11 +10,12 @@ namespace palpate {
 
 struct PreparedRun {
   Scene scene;
-  RunSetup setup;  // with a chosen plane height if the user stated none
+  RunSetup setup;  // with a chosen plane height if the user has set none
 };
 
-// Loads the scene, scaled to the workspace under --fit auto, and chooses the plane of a planar
-// device. An error if the scene does not fit; it names the option to change.
+// Loads the scene and chooses the plane of a planar device. With --fit auto, a scene that does not
+// fit the workspace is scaled. Returns an error, which names the option to change, if the scene
+// does not fit.
 Result<PreparedRun> prepare_run(const RunRequest& command);
 
 }  // namespace palpate

@@ -15,17 +15,17 @@ inline constexpr std::array kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
 
 enum class SignalPhase : std::uint8_t {
   kAtOnce,   // each signal ends the program, with exit code 128 + signal
-  kInOrder,  // the first one sets signal_flag(), the second ends the program
+  kInOrder,  // the first signal sets signal_flag(), the second one ends the program
   kDeferred  // every signal sets signal_flag(), for steps that must not be interrupted
 };
 
-// To be called once, at the start of the program; the phase is then kAtOnce. SIGINT and SIGTERM are
-// handled even if they were ignored at the start, as shells start background jobs; SIGHUP stays
-// ignored, as nohup requires. A write beyond the file size limit fails and does not end the
-// program.
+// Call it once, at the start of the program; the phase is then kAtOnce. SIGINT and SIGTERM are
+// handled even if they are ignored at the start, as in background jobs of shells. A SIGHUP that is
+// ignored at the start stays ignored, as nohup requires. After the call, a write beyond the file
+// size limit fails and does not end the program.
 void install_signal_handlers();
 
-// Sets the phase for its lifetime, then restores the previous phase.
+// Sets the phase during its lifetime; the destructor restores the previous phase.
 class SignalPhaseScope {
  public:
   explicit SignalPhaseScope(SignalPhase phase);
@@ -39,7 +39,7 @@ class SignalPhaseScope {
 
 const StopFlag& signal_flag();
 
-// 128 + the first signal if one arrived, else `code`.
+// Returns 128 + the number of the first signal if a signal arrived, otherwise `code`.
 int exit_code_after_signals(int code);
 
 }  // namespace palpate

@@ -97,7 +97,8 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
        }},
       {"missed deadlines",
        [](const Run& r) {
-         return format("%llu of %llu", static_cast<unsigned long long>(r.missed_deadlines),
+         if (!r.missed_deadlines) return std::string("-");
+         return format("%llu of %llu", static_cast<unsigned long long>(*r.missed_deadlines),
                        static_cast<unsigned long long>(r.summary.ticks));
        }},
       {"tick p50 / p99 / max",
@@ -311,7 +312,8 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
     json["reasons"].push_back(with_option_names(reason));
   }
   json["interrupted"] = run.interrupted;
-  json["missed_deadlines"] = run.missed_deadlines;
+  json["missed_deadlines"] =
+      run.missed_deadlines ? ordered_json(*run.missed_deadlines) : ordered_json();
   return json;
 }
 

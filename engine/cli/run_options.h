@@ -29,8 +29,8 @@ void add_place(CLI::App& app, RunOptions& options);
 // quantum_help: the help text of --encoder-quantum.
 void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help);
 void add_workspace(CLI::App& app, DeviceDescription& device);
-// Adds --device-mass, --device-damping and --device-friction and returns them. They have no heading
-// in the help yet; the caller sets it.
+// Adds --device-mass, --device-damping and --device-friction and returns them. These options have
+// no heading in the help yet; the caller sets it.
 std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
 void add_touch(CLI::App& app, RunSettings& settings);
 // Adds --table1 and --a4-step. Call it after --a4 has been added.
@@ -41,8 +41,8 @@ void add_output(CLI::App& app, RunSettings& settings, bool& json);
 // or the field of a setting, which option_names.h maps to its option.
 Result<RunSetup> make_setup(const RunOptions& options);
 
-// Adds an option whose argument is one of a few words. Each word stands for a value. usual: the
-// word of the default, which the help shows.
+// Adds an option whose argument is one of a few words, each of which stands for a value. usual: the
+// word for the default; the help shows this word.
 template <typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices,

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-// The arguments, unchanged.
+// The arguments of the options, unchanged.
 struct SceneOptions {
   std::string path;
   std::string node;
@@ -31,8 +31,8 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
 // Checks the options and loads the scene. An error names the option.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 
-// The same for a session: an error if an effect needs a higher tick rate, such as a vibration above
-// half of it.
+// The same for a session. Also returns an error if an effect needs a higher tick rate, for example
+// a vibration whose frequency is half of the tick rate or more.
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run);
 
 }  // namespace palpate

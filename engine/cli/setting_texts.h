@@ -1,6 +1,6 @@
 #pragma once
 
-// Parsers of settings that are texts on the command line. An error names the option.
+// Parsers of settings that are texts on the command line. Their errors name the option.
 
 #include <string>
 #include <vector>

@@ -10,7 +10,7 @@ namespace palpate {
 
 using PicturePoint = Eigen::Vector2d;
 
-// Returns a part of the points, in the same order; the first and the last point are always kept. No
+// Returns some of the points, in the same order, always including the first and the last point. No
 // point of the given line is farther than `tolerance` from the returned line. The tolerance has the
 // unit of the points. Requires finite points. Linear time.
 std::vector<PicturePoint> simplified_line(const std::vector<PicturePoint>& line, double tolerance);

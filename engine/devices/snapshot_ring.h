@@ -1,6 +1,6 @@
 #pragma once
 
-// The latest value of one writer, for any number of readers, without waiting.
+// Passes the latest value of one writer to any number of readers, without waiting.
 
 #include <array>
 #include <atomic>
@@ -14,14 +14,14 @@ namespace palpate {
 // copies the newest slot and checks that the writer has not reused the slot meanwhile. The writer
 // reuses a slot after kSlots - 1 further values (63 ms at 1 kHz); read() then tries once more.
 //
-// Every word is atomic, so no data race exists: release stores and acquire loads order the words
-// against the slot's stamp.
+// Every word is atomic, so that no data race exists. Release stores and acquire loads order the
+// words relative to the slot's stamp.
 template <typename T, std::size_t kSlots = 64>
 class SnapshotRing {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  // To be called by one thread only. Safe on the haptic thread.
+  // Only one thread may call this function. Safe on the haptic thread.
   void publish(const T& value) noexcept {
     const std::uint64_t stamp = ++written_;
     Slot& slot = slots_[stamp % kSlots];
@@ -35,8 +35,9 @@ class SnapshotRing {
     latest_.store(stamp, std::memory_order_release);
   }
 
-  // Copies the newest value. False, with `value` unchanged, if no value was published yet or if the
-  // thread was suspended twice while the writer published kSlots values.
+  // Copies the newest value to `value` and returns true. Returns false, with `value` unchanged, if
+  // no value was published yet or if the thread was suspended twice while the writer published
+  // kSlots values.
   bool read(T& value) const noexcept {
     for (int attempt = 0; attempt < 2; ++attempt) {
       const std::uint64_t stamp = latest_.load(std::memory_order_acquire);

@@ -26,7 +26,7 @@ struct DeviceMechanics {
   double damping_Ns_per_m = 0.0;                     // >= 0, viscous
   double encoder_quantum_m = 0.0;                    // >= 0: step of the positions; 0: no rounding
   double coulomb_friction_N = 0.0;                   // >= 0
-  std::optional<HandImpedance> hand = std::nullopt;  // no value: a released device
+  std::optional<HandImpedance> hand = std::nullopt;  // no value: nobody holds the device
 
   static DeviceMechanics of(const DeviceDescription& device) {
     return {device.mass_kg, device.damping_Ns_per_m, device.encoder_quantum_m,
@@ -43,7 +43,7 @@ struct ServoTiming {
   static constexpr int kMostDelayTicks = 64;
 };
 
-// The cause that limits the stiffness of a passive wall.
+// The cause of the limit on the stiffness of a passive wall.
 enum class PassivityBound : std::uint8_t {
   kSampling,  // the force held until the next sample generates energy
   kEncoder,   // rounded positions generate energy
@@ -99,7 +99,7 @@ Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
 
 // The largest magnitude of an eigenvalue of the matrix that maps the state from one tick in contact
 // to the next. Motions decay if it is below 1. Infinite if the eigenvalues cannot be computed.
-// Requires every number in its range. Not for the haptic thread. Thread-safe.
+// Every number must be in its range. Not for the haptic thread. Thread-safe.
 double spectral_radius(const DeviceMechanics& device, const CouplingSettings& coupling,
                        const ServoTiming& timing);
 

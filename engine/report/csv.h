@@ -11,11 +11,11 @@ namespace palpate {
 
 // Builds the lines of a table. A double is written with 17 significant digits, so that reading it
 // restores the same double. The decimal separator is a point in every locale, and non-finite
-// numbers are written as nan, inf and -inf. A text with a comma, a quotation mark or a line break
-// is quoted. Lines end with "\n".
+// numbers are written as nan, inf and -inf. Quotation marks enclose a text that contains a comma, a
+// quotation mark or a line break. Lines end with "\n".
 class CsvLines {
  public:
-  // columns: the first line, which is the column names joined by commas.
+  // columns: the first line, that is, the column names joined by commas.
   explicit CsvLines(std::string_view columns);
 
   // Each call of add() appends one field to the current line.

@@ -14,8 +14,8 @@
 
 namespace palpate {
 
-// The width of a panel, and the data area within the panel, in pixels. The ticks and the label of
-// the horizontal axis and the legend are below the data area.
+// The width of a panel, and the data area within the panel, in pixels. Below the data area are the
+// ticks and the label of the horizontal axis, and the legend.
 inline constexpr double kPanelWidth = 516.0;
 inline constexpr PixelBox kPanelArea = {98.0, 34.0, 494.0, 364.0};
 inline constexpr int kPanelFontPx = 14;
@@ -30,8 +30,9 @@ struct PanelPlace {
   std::string screen(double x, double y) const;
 };
 
-// Of the n-th curve (n = 0, 1, ...): its colour, gnuplot's number of its filled point symbol (the
-// open symbol has the number before it), and its complete gnuplot style.
+// The colour, the point symbol and the complete gnuplot style of the n-th curve (n = 0, 1, ...).
+// The symbol is gnuplot's number of the filled symbol; the number before it is that of the open
+// symbol.
 const char* curve_colour(std::size_t curve);
 int curve_point(std::size_t curve);
 std::string curve_style(std::size_t curve);
@@ -46,8 +47,8 @@ struct LegendEntry {
   std::string style;
 };
 
-// The number of lines of a legend with these entries. The entries are in two columns if every title
-// is short enough, otherwise in one.
+// The number of lines of a legend that has these entries. The entries are in two columns if every
+// title is short enough, otherwise in one.
 int legend_rows(const std::vector<LegendEntry>& entries);
 // The height in pixels of a panel whose legend has `rows` lines.
 double panel_height(int rows);
@@ -68,7 +69,7 @@ class DiagramPanel {
   // panel.
   double x_px(double position) const;
   double y_px(double position) const;
-  // Knows which parts of the data area are occupied, and places labels in the free parts.
+  // The places for labels, in the parts of the data area that are not occupied.
   LabelPlaces& places() { return places_; }
 
   void put_frame();

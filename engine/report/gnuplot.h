@@ -11,10 +11,10 @@ namespace palpate {
 
 // The SVG document that gnuplot draws from the script with `set terminal svg`. The script sets
 // neither terminal nor output. Texts are UTF-8 and literal: no character in them is markup. The
-// user's gnuplot settings have no effect, and temporary files have no name at any time.
+// user's gnuplot settings have no effect. Temporary files never have a name.
 //
-// An error if gnuplot is not installed or does not draw; the error contains gnuplot's message.
-// Blocks until gnuplot exits; not for the haptic thread.
+// Returns an error, with gnuplot's message, if gnuplot is not installed or does not draw. Blocks
+// until gnuplot exits; not for the haptic thread.
 Result<std::string> gnuplot_svg(const std::string& script, int width_px, int height_px,
                                 int font_px);
 
@@ -22,7 +22,8 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
 // become spaces; bytes that are not UTF-8 become "?".
 std::string gnuplot_quoted(std::string_view text);
 
-// The same for a tick label, in which gnuplot would interpret a percent sign as a format.
+// The same for a tick label. In a tick label, a percent sign is also escaped, because gnuplot would
+// interpret it as a format.
 std::string gnuplot_tick(std::string_view text);
 
 }  // namespace palpate

@@ -13,18 +13,20 @@ struct DisplayUnit {
   std::string name;
 };
 
-// The unit that suits a number of this size: 1.3e-6 "m" in "µm", 1300 "ns" in "µs". Applies to m,
-// s, N, J, W and Hz, with or without a prefix, also as a numerator ("N/m"); any other unit is kept.
-// Zero, and a number too small for the smallest prefix, has the unit without a prefix.
+// The unit that suits a number of this size: "µm" for 1.3e-6 "m", "µs" for 1300 "ns". The unit
+// changes if it is m, s, N, J, W or Hz, with or without a prefix, alone or as a numerator ("N/m");
+// any other unit is kept. For zero, and for a number too small for the smallest prefix, the unit
+// has no prefix.
 DisplayUnit display_unit(double typical, std::string_view unit);
 
-// Three digits, or all digits of the integer part: "0.0123", "134", "20480", "1.2e-7".
+// The number with three digits, or with all digits of its integer part: "0.0123", "134", "20480",
+// "1.2e-7".
 std::string short_number(double value);
 
 // A fitted order with two decimals: "1.98".
 std::string order_number(double order);
 
-// "1.3 µs"; "0" for every unit.
+// A number with its unit: "1.3 µs". Zero has no unit: "0".
 std::string human(double value, std::string_view unit);
 
 // "depth error (µm)", or the name alone if the unit is empty.

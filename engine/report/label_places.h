@@ -18,7 +18,7 @@ struct PixelBox {
 };
 
 // Finds places for labels within an area. A place is free if it lies within the area and overlaps
-// nothing that is blocked or taken. Pixels, y downwards.
+// no blocked or taken place. Pixels, y downwards.
 class LabelPlaces {
  public:
   explicit LabelPlaces(const PixelBox& area) : area_(area) {}
@@ -27,9 +27,9 @@ class LabelPlaces {
   void block(const PixelBox& box) { taken_.push_back(box); }
   void block_line(double x0, double y0, double x1, double y1);
 
-  // Finds a free place of this size beside the point (x, y), takes it and returns it. Returns
-  // nothing if no place is free. reach: the distance from the point to the label. An urgent label
-  // may be up to 12 pixels farther away.
+  // Finds a free place of this size beside the point (x, y), takes it and returns it. Returns no
+  // value if no place is free. reach: the distance from the point to the label, in pixels. The
+  // distance of an urgent label may be up to 12 pixels larger.
   std::optional<PixelBox> take_beside(double x, double y, double width, double height, double reach,
                                       bool is_urgent);
   // Takes this place and returns true if it is free. Otherwise returns false.

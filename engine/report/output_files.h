@@ -9,34 +9,38 @@
 
 namespace palpate {
 
-// The result files of one command in one folder. They appear there together or not at all.
+// The result files of one command in one folder. All files appear there together, or none does.
 //
-// The files are written into a hidden folder inside that folder. If the command fails or is killed,
-// previous results remain unchanged; the next command removes a hidden folder that a killed command
-// has left. Moving the files into place also removes every file that has one of the command's names
-// and was not written this time, so that an old result never stands beside a new one. Other files
-// in the folder are not touched. A link with one of the names is replaced; its target is unchanged.
+// The files are first written into a hidden folder inside this folder. If the command fails or is
+// killed, previous results remain unchanged; the next command removes a hidden folder that a killed
+// command has left. Moving the files into place also removes every file that has one of the
+// command's names and was not written this time, so that the folder never contains old results
+// beside new ones. Other files in the folder are not touched. A link with one of the names is
+// replaced; its target is unchanged.
 //
-// Not for the haptic thread: it does I/O. One thread owns an object.
+// Not for the haptic thread, because it does I/O. Only one thread may use an object.
 class OutputFiles {
  public:
-  // Creates the folder and its parents. names: all file names that the command may write. An error
-  // if the folder cannot be created or written to, or if something other than a file has one of the
-  // names.
+  // Creates the folder and its parents. names: all file names that the command may write. Returns
+  // an error if the folder cannot be created or written to, or if one of the names belongs to
+  // something other than a file.
   static Result<OutputFiles> create(const std::string& folder, std::vector<std::string> names);
 
   OutputFiles(OutputFiles&&) noexcept;
   OutputFiles& operator=(OutputFiles&&) noexcept;
-  // Without move_into_place(): removes everything, including folders that create() made.
+  // If move_into_place() has not been called: removes the hidden folder, and the folders that
+  // create() made.
   ~OutputFiles();
 
   // The path at which to write the file of this name, which must be one of the names of create().
   std::string path(const std::string& name) const;
 
-  // An error of writing such a file, with the path replaced by the file's final path.
+  // Returns the error that writing such a file gave, with the path replaced by the file's final
+  // path.
   Error in_place(Error error) const;
 
-  // Moves the files into place. On an error the previous files are kept or restored. Call it once.
+  // Moves the files into place. If this fails, the previous files are kept or restored. Call it
+  // once.
   std::optional<Error> move_into_place();
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// A logarithmic axis that can show 0, with readable tick labels.
+// A logarithmic axis of a diagram, which can also show 0, with readable tick labels.
 
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 namespace palpate {
 
 // The position of a value on the axis is its log10; 0 has a separate position below all others.
-// Call see() and see_whisker() for all values first, then settle().
+// Call see() and see_whisker() for all values and whiskers first, then settle().
 class PlotAxis {
  public:
   struct Tick {
@@ -21,7 +21,8 @@ class PlotAxis {
   };
 
   void see(double value);
-  // A whisker; it is cut off where it extends far beyond all values.
+  // Sees a whisker, the line from `low` to `high` through a point. Its part far beyond all values
+  // is cut off.
   void see_whisker(double low, double high);
   // Chooses the range, the ticks and the displayed unit; `unit` is the unit of the values.
   void settle(const std::string& unit);
@@ -30,7 +31,7 @@ class PlotAxis {
   double at(double value) const;
   double begin() const { return begin_; }
   double end() const { return end_; }
-  // The upper end of the band that shows 0; nothing if no value is 0.
+  // The upper end of the band that shows 0; no value if none of the values is 0.
   std::optional<double> zero_band() const { return zero_band_; }
   const std::vector<Tick>& ticks() const { return ticks_; }
   // Widens the range, to leave space for long tick names.

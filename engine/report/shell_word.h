@@ -1,12 +1,12 @@
 #pragma once
 
-// Words of a command line that a user can copy into a shell.
+// Words of command lines that a user can copy into a shell.
 
 #include <string>
 
 namespace palpate {
 
-// The text as one word of a POSIX shell, quoted only where necessary.
+// The text as one word for a POSIX shell, quoted only if necessary.
 inline std::string shell_word(const std::string& text) {
   constexpr const char* kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=@%+,-";

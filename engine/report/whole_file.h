@@ -11,24 +11,26 @@
 
 namespace palpate {
 
-// The file appears under its name when finish() succeeds, replacing its predecessor. Until then the
-// text is in memory and in a temporary file beside it, whose name ends with ".part" and which the
-// destructor removes. A temporary file that a killed process has left is removed when the same file
-// is next created. A path that is not a regular file (a pipe, a terminal) is written to directly.
-// Not for the haptic thread: it does I/O. One thread owns it.
+// The file appears under its name when finish() succeeds, and replaces its predecessor. Until then,
+// the text is in memory and in a temporary file in the same folder. The name of the temporary file
+// ends with ".part"; the destructor removes this file. If a killed process has left a temporary
+// file, the next create() for the same path removes it. If the path is not a regular file but, for
+// example, a pipe or a terminal, the text is written to it directly. Not for the haptic thread,
+// because it does I/O. Only one thread may use an object.
 class WholeFile {
  public:
-  // An error if the file cannot be created.
+  // Returns an error if the file cannot be created.
   static Result<WholeFile> create(const std::string& path);
 
   WholeFile(WholeFile&&) noexcept;
   WholeFile& operator=(WholeFile&&) noexcept;
-  ~WholeFile();  // without finish(): removes the temporary file
+  ~WholeFile();  // removes the temporary file if finish() has not been called
 
-  // finish() reports a failure to write. Text added after finish() is discarded.
+  // Adds text to the file. finish() reports write errors. Text added after finish() is discarded.
   void add(std::string_view text);
 
-  // An error if any byte could not be written; the previous file is then unchanged. Call it once.
+  // Returns an error if any byte could not be written; the previous file is then unchanged. Call it
+  // once.
   std::optional<Error> finish();
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// Turns the declarations of a material into effects, and reports whether each declared value was
-// applied, defaulted or ignored.
+// Turns the declarations of a material into effects, and reports which values were applied, which
+// were set by default and which were ignored.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +19,7 @@ namespace palpate {
 // A declared value that was applied.
 struct HonouredParameter {
   std::string key;
-  MaterialValue value;  // as given, in `unit`
+  MaterialValue value;  // as declared, in `unit`
   std::string unit;     // "" for a value without a unit
   std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material",
                         // "glTF" or "override"
@@ -27,7 +27,7 @@ struct HonouredParameter {
   bool is_off = false;  // the value, such as 0, switches its effect off
 };
 
-// A default that replaced a value which was needed but not given.
+// A default value, used because a needed value was not declared.
 struct DefaultedParameter {
   std::string key;
   MaterialValue value;
@@ -52,10 +52,10 @@ struct MaterialReport {
 
 // All declarations that affect the contact forces of some triangles.
 struct MaterialSources {
-  const MaterialDescription* material;  // an empty one for triangles without a material
-  const PhysicsMaterialDescription* physics = nullptr;  // of the node; null if it has none
+  const MaterialDescription* material;  // an empty description for triangles without a material
+  const PhysicsMaterialDescription* physics = nullptr;  // of the node; null if the node has none
   std::string physics_element = {};                     // JSON path of `physics`
-  const HapticMaterialDescription* haptic = nullptr;    // of the mesh; null if it has none
+  const HapticMaterialDescription* haptic = nullptr;    // of the mesh; null if the mesh has none
   double scale = 1.0;                                   // of the scene; multiplies all lengths
 };
 
@@ -77,20 +77,21 @@ struct MaterialEffects {
 //
 // Defaults:
 // - A friction coefficient that a physics material leaves out is kPhysicsFriction. If the static
-//   coefficient would then be less than the dynamic one, both coefficients are equal.
+//   coefficient would then be less than the dynamic one, the default is replaced by the value of
+//   the other coefficient.
 // - Without a physics material, a single coefficient serves as both the static and the dynamic one.
 // - If a friction map is given without a coefficient, both coefficients are kMapFriction.
 // - If a vibrotactileTexture is given without textureHeight, the height is kDefaultTextureHeight_m.
 //
 // Errors name the material and the element, and state the expected value. The causes are: a value
 // that has the wrong type, is out of range or is not one of the choices; values that contradict
-// each other; a value that requires another one which is missing; an effect that is not in this
-// build; an unknown key in an override (--material). Unknown keys in a file and unused maps are
-// reported as not understood, without an error. Maps of an effect that is off are reported as
-// honoured, with is_off. Thread-safe.
+// each other; a value without another value that it requires; an effect that is not in this build;
+// an unknown key in an override (--material). Unknown keys in a file and unused maps are reported
+// as not understood, without an error. Maps of an effect that is off are reported as honoured, with
+// is_off. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
-inline constexpr double kMapFriction = 1.0;  // the map then contains the coefficients themselves
+inline constexpr double kMapFriction = 1.0;  // 1: the map contains the coefficients themselves
 inline constexpr double kDefaultTextureHeight_m = 1e-4;
 
 // A material key that belongs to no effect.
@@ -103,7 +104,7 @@ std::optional<std::uint16_t> effect_number(std::string_view name);
 struct EffectKeyName {
   std::string_view key;
   std::string_view effect;
-  bool zero_is_none = true;  // the value 0 does not require the effect
+  bool zero_is_none = true;  // the value 0 is accepted even without the effect
 };
 std::span<const EffectKeyName> effect_key_names();
 

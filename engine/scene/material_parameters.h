@@ -18,7 +18,7 @@ inline constexpr const char* kOverrideSource = "override";
 // The source of a parameter: kExtrasSource or kOverrideSource.
 std::string source_of(const MaterialParameter& parameter);
 
-// The text in quotation marks. Does not escape any character.
+// Returns the text in quotation marks, with no character escaped.
 std::string quoted_text(std::string_view text);
 
 // The value in JSON notation.

@@ -9,13 +9,13 @@ namespace palpate {
 
 // The linear part of a node transform, factored as linear = R S.
 struct NodePlacement {
-  Mat3 deformation;  // S: scale and shear. Symmetric; positive definite, or negative for a mirror
+  Mat3 deformation;  // S, scale and shear: symmetric; negative definite for a mirror, else positive
   Quat rotation;     // R
 };
 
-// Polar decomposition of the linear part of a node transform. It is exact for a diagonal matrix, so
-// that an axis-aligned node keeps the exact coordinates of its vertices. Returns no value if the
-// matrix is not finite or is singular to within rounding.
+// Polar decomposition of the linear part of a node transform. The decomposition of a diagonal
+// matrix is exact; therefore an axis-aligned node keeps the exact coordinates of its vertices.
+// Returns no value if the matrix is not finite or is singular to within rounding.
 std::optional<NodePlacement> split_linear(const Mat3& linear);
 
 }  // namespace palpate

@@ -25,8 +25,8 @@
 
 namespace palpate {
 
-// Settings for loading and compiling a scene. The caller sets scale or fit_size_m, not both, and
-// checks both values: they are not checked here.
+// Settings for loading and compiling a scene. The caller sets scale or fit_size_m, not both. The
+// caller also checks these two values, because load() and compile() do not.
 struct SceneSettings {
   double proxy_radius_m = 0.0;  // of the largest proxy that will touch the scene
   std::string node = {};        // compile only this node's subtree (find_node); empty: all nodes
@@ -112,7 +112,8 @@ class Scene {
   // The calls of world().effects, by material.
   const std::vector<MaterialCalls>& material_calls() const { return material_calls_; }
   // The material of a face of an object's mesh: an index into materials(). If equal triangles were
-  // merged, the face has the material of the first. Logarithmic in the primitives of the mesh.
+  // merged into one face, the face has the material of the first of them. Logarithmic in the
+  // primitives of the mesh.
   std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
   // The haptic material of an object: an index into haptic_materials().
   std::optional<std::uint32_t> haptic_material(std::size_t object) const {
@@ -125,7 +126,7 @@ class Scene {
   // The same map in metres, including the node's scale and mirror:
   // p_scene = T_scene_body.point(deformation(object)(p_mesh)).
   AffineMap deformation(std::size_t object) const;
-  // Appends all triangles in the scene frame, node by node. For slicing and pictures, not for
+  // Appends all triangles, node by node, in the scene frame. For slicing and pictures, not for
   // haptics.
   void append_triangles_scene(std::vector<Vec3>& positions_m,
                               std::vector<Triangle>& triangles) const;

@@ -87,8 +87,10 @@ std::optional<Error> refuse_beyond_limits(const std::vector<Box>& boxes,
 std::optional<Error> refuse_extent(const Vec3& extents_m) {
   const double extent_m = extents_m.maxCoeff();
   if (!extents_m.allFinite() || extent_m > kLargestExtent_m || extent_m < kSmallestExtent_m) {
-    return Error{ErrorCode::kLimitExceeded, "", "scene",
-                 "its largest extent is not between 1e-60 and 1e60 m", "choose another scale"};
+    std::ostringstream problem;
+    problem << "its largest extent is " << extent_m << " m; expected " << kSmallestExtent_m
+            << " to " << kLargestExtent_m << " m";
+    return Error{ErrorCode::kLimitExceeded, "", "scene", problem.str(), "choose another scale"};
   }
   return std::nullopt;
 }

@@ -15,10 +15,10 @@ namespace palpate {
 // The bounding box of each mesh, in the frame of the mesh.
 std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes);
 
-// The bounding box of all nodes in the scene frame, in metres. Computed from the vertices, except
-// for two kinds of nodes. A node is skipped if its box lies inside the bounds found so far; most of
-// ten thousand instances are skipped. After kMostExactVertices vertices, a node counts with its box
-// instead of its vertices.
+// The bounding box of all nodes in the scene frame, in metres. The vertices of each node determine
+// the box, with two exceptions. A node is skipped if its own box lies inside the bounds found so
+// far; of ten thousand instances, most are skipped. If the vertices of a node would exceed the
+// limit kMostExactVertices on all vertices examined, the box of the node is used instead.
 Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
                     const std::vector<NodeDescription>& nodes);
 

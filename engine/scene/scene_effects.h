@@ -32,7 +32,7 @@ inline constexpr std::size_t kMostMaterialCombinations = std::size_t{1} << 16;
 // Limit of one mesh: parts with different materials.
 inline constexpr std::size_t kMostParts = std::size_t{1} << 16;
 
-// A part of a file that declares effects, with the report of its declarations.
+// An element of a file that declares effects, with the report of its declarations.
 struct DeclarationReport {
   std::string name;
   std::string element;
@@ -97,8 +97,9 @@ class SceneEffects {
  public:
   SceneEffects(const EffectDeclarations& declarations, std::span<const MeshParts> meshes);
 
-  // The material set of a node: the number of the combinations of materials that the parts of its
-  // mesh have with this physics material. Equal combinations have the same number.
+  // Returns the number of the material set of a node. A material set lists, for each part of the
+  // mesh, the combination of its materials with this physics material. Equal sets have the same
+  // number.
   Result<std::size_t> material_set(const std::string& node, std::size_t mesh,
                                    std::optional<std::uint32_t> physics_material);
   // False: nodes with this material set bound a medium and are not bodies of the world.
@@ -169,8 +170,8 @@ class SceneEffects {
   SceneEffectsReport report_;
 };
 
-// Returns an error that names the material and the key if the frequency of an active vibration is
-// not below half of the tick rate; otherwise no value.
+// Returns an error if the frequency of an active vibration is half of the tick rate or more;
+// otherwise no value. The error names the material and the key.
 std::optional<Error> check_tick_rate(const SceneEffectsReport& report, double rate_Hz);
 
 }  // namespace palpate

@@ -45,17 +45,17 @@ struct Seams {
 
 // Joins coinciding vertices of different surfaces. Two vertices coincide if their distance is at
 // most the sum of the bounds on their rounding errors (see the .cpp). Joined vertices get the
-// position of the vertex whose surface has the lowest number. At most one vertex of each surface
-// joins a place: the nearest one. At least one of the joined vertices must lie on the boundary of
-// its mesh; closed surfaces and separate surfaces are left alone.
+// position of the vertex whose surface has the lowest number. Of each surface, at most one vertex
+// is joined at a place: the nearest one. At least one of the joined vertices must lie on the
+// boundary of its mesh; closed surfaces and separate surfaces are left alone.
 //
 // anchor_scene_m: the origin of the solver frame. size_m: the largest extent of the scene.
 //
-// Costs almost nothing if no mesh has a boundary or if the scene has one surface. Otherwise the
-// cost is O(n log n) in the number of surfaces, plus O(1) for each vertex of the surfaces that may
-// touch an open surface. The ledger checks the temporary memory: up to 24 bytes for each boundary
-// vertex of these surfaces, and about 200 bytes for each vertex near another surface.
-// Deterministic.
+// The search costs almost nothing if no mesh has a boundary or if the scene has only one surface.
+// Otherwise its cost is O(n log n) in the number of surfaces, plus O(1) for each vertex of the
+// surfaces that may touch an open surface. The ledger checks the temporary memory: up to 24 bytes
+// for each boundary vertex of these surfaces, and about 200 bytes for each vertex near another
+// surface. Deterministic.
 Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
                          std::span<const SeamSurface> surfaces, const Vec3& anchor_scene_m,
                          double size_m, MemoryLedger& ledger);

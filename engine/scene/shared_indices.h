@@ -20,11 +20,11 @@ namespace palpate {
 // The input of an index: a mesh and the map to the index frame.
 //
 // The index frame is the mesh frame, moved to the middle of the mesh and scaled by a power of two
-// so that the mesh has size 1. Therefore single precision keeps the same digits for every unit of
-// length, and the scaling does not round the coordinates. If all nodes deform a mesh in the same
-// way, apart from the size, the index contains the deformed mesh. If a body is tiny relative to the
-// scene, its index has a longer unit; otherwise the scene, measured in this unit, would exceed the
-// range of single precision.
+// so that the mesh has size 1. Therefore the rounding to single precision does not depend on the
+// unit of length of the mesh, and the scaling itself rounds no coordinate. If all nodes deform a
+// mesh in the same way, apart from the size, the index contains the deformed mesh. If a body is
+// tiny relative to the scene, its index has a longer unit; otherwise the scene, measured in this
+// unit, would exceed the range of single precision.
 struct IndexShape {
   std::uint32_t mesh;
   AffineMap map_index_mesh;
@@ -44,8 +44,8 @@ struct IndexUse {
 //
 // If the proxy is a point, uniformly scaled and mirrored nodes of a mesh share one index, as do
 // nodes stretched by at most Stretch::kMostRatio. If the proxy is a sphere, its radius is part of
-// the boxes in an index; nodes whose scales are in the same factor of two share an index, built for
-// the smallest of these scales, and every different stretch has its own index.
+// the boxes in an index; nodes whose scales lie between the same two powers of two share an index,
+// which is built for the smallest of these scales, and each different stretch has its own index.
 //
 // Call examine() for all nodes first, then use() for all nodes.
 class IndexSharing {
@@ -63,7 +63,7 @@ class IndexSharing {
   std::vector<Stretch> take_stretches() { return std::move(stretches_); }
 
  private:
-  // Finds an added matrix that equals a given one to within rounding.
+  // Finds, among the matrices added, one that equals `m` to within rounding.
   class MatrixFinder {
    public:
     // stored(id): the matrix that was added with this id.
@@ -85,7 +85,8 @@ class IndexSharing {
     bool is_alike = true;      // all nodes have this normalised deformation
     MatrixFinder deformations;
   };
-  // Mesh, deformation, exponent of the scale, number of steps by which the unit is longer.
+  // Mesh, deformation, exponent of the scale, number of steps by which the unit of length is
+  // lengthened.
   using ShapeKey = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
   IndexUse similar(std::uint32_t mesh, std::uint32_t deformation, const Mat3& base, double scale,

@@ -28,8 +28,8 @@ namespace palpate {
 // of a MeshDescription except the positions, which SurfaceMesh stores.
 class MeshParts {
  public:
-  // Moves the needed data out of the description. Keeps the triangles only if the description has
-  // texture coordinates.
+  // Moves the needed data out of the description. The triangles are kept only if the description
+  // has texture coordinates.
   MeshParts(const WeldedSurface& surface, MeshDescription&& description);
 
   // The distinct materials of the faces. Contains a single element without a value if the mesh has
@@ -81,7 +81,8 @@ struct PartedSurface {
   std::size_t slot_count() const { return index->pack_count() * TrianglePack::kLanes; }
 };
 
-// The attributes that effects need. crease_angles_rad: for each part; no value for an unshaded one.
+// The attributes that effects need. crease_angles_rad: one element for each part; no value for a
+// part without shading.
 struct AttributeNeeds {
   std::vector<std::optional<double>> crease_angles_rad;
   bool texture_uv = false;
@@ -101,15 +102,16 @@ std::size_t memory_bytes(const SurfaceAttributes& attributes);
 // face.
 SurfaceIndex part_index(const PartedSurface& surface, std::size_t part);
 
-// Limit on the texels of all height maps of a scene, without their pyramids (a third more). A map
-// needs 16/3 bytes per texel; a normal map needs 28 more bytes per texel during the conversion. An
-// image counts once for each map made from it.
+// Limit on the texels of all height maps of a scene, not counting their pyramids, which add a
+// third. A map with its pyramid needs 16/3 bytes per texel; the conversion of a normal map needs 28
+// more bytes per texel for a time. An image counts once for each map made from it.
 inline constexpr std::uint64_t kMostMapTexels = std::uint64_t{1} << 25;
 
 // Makes height maps from the images of a scene, each map once. Values range from 0 to 1. The value
-// of a grey map is the mean of red, green and blue. A normal map is integrated; 0 is its lowest and
-// 1 its highest point. Therefore the scale of a normal texture does not affect the height, which is
-// the material's textureHeight: a negative scale inverts the map, and 0 makes it flat.
+// of a grey map is the mean of red, green and blue. A normal map is integrated to heights, of which
+// the lowest becomes 0 and the highest 1. Therefore the magnitude of the scale of a normal texture
+// does not affect the height, which is the material's textureHeight. A negative scale inverts the
+// map, and the scale 0 makes it flat.
 class HeightMapMaker {
  public:
   // Appends the maps to `maps`. `images` and `maps` must outlive this object.
@@ -117,8 +119,9 @@ class HeightMapMaker {
                  std::uint64_t most_texels = kMostMapTexels)
       : images_(images), maps_(maps), most_texels_(most_texels) {}
 
-  // Returns an error, without an element, if the reference has no pixels (kUnsupported) or if the
-  // maps would exceed the limit on texels (kLimitExceeded; the map is not made).
+  // Returns an error, without an element, if the referenced texture has no image that can be read
+  // (kUnsupported) or if the maps would exceed the limit on texels (kLimitExceeded; the map is not
+  // made).
   Result<const HeightMap*> grey(const TextureReference& reference);
   Result<const HeightMap*> from_normals(const TextureReference& reference);
 

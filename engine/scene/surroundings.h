@@ -15,14 +15,14 @@
 
 namespace palpate {
 
-// Keys that belong to no effect: those of scenes, and those of nodes. For a list, the limits apply
-// to each number in it.
+// The keys of scenes and of nodes that belong to no effect. If the value of a key is a list, the
+// limits of the key apply to each number in the list.
 std::span<const ParameterKey> scene_keys();   // gravity, toolMass, constantForce
 std::span<const ParameterKey> region_keys();  // size, radius
 inline constexpr std::string_view kMediumKey = "medium";
 inline constexpr std::array<std::string_view, 2> kMediumShapes = {"box", "sphere"};
 
-// The fields that act everywhere. gravity has no value if the scene declares no field.
+// The force fields that act everywhere. gravity has no value if the scene declares no field.
 struct SceneFields {
   std::optional<GravityEffect::Parameters> gravity;
   MaterialReport report;

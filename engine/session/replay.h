@@ -14,13 +14,13 @@
 namespace palpate {
 
 struct ReplayResult {
-  std::vector<TickRecord> records;  // each tick's step_ns is its shortest over the passes
+  std::vector<TickRecord> records;  // step_ns of a tick: its shortest time in all passes
   RunSummary summary;
 };
 
 // Runs one tick per device position. path_m: positions in the device frame, metres. passes >= 1:
-// runs the whole path this many times, each time from a new start, and keeps the shortest time of
-// each tick, which is disturbed least by other processes.
+// the whole path is run this many times, each time by a new loop. The shortest time of each tick is
+// kept, because other processes disturb it least.
 // Returns an error if a node in setup.moves does not exist, if check_setup() returns one, or
 // (kOutOfMemory) if there is not enough memory for the records of all ticks.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,

@@ -45,8 +45,10 @@ std::optional<Error> check_numbers(const RunSettings& o) {
   if (auto e = check_number("stiffness_N_per_m", o.stiffness_N_per_m, true)) return e;
   if (auto e = check_number("damping_Ns_per_m", o.damping_Ns_per_m, true)) return e;
   if (auto e = check_number("radius_m", o.radius_m, true)) return e;
-  if (!std::isfinite(o.plane_height_m.value_or(0.0)))
-    return invalid_argument("plane_height_m", "is not a finite number");
+  if (!std::isfinite(o.plane_height_m.value_or(0.0))) {
+    return invalid_argument(
+        "plane_height_m", "is " + std::to_string(*o.plane_height_m) + "; expected a finite number");
+  }
   return std::nullopt;
 }
 

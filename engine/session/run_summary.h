@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// Percentiles of the time that a tick of the loop took, in nanoseconds.
+// Percentiles of the duration of a tick of the loop, in nanoseconds.
 struct StepTimes {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
@@ -30,13 +30,13 @@ struct RunSummary {
   double max_penetration_m = 0.0;
   double mean_contact_angle_deg = 0.0;
   double share_within_30deg = 0.0;      // of contact ticks; Barbagli & Salisbury's limit
-  std::uint64_t losses_of_contact = 0;  // 1 -> 0 transitions, undebounced
+  std::uint64_t losses_of_contact = 0;  // transitions from contact to no contact, not debounced
   std::uint64_t longest_gap_ticks = 0;  // longest interval without contact after the first contact
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
   double port_work_J = 0.0;  // sum f_commanded . dx_device; > 0: the device did work on the hand
   std::array<std::uint64_t, kFaultCount> faults{};
   std::uint64_t a4_ticks = 0;  // ticks in which A4 rotated the scene
-  // By the effect's index in compiled_effects().
+  // Indexed like compiled_effects().
   std::array<std::uint64_t, kMostEffects> effect_ticks{};              // ticks with active effect
   std::optional<std::array<double, kMostEffects>> effect_time_shares;  // no value: not measured
   Vec3 device_extent_m = Vec3::Zero();
@@ -51,8 +51,8 @@ struct RunSummary {
 // The time of each tick in nanoseconds, for SummaryAccumulator::finish().
 std::vector<std::int64_t> steps_of(const std::vector<TickRecord>& records);
 
-// Copies the effect counters of a loop into a summary: the active ticks of each effect and, if
-// has_times, its share of the time of all ticks.
+// Copies the effect counters of a loop into a summary: the number of ticks in which each effect was
+// active and, if has_times, the share of each effect in the time of all ticks.
 void take_effects(const HapticLoop& loop, bool has_times, const std::vector<std::int64_t>& steps_ns,
                   RunSummary& summary);
 

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// Requests the orderly end of a long computation. May be set from any thread or signal handler.
+// Requests the orderly end of a long computation. Any thread or signal handler may set it.
 class StopFlag {
  public:
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }

@@ -19,14 +19,13 @@ namespace palpate {
 
 // The header line of a trace: the column names, joined by commas. Each number of each field in
 // kRecordFields has one column. The order of the columns differs from that of the fields: new
-// columns are always added at the end. Angles are in degrees. Faults and effects are names joined
-// by
-// "+", or empty if there are none; the friction state is a name.
+// columns are always added at the end. Angles are in degrees. Faults and effects are names,
+// joined by "+", or an empty field if there are none. The friction state is a name.
 const std::string& trace_columns();
 
 // Writes a trace: trace_columns(), then one line per record (CsvLines). Equal records give equal
-// bytes. The file appears when finish() succeeds (WholeFile). Does I/O, so do not use it on the
-// haptic thread. Only one thread may use a writer.
+// bytes. The file appears when finish() succeeds (WholeFile). Not for the haptic thread, because it
+// does I/O. Only one thread may use a writer.
 class TraceWriter {
  public:
   // Returns an error if the file cannot be created.

@@ -19,8 +19,8 @@ namespace palpate {
 // Only the ball's circle in the plane matters: geometry above or below the plane does not obstruct
 // the ball. Sheets obstruct it from both sides. All returned curves are closed, longest first;
 // detail smaller than radius_m / 256 is left out. found: outlines of one plane, as outlines()
-// returns them. Returns nothing if too many parts of the outlines are within twice the radius of
-// others, so that planar_pieces() gives up. Allocates; O(n log n).
+// returns them. Returns no value if planar_pieces() gives up, because too many parts of the
+// outlines are nearer than twice the radius to others. Allocates; O(n log n).
 std::optional<std::vector<Outline>> ball_outlines(const std::vector<Outline>& found,
                                                   const Vec3& plane_normal, double radius_m);
 

@@ -11,8 +11,8 @@ namespace palpate {
 
 // The hint names options that a trial has shown to help: a size within the workspace for which a
 // path exists, or a device that senses two axes. If none helps, the hint states how the scene has
-// to change. wanted: the settings for which no path exists. Takes as long as planning a few paths.
-// Not for the haptic thread.
+// to change. wanted: the settings for which no path exists. The call takes as long as planning a
+// few paths. Not for the haptic thread.
 std::string clearance_hint(const Scene& scene, const RunSetup& setup,
                            const SurfacePathSettings& wanted);
 

@@ -10,11 +10,11 @@
 
 namespace palpate {
 
-// Opens a closed contour in the middle of a segment, where it then begins and ends. The segment is
-// the longest whose middle has enough clearance in front of it. In front means on the right of the
-// contour, seen from the tip of plane_normal. curves: all curves that the plane cuts, the contour
-// included. room_m: the wanted clearance; if less is available, it is set to half of the available
-// clearance. An open contour keeps its points.
+// Opens a closed contour in the middle of a segment; the contour then begins and ends there. The
+// segment is the longest one with enough clearance in front of its middle, that is, on the right of
+// the contour, seen from the tip of plane_normal. curves: all curves in which the plane cuts the
+// scene, including the contour. room_m: the wanted clearance; it is set to half of the available
+// clearance if that is less. An open contour keeps its points.
 std::vector<Vec3> open_contour(const Polyline& contour, const std::vector<Polyline>& curves,
                                const Vec3& plane_normal, double& room_m);
 

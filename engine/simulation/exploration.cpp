@@ -250,9 +250,10 @@ std::optional<Error> check_exploration(const ExplorationSettings& settings, doub
     return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
   };
   if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
-    return invalid("seconds",
-                   "is " + std::to_string(settings.seconds) + " s, too short to follow a path",
-                   "use 25 to 30 s");
+    std::ostringstream text;
+    text << "is " << settings.seconds << " s; expected more than " << PathPlanSettings{}.approach_s
+         << " s, the time of the approach";
+    return invalid("seconds", text.str(), "use 25 to 30 s");
   }
   const double ticks = settings.seconds / dt_s;
   if (!(ticks >= 1.0 && ticks <= kMostTicks)) {

@@ -9,8 +9,9 @@
 
 namespace palpate {
 
-// A path that turns by more than this angle turns back; two walls that differ by more face each
-// other. Their directions alone then do not show whether the path goes over an edge or into a slit.
+// A path turns back if it turns by more than this angle. Two walls face each other if their
+// directions differ by more than this angle; the directions alone then do not show whether the path
+// goes over an edge or into a slit.
 inline constexpr double kTurnsBackRad = 0.95 * std::numbers::pi;
 
 // Straight legs, each along a wall that the hand presses on. Scene frame.
@@ -22,7 +23,7 @@ struct HandPath {
                             // in a concave corner
     bool is_turn = false;   // the path takes a new heading here
   };
-  // Two or more points unless the path is empty. The last point repeats the previous wall.
+  // Two or more points unless the path is empty. The last point repeats the wall of the last leg.
   std::vector<Point> points;
 
   // The length of the path up to each point.
@@ -33,7 +34,8 @@ struct HandPath {
 HandPath other_side(HandPath path);
 
 // A simpler path: one leg replaces several if all points between its ends are within tolerance_m of
-// it and the path does not turn back; its wall is their mean. Turns are kept.
+// it and the path does not turn back; the wall of the new leg is the mean of their walls. Turns are
+// kept.
 HandPath simplified(const HandPath& path, double tolerance_m);
 
 // Points at equal distances of at most spacing_m along the path, including both ends.

@@ -9,8 +9,8 @@
 namespace palpate {
 
 // For a force that is constant over a step, the motion is the exact solution of m x'' = -b x' + f
-// for any step length. Device frame, SI. m > 0, b >= 0; without damping it is a free mass. Safe on
-// the haptic thread; one thread owns it.
+// for any step length. Device frame, SI. m > 0, b >= 0; without damping, the mass is free. Safe on
+// the haptic thread. Only one thread may use an object.
 class MassDamper {
  public:
   MassDamper(double mass_kg, double damping_Ns_per_m)

@@ -12,7 +12,7 @@ namespace palpate {
 
 struct Outline {
   Polyline curve;
-  bool has_two_sides;  // part of a sheet; a part of a closed curve has only a front
+  bool has_two_sides;  // true for a part of a sheet; a part of a closed curve has only a front
 };
 
 // The outlines of the union of the regions that the curves enclose, as free_chains() defines it.
@@ -20,9 +20,9 @@ struct Outline {
 // continues along the other curve. A curve that meets no other is unchanged. Open ends, for example
 // where parts do not quite meet, are joined if they are nearer than small_m, nearest pairs first.
 //
-// Longest first, ties in the order of the curves. Returns nothing if so many curves cross each
-// other that planar_pieces() gives up. All curves lie in one plane. Allocates; the cost is that of
-// free_chains().
+// The result is sorted, longest first, ties in the order of the curves. Returns no value if so many
+// curves cross each other that planar_pieces() gives up. All curves lie in one plane. Allocates;
+// the cost is that of free_chains().
 std::optional<std::vector<Outline>> outlines(const std::vector<Polyline>& curves,
                                              const Vec3& plane_normal, double small_m);
 

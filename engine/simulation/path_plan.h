@@ -22,19 +22,20 @@ struct PathPlanSettings {
   double max_correction_m = 12e-3;
   double lift_speed_m_per_s = 0.06;
   double patience_s = 1.0;
-  double least_ease = 0.0;  // the hand always reduces its press depth by at least this share
+  double least_ease = 0.0;  // least share by which the hand reduces its press depth
 };
 
-// In press depths: the distance in front of the path at which the hand rests; the size of path
-// detail that the hand ignores.
+// In units of the press depth: the distance in front of the path at which the hand rests; the size
+// of the details of a path that the hand ignores.
 inline constexpr double kRestsInFront = 2.0;
 inline constexpr double kSmallForHand = 0.25;
 
-// The side from which the hand follows a path: only the front; either side, whichever the hand is
-// on when it lifts; or the front, and the back if the hand is there in free space.
+// The side from which the hand follows a path. kFront: only the front. kEither: the side on which
+// the hand is when it lifts. kWhereFree: the front, or the back if the hand lifts in free space
+// behind the wall.
 enum class PathSides : std::uint8_t { kFront, kEither, kWhereFree };
 
-// Facts about a path that the hand needs.
+// Properties of a path that the hand must know.
 struct PathFacts {
   double room_m = 0.0;  // clearance in front of the path, where the hand rests and lifts to
   bool slips_off_at_ends =
@@ -48,11 +49,11 @@ struct PathFacts {
 // A hand that follows a path over the displayed scene: the path is fixed to the scene and moves
 // with it. The hand's target is press_depth_m inside the wall that it follows (TargetTrack).
 //
-// The hand observes the proxy. It waits if it gets too far ahead of the proxy, and at a sharp edge
-// or a new heading it turns only when the proxy has arrived. If the proxy does not arrive within
-// patience_s, the hand lifts and touches the path again a little farther on. Otherwise the hand
-// chooses the speed with which it reaches the end in time; this speed is constant as long as the
-// hand never waits.
+// The hand observes the proxy. The hand waits if it gets too far ahead of the proxy. At a sharp
+// edge or a new heading, it turns only when the proxy has arrived. If the proxy does not arrive
+// within patience_s, the hand lifts and touches the path again a little farther on. Otherwise the
+// hand moves at the speed with which it reaches the end in time; this speed is constant as long as
+// the hand does not have to wait.
 class PathPlan final : public HandPlan {
  public:
   // path: two points or more, simplified (kSmallForHand).
@@ -83,8 +84,8 @@ class PathPlan final : public HandPlan {
     void add(const Vec3& p_m) { points_m[count++] = p_m; }
     bool is_done() const { return next == count; }
   };
-  // The hand's target in a tick and its direction of motion; inward: into the wall that supports
-  // the hand, or zero.
+  // The hand's target in a tick, and its direction of motion. inward: the direction into the wall
+  // that supports the hand, or zero if there is none.
   struct Aim {
     Vec3 p_m;
     Vec3 direction;

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-// A box around all surfaces, device frame. The scene must have a surface. O(vertices of the
-// outermost nodes): the vertices of a node are skipped if its box lies inside the bounds found so
-// far. Thread-safe.
+// A box around all surfaces, in the device frame, metres. The scene must have a surface. O(vertices
+// of the outermost nodes): the vertices of a node are skipped if its box lies inside the bounds
+// found so far. Thread-safe.
 Box bounds_in_device(const Scene& scene, const ScenePose& T_device_scene);
 
 }  // namespace palpate

@@ -10,10 +10,10 @@
 namespace palpate {
 
 // The height along A3 of a plane that cuts the scene. The plane passes through the middle of the
-// scene's extent along A3. If that plane has no contour, or a face lies in it, the nearest other
-// height with a contour is used. The plane then lies inside the part of the scene that begins or
-// ends at that height, by 1/64 of the scene's extent or by half of the part's height if that is
-// less. Returns nothing if every face of the scene is perpendicular to A3.
+// scene's extent along A3. If this plane has no contour, or if a face lies in it, the plane is
+// moved to the nearest part of the extent that has contours. It is then inside this part, at a
+// distance from its end of 1/64 of the scene's extent along A3, or of half of the part's height if
+// that is less. Returns no value if every face of the scene is perpendicular to A3.
 //
 // Device frame, metres. O(triangles of all nodes). Thread-safe.
 std::optional<double> height_with_contour_m(const Scene& scene, const ScenePose& T_device_scene);

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-// The least share of the run in contact. Below it, means over contact are not printed and the run
-// is not comparable.
+// The least share of the run in contact. If the share is smaller, means over the ticks in contact
+// are not printed, and the run is not comparable.
 inline constexpr double kLeastContactShareOfMeans = 0.05;
 
 // The least share of the contour, or of the places, that the proxy must cover.
@@ -24,7 +24,8 @@ inline constexpr double kLongestGapShare = 0.1;
 // The reason why a run is not comparable with others.
 enum class Shortfall : std::uint8_t { kNeverTouched, kLittleContact, kLostContact, kLittleWay };
 
-// Empty for a comparable run. A run that never touched a surface has only kNeverTouched.
+// The shortfalls of a run; empty for a comparable run. For a run that never touched a surface, only
+// kNeverTouched.
 std::vector<Shortfall> shortfalls(const ExplorationRun& run);
 
 inline bool is_comparable(const ExplorationRun& run) {
@@ -32,8 +33,8 @@ inline bool is_comparable(const ExplorationRun& run) {
 }
 bool are_comparable(const std::vector<ExplorationRun>& runs);
 
-// A sentence for each shortfall: the value found, the value expected and, if the run shows it, the
-// cause.
+// A sentence for each shortfall. It states the value found, the value expected and, if the run
+// shows it, the cause.
 std::vector<std::string> reasons(const ExplorationRun& run);
 
 // The largest extent of the contour or of the places, m.

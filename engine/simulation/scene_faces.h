@@ -29,7 +29,7 @@ struct SceneFace {
   std::uint32_t face = 0;
   std::array<OpenMesh::HalfedgeHandle, 3> edges;  // edge k from corner k to corner k + 1
   std::array<Vec3, 3> corners_m;
-  Vec3 winding;  // unit normal about which the corners run counter-clockwise; zero without area
+  Vec3 winding;  // unit normal about which the corners run counter-clockwise; zero if no area
   Vec3 normal;   // outward: equal to winding, or opposite in a mirrored node
 };
 
@@ -39,17 +39,18 @@ class SceneFaceReader {
 
   SceneFace read(std::uint32_t object, std::uint32_t face) const;
 
-  // The neighbour across edge k; nothing at a boundary or if the neighbour has no area.
+  // The neighbour across edge k; no value at a boundary or if the neighbour has no area.
   std::optional<SceneFace> across(const SceneFace& face, std::size_t k) const;
 
  private:
   const Scene& scene_;
 };
 
-// The areas of at most this many faces are summed; of more faces, every n-th is used.
+// A sampler draws from at most this many faces. If a scene has more faces, it draws only from every
+// n-th one.
 inline constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
 
-// Draws random faces, uniformly by area.
+// Draws random faces, each with a probability proportional to its area.
 class SceneFaceSampler {
  public:
   SceneFaceSampler(const Scene& scene, UniformRandom& random);

@@ -11,7 +11,8 @@ class SceneSight {
  public:
   explicit SceneSight(const ContactWorld& world) : world_(world) {}
 
-  // The fraction of the segment before its first intersection with a surface; infinity without one.
+  // The fraction of the segment before its first intersection with a surface; infinity if there is
+  // no intersection.
   double first_hit(const Vec3& from_scene, const Vec3& to_scene) const;
 
  private:

@@ -15,13 +15,13 @@
 
 namespace palpate {
 
-// The target state of a hand, device frame.
+// The target state of a hand, in the device frame.
 struct HandTarget {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
-// Sets the hand's target. Runs on the haptic thread, under its rules.
+// Sets the hand's target. target() runs on the haptic thread: it must not block, allocate or throw.
 class HandPlan {
  public:
   virtual ~HandPlan() = default;
@@ -37,12 +37,12 @@ struct PlantSettings {
   HandImpedance hand;
   double intention_noise_m = 0.3e-3;  // standard deviation per axis, 3 Hz low-pass
   double intention_noise_Hz = 3.0;
-  int substeps = 10;  // semi-implicit Euler steps a tick
+  int substeps = 10;  // semi-implicit Euler steps per tick
   std::uint64_t seed = 1;
 };
 
-// An error if the time integration is unstable, so that the position diverges. The error names the
-// field of RunSettings. dt_s: duration of a tick.
+// Returns an error if the time integration is unstable, so that the position diverges. The error
+// names the field of RunSettings. dt_s: duration of a tick.
 std::optional<Error> check_plant(const PlantSettings& settings, double dt_s);
 
 // Deterministic: one seed and one plan give one motion.

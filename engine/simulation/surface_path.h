@@ -13,7 +13,8 @@ namespace palpate {
 struct SurfacePathSettings {
   double length_m = 1.0;  // of the whole path; each sharp edge shortens the path
   double leg_m = 0.12;    // length after which the path takes a new heading
-  // The clearance above the path; at its start twice this clearance.
+  // The clearance required above the path. At the start of the path, twice this clearance is
+  // required.
   double room_m = 4e-3;
   std::uint64_t seed = 1;
 };
@@ -21,23 +22,23 @@ struct SurfacePathSettings {
 struct SurfacePath {
   // The walls are touched from their front; the path has a point at every edge that it crosses.
   HandPath path;
-  // The distance from the start, along the normal, to the next surface; infinity without one.
+  // The distance from the start, along the normal, to the next surface; infinity if there is none.
   double free_m = 0.0;
-  bool is_open = false;  // the surface has a boundary, so the hand can move behind it
+  bool is_open = false;  // the surface has a boundary, so that the hand can move behind it
 };
 
 // Plans a path that begins at a random point (uniform by area), preferably with no surface in front
-// of it, and follows a geodesic: a straight line on the faces unfolded across each edge that it
-// crosses. The path takes a random heading after every leg_m and wherever it cannot continue: at a
-// boundary of the surface, at an edge of three or more faces or of two faces with opposite
-// orientations, where a probe slightly above the surface would hit a surface of the scene, and
-// where the clearance is less than room_m. If no heading leads on, the path returns along its last
-// leg. So it may cover a place twice.
+// of it. The path follows a geodesic: it is a straight line if the faces are unfolded at the edges
+// that it crosses. The path takes a random heading after every leg_m and wherever it cannot
+// continue: at a boundary of the surface, at an edge of three or more faces or of two faces with
+// opposite orientations, where a probe slightly above the surface would hit a surface of the scene,
+// and where the clearance is less than room_m. If no heading leads on, the path returns along its
+// last leg. A path may therefore cover a place twice.
 //
-// Scene frame, in the rest pose of the nodes. Returns nothing if no path starts at any of about
-// sixty random points. Deterministic: the same scene and settings give the same path. O(n) in the
-// faces of all nodes (above kMostWeighed, in a sample of them); no memory is allocated per face
-// beyond kMostWeighed.
+// Scene frame, in the rest pose of the nodes. Of 64 random points, at most the 8 best ones are
+// tried as the start. Returns no value if no path starts at any of them. Deterministic: the same
+// scene and settings give the same path. O(n) in the faces of all nodes (above kMostWeighed, in a
+// sample of them); no memory is allocated per face beyond kMostWeighed.
 std::optional<SurfacePath> plan_surface_path(const Scene& scene,
                                              const SurfacePathSettings& settings);
 

@@ -12,9 +12,9 @@ namespace palpate {
 
 // The polyline that the target point of a hand follows, at the press depth inside the walls of a
 // path. At a convex edge sharper than 45 deg the target continues past the edge by the press depth
-// before it turns. If it moved along the old wall only, the hand would press ever deeper and never
-// pass the edge (numerics: corners of 90 deg and less). In a concave corner the target lies inside
-// both walls.
+// before it turns. If the target moved only to the edge along the old wall, the hand would press
+// ever deeper and never pass the edge; simulations show this at corners of 90 deg and less. In a
+// concave corner the target lies inside both walls.
 class TargetTrack {
  public:
   struct Waypoint {
@@ -30,8 +30,8 @@ class TargetTrack {
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   double length_m() const { return waypoints_.back().track_m; }
 
-  // The last leg that begins at this length along the path or before; the index of its first
-  // waypoint.
+  // The index of the first waypoint of a leg: the last leg that begins at or before this length
+  // along the path.
   std::size_t leg_at(double along_m) const;
 
  private:

@@ -14,22 +14,22 @@ struct Workspace {
   int sensors = 3;        // number of sensed axes, A1 first
   double extent_m = 0.4;  // range along each sensed axis, > 0
   double room_m = 0.0;    // clearance for the hand on each side of the scene
-  double least_m = 0.0;   // smallest extent that the hand can follow, its press depth
+  double least_m = 0.0;   // smallest extent that the hand can follow: its press depth
 };
 
 // The workspace for a hand with the press depth of PathPlanSettings.
 Workspace hand_workspace(int sensors, double extent_m);
 
-// An error if the scene is larger than the workspace along a sensed axis, or smaller than the press
-// depth along all of them. The error names a size to scale the scene to. If no size of three digits
-// fits the workspace, it states how large the workspace has to be instead. bounds_device: bounds of
-// the placed scene. largest_extent_m: the extent that --fit sets.
+// Returns an error if the scene is larger than the workspace along a sensed axis, or smaller than
+// the press depth along all sensed axes. The error names a size to scale the scene to. If no size
+// of three digits fits the workspace, the error states instead how large the workspace must be.
+// bounds_device: bounds of the placed scene. largest_extent_m: the extent that --fit sets.
 std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_device,
                                 double largest_extent_m);
 
 // The value of --fit that scales the scene's largest extent along a sensed axis to half of the
-// workspace, or to the workspace less the clearance for the hand if that is smaller. Rounded down
-// to three digits. Returns nothing if the scene has no extent along any sensed axis.
+// workspace, or to the workspace less the clearance for the hand if that is smaller. The value is
+// rounded down to three digits. Returns no value if the scene has no extent along any sensed axis.
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 

@@ -14,11 +14,11 @@
 
 namespace palpate {
 
-// The number of cores used for parallel work, at least 1: the cores that the process was bound to
-// at the first call, or all cores of the machine.
+// The number of cores used for parallel work, at least 1. These are the cores to which the process
+// was bound at the first call, or else all cores of the machine.
 std::size_t core_count();
-// The number of parts for work in which each part reads the whole input: the number of cores, up to
-// the number beyond which more parts no longer save time.
+// The number of parts into which to divide work if each part reads the whole input. It is the
+// number of cores or, if smaller, the number of parts beyond which further parts save no time.
 std::size_t pass_count();
 // Overrides core_count() for tests. Must not be called while parallel work runs.
 void assume_cores(std::size_t count);
@@ -50,8 +50,8 @@ std::future<void> start_thread(const Work& work) {
   return {};
 }
 
-// Calls first() and second(), in parallel if a core is free. Returns when both have returned.
-// Rethrows an exception of either; if both throw, that of first().
+// Calls first() and second(), in parallel if a core is free. Returns when both have returned. If
+// either throws, rethrows the exception; if both throw, that of first().
 template <typename First, typename Second>
 void run_both(const First& first, const Second& second) {
   SpareCore core;

@@ -25,7 +25,7 @@ std::string printable(std::string_view text);
 class PrintableBuffer final : public std::streambuf {
  public:
   explicit PrintableBuffer(std::streambuf* to) : to_(to) {}
-  // Ends the output: an incomplete character is written as broken.
+  // Ends the output. An incomplete character at the end is replaced like invalid UTF-8.
   void finish() { put_held(true); }
 
  protected:

@@ -1,8 +1,8 @@
 #pragma once
 
-// Seeded random numbers: one seed gives the same numbers on every platform. The standard library's
-// distributions differ between platforms, so the functions here use the bits of its engine
-// directly.
+// Seeded random numbers: one seed gives the same numbers on every platform. The distributions of
+// the standard library differ between platforms, so the functions here use the bits of a standard
+// engine directly.
 
 #include <cmath>
 #include <cstdint>

@@ -5,8 +5,9 @@
 // Both functions use exact arithmetic on expansions, behind a filter that decides nearly every call
 // (J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", 1997). They are valid for finite coordinates if no significant bit lies more than
-// 1,000 binary places below the largest. The functions scale the corners first, so that products of
-// huge coordinates do not overflow and products of tiny coordinates do not underflow.
+// 1,000 binary places below the most significant one. The functions scale the corners first, so
+// that products of huge coordinates do not overflow and products of tiny coordinates do not
+// underflow.
 //
 // Any frame, any unit. No allocation; thread-safe. Requires rounding to nearest.
 

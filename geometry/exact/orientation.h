@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// Counts the signs that double arithmetic left undecided, by the arithmetic that decided them.
+// Counts of the signs that double arithmetic left undecided, one count for each arithmetic that
+// decided them.
 struct SignWork {
   int by_pairs = 0;  // pairs of doubles
   int by_expansions = 0;
@@ -19,9 +20,9 @@ struct SignWork {
 // triangle's normal points to). It is also the side on which the line p q passes the edge r s.
 //
 // Double arithmetic decides nearly every call, pairs of doubles decide nearly all remaining calls,
-// and exact expansions decide the rest. 113-bit arithmetic in software is slower and leaves some
-// signs undecided; CGAL's filtered kernel takes as long as expansions. The README has the measured
-// times, and predicate_benchmark.cpp measures them.
+// and exact expansions decide the rest. Two alternatives are no better: 113-bit arithmetic in
+// software is slower and leaves some signs undecided, and CGAL's filtered kernel takes as long as
+// exact expansions. predicate_benchmark.cpp measures the times; the README states them.
 //
 // Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
 // of three coordinate differences overflows and that none of its last bits underflows, which holds
@@ -33,7 +34,8 @@ inline int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& 
   return orientation(p, q, r, s, work);
 }
 
-// The same without the first filter, for callers that have already evaluated this filter.
+// As orientation(), but without the first filter, for callers that have already evaluated this
+// filter.
 int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
                          SignWork& work) noexcept;
 

@@ -31,9 +31,9 @@ struct SegmentCrossing {
   SignWork signs;
 };
 
-// Crosses the closed segment p q with the closed triangle t. Any frame, metres. The decision
-// whether they meet, and from which side, is exact for the plane of the three corners. Fraction,
-// edge and heights are rounded. noexcept, no allocation.
+// Crosses the closed segment p q with the closed triangle t. Any frame, metres. Whether they meet,
+// and from which side, is decided exactly, for the plane through the three corners. Fraction, edge
+// and heights are rounded. noexcept, no allocation.
 SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& q) noexcept;
 
 }  // namespace palpate

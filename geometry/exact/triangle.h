@@ -19,10 +19,10 @@ struct TriangleGeometry {
 struct TrianglePoint {
   Vec3 point;       // on the closed triangle
   double distance;  // from the query point, metres, >= 0
-  // Unit vector from `point` to the query point. Above or below the face: exactly the triangle's
-  // normal or its opposite, however near the query point is. Elsewhere: the normalised difference
-  // of the points, which loses digits near an edge. If the two points coincide: the triangle's
-  // normal.
+  // Unit vector from `point` to the query point. Above or below the face, it is exactly the
+  // triangle's normal or its opposite, however near the query point is. Elsewhere, it is the
+  // normalised difference of the points, which loses digits near an edge. If the two points
+  // coincide, it is the triangle's normal.
   Vec3 direction;
   double direction_error_rad;  // bound on the rounding error of `direction`
   TriangleFeature feature = TriangleFeature::kFace;
@@ -43,14 +43,14 @@ inline bool is_far_beside(const TriangleGeometry& t, const Vec3& p, double dista
   const auto is_far = [&](const Vec3& from, const Vec3& to) {
     const Vec3 edge = to - from;
     const double inwards =
-        triple_product(t.normal, edge, p - from);  // distance times the edge's length
+        triple_product(t.normal, edge, p - from);  // distance times the length of the edge
     return inwards < 0.0 && inwards * inwards > distance * distance * edge.squaredNorm();
   };
   return is_far(t.a, t.b) || is_far(t.b, t.c) || is_far(t.c, t.a);
 }
 
-// The point of the closed triangle nearest to p. The nearest feature is found from the given unit
-// normal and in-plane edge normals instead of barycentric coordinates, which lose all digits on a
+// The point of the closed triangle nearest to p. The function finds the nearest feature from the
+// given unit normal and in-plane edge normals. Barycentric coordinates would lose all digits on a
 // sliver. Error: a few ulp of the largest coordinate difference. noexcept, no allocation.
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept;
 

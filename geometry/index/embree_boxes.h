@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-// Returns a float of at least x. Written without a library call because queries use it.
+// Returns a float of at least x. The function calls no library function, because queries use it.
 inline float round_up(double x) {
   constexpr float kUlp = std::numeric_limits<float>::epsilon();
   const auto rounded = static_cast<float>(x);
@@ -100,8 +100,8 @@ struct BoxesAlong {
 class EmbreeBoxes {
  public:
   // boxes: grown by all margins. visit: called for each box that a ray meets; args->context is the
-  // context of the SegmentQuery. Builds on the calling thread only, so that a memory shortage in
-  // Embree is thrown here as std::bad_alloc.
+  // context of the SegmentQuery. The construction uses the calling thread only, so that it can
+  // throw a memory shortage in Embree as std::bad_alloc.
   EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN visit);
   ~EmbreeBoxes();
   EmbreeBoxes(const EmbreeBoxes&) = delete;

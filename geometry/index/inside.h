@@ -3,8 +3,8 @@
 // An exact test whether a point lies inside a closed surface.
 //
 // A point is inside if a segment from the point to the outside crosses the surface an odd number of
-// times. By this parity rule, a cavity is outside, and so is a region that two nested or
-// overlapping parts both enclose. The orientation of faces has no effect.
+// times. By this parity rule, a cavity is outside. A region that two nested or overlapping parts
+// both enclose is outside, too. The orientation of faces has no effect.
 
 #include <optional>
 
@@ -30,21 +30,21 @@ inline constexpr int kMostCrossings = 256;
 // coordinates within the range of orientation(). Returns no value if p lies on the surface, or if
 // all kMostTries segments to probe_end() are undecided. Exact for the index's triangles in double;
 // these form a closed surface if the mesh is closed, under any map. The work is at most kMostTries
-// segment visits, each along a segment not much longer than the box. Thread-safe, safe on the
+// segment queries, each along a segment not much longer than the box. Thread-safe, safe on the
 // haptic thread: no allocation.
 std::optional<bool> is_inside(const SurfaceIndex& index, const Vec3& p) noexcept;
 
 // Whether the segment from p to q crosses the surface an odd number of times, so that one end is
-// inside and the other outside. Tracks a moving point from tick to tick at a lower cost than
-// is_inside(). Returns no value if the segment touches an edge or vertex, begins or ends on the
-// surface, lies in a face or crosses more than kMostCrossings triangles. If p == q, there is no
-// crossing. Requirements, exactness and thread safety are those of is_inside().
+// inside and the other outside. With this test, a caller can track a moving point from tick to tick
+// at a lower cost than with is_inside(). Returns no value if the segment touches an edge or vertex,
+// begins or ends on the surface, lies in a face or crosses more than kMostCrossings triangles. If p
+// == q, there is no crossing. Requirements, exactness and thread safety are those of is_inside().
 std::optional<bool> crosses_odd(const SurfaceIndex& index, const Vec3& p, const Vec3& q) noexcept;
 
-// The end of the segment from p in try `attempt` (0, 1, ...) of is_inside(), outside the box.
-// Requires p inside the box. Tries cycle through the faces of the box, nearest face first, and the
-// end lies beyond that face. The segment is oblique, because many meshes have edges parallel to the
-// axes.
+// The end, outside the box, of the segment from p that is_inside() uses in try `attempt` (0, 1,
+// ...). Requires p inside the box. The tries cycle through the faces of the box, nearest face
+// first; the end lies beyond the face of the try. The segment is oblique, because many meshes have
+// edges parallel to the axes.
 Vec3 probe_end(const Box& box, const Vec3& p, int attempt) noexcept;
 
 }  // namespace palpate

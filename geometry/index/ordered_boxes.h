@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // boxes of a 
 enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };
 
 // An immutable tree over groups of sixteen boxes (BoxPack). One BoxPack of the next level holds the
-// bounding boxes of sixteen consecutive groups, and so on up to a level of one BoxPack. Unlike
+// bounding boxes of sixteen consecutive groups, and so on, up to a level of one BoxPack. Unlike
 // Embree's trees, the tree finds the next group in a fixed order that does not depend on the
 // instruction set. A search can therefore stop at any group and resume there later.
 //

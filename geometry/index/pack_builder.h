@@ -5,10 +5,10 @@
 
 namespace palpate {
 
-// Sorts the faces of a mesh, mapped to the index frame, by order_faces(). Groups each 16
-// consecutive faces into a pack and each 16 consecutive packs into a cluster. Only the last pack
-// and the last cluster may be partly filled. The result is the same for any number of threads.
-// O(n log n).
+// Sorts the faces of a mesh, mapped to the index frame, by order_faces(). Then groups every 16
+// consecutive faces into a pack, and every 16 consecutive packs into a cluster. Only the last pack
+// and the last cluster may be partly filled. The result is the same for any number of threads. O(n
+// log n).
 PackedSurface pack_surface(const MappedFaces& faces);
 
 }  // namespace palpate

@@ -2,8 +2,8 @@
 
 // Filters that test all triangles or boxes of a pack in parallel. The filters are conservative:
 // they never drop an element in range and may keep an element that is out of range by a rounding
-// error. Code in double (triangle.h, segment_triangle.h) decides the remaining triangles one at a
-// time. All coordinates are in the index frame, metres. No allocation, noexcept.
+// error. Code in double (triangle.h, segment_triangle.h) then decides for the remaining triangles,
+// one at a time. All coordinates are in the index frame, metres. No allocation, noexcept.
 
 #include <cstddef>
 #include <cstdint>

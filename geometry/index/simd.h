@@ -19,7 +19,7 @@ SimdLevel widest_simd_level() noexcept;
 // instruction sets give identical results.
 SimdLevel simd_level() noexcept;
 
-// Limits the instruction set for measurements and tests. Must not be called while queries run.
+// Limits the instruction set, for measurements and tests. Must not be called while queries run.
 void limit_simd_level(SimdLevel level) noexcept;
 
 }  // namespace palpate

@@ -16,19 +16,19 @@ namespace palpate {
 // therefore exact up to the rounding of the mapped vertices, and a vertex shared by two triangles
 // stays shared in the body frame.
 //
-// The search in the index uses a larger radius: a ball in the body frame is contained in a ball in
-// the index frame whose radius is most_per_metre_ times as large, plus a margin for the rounding of
-// the mapped point.
+// The search in the index uses a larger radius. A ball in the body frame is contained in a ball in
+// the index frame with most_per_metre_ times its radius, plus a margin for the rounding of the
+// mapped point.
 //
 // Immutable. No allocation, lock or exception.
 class Stretch {
  public:
-  // The largest accepted ratio of two singular values of the map. A surface with a larger ratio has
+  // The largest accepted ratio of two singular values of the map. Beyond this ratio, a surface has
   // its own index.
   static constexpr double kMostRatio = 100.0;
 
-  // linear_body_index: p_body = linear_body_index * p_index. Requires a map that is not singular to
-  // within rounding.
+  // linear_body_index: p_body = linear_body_index * p_index. The map must not be singular to within
+  // rounding.
   Stretch(const Mat3& linear_body_index, const Box& box_index);
 
   const Mat3& linear_body_index() const { return linear_body_index_; }
@@ -44,7 +44,8 @@ class Stretch {
     const double rounding_m = roundoff_ * (2 * p_body.lpNorm<1>() + size_m_ + reach_m);
     return (reach_m + rounding_m) * most_per_metre_;
   }
-  // The same for a ball around p_body, with its bounding box in the index frame.
+  // Maps a ball around p_body: returns the ball in the index frame that contains it, with its
+  // bounding box there.
   StretchedBall ball_index(double radius_m, const Vec3& p_body) const;
 
   // Maps a triangle of the index to the body frame. If the mapped triangle has no area in double,

@@ -1,6 +1,7 @@
 #pragma once
 
-// Spatial queries on a surface: Embree finds clusters of triangles, and double precision decides.
+// Spatial queries on a surface: Embree finds clusters of triangles, and tests in double precision
+// decide.
 
 #include <cstddef>
 #include <cstdint>
@@ -54,8 +55,8 @@ struct PackedSurface {
   FixedArray<std::uint32_t> faces;         // one per slot: face of the mesh
 };
 
-// A segment visitor returns kNothingMore to end the search, even for packs at the start of the
-// segment.
+// A segment visitor returns kNothingMore to end the search completely: not even further packs at
+// the start of the segment are visited.
 inline constexpr QueryFraction kNothingMore{-1.0};
 
 // Receives up to sixteen packs near a segment. Returns the fraction of the segment up to which the
@@ -79,15 +80,15 @@ using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> pac
 //
 // Embree's BVH finds clusters of sixteen packs of sixteen triangles. Within a cluster, boxes and
 // then triangles are filtered sixteen at a time. These filters use single precision and only narrow
-// the search: boxes are grown by the rounding errors (kFloatMarginUlps), and every result is
-// decided on vertices in double.
+// the search: boxes are enlarged by the rounding errors (kFloatMarginUlps), and every result is
+// computed from vertices in double.
 //
 // Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. Query points
 // must be finite.
 class SurfaceIndex {
  public:
-  // sweep_radius_m: the largest radius allowed in visit_segment() and visit_packs_along(). Builds
-  // on all cores; the result does not depend on their number.
+  // sweep_radius_m: the largest radius allowed in visit_segment() and visit_packs_along(). The
+  // construction uses all cores; the result does not depend on their number.
   explicit SurfaceIndex(const MappedFaces& faces, double sweep_radius_m = 0.0);
   explicit SurfaceIndex(const SurfaceMesh& mesh, const AffineMap& map = {},
                         double sweep_radius_m = 0.0)
@@ -104,12 +105,12 @@ class SurfaceIndex {
   std::optional<SegmentHit> first_hit(const Vec3& p, const Vec3& d) const noexcept;
 
   // Writes the ids of all packs whose box is within radius_m of p, in ascending order, and returns
-  // their number. A result above packs.size() means that the search ended early and only some ids
-  // were written.
+  // their number. A result above packs.size() means that the search ended early, so that only some
+  // ids were written.
   std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
                          NearSearch search = NearSearch::kWithEmbree) const noexcept;
 
-  // The same for all packs whose boxes meet a stretched ball around p.
+  // As packs_near() above, but for all packs whose boxes meet a stretched ball around p.
   std::size_t packs_near(const Vec3& p, const StretchedBall& ball, std::span<std::uint32_t> packs,
                          NearSearch search) const noexcept;
   // Visits the packs that meet a stretched ball around p, roughly nearest first. Each call of the
@@ -122,17 +123,18 @@ class SurfaceIndex {
   void visit_segment(const Vec3& p, const Vec3& d, double radius_m, PackVisitor visitor,
                      void* state) const noexcept;
 
-  // Whether the segment, grown by radius_m, meets the bounding box of the surface.
+  // Whether the segment p to p + d, grown by radius_m, meets the bounding box of the surface.
   bool may_meet(const Vec3& p, const Vec3& d, double radius_m) const noexcept;
 
-  // Visits the same packs in an order that allows a search to stop at any pack and resume there.
-  // With `first`: in ascending order, starting at pack `first`. Without `first`: in the order in
-  // which the segment reaches the packs. If there are too many packs for this order, only the packs
-  // near a first part of the segment are visited this way, and then all packs in ascending order.
+  // Visits the same packs as visit_segment(), in an order that allows a search to stop at any pack
+  // and resume there. With `first`, the order is ascending and starts at pack `first`. Without
+  // `first`, it is the order in which the segment reaches the packs. If there are too many packs
+  // for this order, only the packs near a first part of the segment are visited in it; all packs
+  // are then visited in ascending order.
   //
   // Unlike the order of Embree's tree, the visited packs and their grouping do not depend on the
-  // instruction set. Returns the number of packs that were found but not visited because a search
-  // found too many, as a measure of the additional work.
+  // instruction set. Returns the number of packs that a search found but did not visit because
+  // there were too many. This number is a measure of the additional work.
   std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
                                 std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
                                 void* state) const noexcept;
@@ -167,8 +169,8 @@ class SurfaceIndex {
   double sweep_radius_m() const { return sweep_radius_m_; }
   // Upper limit for every sweep radius, because Embree ignores boxes that extend beyond 1.8e18.
   static constexpr double kLargestSweep_m = 1e18;
-  // The memory needed for an index of this number of triangles; memory() reports the same kept
-  // bytes.
+  // The memory needed for an index of this number of triangles. Its kept bytes are those that
+  // memory() reports.
   static MemoryNeed memory_need(std::uint64_t triangles);
   MemoryBreakdown memory() const;
   std::size_t memory_bytes() const { return memory().total(); }

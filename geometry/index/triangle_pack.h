@@ -6,9 +6,10 @@
 
 namespace palpate {
 
-// A pack is a filter only: the remaining triangles are decided on their vertices in double. The
-// coordinates are relative to the pack's centre and in units of its size, so that float has 24 bits
-// of precision at the scale of the pack, for any size of the scene and any position of the pack:
+// A pack is a filter only. The triangles that it does not exclude are tested on their vertices in
+// double. The coordinates are relative to the pack's centre and in units of its size, so that float
+// has 24 bits of precision at the scale of the pack, for any size of the scene and any position of
+// the pack:
 //
 //     local = (p - centre_m) * per_metre,     every corner within [-1/2, 1/2]
 //
@@ -18,9 +19,9 @@ struct alignas(64) TrianglePack {
 
   double centre_m[3];  // index frame
   double per_metre;    // a power of two
-  // Bound on the rounding of p - centre_m in double due to the magnitude of the centre, local
-  // units. It is significant only for a pack whose distance from the origin exceeds its size by a
-  // factor of 1e8.
+  // Bound on the rounding of p - centre_m in double that the magnitude of the centre causes, local
+  // units. It is significant only for a pack whose distance from the origin is more than 1e8 times
+  // its size.
   float centre_roundoff;
   std::int32_t count;
 
@@ -59,9 +60,10 @@ struct PackLanes {
 struct alignas(64) PackApproach {
   std::uint32_t pack;
   std::uint32_t lanes;
-  float squared_limit;  // squared distances above are out of reach
-  // Squared distances at the start of the step, and a bound on the fall over the whole step: the
-  // distance times its rate of decrease at the start. Local units.
+  float squared_limit;  // larger squared distances are out of reach
+  // squared: squared distances at the start of the step. fall: bound on the product of the distance
+  // at the start and the decrease of the distance over the whole step at the rate of the start.
+  // Local units.
   alignas(64) float squared[TrianglePack::kLanes];
   float fall[TrianglePack::kLanes];
 

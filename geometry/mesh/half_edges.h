@@ -37,7 +37,7 @@ struct EdgeFindings {
   std::vector<MisalignedMate> misaligned;
   std::size_t boundary_edges = 0;      // edges with one face
   std::size_t non_manifold_edges = 0;  // edges with three or more faces, or two misaligned faces
-  // Whether two faces have the same three vertices. The other findings then include both faces.
+  // Whether two faces have the same three vertices. If so, the other findings include both faces.
   bool has_duplicates = false;
 };
 

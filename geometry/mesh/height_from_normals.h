@@ -16,7 +16,7 @@ namespace palpate {
 using TexelSlope = std::array<float, 2>;
 
 // The lower limit for the z component of a normal: one step of an eight-bit texture. A smaller z,
-// which should not occur in a tangent-space map, is raised to this limit, so that a slope is at
+// which should not occur in a tangent-space map, is raised to this limit. A slope is therefore at
 // most 127.5 |scale|.
 inline constexpr double kLeastNormalZ = 2.0 / 255.0;
 

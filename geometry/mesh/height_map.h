@@ -16,14 +16,14 @@ enum class MapWrap : std::uint8_t { kRepeat, kClamp, kMirror };
 //
 // Within a level the map is the cubic convolution with a = -1/2 (R. G. Keys, "Cubic Convolution
 // Interpolation for Digital Image Processing", 1981; the Catmull-Rom spline): it passes through the
-// texels, and value and slope are continuous everywhere, including the borders of the map. The
-// slopes are the exact derivatives of the interpolant. For a sine wave of n texels, n large, the
-// relative error of the value is (2pi/n)^3 / 62, and that of the slope (2pi/n)^2 / 6; the
-// references are the amplitude and the largest slope.
+// values of the texels, and value and slope are continuous everywhere, including the borders of the
+// map. The slopes are the exact derivatives of the interpolant. For a sine wave of n texels, n
+// large, the error of the value is (2pi/n)^3 / 62 of the amplitude, and the error of the slope is
+// (2pi/n)^2 / 6 of the largest slope.
 //
 // Each level halves width and height, rounded down, until 1 x 1. A texel is the mean of the box
-// that it covers in the finer level, weighted by area if the size is odd, so that every level has
-// the mean of the map up to rounding to float. Between levels the map is blended linearly (L.
+// that it covers in the finer level, weighted by area if the size is odd. Every level therefore has
+// the mean of the map, up to rounding to float. Between levels the map is blended linearly (L.
 // Williams, "Pyramidal Parametrics", 1983). The coarsest level is flat.
 //
 // The pyramid prevents aliasing, because a hand samples a map once per tick. A wave that is shorter

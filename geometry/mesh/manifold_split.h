@@ -28,9 +28,9 @@ struct ManifoldSplit {
 
 // Corners of two faces at a vertex share a split vertex only if a chain of aligned edges at the
 // vertex connects them. Every split vertex therefore has one fan of faces, open or closed. Split
-// vertex v < vertex_count is the first fan of vertex v; the numbers of further fans follow, in
-// order of faces. mates: the mates of these faces' half-edges. Requires that each vertex is used by
-// at least one face. Linear time.
+// vertex v < vertex_count belongs to the first fan of vertex v; the split vertices of all further
+// fans have the next numbers, in order of faces. mates: the mates of these faces' half-edges.
+// Requires that each vertex is used by at least one face. Linear time.
 //
 // The two ends of an open fan may lie on the same welded edge, if a third face was separated from
 // this edge. The split surface then has two boundary edges with the same two ends.

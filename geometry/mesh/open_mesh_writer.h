@@ -17,8 +17,8 @@ namespace palpate {
 // half-edge, kNoHalfEdge at the boundary. points: the positions of the vertices; their memory is
 // moved, not copied.
 //
-// The function links half-edges directly, because OpenMesh's add_face() searches all edges of a
-// vertex for each face, which is quadratic at the apex of a large fan. Linear time. Computes no
+// The function links half-edges directly. OpenMesh's add_face() searches all edges of a vertex for
+// each face, so that its time is quadratic at the apex of a large fan. Linear time. Computes no
 // normals.
 void write_open_mesh(std::span<const Triangle> faces, FixedArray<std::uint32_t> mates,
                      std::vector<Vec3> points, OpenMeshSurface& surface);

@@ -14,8 +14,8 @@
 
 namespace palpate {
 
-// An unbounded grid of cubic cells; only cells with points use memory. Any frame, metres.
-// Coordinates below 2^62 cells. Deterministic. Not for the haptic thread.
+// An unbounded grid of cubic cells; only cells with points use memory. Any frame, metres. Requires
+// coordinates below 2^62 cells. Deterministic. Not for the haptic thread.
 class PointGrid {
  public:
   // The largest number of points that a query examines, so that a crowded cell does not make a
@@ -39,9 +39,10 @@ class PointGrid {
     first = static_cast<std::uint32_t>(entries_.size() - 1);
   }
 
-  // Calls visit(id) for the points in all cells within radius_m of p, last inserted first within a
-  // cell, until visit() returns false. These are all points within radius_m and some points beyond.
-  // Returns false if the query gave up after kMostVisited points. radius_m: less than half a cell.
+  // Calls visit(id) for the points in all cells within radius_m of p, until visit() returns false.
+  // Visits all points within radius_m and some points beyond; within a cell, the last inserted
+  // point comes first. Returns false if the query gave up after kMostVisited points. radius_m: less
+  // than half a cell.
   template <typename Visit>
   bool visit_near(const Vec3& p, double radius_m, Visit visit) const {
     std::size_t visited = 0;
@@ -75,8 +76,8 @@ class PointGrid {
   std::vector<Entry> entries_;
 };
 
-// Marks the parts of a box that contain points. The marks fit into the CPU cache, unlike a
-// PointGrid with many points, and a test of a mark avoids most queries of the PointGrid.
+// Marks the parts of a box that contain points. Unlike a PointGrid with many points, the marks fit
+// into the CPU cache; the test of a mark makes most queries of the PointGrid unnecessary.
 class OccupiedCells {
  public:
   // box: contains the points that will be marked. A cell is at least as wide as the margin, so that

@@ -26,12 +26,13 @@ double length_m(const Polyline& polyline);
 // plane. A closed surface therefore gives closed curves in every position, and a face in the plane
 // gives no curve.
 //
-// Seen from the tip of plane_normal, each curve has the back side of its faces, and so the material
-// of a solid, on its left. Where more than two faces meet at an edge, curves are joined so that
-// separate regions of material stay separate. A curve is open and ends at an edge without a
-// neighbouring face or with a neighbour of opposite orientation. Points within rounding of the
-// segment that replaces them (32 half-ulps of the largest coordinate) are removed, and so are
-// curves shorter than that. The longest curve is first; ties are in order of triangles.
+// Seen from the tip of plane_normal, each curve has the back side of its faces on its left; for a
+// solid, this is the side of the material. Where more than two faces meet at an edge, curves are
+// joined so that separate regions of material stay separate. A curve is open if it ends at edges
+// without a neighbouring face or with a neighbour of opposite orientation. Points are removed if
+// they are within rounding (32 half-ulps of the largest coordinate) of the segment that replaces
+// them. Curves shorter than this rounding are removed, too. The longest curve is first; ties are in
+// order of triangles.
 //
 // Allocates; O(positions + triangles), and O(n log n) in the number of cut triangles. Safe on any
 // thread.

@@ -13,10 +13,10 @@
 namespace palpate {
 
 // An unbounded grid of cubic cells. A cell with points uses 8 bytes, regardless of the number of
-// points. This is far less than a PointGrid of the same points, so that isolated points can be
-// filtered out before a PointGrid is built. Reports every shared cell, and rarely a cell that is
-// not shared. Any frame, metres. Coordinates below 2^62 cells. Owners below 2^31. Deterministic.
-// Not for the haptic thread.
+// points. This is far less than the memory of a PointGrid of the same points, so that isolated
+// points can be filtered out before a PointGrid is built. Reports every shared cell and, in rare
+// cases, a cell that is not shared. Any frame, metres. Requires coordinates below 2^62 cells and
+// owners below 2^31. Deterministic. Not for the haptic thread.
 class SharedCells {
  public:
   // capacity: the largest number of points that will be added.
@@ -44,7 +44,7 @@ class SharedCells {
   }
 
   // Marks the cells within radius_m of p that contain points of other owners as shared. Returns
-  // whether there are any. radius_m: less than half a cell.
+  // whether there are any such cells. radius_m: less than half a cell.
   bool share_near(const Vec3& p, double radius_m, std::uint32_t owner) {
     bool is_any = false;
     visit_cells_near(p, radius_m, per_cell_, [&](std::uint64_t key) {
@@ -70,8 +70,9 @@ class SharedCells {
   }
 
  private:
-  // A slot, from the high bits: 24 bits of the key, the number of the last owner's points in the
-  // cell, the shared flag, the last owner, and a one. 0 is an empty slot.
+  // The fields of a slot, from the high bits to the low ones: 24 bits of the key, the number of the
+  // last owner's points in the cell, the shared flag, the last owner, and a one. 0 is an empty
+  // slot.
   static constexpr std::uint64_t kIsThere = 1;
   static constexpr std::uint64_t kIsShared = std::uint64_t{1} << 32;
   static constexpr int kCountBegin = 33;
@@ -82,15 +83,15 @@ class SharedCells {
     return static_cast<std::uint32_t>(slot) >> 1;
   }
 
-  // At most two thirds of the slots are used, so that probe runs are short.
+  // At most two thirds of the slots are used, so that the runs of slots to probe are short.
   static std::size_t slot_count(std::size_t capacity) {
     std::size_t count = 16;
     while (2 * count < 3 * capacity) count *= 2;
     return count;
   }
 
-  // The slot of a cell, or the empty slot where it would be inserted. Two cells in one probe run
-  // with equal tags are treated as one cell.
+  // The slot of a cell, or the empty slot where it would be inserted. Two cells with equal tags in
+  // one run of slots are treated as one cell.
   std::size_t find(std::uint64_t key) const {
     std::size_t i = key & (slots_.size() - 1);
     while (slots_[i] != 0 && (slots_[i] & kTag) != tag_of(key)) i = (i + 1) & (slots_.size() - 1);

@@ -13,7 +13,7 @@ struct SpatialCell {
   std::int64_t x, y, z;
 };
 
-// Coordinates below 2^62 cells.
+// The cell that contains p. Requires coordinates below 2^62 cells.
 inline SpatialCell spatial_cell(const Vec3& p, double cells_per_m) {
   const auto floor_of = [&](double x) {
     return static_cast<std::int64_t>(std::floor(x * cells_per_m));
@@ -21,8 +21,8 @@ inline SpatialCell spatial_cell(const Vec3& p, double cells_per_m) {
   return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
 }
 
-// SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells with the same key
-// are treated as one cell.
+// The key of a cell: SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells
+// with the same key are treated as one cell.
 inline std::uint64_t spatial_key(const SpatialCell& cell) {
   std::uint64_t key = 0;
   for (const std::int64_t c : {cell.x, cell.y, cell.z}) {

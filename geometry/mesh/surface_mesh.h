@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-// Compiles only after the header above.
+// This header compiles only after the one above.
 #include <OpenMesh/Core/Geometry/EigenVectorT.hh>
 
 #include "geometry/base/memory_breakdown.h"
@@ -17,8 +17,8 @@
 #include "geometry/mesh/half_edges.h"
 #include "geometry/mesh/welded_surface.h"
 
-// OpenMesh appends T() before it sets a position. T() of an Eigen vector is uninitialised, and GCC
-// warns about its copy, so this specialisation appends zeros.
+// OpenMesh appends T() before it sets a position. For an Eigen vector, T() is uninitialised, and
+// GCC warns about copying it. This specialisation therefore appends zeros.
 template <>
 inline void OpenMesh::PropertyT<palpate::Vec3>::push_back() {
   data_.push_back(palpate::Vec3::Zero());
@@ -43,7 +43,7 @@ using OpenMeshSurface = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
 // fan of faces returns to an edge from which a third face was separated, surface() has two boundary
 // edges with the same ends, and add_face() would join them.
 //
-// OpenMesh's 72 bytes per triangle are most of the memory of a large surface. Data that can be
+// OpenMesh uses 72 bytes per triangle, most of the memory of a large surface. Data that can be
 // derived from OpenMesh, such as face(), is not stored again.
 class SurfaceMesh {
  public:
@@ -67,7 +67,8 @@ class SurfaceMesh {
   Triangle face(std::size_t f) const;
   // The welded vertices of all faces, computed on each call.
   std::vector<Triangle> faces() const;
-  // The first vertices of surface(). Valid for the lifetime of this object and its copies.
+  // The positions of the welded vertices, which are the first vertices of surface(). Valid for the
+  // lifetime of this object and its copies.
   std::span<const Vec3> welded_positions() const {
     return {surface_->points(), report_.welded_vertices};
   }

@@ -23,10 +23,11 @@ std::string describe(std::size_t i, const Vec3& axis) {
 std::optional<Error> check_sensors(int sensors) {
   if (sensors == 2 || sensors == 3) return std::nullopt;
   if (sensors == 1) {
-    return invalid_argument("sensors", "1 sensed axis leaves no axis to rotate about",
-                            "Table 1 begins with 2 sensors; use 2 or 3");
+    return invalid_argument("sensors",
+                            "is 1, which leaves no axis to rotate about; expected 2 or 3",
+                            "Table 1 of the paper begins with 2 sensors");
   }
-  return invalid_argument("sensors", std::to_string(sensors) + " sensors, expected 2 or 3",
+  return invalid_argument("sensors", "is " + std::to_string(sensors) + "; expected 2 or 3",
                           "count position axes only: a 6-DOF device senses a point with 3");
 }
 
@@ -41,17 +42,20 @@ Error error_of(const BadAxis& bad, const Vec3& axis) {
   const std::string name = describe(bad.axis, axis);
   switch (bad.problem) {
     case BadAxis::Problem::kNoDirection:
-      return invalid_argument(name, "expected a finite direction of non-zero length", "");
+      return invalid_argument(name,
+                              "has no direction; expected a finite vector of non-zero length");
     case BadAxis::Problem::kLeavesPlane:
-      return invalid_argument(name, "leaves the sensed plane A1 A2 of a 2-sensor device",
-                              "set its third component to 0, or use 3 sensors");
+      return invalid_argument(
+          name, "leaves the plane of the sensed axes; expected a vector in the plane A1 A2",
+          "set its third component to 0, or use 3 sensors");
     case BadAxis::Problem::kTooMany:
-      return invalid_argument(name, "more actuated axes than sensors",
-                              "declare at most one axis per sensor");
+      return invalid_argument(name,
+                              "exceeds the number of sensors; expected at most one axis per sensor",
+                              "leave it out, or use more sensors");
     case BadAxis::Problem::kDependent:
       break;
   }
-  return invalid_argument(name, "depends linearly on the axes before it",
+  return invalid_argument(name, "depends linearly on the axes before it; expected independent axes",
                           "leave it out: the other axes already span its direction");
 }
 
@@ -84,13 +88,13 @@ Result<ActuationModel> ActuationModel::from_counts(int sensors, int actuators) {
   if (const auto error = check_sensors(sensors)) return *error;
   if (actuators < 0) {
     return invalid_argument("actuators",
-                            std::to_string(actuators) + " actuators, expected 0 or more", "");
+                            "is " + std::to_string(actuators) + "; expected 0 or more");
   }
   if (actuators > sensors) {
-    return invalid_argument(
-        "actuators",
-        std::to_string(actuators) + " actuators but only " + std::to_string(sensors) + " sensors",
-        "an actuated axis must be sensed, so use at most as many actuators as sensors");
+    return invalid_argument("actuators",
+                            "is " + std::to_string(actuators) + "; expected at most " +
+                                std::to_string(sensors) + ", the number of sensors",
+                            "an actuated axis must be sensed");
   }
   return ActuationModel(sensors, actuators, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()});
 }

@@ -28,8 +28,8 @@ enum class ActuationCase : std::uint8_t {
 // Thread-safety: immutable, so queries are safe on any thread, including the haptic thread.
 class ActuationModel {
  public:
-  // The first `actuators` axes are actuated. Requires 2 or 3 sensors and 0 <= actuators <= sensors;
-  // otherwise returns an Error with the reason.
+  // The first `actuators` axes are actuated. Requires 2 or 3 sensors and 0 <= actuators <= sensors.
+  // Otherwise returns an Error with the reason.
   static Result<ActuationModel> from_counts(int sensors, int actuators);
 
   // axes_device: the directions of the actuated axes, device frame. Each has a finite, non-zero
@@ -37,8 +37,8 @@ class ActuationModel {
   // an Error.
   static Result<ActuationModel> from_axes(int sensors, const std::vector<Vec3>& axes_device);
 
-  // The same for motors that turn with the device, once per tick on the haptic thread: returns
-  // nothing where from_axes() returns an Error, and does not allocate.
+  // As from_axes(), for motors that turn with the device. Safe in every tick on the haptic thread,
+  // because it does not allocate. Returns nullopt where from_axes() returns an Error.
   static std::optional<ActuationModel> from_axes_at_pose(
       int sensors, std::span<const Vec3> axes_device) noexcept;
 

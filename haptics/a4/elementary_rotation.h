@@ -20,9 +20,10 @@ struct RotationProfile {
 
 // The rule by which the profile is integrated over a tick.
 enum class StepRule : std::uint8_t {
-  // The solution of a' = -S(a), split where a crosses the knee: the same motion at any servo rate.
+  // The solution of a' = -S(a), split where a crosses the knee. It gives the same motion at any
+  // servo rate.
   kExact,
-  kSpeedByDt  // S(a) dt, the paper's rule; ahead of the profile by 1.2 ms at 1 kHz
+  kSpeedByDt  // S(a) dt, the paper's rule; 1.2 ms ahead of the profile at 1 kHz
 };
 
 // The angle to turn in dt_s seconds if angle_rad >= 0 remains; at most angle_rad. Thread-safe; no

@@ -12,8 +12,8 @@ using ScenePose = RigidTransform;
 
 // Turns the scene about the pivot, a point that stays in place in both frames to 2 ulp. The new
 // origin o' is solved from c = R(q') pivot + o', with c the pivot in the device frame: the pivot
-// therefore keeps its place however q' was rounded. The quaternion is renormalised, so that its
-// length stays within 4 ulp of 1 after any number of ticks.
+// therefore keeps its place, regardless of the rounding of q'. The quaternion is renormalised, so
+// that its length stays within 4 ulp of 1 after any number of ticks.
 inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
                               const AxisAngle& turn) noexcept {
   const Quat step(Eigen::AngleAxisd(turn.angle_rad, turn.axis_device));
@@ -25,8 +25,9 @@ inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot
 }
 
 // The frame that the display shows. Classical: the device frame, in which the proxy moves. Camera
-// metaphor (action 2 of A4): the proxy stays at the display's centre and the scene moves, To = 0,
-// Ts = -Tu. The mode affects the display only; the haptic rendering is the same to the bit.
+// metaphor (action 2 of A4): the proxy stays at the display's centre and the scene moves instead,
+// opposite to the user's motion (in the paper's symbols: To = 0, Ts = -Tu). The mode affects the
+// display only; the haptic rendering is the same to the bit.
 enum class DisplayMode : std::uint8_t { kClassical, kCamera };
 
 inline RigidTransform display_transform(DisplayMode mode, const ScenePose& T_device_scene,

@@ -24,11 +24,12 @@ struct AxisAngle {
   double angle_rad = 0.0;
 };
 
-// Computes Table 1. It remembers the direction that the normal is being aligned with: without this
+// Computes Table 1. Remembers the direction with which A4 is aligning the normal. Without this
 // memory, a normal between two equally near directions would make the scene tremble.
 //
 // The corrected form is the same for all cases. T is the direction of the projection of N on the
-// actuated span, or +-A1 with one actuator. The axis is N x T, the angle atan2(|N x T|, N.T).
+// actuated span, or +-A1 with one actuator. The axis is N x T, and the angle is
+// atan2(|N x T|, N.T).
 //   One actuator: T = s A1. The sign s changes only if N.(s A1) < -sin(kHysteresis).
 //   Two actuators: T keeps its value while |projection| < sin(kHysteresis).
 //   New contact: s = +1 unless N.A1 < -sin(kHysteresis); T = A1 if |projection| < sin(kHysteresis).

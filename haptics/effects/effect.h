@@ -75,15 +75,15 @@ struct Touch {
 // The inputs and outputs of an effect. Solver frame, SI units.
 struct EffectTick {
   // Inputs. In the stages before kSurroundings they describe one contact and its material. In
-  // kProxy only `face` and `normal` are set, because the proxy still moves.
+  // kProxy only `face` and `normal` are set, because the proxy is still moving.
   double dt_s = 0.0;
   double ticks = 0.0;                    // number of good ticks before this one
-  Vec3 proxy_m = Vec3::Zero();           // equals the device point off contact
+  Vec3 proxy_m = Vec3::Zero();           // equals the device point without contact
   double radius_m = 0.0;                 // of the proxy
   Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero if unknown
   double longest_dt_s = 0.0;             // the longer dt of this tick and the one before
   bool slid = false;                     // the proxy moved along the touched surface
-  Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on as rendered
+  Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on, the rendered one
   double share = 1.0;                    // this material's share of the contact force, (0, 1]
   FacePoint face;
   const LiveWorld* world = nullptr;
@@ -129,8 +129,8 @@ struct ParameterKey {
   std::array<std::string_view, 2> choices = {};
 };
 
-// Runs an effect; true if it is active in this tick. parameters and state: the effect's own, as
-// bytes.
+// Runs an effect and returns true if the effect is active in this tick. parameters and state: the
+// bytes of the effect's Parameters and State.
 using EffectFunction = bool (*)(const std::byte* parameters, std::byte* state,
                                 EffectTick& tick) noexcept;
 

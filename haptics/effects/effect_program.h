@@ -34,13 +34,13 @@ struct EffectTable {
 // The tables of one material, by stage.
 struct EffectMaterial {
   std::array<EffectTable, kEffectStageCount> tables;
-  bool without_effects = true;  // no table has an entry that contact runs
+  bool without_effects = true;  // no table has an entry that runs in contact
 };
 
 // The materials of one body's surface.
 struct EffectBody {
   const SurfaceAttributes* attributes = nullptr;  // null: the body has no effects
-  std::uint32_t first_material = 0;               // of part 0, in EffectProgram::material_of_part
+  std::uint32_t first_material = 0;  // position of part 0 in EffectProgram::material_of_part
 };
 
 // The effects of a scene and all data that they refer to. Immutable after compilation: each haptic

@@ -52,8 +52,8 @@ class EffectRunner {
                bool measures_time);
 
   // True if, on the proxy's path to the goal, the proxy cannot meet a surface with effects or enter
-  // the range of an effect. The tick is then the same as without effects. The answer uses the last
-  // update_far_reach() and is valid while the proxy stays near the place of that call.
+  // the range of an effect. In that case, the tick is the same as without effects. The answer uses
+  // the last update_far_reach() and is valid while the proxy stays near the place of that call.
   bool is_far_from_all(const LiveWorld& world, const Vec3& proxy, const Vec3& goal) const noexcept {
     const double reach_m2 = far_reach_m_ * far_reach_m_;
     return (goal - far_centre_).squaredNorm() < reach_m2 &&
@@ -83,7 +83,7 @@ class EffectRunner {
   Vec3 contact_force_N(const ProxyState& state, const ContactResponse& response,
                        const EffectMotion& motion) noexcept;
   // Runs stage kSurroundings. state: of this tick, in contact or not. normal: unit contact normal
-  // as rendered, zero off contact.
+  // as rendered, zero without contact.
   Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
                             const EffectMotion& motion) noexcept;
 
@@ -118,7 +118,7 @@ class EffectRunner {
   std::vector<std::byte> states_;
   EffectCounters counters_;
   std::uint32_t active_ = 0;  // in this tick
-  std::uint32_t held_ = 0;    // friction effects of any face that the solver tried
+  std::uint32_t held_ = 0;    // friction effects of all faces that the solver tried
 
   // The touched faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};
@@ -131,9 +131,9 @@ class EffectRunner {
 
   // Boxes around bodies that have effects. If there are too many, the last box covers several.
   std::vector<Box> boxes_;
-  // No effect is within twice far_reach_m_ of far_centre_. If proxy and goal are both within
-  // far_reach_m_, the path does not leave the larger ball, because the proxy never gets farther
-  // from the goal than it was at first.
+  // No effect is within twice far_reach_m_ of far_centre_. If the goal is within far_reach_m_ of
+  // far_centre_ and the proxy is within far_reach_m_ of the goal, the path does not leave the
+  // larger ball, because the proxy never gets farther from the goal than it was at first.
   Vec3 far_centre_ = Vec3::Zero();
   double far_reach_m_ = 0.0;
   int ticks_to_search_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A point on a touched triangle, and the attributes of triangles that effects use.
+// A point on a touched triangle, and the triangle attributes that effects use.
 
 #include <algorithm>
 #include <array>
@@ -56,20 +56,21 @@ struct SurfaceAttributes {
   std::uint16_t part_of(std::uint32_t slot) const { return part.empty() ? 0 : part[slot]; }
 };
 
-// A point of a touched triangle. Thread-safe; the haptic thread uses it.
+// A point of a touched triangle. Thread-safe; safe on the haptic thread.
 struct FacePoint {
   const ContactBody* body = nullptr;
   const SurfaceAttributes* attributes = nullptr;
   std::uint32_t slot = 0;
   Vec3 point_body = Vec3::Zero();
 
-  // The triangle in the body frame: a reference into the index, or to `storage` after filling it.
+  // The triangle in the body frame. The result refers to the index or, for a stretched body, to
+  // `storage`, which this function fills.
   const TriangleGeometry& triangle(TriangleGeometry& storage) const {
     return body->triangle(slot, storage);
   }
 
-  // Weights of the corners, each >= 0, with sum 1: the barycentric coordinates of the point where
-  // it lies over the triangle. Outside, negative ones are set to 0 before normalisation.
+  // Weights of the corners, each >= 0, with sum 1. If the point lies over the triangle, they are
+  // its barycentric coordinates; elsewhere, negative coordinates are set to 0 before normalisation.
   std::array<double, 3> barycentric(const TriangleGeometry& t) const noexcept {
     const Vec3 a = t.a - point_body;
     const Vec3 b = t.b - point_body;

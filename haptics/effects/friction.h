@@ -12,9 +12,9 @@ namespace palpate {
 // Coulomb's friction cone on the god-object (Harwin and Melder 2002, "Improved haptic rendering for
 // multi-finger manipulation using friction cone based god-objects"), with memory. Let d be the
 // penetration depth and t the tangential lag. A contact that sticks keeps its place while
-// |t| <= mu_s d. Beyond, it slides with |t| = mu_k d in every tick. When |t| falls below mu_k d, it
-// sticks again. The contact does not creep at rest, and no speed affects it. If a device with mass
-// is pulled slowly, the gap between mu_s and mu_k causes stick-slip.
+// |t| <= mu_s d. Beyond this limit, it slides with |t| = mu_k d in every tick. When |t| falls below
+// mu_k d, it sticks again. The contact does not creep at rest, and no speed affects it. If a device
+// with mass is pulled slowly, the gap between mu_s and mu_k causes stick-slip.
 //
 // The god-object holds the proxy (GodObject::move_with_friction); this effect sets the
 // coefficients. A map multiplies both of them.

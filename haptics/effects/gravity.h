@@ -19,7 +19,8 @@ struct GravityEffect {
     double field_N[3] = {};
   };
   struct State {};
-  // None: scenes set the parameters, materials do not (see the engine's scene_effects.h).
+  // There are no keys, because the scene sets these parameters, not a material (see the engine's
+  // scene_effects.h).
   static constexpr std::span<const ParameterKey> kKeys = {};
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }

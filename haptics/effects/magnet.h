@@ -13,24 +13,25 @@ namespace palpate {
 // The magnetic surface of one body.
 struct MagneticSurface {
   std::uint32_t body = 0;
-  std::uint32_t material = 0;           // of the effect program
-  const SurfaceIndex* index = nullptr;  // of the faces with that material; frame: the body's index
+  std::uint32_t material = 0;  // of the effect program
+  const SurfaceIndex* index =
+      nullptr;  // of the faces with that material; in the frame of the body's index
 };
 
 // Attraction towards the nearest point of a surface within a range r: F = F0 (1 - s / r)^2 at a
 // distance s from the proxy. This is a gravity well (Hwang, Keates, Langdon and Clarkson 2003,
 // "Multiple haptic targets for motion-impaired computer users") with the potential
 // -F0 r (1 - s / r)^3 / 3. The force and its slope therefore vanish at the end of the range, and a
-// closed loop gains no energy. In contact s is 0: the force F0 holds the device point, which
-// rests at a penetration depth of F0 / K. The direction jumps where two points of one surface are
-// nearest. The forces of several surfaces add.
+// closed loop gains no energy. In contact s is 0: the force F0 holds the device point, which rests
+// at a penetration depth of F0 / K. The direction jumps where two points of one surface are equally
+// near. The forces of several surfaces add.
 //
 // The search has no work budget: it takes milliseconds where 100,000 triangles are equally near.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
-  // Contact is needed because the vector to the nearest point is shorter than its rounding there:
-  // the touched faces give the direction instead.
+  // The effect needs the contact: when the proxy touches the surface, the vector to the nearest
+  // point is shorter than its rounding error, and the touched faces give the direction instead.
   static constexpr std::uint32_t kNeeds = kNeedsSurroundings | kNeedsPlace | kNeedsContact;
 
   struct Parameters {
@@ -68,8 +69,7 @@ struct MagnetEffect {
       return false;
     }
     // The search covers twice the reach, so that a surface out of range gives a useful quiet_m. The
-    // whole surface is nearer than `farthest`, which bounds the search if the range is larger
-    // still.
+    // whole surface is nearer than `farthest`, which limits the search if the range is even larger.
     const double farthest = to_box + kMostBoxes * (box.high - box.low).norm();
     const double range = std::min(body.length_to_body(2.0 * reach_m), farthest);
     const auto nearest = body.stretch

@@ -19,9 +19,9 @@ namespace palpate {
 // duration D: in a tick from t0 to t1, F = J (cos(pi t0 / D) - cos(pi t1 / D)) / (2 (t1 - t0)),
 // whose time integral is J for any ticks.
 //
-// The pulse ends when the hand reverses its motion, so that it only brakes. Each material has one
-// pulse: a tap on a material gives no pulse while the proxy already rests on that material
-// elsewhere. Only the hand's speed counts, not that of a moving body.
+// The pulse ends when the hand reverses its motion, so that the pulse can only brake the hand. Each
+// material has one pulse: a tap on a material gives no pulse while the proxy already rests on that
+// material elsewhere. Only the hand's speed counts, not that of a moving body.
 struct RestitutionEffect {
   static constexpr std::string_view kName = "restitution";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;

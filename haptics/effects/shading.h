@@ -9,10 +9,10 @@
 namespace palpate {
 
 // Force shading (Morgenbesser and Srinivasan 1996, "Force shading for haptic shape perception")
-// turns the force from the facet's normal to an interpolated normal, as Phong shading does for
-// light: n = sum w_i n_i / |sum w_i n_i|, with n_i the normals of the corners and w_i the
-// barycentric weights of the proxy. The magnitude remains that of the facets. Corners at edges
-// sharper than the crease angle have a normal for each side, so that creases remain.
+// turns the force from the facet's normal to an interpolated normal n, as Phong shading does for
+// light. n = sum w_i n_i / |sum w_i n_i|, with n_i the normals of the corners and w_i the
+// barycentric weights of the proxy. The magnitude of the force remains that of the facets. Corners
+// at edges sharper than the crease angle have a normal for each side, so that creases remain.
 //
 // A turned force is not the gradient of a potential: a closed loop can gain about K d^2 times the
 // angle between the normals, at penetration depth d.
@@ -22,7 +22,7 @@ struct ShadingEffect {
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsCornerNormals;
 
   // A smooth normal that differs from the facet's by at most this, the rounding to float, is
-  // ignored: a flat face is rendered as without shading, to the bit.
+  // ignored. The force of a flat face is therefore the same to the bit with and without shading.
   static constexpr double kFlat = 2.0 * std::numeric_limits<float>::epsilon();
 
   struct Parameters {

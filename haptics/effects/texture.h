@@ -16,12 +16,12 @@ namespace palpate {
 // 1999, "Efficient point-based rendering techniques for haptic display of virtual objects"). With
 // penetration depth d, height h <= 0 and slope grad h, the spring has the energy K (d + h)^2 / 2.
 // The force is the exact gradient of this energy: K (d + h) (N - grad h). A closed loop therefore
-// gains no energy except through sampling in time: waves that pass in a few ticks are removed by
-// mip levels (Williams 1983, "Pyramidal parametrics") before they can alias.
+// gains no energy, except through sampling in time. Mip levels (Williams 1983, "Pyramidal
+// parametrics") remove waves that pass in a few ticks, before they can alias.
 //
-// Value 1 of the map is the surface of the mesh, value 0 lies `height` below it: a texture only
-// carves, so that contact begins softly, at the surface of the mesh. Only the hand's speed selects
-// the level: the texture of a moving body can alias.
+// Value 1 of the map is the surface of the mesh, and value 0 lies the texture's height below it. A
+// texture only carves the surface, so that contact begins softly, at the surface of the mesh. Only
+// the hand's speed selects the level; the texture of a moving body can therefore alias.
 struct TextureEffect {
   static constexpr std::string_view kName = "texture";
   static constexpr EffectStage kStage = EffectStage::kSurface;

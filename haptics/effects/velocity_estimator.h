@@ -10,23 +10,25 @@
 
 namespace palpate {
 
-// The estimation methods. They use the last w + 1 samples x_k at times t_k, with n the newest:
+// The estimation methods. They use the last w + 1 samples x_k at times t_k; n is the number of the
+// newest sample.
 enum class VelocityMethod : std::uint8_t {
   kDifference,  // (x_n - x_{n-w}) / (t_n - t_{n-w})
-  kLineFit,     // slope of the least-squares line
+  kLineFit,     // slope of the least-squares line through the samples
   // First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000): the difference over the
   // longest window, of at most w ticks, in which the straight line between the end samples is
-  // within half an encoder quantum of each sample between them. Slow, steady motion gets a long
-  // window, a jerk a short one. All three axes share one window, so that the velocity belongs to
-  // one pair of samples; the half quantum applies to each axis. The longest such window is used
-  // even if a shorter one violates the condition. The end samples are rounded, too: even steady
-  // motion can be a whole quantum off the line, so that the method prefers short windows. With
-  // twice the quantum as its setting, it rarely cuts steady motion short.
+  // within half an encoder quantum of each sample between them. The window is long for slow, steady
+  // motion and short for a jerk. All three axes share one window, so that the velocity belongs to
+  // one pair of samples; the limit of half a quantum applies to each axis. The longest window that
+  // satisfies the condition is used, even if a shorter one violates it. Because the end samples are
+  // rounded, too, even a steady motion can be a whole quantum off the line. The method therefore
+  // prefers short windows. If encoder_quantum_m is set to twice the quantum, the window of a steady
+  // motion is rarely too short.
   kAdaptive
 };
 
 // A window of w ticks of length T lags w T / 2 behind: under a constant acceleration a, the first
-// two methods have the error a w T / 2. If rounding by an encoder quantum q is as good as random,
+// two methods have the error a w T / 2. If the rounding error of an encoder quantum q is random,
 // the noise (rms) is q / (sqrt(6) w T) in a difference and q / (T sqrt(w (w + 1) (w + 2))) in a
 // line fit.
 struct VelocitySettings {
@@ -38,8 +40,8 @@ struct VelocitySettings {
 // Estimates the velocity of a point. Ticks may differ in length. Positions are in metres, in any
 // frame that is the same for all samples.
 //
-// Thread-safety: one thread owns an estimator. No allocation, lock or exception. The time of a
-// difference does not depend on the window; that of the other methods is proportional to it.
+// Thread-safety: one thread owns an estimator. No allocation, lock or exception. The computing time
+// of kDifference does not depend on the window; that of the other methods is proportional to it.
 class VelocityEstimator {
  public:
   static constexpr int kMostTicks = 63;
@@ -74,7 +76,7 @@ class VelocityEstimator {
   static constexpr std::size_t kCapacity = 64;  // a power of two
   static_assert(kCapacity == kMostTicks + 1);
 
-  // Sample k back from the newest, which is k = 0.
+  // The sample k places before the newest one; k = 0 is the newest.
   const Sample& back(std::size_t k) const noexcept { return samples_[(newest_ - k) % kCapacity]; }
   // last: the newest sample, passed to avoid a read right after the store.
   Vec3 difference(const Sample& last, std::size_t window) const noexcept;
@@ -84,8 +86,8 @@ class VelocityEstimator {
   VelocityMethod method_;
   std::size_t window_;
   double half_quantum_m_;
-  std::size_t count_ = 0;   // samples in the window's reach
-  std::size_t newest_ = 0;  // a running number; the index is its remainder
+  std::size_t count_ = 0;   // samples that a window may include
+  std::size_t newest_ = 0;  // a running number; its index is the remainder by kCapacity
   std::array<Sample, kCapacity> samples_;
 };
 

@@ -13,9 +13,9 @@ namespace palpate {
 // A sinusoidal force along the contact normal while the proxy is in contact, or only while it
 // slides: F = A sin(2 pi f t) N (open-loop vibration feedback: Okamura, Dennerlein and Howe 1998,
 // "Vibration feedback models for virtual environments"). The amplitude rises over the first period;
-// it falls over one period when sliding ends, and at once when the contact ends. The force may pull
-// by up to its amplitude. A frequency of half the tick rate or more is not rendered, because it
-// would alias to another one.
+// it falls over one period when sliding ends, and at once when the contact ends. The force may
+// attract the hand by up to its amplitude. A frequency of half the tick rate or more is not
+// rendered, because it would alias to another one.
 struct VibrationEffect {
   static constexpr std::string_view kName = "vibration";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -29,7 +29,7 @@ struct VibrationEffect {
   struct State {
     double phase = 0.0;       // in periods, [0, 1)
     double strength = 0.0;    // factor of the amplitude, [0, 1]
-    double last_tick = -2.0;  // in which the effect last ran
+    double last_tick = -2.0;  // the last tick in which the effect ran
   };
   static constexpr ParameterKey kKeys[] = {
       {"vibrationFrequency", "Hz", 0.0, 5000.0, offsetof(Parameters, frequency_Hz),

@@ -11,8 +11,8 @@ namespace palpate {
 
 // The coupling's parameters. The defaults are those of the library, the program and the report. On
 // a light desktop device (viscous friction b = 0.5 N s/m) at T = 1 ms, a wall is passive up to K =
-// 2 (b - B) / T: 1000 N/m without a damper, and no K from B = 0.5 N s/m on
-// (engine/devices/stability_limits.h).
+// 2 (b - B) / T (engine/devices/stability_limits.h). Without a damper, this limit is 1000 N/m; with
+// B of 0.5 N s/m or more, no wall is passive.
 struct CouplingSettings {
   double stiffness_N_per_m = 1000.0;  // K >= 0
   double damping_Ns_per_m = 0.0;      // B >= 0
@@ -37,7 +37,7 @@ inline Vec3 coupling_force_N(const CouplingSettings& settings, const Vec3& lag_m
   return force;
 }
 
-// The coupling of one haptic loop; it remembers the lag of the last ticks. Thread-safety: one
+// The coupling of one haptic loop, which remembers the lags of the last ticks. Thread-safety: one
 // thread owns it, and the haptic thread may be that thread.
 class VirtualCoupling {
  public:
@@ -48,9 +48,10 @@ class VirtualCoupling {
 
   // Returns d(p - g)/dt, estimated by the method of the settings; zero on the first tick of a
   // contact. lag_m: proxy minus goal. By default the estimate is the backward difference of one
-  // tick, with which the damper dissipates B |du|^2 / T in each tick, never a negative amount. A
-  // longer window has less noise, but returns some of that energy. Effects that use a velocity of
-  // their own (viscosity) keep the difference of one tick, so that their dissipation stays exact.
+  // tick. With it, the damper dissipates B |dl|^2 / T in each tick, which is never negative; dl is
+  // the change of the lag in the tick. A longer window has less noise, but returns some of that
+  // energy. Effects that use a velocity of their own (viscosity) keep the difference of one tick,
+  // so that their dissipation stays exact.
   Vec3 lag_rate_m_per_s(const Vec3& lag_m, double dt_s) noexcept {
     Vec3 rate = Vec3::Zero();
     if (!is_one_tick_) [[unlikely]] {
@@ -68,7 +69,8 @@ class VirtualCoupling {
     return coupling_force_N(settings_, lag_m, damped_m_per_s, normal);
   }
 
-  // Call in a tick without contact, or with a contact from which no difference may be formed.
+  // Call this in a tick without contact, or if the next tick must not form a difference with the
+  // lag of this one.
   void reset() noexcept {
     had_contact_ = false;
     estimator_.reset();

@@ -16,7 +16,7 @@ struct MediumRegion {
   enum class Shape : std::uint8_t {
     kBox,      // |p| <= half_m along each axis
     kSphere,   // |p| <= half_m.x()
-    kInside,   // inside a closed surface that is an obstacle: that of a body of the world
+    kInside,   // inside a closed surface that is an obstacle: the surface of a body
     kThrough,  // inside a closed surface that is no obstacle
   };
   Shape shape = Shape::kBox;
@@ -29,9 +29,10 @@ struct MediumRegion {
 
 // Viscous drag in a medium: F = -b v, with v the velocity of the device point in the scene. This is
 // the virtual damper of Colgate and Brown 1994 ("Factors affecting the Z-width of a haptic
-// display") without a wall. The medium inside a closed surface acts on a proxy that is inside, and
-// not on a proxy that is pressed against it from outside. Each tick dissipates b |dx|^2 / T of the
-// hand's work; a device of mass m stays stable for about b < m / T.
+// display") without a wall. The medium inside a closed surface acts on a proxy inside the surface,
+// and not on a proxy that is pressed against the surface from outside. Each tick dissipates
+// b |dx|^2 / T of the hand's work, where T is the length of the tick and dx the motion in it. A
+// device of mass m stays stable for about b < m / T.
 //
 // The search of a closed surface that is no obstacle has no work budget: it takes a millisecond
 // where 100,000 triangles meet in a point.
@@ -74,7 +75,7 @@ struct ViscosityEffect {
     return false;
   }
 
-  // A proxy stays on one side of a body for ever, however either of them moves.
+  // A proxy never changes to the other side of a body, however either of them moves.
   static bool is_inside_body(const MediumRegion& region, State& s, EffectTick& tick) noexcept {
     const ContactBody& body = tick.world->body(region.body);
     if (s.is_known == 0.0) {
@@ -91,8 +92,8 @@ struct ViscosityEffect {
     return false;
   }
 
-  // If the side of the last point is known, the crossings of the path from there give the side. If
-  // the path meets an edge, the crossings are undecided and the side is found anew.
+  // If the side of the last point is known, the crossings of the path from there give the side of
+  // p. If the path meets an edge, the crossings are undecided and the side is found anew.
   static bool is_through(const MediumRegion& region, State& s, const Vec3& p,
                          EffectTick& tick) noexcept {
     const Box& box = region.index->box();

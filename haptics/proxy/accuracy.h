@@ -26,12 +26,13 @@ struct Accuracy {
   // A solver step shorter than this has converged. In stand-offs (SolverScale), finite, > 0.
   double tolerance = 0.01;
   NarrowPhase narrow_phase = NarrowPhase::kDouble;
-  // Keep candidate triangles from tick to tick while the proxy stays in their safe zone. The
-  // results are the same bit for bit with and without this.
+  // If true, candidate triangles are kept from tick to tick while the proxy stays in their safe
+  // zone. The results with and without this are the same bit for bit.
   bool reuse_candidates = true;
-  // Trace the committed part of a stopped step again, up to its end point. The proxy then ends each
-  // step at least SolverScale::clearance_m from every triangle. Without this check a proxy can end
-  // so close to a second face that rounding loses the side it is on.
+  // If true, the committed part of a stopped step is traced again, up to its end point. The proxy
+  // then ends each step at least SolverScale::clearance_m from every triangle. Without this check,
+  // a proxy can end a step so close to a second face that rounding hides on which side of it the
+  // proxy is.
   bool certify = true;
 
   // Largest work of one tick in the units of work.h, >= 1. A tick that exceeds it is capped, and
@@ -41,8 +42,8 @@ struct Accuracy {
   // Limit of `iterations`. The path of a tick is allocated in advance: 28 MB at this limit.
   static constexpr int kMostIterations = 1 << 16;
 
-  // The preset uses double precision: in measurements, the larger stand-off of kFloat cost more
-  // steps than its arithmetic saved.
+  // fast() uses double precision, too: in measurements, the larger stand-off of kFloat caused
+  // additional steps that took longer than its arithmetic saved.
   static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false, 5000}; }
   static constexpr Accuracy balanced() { return {}; }
   static constexpr Accuracy exact() {

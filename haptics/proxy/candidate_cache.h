@@ -15,7 +15,7 @@ namespace palpate {
 
 // Keeps a ball around the proxy, the safe zone, and all packs of bodies at rest that come within
 // reach_m of the ball. A step with both ends inside the ball can meet only triangles of these
-// packs, so a tick needs no search of the index for it. Nothing is approximated.
+// packs, so a tick needs no search of the index for it. The results are the same as with a search.
 //
 // The size of the ball depends on the density of the surface and not on the speed of the proxy: a
 // ball that grew with the speed would contain half the mesh after a large step.
@@ -24,7 +24,8 @@ namespace palpate {
 // thread: no allocation, lock or exception. Not thread-safe: one thread owns a cache.
 class CandidateCache {
  public:
-  // Capacity in packs: four times the 65 packs or so that an apex of 1000 triangles occupies.
+  // Capacity in packs: four times the number, about 65, that the triangles around an apex of 1000
+  // triangles occupy.
   static constexpr std::size_t kCapacity = 256;
 
   // reach_m: the distance from the proxy's centre within which a triangle can matter: the radius
@@ -50,9 +51,9 @@ class CandidateCache {
   // Whether the cache holds no packs. With covers(), this means that nothing is near the ball.
   bool is_empty() const { return body_count_ == 0; }
 
-  // Searches for the packs of a new ball that contains p and extends in the direction `ahead` of
-  // the proxy's motion. Adds its work to `work`. Returns false and leaves the cache empty if too
-  // many packs, or too many bodies, are near.
+  // Searches for the packs of a new ball, which contains p and extends from there in the direction
+  // `ahead` of the proxy's motion. Adds its work to `work`. Returns false and leaves the cache
+  // empty if too many packs, or too many bodies, are near.
   bool refill(const Vec3& p, const Vec3& ahead, WorkMeter& work) noexcept;
 
   // Empties the cache. To be called when a body moves for the first time.
@@ -63,8 +64,8 @@ class CandidateCache {
   }
 
   // Writes the cached packs of the n-th body whose boxes come within the reach of the segment p to
-  // p + d, as far as the segment is inside the ball. Index frame of the body. Returns the number of
-  // packs written.
+  // p + d. Only the part of the segment inside the ball counts. p and d are in the index frame of
+  // the body. Returns the number of packs written.
   std::size_t packs_along(std::size_t n, const Vec3& p_index, const Vec3& d_index,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 

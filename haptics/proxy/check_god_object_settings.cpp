@@ -14,9 +14,9 @@ namespace {
 std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   const double stand_off_m = SolverScale::of(world.size_m, radius_m).stand_off_m;
   if (radius_m < stand_off_m) {
-    return invalid_argument(
-        "radius_m", digits_of(radius_m) + " m given, expected 0 for a point, or at least the " +
-                        digits_of(stand_off_m) + " m of the solver's stand-off");
+    return invalid_argument("radius_m", "is " + digits_of(radius_m) +
+                                            " m; expected 0 for a point, or at least " +
+                                            digits_of(stand_off_m) + " m, the solver's stand-off");
   }
   const double sweep_m = radius_m + stand_off_m;
   double built_for_m = SurfaceIndex::kLargestSweep_m;
@@ -27,7 +27,7 @@ std::optional<Error> check_sphere(const ContactWorld& world, double radius_m) {
   }
   if (sweep_m <= built_for_m) return std::nullopt;
   return invalid_argument("radius_m",
-                          digits_of(radius_m) + " m given, " + digits_of(sweep_m) +
+                          "is " + digits_of(radius_m) + " m, or " + digits_of(sweep_m) +
                               " m with the stand-off; expected at most " + digits_of(built_for_m) +
                               " m with the stand-off, the limit of the scene's indices",
                           "load the scene with this radius");
@@ -42,13 +42,13 @@ std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSe
   }
   const Accuracy& accuracy = settings.accuracy;
   if (accuracy.iterations < 1 || accuracy.iterations > Accuracy::kMostIterations) {
-    return invalid_argument("accuracy.iterations", std::to_string(accuracy.iterations) +
-                                                       " given, expected 1 to " +
+    return invalid_argument("accuracy.iterations", "is " + std::to_string(accuracy.iterations) +
+                                                       "; expected 1 to " +
                                                        std::to_string(Accuracy::kMostIterations));
   }
   if (accuracy.work_budget < 1) {
     return invalid_argument("accuracy.work_budget",
-                            std::to_string(accuracy.work_budget) + " given, expected at least 1");
+                            "is " + std::to_string(accuracy.work_budget) + "; expected at least 1");
   }
   return check_number("accuracy.tolerance", accuracy.tolerance, false);
 }

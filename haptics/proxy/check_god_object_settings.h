@@ -15,9 +15,9 @@ struct GodObjectSettings;
 // field, such as "accuracy.tolerance". The valid ranges are:
 //
 //   radius_m               finite; 0 for a point, or at least one stand-off (SolverScale), since
-//                          rounding would hide a smaller sphere. radius_m plus a stand-off must not
-//                          exceed SurfaceIndex::kLargestSweep_m nor the sweep radius of the world's
-//                          tree and of any of its indices
+//                          rounding would hide a smaller sphere. radius_m plus a stand-off must
+//                          exceed neither SurfaceIndex::kLargestSweep_m nor the sweep radius of the
+//                          world's tree or of any of its indices
 //   accuracy.iterations    1 to Accuracy::kMostIterations
 //   accuracy.work_budget   >= 1
 //   accuracy.tolerance     finite, > 0

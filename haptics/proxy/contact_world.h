@@ -27,10 +27,10 @@ struct EffectProgram;
 //     p_body = units_per_metre R^-1 (p_solver - t),   R and t of T_solver_body
 //
 // For most bodies the body frame and its unit are those of the index. Tests in these units are as
-// accurate as tests in metres: rounding bounds are relative to the lengths in question, and the
+// accurate as tests in metres, because rounding bounds are relative to the lengths in question. The
 // change of unit adds one rounding to a point, or none if the unit is a power of two. A mirrored
-// body has negative units: a mirror is minus a rotation, and the factor -1 also reverses
-// directions, so that the front of a face stays its front.
+// body has negative units, because a reflection is a rotation multiplied by -1. The factor -1 also
+// reverses directions, so that the front of a face stays its front.
 //
 // The body frame of a stretched body has metres as its unit; its index then serves only to exclude
 // triangles that are too far away (Stretch).
@@ -93,8 +93,9 @@ struct ContactBody {
     return std::abs(metres_per_unit) * length_body;
   }
 
-  // The index query for the surroundings of a point of the body frame: the point or vector in the
-  // index frame, and the radius there that contains reach_m around the point p_body.
+  // Both functions convert a query near a point of the body frame to an index query. to_index()
+  // maps the point, or a vector, to the index frame. reach_index() returns a radius in the index
+  // frame; it covers all points within reach_m of p_body.
   Vec3 to_index(const Vec3& v_body) const { return stretch ? stretch->to_index(v_body) : v_body; }
   double reach_index(double reach_m, const Vec3& p_body) const {
     return stretch ? stretch->reach_index(reach_m, p_body) : length_to_body(reach_m);
@@ -113,7 +114,7 @@ struct ContactBody {
   double front() const { return std::copysign(1.0, units_per_metre); }
 };
 
-// The bodies of a scene where they are at first. Immutable while a haptic loop uses it, so that
+// The bodies of a scene at their initial poses. Immutable while a haptic loop uses it, so that
 // threads may share it.
 //
 // The solver frame has the axes of the scene frame and its origin at anchor_scene_m, the middle of
@@ -123,8 +124,8 @@ struct ContactWorld {
   Box bounds_solver;  // around all surfaces, m
   Vec3 anchor_scene_m = Vec3::Zero();
   double size_m = 0.0;  // largest extent of the scene
-  // Tree over the boxes of the bodies, in their order, solver frame, built for sweeps of the
-  // largest proxy. Null in a small world, where every body is tested.
+  // Tree over the boxes of the bodies, in the order of `bodies`. Solver frame; built for sweeps of
+  // the largest proxy. Null in a small world, where every body is tested.
   std::shared_ptr<const BoxTree> tree;
   // Owns the stretches of the bodies. Null in a world without stretched bodies.
   std::shared_ptr<const std::vector<Stretch>> stretches;
@@ -139,17 +140,18 @@ struct ContactWorld {
 
 // The length thresholds of the solver. All derive from the scene's size and the format of double.
 struct SolverScale {
-  // A proxy touches a surface if it is nearer than this. The stand-off is large enough that
-  // rounding can never put the proxy on the other side: the rounding of a height is at most
-  // 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff), and 1e-11 sizes leave three orders of
+  // A proxy touches a surface if it is nearer than this. The stand-off is so large that rounding
+  // can never put the proxy on the other side. The rounding of a height is at most 20 * 2^-53 * 3
+  // sizes = 7e-15 sizes (kHeightRoundoff). A stand-off of 1e-11 sizes leaves three orders of
   // magnitude for the drift of heights over millions of ticks.
   double stand_off_m;
   // A step is stopped this far from a surface. The distance is a little less than a stand-off: the
   // proxy still touches the surface after a slide that rounding has turned away from it by a
   // ten-thousandth of the slide's length.
   double stop_m;
-  // A point proxy ends a step at least this far from every triangle, crossed or not. A proxy at
-  // rest beside an edge and closer than rounding would lose the side it is on.
+  // A point proxy ends a step at least this far from every triangle, crossed or not. If a proxy
+  // rested beside an edge at a smaller distance than rounding, rounding would hide on which side of
+  // the triangle it is.
   double clearance_m;
 
   static constexpr double kStandOffPerSize = 1e-11;
@@ -158,7 +160,7 @@ struct SolverScale {
   static_assert(kMostApartPerStandOff < kClearancePerStandOff);
 
   // The thresholds for a scene of size_m and a proxy of radius_m. They grow with the larger of the
-  // two, since the rounding of positions does.
+  // two, because the rounding of positions does so, too.
   static SolverScale of(double size_m, double radius_m) {
     const double stand_off =
         kStandOffPerSize * std::max({size_m, radius_m, std::numeric_limits<double>::min()});

@@ -12,16 +12,17 @@ namespace palpate {
 // which the step is stopped, at least float_stand_off_m() of the pack.
 //
 // The function uses no exact signs and does not test the end of a step that misses the triangle. A
-// proxy that rests beside an edge, within rounding of a plane, may therefore lose its side of the
-// plane. Not for callers that need the certificate of a free step. Safe on the haptic thread;
-// thread-safe.
+// proxy that rests beside an edge, within rounding of a plane, may therefore change to the other
+// side of the plane. The function does not suit callers that need the certificate of a free step.
+// Safe on the haptic thread; thread-safe.
 bool trace_point_in_float(const TrianglePack& pack, int lane, const Vec3& p, const Vec3& q,
                           double stand_off_m, TriangleHit& hit) noexcept;
 
 // The smallest stand-off for trace_point_in_float(): four times the rounding of a height over a
 // triangle. pack_reach_m: the largest coordinate of the pack relative to its centre; the proxy may
-// be up to twice as far away. The bound counts 16 roundings of 2^-24 for each component of the two,
-// as the bounds of pack_kernels.inl do.
+// be up to twice as far away. The bound counts 16 roundings of 2^-24 of the magnitudes of the
+// proxy's position (3 * 2) and of the triangle (2), in units of pack_reach_m, as the bounds of
+// pack_kernels.inl do.
 constexpr double float_stand_off_m(double pack_reach_m) {
   return 4 * 16 * 0x1p-24 * (3 * 2 + 2) * pack_reach_m;
 }

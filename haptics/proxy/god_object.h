@@ -37,9 +37,9 @@ class FrictionCones {
 
 struct FrictionSource {
   FrictionCones& cones;
-  // The size of the coordinates that the goal was computed from, if larger than that of the goal:
-  // the rounding of the goal depends on it. Finite, >= 0; otherwise the move is refused
-  // (ProxyState::is_refused).
+  // The magnitude, m, of the coordinates from which the goal was computed, if it is larger than
+  // that of the goal. The rounding of the goal depends on this magnitude. Finite, >= 0; otherwise
+  // the move is refused (ProxyState::is_refused).
   double coordinates_m = 0.0;
 };
 
@@ -51,48 +51,51 @@ struct BodyMotion {
 
 // The constraint-based proxy of Zilles & Salisbury (1995) for a soup of two-sided triangles. In
 // each tick the proxy moves to a local minimum of the distance to the goal. Every straight piece of
-// its path is tested against all triangles by continuous collision detection (SegmentTracer) and
-// certified free, and so is the position where the proxy rests. All points are in the solver frame
-// in metres.
+// its path is tested against all triangles by continuous collision detection (SegmentTracer). Each
+// piece and the position where the proxy rests are certified to be free. All points are in the
+// solver frame in metres.
 //
 // Local minimum: at the end of a tick that is not capped, no improving segment exists. An improving
 // segment is a straight segment from the proxy with these properties:
 //   - It crosses no triangle.
-//   - Its distance from each triangle stays at least the smaller of the distance at its start and
-//     one stand-off (SolverScale), except for rounding. For a sphere, the distance is that of the
-//     sphere's surface.
+//   - It stays at least one stand-off (SolverScale) from each triangle, or at least at the distance
+//     of its start if that is smaller, except for rounding. For a sphere, the distance is measured
+//     from the sphere's surface.
 //   - It lies in the plane of motion, if one is given.
 //   - Its end is nearer to the goal than its start by more than 1e-9 of the scene's size.
-// Under friction, a slide along a touched surface counts only for the part of its lag that exceeds
+// Under friction, a slide along a touched surface counts only as far as the tangential lag exceeds
 // the friction limit. Accuracy::fast() gives no such guarantee.
 //
-// Capped: a tick is capped if it runs out of steps or work (below). It is also capped if a point is
-// between nearly parallel faces, where rounding decides whether a segment is free, or if the face
-// that a point met last yields no new contact plane and no attempted segment improves the position.
-// The proxy is then at a position on the path of a longer tick, free and no farther from the goal
-// than before. The next tick knows all faces that were met and continues from there.
+// Capped: a tick is capped if it runs out of steps or work (below). The tick of a point is also
+// capped in two other cases. In the first, the point is between nearly parallel faces, where
+// rounding decides whether a segment is free. In the second, the face that the point met last
+// yields no new contact plane, and no attempted segment improves the position. After a capped tick,
+// the proxy is at a free position on the path that a longer tick would take, no farther from the
+// goal than before. The next tick knows all faces that were met and continues from this position.
 //
 // Work: a tick is a call of move_to() and the preceding call of move_bodies(), if any. Its work is
 // counted (work.h) and limited by Accuracy::work_budget. When the budget is spent, the proxy is at
 // the end of its last completed step, no farther from the goal than before, and a body whose push
 // is incomplete is at its old pose. The next tick continues the interrupted search with all results
-// so far. If the goal has moved by less than half of the distance from the proxy to it, the
-// interrupted step is completed for the goal it was begun for. A push begins only while half of the
-// budget is left. If pushes have used more than half of the budget and the move is then cut short,
-// the next tick moves no bodies.
+// so far. If the goal has moved by less than half of its former distance from the proxy, the
+// interrupted step is completed for the former goal. A push begins only while half of the budget is
+// left. If pushes have used more than half of the budget and the move is then cut short, the next
+// tick moves no bodies.
 //
 // A proxy that starts within a stand-off of a triangle, or a sphere that overlaps one, may leave
 // the triangle or keep its distance, but does not move nearer. place() lifts a point off a surface
 // that it is placed on.
 //
 // Monotone: no tick increases the distance to the goal by more than rounding, whether capped or
-// not. For a fixed mesh, this is the energy certificate of a passive spring. Within a tick, no
-// piece of a point's path increases the distance. The path of a sphere may increase it by less than
-// 1 % of the radius while the sphere moves round an obstacle.
+// not. For a fixed mesh, this certifies that the spring between proxy and goal is passive: the
+// motion of the proxy never adds energy to it. Within a tick, no piece of a point's path increases
+// the distance. The path of a sphere may increase it by less than 1 % of the radius while the
+// sphere moves round an obstacle.
 //
-// Invalid input changes nothing and is reported by the return value: numbers that are not finite,
-// and positions so far away that squares of lengths overflow. With settings that check_settings()
-// reports an Error for, the god-object refuses every call and does not query the world.
+// Numbers that are not finite, and positions so far away that squares of lengths overflow, are
+// invalid input. Invalid input changes nothing; the return value reports it. If check_settings()
+// reports an Error for the settings, the god-object refuses every call and does not query the
+// world.
 //
 // Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
 // one thread owns an instance.
@@ -110,7 +113,7 @@ class GodObject {
   // nothing if p is invalid.
   bool place(const Vec3& p) noexcept;
 
-  // Moves a body regardless of the proxy; for a proxy that has not been placed yet. Returns false
+  // Moves a body without pushing the proxy; for use before the proxy has been placed. Returns false
   // and changes nothing if kMostMoving bodies have moved already, if T_solver_body is not a rigid
   // pose (is_pose), or if `body` does not exist.
   bool place_body(std::uint32_t body, const RigidTransform& T_solver_body) noexcept;
@@ -118,9 +121,9 @@ class GodObject {
   // Moves at most LiveWorld::kMostMoving bodies to new poses. Each body pushes the proxy ahead of
   // it (push_proxy), within the plane of motion if its unit normal is given. Seen from the body,
   // the proxy moves along a straight segment. Returns the number of bodies that are not at their
-  // new poses: because the proxy had no space, because too little work was left, or because the
-  // motion was invalid. If the normal is not a unit vector, no body moves. The next move_to()
-  // belongs to the same tick.
+  // new poses. A body is not at its new pose if the proxy had no space, if too little work was
+  // left, or if the motion was invalid. If the normal is not a unit vector, no body moves. The next
+  // move_to() belongs to the same tick.
   std::size_t move_bodies(std::span<const BodyMotion> motions,
                           const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
@@ -142,22 +145,22 @@ class GodObject {
   //              |t| =  mu_k d: it keeps its position and slides
   //              |t| <  mu_k d: it keeps its position and sticks
   //
-  // Comparisons are made to within rounding (kConeRoundoff). A kept position stays the same bit for
-  // bit. A new contact sticks. The state persists across edges, from face to face and from body to
-  // body. It ends with the contact, with place() and move_to(), and with end_friction(). Therefore
-  // a hand that moves on at constant depth is subject to mu_k in every tick, at any speed and
-  // whether the hand or the touched body moves. If the hand reverses, or presses deeper faster than
-  // its lag grows, the contact sticks.
+  // Comparisons are made to within rounding (kConeRoundoff). A position that is kept stays the same
+  // bit for bit. A new contact sticks. The state persists across edges, from face to face and from
+  // body to body. It ends with the contact, with place() and move_to(), and with end_friction().
+  // Therefore a hand that moves on at constant depth is subject to mu_k in every tick, at any
+  // speed, and regardless of whether the hand or the touched body moves. If the hand reverses, or
+  // presses deeper faster than its lag grows, the contact sticks.
   //
-  // A part of a free step is free and ends no farther from the goal than its start. The
-  // certificates therefore hold as without friction.
+  // Any part of a free step is free, too, and ends no farther from the goal than it began. The
+  // certificates therefore hold as they do without friction.
   //
   // Several faces together hold mu_1 d_1 + mu_2 d_2 + ..., where d_i is the part of the depth that
   // face i bears (bearing_parts). A sphere moves round edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 
-  // Makes the present contact stick like a new one. For a tick that commanded no force.
+  // Makes the present contact stick like a new one. To be called in a tick that commands no force.
   void end_friction() noexcept { slides_ = false; }
 
   const Vec3& proxy() const { return proxy_; }
@@ -189,7 +192,8 @@ class GodObject {
     kStuck     // the present planes allow no progress
   };
 
-  // Whether the goal is valid: its squared distance from the proxy is finite.
+  // Whether the goal and the normal are valid: the squared distance of the goal from the proxy is
+  // finite, and the normal, if given, is a unit vector.
   bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
     return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
            (!motion_plane_normal || is_unit(*motion_plane_normal));
@@ -379,7 +383,7 @@ class GodObject {
 
   // State of the present tick.
   double most_lag_m_ = 0.0;    // largest distance to the goal allowed on a sphere's path
-  bool is_slow_ = false;       // after more than kPatience steps, or if this tick continues another
+  bool is_slow_ = false;       // this tick took more than kPatience steps or continues another
   bool goal_waits_ = false;    // the last tick had the same goal and did not reach it at once
   double last_slide_m_ = 0.0;  // length of the last complete slide along planes
   Vec3 last_slide_from_ = Vec3::Zero();    // start of that slide
@@ -392,7 +396,7 @@ class GodObject {
   bool rounding_decides_ = false;  // rounding decides whether an improving segment exists
 
   bool settled_ = false;    // the last tick ended at a local minimum
-  bool confirmed_ = false;  // the last tick was not capped, and no body pushed the proxy since
+  bool confirmed_ = false;  // the last tick was not capped; no body has pushed the proxy since
   bool goes_on_ = false;    // the last tick was capped or its goal waited; the next continues it
   // The faces that held the proxy, and after them other faces that the next tick should know.
   std::array<FaceContact, kMaxContactPlanes> last_contacts_{};

@@ -14,31 +14,35 @@
 
 namespace palpate {
 
-// Number of faces around a vertex that are tried singly and in pairs.
+// The largest number of faces around a vertex along which slides are tried, singly and in pairs.
 constexpr std::size_t kMostAtVertex = 12;
 
-// Distance from the proxy, in stand-offs, within which faces are examined. Nearly coplanar faces
-// that meet at a vertex separate only many stand-offs from the vertex.
+// Distance from the proxy, in stand-offs, within which faces are examined. The distance is large
+// because nearly coplanar faces that meet at a vertex separate only at a distance of many
+// stand-offs from it.
 constexpr double kAroundPerStandOff = 64.0;
 
-// Number of faces whose planes are intersected in pairs.
+// The largest number of faces whose planes are intersected in pairs.
 constexpr std::size_t kMostCrossing = 32;
 
-// Number of planes that are intersected: each face has its own plane and the plane across the
-// direction from its nearest point. Any two may cross.
+// The largest number of planes that are intersected. Each face gives two: its own plane, and the
+// plane through its nearest point that is perpendicular to the direction from this point to the
+// proxy. Any two planes may cross.
 constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
 constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes - 1) / 2;
 
-// Largest turn of such a line by rounding: half the digits of double.
+// The largest angle, rad, by which rounding may turn the line in which two planes cross: half the
+// digits of double.
 constexpr double kLineRoundoff = 1e-8;
 
-// Number of faces near the proxy that are examined.
+// The largest number of faces near the proxy that are examined.
 constexpr std::size_t kMostAround = 256;
 
-// Number of bends of a path past these faces.
+// The largest number of bends of a path past these faces.
 constexpr int kMostBends = 8;
 
-// Number of halvings of the angle between a blocked and a free direction: to 1/4096.
+// The largest number of halvings of the angle between a blocked and a free direction. Twelve
+// halvings reduce the angle to 1/4096.
 constexpr int kMostDirectionHalvings = 12;
 
 // Up to three faces.
@@ -78,13 +82,14 @@ struct GodObject::Surroundings {
 // Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.
 //
 // A point beside a triangle is held by the plane, an edge or a vertex of the triangle. If an
-// adjacent triangle continues the surface and lies under the point, that contact must not hold the
-// point: before the point counts as resting, it tries to move without each such contact. At a
-// vertex, the free space is not convex and other faces can leave a gap: the point tries to slide
-// along all near faces, along each face and each pair, and past the obstacle that it meets then.
-// Between nearly parallel faces that are closer to each other than the proxy may come to either,
-// rounding decides whether an attempt succeeds (rounding_decides_). A stuck point can be lower over
-// its face than it may be over the next face, so that the edge of the next face blocks it.
+// adjacent triangle continues the surface and lies under the point, the contact with the first
+// triangle must not hold the point. Therefore, before the point counts as resting, the solver tries
+// to move it without each such contact. At a vertex, the free space is not convex, and other faces
+// can leave a gap. There the solver tries slides along all near faces, along each face and along
+// each pair of faces, and then past the obstacle that such a slide meets. If two nearly parallel
+// faces are closer to each other than the proxy may come to either, rounding decides whether an
+// attempt succeeds (rounding_decides_). A stuck point can be nearer to its own face than it may
+// come to the next face; the edge of the next face then blocks it.
 template <typename Friction>
 [[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
   rounding_decides_ = false;
@@ -130,8 +135,9 @@ bool GodObject::leaves_wedge(Friction& friction) {
   return false;
 }
 
-// Tries to slide with each contact beside a face replaced by the contact with the face's nearest
-// point; then without each of these contacts; then without all of them.
+// A contact beside a face is a contact with an edge or vertex of it. Tries three kinds of slides:
+// with each such contact replaced by the contact with the face's nearest point, then without one of
+// these contacts, and last without all of them.
 template <typename Friction>
 bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
   Faces nearest = holding;
@@ -156,8 +162,8 @@ bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
   return slides_along(over.all(), friction);
 }
 
-// Tries to slide as far as a face that the proxy does not touch yet. Until then, only the touched
-// faces hold it by friction.
+// Tries to slide up to a face that the proxy does not touch yet. During this slide, only the
+// touched faces hold the proxy by friction.
 template <typename Friction>
 bool GodObject::slides_up_to_untouched_face(Friction& friction) {
   Faces touched;
@@ -199,7 +205,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
 }
 
 // Tries to slide along all near faces, each represented by the plane of its nearest point, and
-// along the faces met then.
+// along the faces that this slide meets.
 template <typename Friction>
 bool GodObject::slides_past(Friction& friction) {
   hold_by_most_violated(around_->all_nearest());
@@ -211,8 +217,8 @@ bool GodObject::slides_past(Friction& friction) {
 }
 
 // Tries to slide along one or two touched faces, or along an edge of one, in directions that
-// approach no other touched face. The faces that hold the proxy may be two others, between which
-// friction wedges it.
+// approach no other touched face. The proxy may be held by two other faces, between which friction
+// wedges it.
 template <typename Friction>
 bool GodObject::slides_between(Friction& friction) {
   const auto all_touched = around_->all_touched();
@@ -244,7 +250,8 @@ bool GodObject::slides_between(Friction& friction) {
   return false;
 }
 
-// Tries this step, held by these contacts, instead of the step that their planes would give.
+// Tries the given step, during which these contacts hold the proxy, instead of the step that the
+// planes of the contacts would give.
 template <typename Friction>
 bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
                         Friction& friction) {
@@ -257,8 +264,9 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
   });
 }
 
-// Tries the steepest descent that the touched faces allow. If an obstacle is met at once, its plane
-// is added, and directions between the blocked one and the new one are tried, past the obstacle.
+// Tries the steepest descent that the touched faces allow. If an obstacle blocks this direction,
+// the plane of the obstacle is added. The added plane gives a new direction, and directions between
+// the blocked one and the new one, which may lead past the obstacle, are tried.
 template <typename Friction>
 bool GodObject::goes_past_obstacles(Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
@@ -282,9 +290,9 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
 }
 
 // Tries to slide along the lines in which any two planes around a vertex cross, touched or not. The
-// planes are those of the faces and those of their nearest points. The longest step comes first,
-// since it gains most: around a hub of hundreds of triangles, the free line may be late in the
-// original order.
+// planes are those of the faces and those of their nearest points. The longest step is tried first,
+// because it gains most, and because the free line around a hub of hundreds of triangles may be
+// late in the original order.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
@@ -317,8 +325,8 @@ bool GodObject::goes_along_lines(Friction& friction) {
                      [&](const LineStep& line) { return goes_along_line(line.step, friction); });
 }
 
-// Tries a step along a line. The line of two nearly parallel planes is rounded, and may run into a
-// face that it should pass; then a step along that face is tried.
+// Tries a step along a line. Because of rounding, the line of two nearly parallel planes may run
+// into a face that it should pass. In this case, a step along that face is tried.
 template <typename Friction>
 bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
   std::optional<TraceHit> hit;
@@ -347,8 +355,8 @@ bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
   return false;
 }
 
-// Tries one straight step. Writes the first obstacle of the step, or nullopt, to `obstacle`. The
-// trace before the attempt saves time, since most such steps are blocked at once.
+// Tries one straight step. Writes the first obstacle of the step, or nullopt, to `obstacle`. Most
+// such steps are blocked at once; the trace before the attempt detects this and saves time.
 template <typename Friction>
 bool GodObject::goes_straight(const Vec3& step, Friction& friction,
                               std::optional<TraceHit>* obstacle) {
@@ -361,8 +369,8 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction,
 }
 
 // Tries to slide along each face around a vertex and along each pair of faces. If the proxy is
-// lower over one face of a pair than it may be, it is also lifted above both faces first: it may be
-// beside a crease between them that it can follow.
+// nearer to one face of a pair than it may be, the function also lifts it above both faces and then
+// tries the slide. Such a proxy may be beside a crease between the two faces that it can follow.
 template <typename Friction>
 bool GodObject::slides_at_vertex(Friction& friction) {
   const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };

@@ -1,8 +1,8 @@
 #pragma once
 
-// The solver steps of one tick of the god-object, as templates over the friction policy. The files
-// with and without friction each compile their own instance, so that a world without friction runs
-// no friction code. Private to the files god_object*.cpp.
+// The solver steps of one tick of the god-object, as templates over the friction policy. Two files
+// compile them, one with and one without friction, so that a world without friction runs no
+// friction code. Private to the files god_object*.cpp.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-// The friction policy of GodObject::move_to(): nothing holds.
+// The friction policy of GodObject::move_to(): no face has friction.
 struct NoFriction {
   static constexpr bool kHolds = false;
   static bool holds() { return false; }
@@ -32,21 +32,22 @@ struct GodObject::ProxyPlace {
   bool planes_are_current;
 };
 
-// Number of corners of the tangents along which a sphere moves round a right angle, its largest
-// turn.
+// The largest number of corners of the path along tangents on which a sphere moves round an edge or
+// vertex. Its largest turn, a right angle, needs this number.
 constexpr std::size_t kMostRollCorners = 7;
 
-// Unit normals cancel if the length of their sum is within rounding.
+// Unit normals cancel if their sum is not longer than this length, which rounding alone can give.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
 
 // Distance, in stand-offs, within which a face is kept, since it may soon hold the proxy again.
 // Faces farther away are dropped.
 constexpr double kNearPerStandOff = 2.0;
 
-// Number of steps after which a tick counts as slow, and overreaching and leaps begin.
+// Number of steps after which a tick counts as slow; overreaching and leaps then begin.
 constexpr int kPatience = 8;
 
-// Number of steps in which a proxy that was moved too far must have come nearer to the goal.
+// Number of steps within which a proxy that was moved beyond the end of a slide must come nearer to
+// the goal than it was there.
 constexpr int kStepsToFall = 5;
 
 // Number of steps from one leap of a slow sphere to the next.
@@ -55,7 +56,7 @@ constexpr int kStepsPerLeap = 8;
 // Growth of an extrapolation after each success.
 constexpr double kFasterEachTime = 4.0;
 
-// Initial length of the next extrapolation after a failure, relative to the length that failed.
+// Length of the first extrapolation after a failure, relative to the length that failed.
 constexpr double kLessAfterFailure = 1.0 / 64;
 
 // Largest increase of the distance to the goal on a sphere's path, relative to the radius.
@@ -144,7 +145,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   return report(iteration, capped);
 }
 
-// The tick in which the bodies have used the whole budget: the proxy keeps its position.
+// Ends a tick in which the bodies have used the whole budget. The proxy keeps its position.
 template <typename Friction>
 [[gnu::cold]] ProxyState GodObject::stay(Friction& friction) {
   projection_ = {};
@@ -154,9 +155,9 @@ template <typename Friction>
   return report(0, true);
 }
 
-// Completes the step in which the last tick was cut short, for the goal of that step, if the goal
-// has since moved by less than half of its distance from the proxy. If the completed step increases
-// the distance to the present goal, it is undone.
+// Completes the step in which the last tick was cut short, for the goal of that step. Does nothing
+// if the goal has since moved by more than half of its former distance from the proxy. If the
+// completed step increases the distance to the present goal, it is undone.
 template <typename Friction>
 [[gnu::cold]] void GodObject::finish_last_step(Friction& friction) {
   const TraceKey* unfinished = tracer_.unfinished();
@@ -225,8 +226,8 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 }
 
 // A point that has slid off the face that held it is usually over the next face. This function adds
-// the plane of that face before the point touches it. Not if that face may have friction, which
-// must not act before the contact.
+// the plane of that face before the point touches it. The function does nothing if that face may
+// have friction, because friction must not act before contact.
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
   if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;
@@ -240,10 +241,10 @@ void GodObject::go_on_over_next_face(const Friction& friction) {
   is_over_next_ = true;
 }
 
-// Extends a slide by the sum of the slides that will follow. Where the surface curves about as
-// sharply as the goal is deep, a slide along the tangent plane covers only a small part of the
-// path, and so does each slide after it: after a slide y, the next ones are k y, k^2 y, ... Returns
-// the number of steps taken.
+// Extends a slide by the sum of the slides that will follow. If the penetration depth is about as
+// large as the radius of curvature of the surface, each slide along a tangent plane covers only a
+// small part of the remaining path: a slide y is followed by slides k y, k^2 y, ... Returns the
+// number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
   const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
@@ -260,8 +261,8 @@ template <typename Friction>
 }
 
 // Every few steps, extends the path of these steps by a straight segment in its mean direction. A
-// single slide between features, to and fro, predicts that direction poorly. Each success
-// multiplies the length of the next leap. Returns the number of steps taken.
+// single slide predicts that direction poorly if the proxy moves to and fro between features. Each
+// success multiplies the length of the next leap. Returns the number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
   if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;

@@ -31,8 +31,8 @@ class LiveWorld {
   bool is_moving(std::uint32_t b) const { return is_moving_[b]; }
 
   double size_m() const { return size_m_; }
-  // A box around all initial surfaces and around every body passed to extend_bounds() as it was
-  // placed then. Solver frame, m.
+  // A box around all surfaces at their initial poses and around every body passed to
+  // extend_bounds(), at the pose that the body had in that call. Solver frame, m.
   const Box& bounds_solver() const { return bounds_solver_; }
 
   // Moves a body. Returns false and changes nothing if kMostMoving bodies have moved already.
@@ -42,7 +42,7 @@ class LiveWorld {
   void extend_bounds(std::uint32_t b) noexcept;
 
   // Calls visit(b) for every body at rest whose box comes within radius_m of p, in ascending order,
-  // until visit returns false. In a small world without a tree, for every body at rest.
+  // until visit returns false. A small world has no tree; there, every body at rest is visited.
   template <typename Visit>
   void visit_resting_near(const Vec3& p, double radius_m, NearSearch search,
                           Visit visit) const noexcept {
@@ -52,9 +52,9 @@ class LiveWorld {
   }
 
   // Calls visit(b) for every body at rest, from number `first` on, whose box comes within radius_m
-  // of the segment p to p + d, in ascending order, until visit returns false. In a small world
-  // without a tree, for every body at rest from `first` on. radius_m: at most the sweep radius that
-  // the world's tree was built for.
+  // of the segment p to p + d, in ascending order, until visit returns false. A small world has no
+  // tree; there, every body at rest from `first` on is visited. radius_m: at most the sweep radius
+  // that the world's tree was built for.
   template <typename Visit>
   void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
                            Visit visit) const noexcept {

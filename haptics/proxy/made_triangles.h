@@ -13,7 +13,7 @@ namespace palpate {
 
 // Provides the triangles of a world's bodies in the body frame. The triangles of a stretched body
 // are computed on request. A tick requests the same few triangles many times, so the last ones are
-// kept. A body's stretch never changes, so they stay valid.
+// kept. They stay valid, because a body's stretch never changes.
 //
 // Safe on the haptic thread: no allocation, lock or exception. Not thread-safe: one thread owns an
 // instance.

@@ -15,7 +15,7 @@ namespace palpate {
 // The half-space normal . y >= offset_m of displacements y from the proxy. Solver frame, metres.
 struct ContactPlane {
   Vec3 normal;      // unit, towards the proxy's side
-  double offset_m;  // minus the distance the proxy may still approach: <= 0 if y = 0 is feasible
+  double offset_m;  // minus the distance by which the proxy may approach; <= 0 if y = 0 is feasible
 };
 
 // kAtStart: y = 0 satisfies every plane. The solution is then never farther from the target than
@@ -33,11 +33,11 @@ struct PlaneProjection {
 // Minimises |y - target|^2 over all displacements y that satisfy every plane (at most
 // kMaxContactPlanes). Up to three planes hold the minimiser; they are its basis. (Zilles and
 // Salisbury 1995, section 4, solve a 6 x 6 system for it.) The basis is found by exchanges: while a
-// plane is violated, the most violated plane joins the basis, and the best basis of these four
-// planes at most replaces the last one. Each basis is farther from the target than the one before,
-// so the search ends (M. Sharir and E. Welzl, "A Combinatorial Bound for Linear Programming and
-// Related Problems", 1992). Planes whose normals lie in one plane (a device with two sensors) never
-// form a basis of three.
+// plane is violated, the most violated plane is added to the planes of the basis, and the best
+// basis of these planes, at most four, replaces the old one. The minimiser of each basis is farther
+// from the target than that of the one before, so the search ends (M. Sharir and E. Welzl, "A
+// Combinatorial Bound for Linear Programming and Related Problems", 1992). Planes whose normals lie
+// in one plane (a device with two sensors) never form a basis of three.
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start = Feasibility::kAtStart) noexcept;
 
@@ -45,9 +45,9 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
 // proxy meets in one tick.
 inline constexpr int kMaxContactPlanes = 24;
 
-// The length, m, that each of up to three unit normals bears of a lag (here: proxy minus goal): the
-// coefficients of the lag in terms of the normals, negative ones set to zero. Normals that lie in a
-// line or plane each bear an equal part of the lag's length.
+// The parts of a lag (here: proxy minus goal), m, that up to three unit normals bear. They are the
+// coefficients of the lag as a combination of the normals; negative coefficients are set to zero.
+// If the normals are linearly dependent, each bears an equal part of the lag's length.
 std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
 // The parts of bearing_parts() divided by their sum.
 std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
@@ -62,8 +62,9 @@ inline Vec3 crossing_line(const Vec3& normal, const Vec3& other) noexcept {
 }
 
 // The constraint that a contact plane imposes on a proxy that keeps to a plane of motion with this
-// unit normal: its normal lies in the plane of motion. Nullopt if the two planes are parallel to
-// within half the digits of double; the contact plane cannot push the proxy within the other then.
+// unit normal. The normal of the constraint lies in the plane of motion. Nullopt if the two planes
+// are parallel to within half the digits of double, because such a contact plane cannot push the
+// proxy within the plane of motion.
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,
                                          const Vec3& motion_plane_normal) noexcept;
 

@@ -17,12 +17,13 @@ namespace palpate {
 // The result of one tick of a god-object. Solver frame, metres.
 struct ProxyState {
   Vec3 proxy = Vec3::Zero();
-  // Normalised average of the active planes' normals; 0 without contact or if they cancel. If a
-  // capped tick has no active plane, the direction from the goal to the proxy.
+  // Normalised average of the active planes' normals; 0 without contact or if the normals cancel.
+  // If a capped tick has no active plane, this is the direction from the goal to the proxy.
   Vec3 normal = Vec3::Zero();
   bool in_contact = false;  // |proxy - goal| exceeds the step tolerance
   int active_planes = 0;    // number of active planes, at most 3
-  // The unit direction of the line that two active planes leave free; 0 for any other number.
+  // The unit direction of the line that two active planes leave free; 0 for any other number of
+  // active planes.
   Vec3 free_direction = Vec3::Zero();
   bool slid = false;     // the proxy moved along the surface in this tick
   bool is_held = false;  // the touched surface has friction

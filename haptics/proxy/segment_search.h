@@ -34,7 +34,7 @@ struct SegmentTracer::Search {
   // The body being searched.
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
-  const SolverCorners* corners = nullptr;  // set if they decide about crossings
+  const SolverCorners* corners = nullptr;  // set if they decide on crossings
   Vec3 p_body, q_body;                     // the step in the body frame
   Vec3 p_index, d_index;  // the part of the step searched, index frame, rounded: for exclusion only
   double sorted_within;   // triangles farther than this from that part are excluded, index frame
@@ -42,8 +42,8 @@ struct SegmentTracer::Search {
   bool is_resumed = false;
   bool has_begun = false;  // a batch of packs is complete, so the search may be cut short
 
-  // The constructor keeps this class from being an aggregate: clearing an aggregate first would
-  // take as long as testing a pack.
+  // Because of this constructor, the class is not an aggregate. Zeroing an aggregate before its use
+  // would take as long as testing a pack.
   Search(SegmentTracer& by, const Vec3& from, const Vec3& to, StepFraction up_to)
       : tracer(by), p(from), q(to), limit(up_to) {}
 
@@ -76,7 +76,7 @@ struct SegmentTracer::Search {
 
   void enter_index(const Vec3& d_body) {
     double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
-    // Extended by the largest distance between the body's corners and its index.
+    // The search extends by the largest distance between the body's corners and those of its index.
     if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
     p_index = p_body;
     d_index = limit.value() * d_body;
@@ -132,8 +132,8 @@ struct SegmentTracer::Search {
     return true;
   }
 
-  // Tests first the triangles that the sphere touches at the start: usually one of them stops the
-  // step, which excludes most other triangles.
+  // First tests the triangles that the sphere touches at the start. Usually one of them stops the
+  // step, and most other triangles are then excluded.
   bool consider_for_sphere(std::span<const std::uint32_t> packs) {
     tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
     std::array<PackApproach, kPacksAtOnce> doubtful;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Continuous collision of the proxy with all triangles of the world along a straight step.
+// Continuous collision detection between the proxy, on a straight step, and all triangles of the
+// world.
 
 #include <array>
 #include <cstdint>
@@ -29,14 +30,14 @@ namespace palpate {
 // A point is tested against a triangle in the frame of the triangle's body, or in the solver frame
 // if the body has corners there (solver_corners.h).
 //
-// Candidate triangles are read from the cached packs around the proxy while the step stays in their
-// safe zone, and from a segment query otherwise. Bodies that move are always searched by a segment
-// query. The 16 triangles of a pack are tested together in single precision; triangles that this
-// test cannot rule out are tested in double precision.
+// While the step stays in the safe zone, candidate triangles are read from the cached packs around
+// the proxy (CandidateCache); otherwise a segment query finds them. Bodies that move are always
+// searched by a segment query. The 16 triangles of a pack are tested together in single precision;
+// triangles that this test cannot rule out are tested in double precision.
 //
 // The work of a tick is counted (work.h). A search that exceeds the budget is cut short: its result
-// is a hit at the start of the step without a valid face, and so is the result of every later
-// search in the tick. If the next tick makes the same query, the search continues where it stopped.
+// is a hit at the start of the step without a valid face. Every later search in the tick has the
+// same result. If the next tick makes the same query, the search continues where it stopped.
 //
 // Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
 // one thread owns an instance.
@@ -46,7 +47,7 @@ class SegmentTracer {
   // sweeps of at least radius_m + the stand-off.
   SegmentTracer(const LiveWorld& world, double radius_m, const Accuracy& accuracy = {});
 
-  // The purpose of a search: a move of the proxy or the push by a body. Each errand keeps its own
+  // The purpose of a search: a move of the proxy, or its push by a body. Each errand keeps its own
   // interrupted search.
   enum class Errand : std::uint8_t { kMove, kPush };
 
@@ -82,7 +83,7 @@ class SegmentTracer {
     return memory_->progress && memory_->progress->cursor.is_among_moving;
   }
   // Clears all logged and interrupted searches. To be called after a body or the proxy was placed
-  // elsewhere: earlier queries will not be repeated.
+  // elsewhere, because earlier queries will then not be repeated.
   void forget_steps() noexcept;
   // Clears the logged searches and the part of an interrupted search that concerns moving bodies.
   // To be called after a body that is already among the moving ones has moved again.
@@ -93,7 +94,8 @@ class SegmentTracer {
   // The first obstacle of the proxy on the step from p to q, or nullopt if the step is free.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
 
-  // The same for a shorter step from the same p along the last step that was traced.
+  // As trace(), for a step that begins at the same p as the last step given to trace() and is a
+  // part of it.
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
   // The first obstacle in one body, for a proxy that moves from p_body to q_body in the frame of
@@ -122,7 +124,8 @@ class SegmentTracer {
   // the tracer refills the cache for the next ticks.
   void look_ahead(const Vec3& p, const Vec3& step, bool was_cheap) noexcept;
 
-  // Whether a point is beside a face by more than reach_m (is_far_beside). Not for a sphere.
+  // Whether a point proxy at p is farther than reach_m beside a face (is_far_beside). Not for a
+  // sphere.
   bool is_far_beside_face(const FaceRef& face, const Vec3& p, double reach_m) const noexcept {
     const ContactBody& body = world_->body(face.body);
     return is_far_beside(made_.of(body, face), body.to_body(p), body.length_to_body(reach_m));
@@ -136,43 +139,47 @@ class SegmentTracer {
   Vec3 edge_direction(const FaceContact& contact) const noexcept;
 
   // The contact of a proxy at p with a face. The result is nearest_contact(), except for a point
-  // that is rather over the face than beside it (is_rather_over): the plane of the face holds such
-  // a point, on the side of `side`, an earlier normal, if p is too close to the plane to decide.
+  // proxy that is over the face rather than beside it (is_rather_over). The plane of the face holds
+  // such a point. If p is so close to the plane that its side is uncertain, the side is that of
+  // `side`, an earlier normal.
   FaceContact contact_at(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
-  // The contact of a point at p with the plane of a face that the point is known to be over. The
+  // The contact of a point at p with the plane of a face; the point must be over the face. The
   // normal is on the side of `side`.
   FaceContact contact_over(const FaceRef& face, const Vec3& p, const Vec3& side) const noexcept;
 
-  // The contact of a point at p, which has slid off the face `left` towards the goal q, with the
-  // nearest face of the same pack that lies between p and q and has p over it. Nullopt if no such
-  // face exists. The step to that face is not traced. Not for a sphere.
+  // For a point at p that has slid off the face `left` towards the goal q: its contact with the
+  // face that it is over now. This is the nearest face of the same pack that lies between p and q
+  // and has p in its prism. Nullopt if no such face exists. The step to that face is not traced.
+  // Not for a sphere.
   std::optional<FaceContact> contact_over_next(const FaceRef& left, const Vec3& p,
                                                const Vec3& q) noexcept;
 
-  // Point: whether p lies over the face, in its prism. Sphere: whether the sphere still touches the
-  // face.
+  // For a point: whether p lies over the face, in its prism. For a sphere: whether the sphere still
+  // touches the face.
   bool is_over(const FaceContact& contact, const Vec3& p) const noexcept;
 
-  // Write the contacts of a point at p with the planes of the faces closer than reach_m, in no
-  // particular order; only the nearest if `contacts` is too short for all. contacts_in_front() uses
-  // the normals of the faces, so that a clearance is negative behind a face; contacts_around() uses
-  // normals on the side of p. Return the number of contacts written.
+  // Both functions write the contacts of a point at p with the planes of the faces closer than
+  // reach_m, in no particular order, and return the number of contacts written. If `contacts` is
+  // too short for all, they write the nearest ones. contacts_in_front() uses the normals of the
+  // faces, so that a clearance is negative behind a face; contacts_around() uses normals on the
+  // side of p.
   std::size_t contacts_in_front(const Vec3& p, double reach_m,
                                 std::span<FaceContact> contacts) noexcept;
   std::size_t contacts_around(const Vec3& p, double reach_m,
                               std::span<FaceContact> contacts) noexcept;
 
-  // Among the faces that the last traced step came near to and that the proxy at p already touches,
-  // the contact that a step along d approaches most steeply. Nullopt if d approaches none of them.
+  // Considers the faces that the last traced step came near to and that the proxy at p already
+  // touches. Returns the contact with the face that a step along d approaches most steeply, or
+  // nullopt if d approaches none of them.
   std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
 
   // Whether the body's corners in the solver frame decide where a point is stopped
-  // (solver_corners.h). Contacts are still computed in the body frame, which may differ from these
-  // corners by kMostApartPerStandOff.
+  // (solver_corners.h). Contacts are still computed in the body frame, in which the corners may lie
+  // up to kMostApartPerStandOff stand-offs from these corners.
   bool decides_by_corners(const ContactBody& body) const {
     return body.corners && radius_m_ == 0.0 && !is_in_float_;
   }

@@ -23,7 +23,7 @@ inline std::string digits_of(double value) {
 // Reports an Error unless the value is finite and positive, or 0 if zero_allowed.
 inline std::optional<Error> check_number(const char* field, double value, bool zero_allowed) {
   if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
-  return invalid_argument(field, digits_of(value) + " given, expected a finite number " +
+  return invalid_argument(field, "is " + digits_of(value) + "; expected a finite number " +
                                      (zero_allowed ? ">= 0" : "> 0"));
 }
 

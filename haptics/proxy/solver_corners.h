@@ -6,8 +6,8 @@
 // Each body has its own index frame, and the transformation of a point into it rounds the point.
 // Two bodies whose edges coincide in the file may therefore disagree on which side of the edge a
 // step passes, and the step may slip between them. In the solver frame the step has one pair of end
-// points, and vertices that meet have one position. Both bodies then compute the signs about a
-// shared edge from the same four points, like the triangles of one mesh.
+// points, and vertices that meet have one position. For a shared edge, both bodies then compute the
+// orientation signs from the same four points, as two triangles of one mesh do.
 
 #include <cstddef>
 #include <cstdint>

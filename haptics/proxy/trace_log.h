@@ -66,10 +66,10 @@ struct TraceCursor {
 // The state of a trace that was cut short.
 struct TraceProgress {
   TraceKey key;
-  double look = 1.0;  // fraction of the step being searched; then extended up to 1
+  double look = 1.0;  // fraction of the step that the search covers; it grows up to 1
   TraceCursor cursor{};
   std::optional<TraceHit> best{};          // earliest hit so far
-  std::optional<TraceHit> best_at_rest{};  // earliest hit of all bodies at rest, once complete
+  std::optional<TraceHit> best_at_rest{};  // earliest hit among all bodies at rest, once known
   DoubtfulTriangles doubtful{};
 };
 
@@ -96,7 +96,7 @@ class TraceLog {
     next_ = 0;
   }
   // Returns to the first entry. If the previous repetition did not use all entries, the log is
-  // cleared: this repetition would not use them either.
+  // cleared, because this repetition would not use them either.
   void rewind() {
     if (has_answers()) entries_.clear();
     next_ = 0;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Continuous collision of a proxy with one triangle: how far the proxy can move before it meets the
-// triangle. All points, normals and lengths are in the frame and unit of the triangle given.
+// Continuous collision detection for a proxy and one triangle: finds how far the proxy can move
+// before it meets the triangle. All points, normals and lengths are in the frame and unit of the
+// triangle given.
 
 #include <cmath>
 
@@ -20,7 +21,7 @@ struct TriangleHit {
   Vec3 normal;         // unit, from the triangle to the proxy
   double clearance_m;  // from the triangle to the proxy's surface at the stopping point
   StepFraction fraction = StepFraction::start();       // up to the stopping point
-  StepFraction meet_fraction = StepFraction::start();  // up to the meeting
+  StepFraction meet_fraction = StepFraction::start();  // up to the point where they meet
   TriangleFeature feature;
   Vec3 feature_point;  // the point of the triangle that is met
 };
@@ -37,8 +38,8 @@ struct TraceMargins {
   double clearance_m;
 };
 
-// Whether a point beside a triangle is rather over it: the direction from the triangle's nearest
-// point to the point is less than 60 degrees from the normal or its opposite. The plane of the
+// Whether a point beside a triangle counts as over it: the direction from the nearest point of the
+// triangle to the point is at most 60 degrees from the normal or its opposite. The plane of the
 // triangle holds such a point. direction: unit.
 inline bool is_rather_over(const TriangleGeometry& t, const Vec3& direction) noexcept {
   return std::abs(t.normal.dot(direction)) >= 0.5;

@@ -39,7 +39,8 @@ struct GltfAsset {
 // asset.
 Result<std::span<const std::uint8_t>> view_bytes(const GltfAsset& asset, std::size_t view);
 
-// An error if an accessor does not declare a type that positions (or indices) can have.
+// check_position_type() returns an error if the accessor does not declare a type that positions can
+// have; check_index_type() does the same for indices.
 std::optional<Error> check_position_type(const GltfAsset& asset, std::size_t accessor);
 std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t accessor);
 
@@ -48,9 +49,10 @@ std::optional<Error> check_index_type(const GltfAsset& asset, std::size_t access
 void append_components(const tinygltf::Accessor& accessor, const std::uint8_t* element,
                        std::vector<double>& values);
 
-// The elements of a VEC3 accessor: 32-bit floats, or, if integers are allowed, the values that they
-// represent. All values are finite. An error if the accessor has no element or more than max_count
-// elements (kLimitExceeded); this is checked before any allocation.
+// The elements of a VEC3 accessor. They are stored as 32-bit floats or, if integers are allowed, as
+// integers, which are converted to the values that they represent. All values are finite. An error
+// if the accessor has no element or more than max_count elements (kLimitExceeded); this is checked
+// before any allocation.
 Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t max_count);
 
@@ -74,13 +76,13 @@ std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t acc
 // The first count elements of an accessor, component by component, matrices by columns. All values
 // are finite. An error if the accessor has fewer elements or another format. All elements of the
 // accessor must lie in the buffer, but only count elements cost time and memory. Without a base
-// view the elements may be zeros that the file does not store and that kMaxGltfUnstored does not
-// count: the caller must bound count by data that the file does store.
+// view, the elements may be zeros that the file does not store and that kMaxGltfUnstored does not
+// count. The caller must therefore bound count by data that the file does store.
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// The number of elements of an accessor of unsigned integer scalars, not normalised; an error for
-// any other type and above max_count.
+// The number of elements of an accessor of unsigned integer scalars, not normalised. An error for
+// any other type, and for more than max_count elements.
 Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
                                 std::size_t max_count);
 

@@ -18,9 +18,10 @@
 
 namespace palpate {
 
-// All animations of the asset, in the order of the file, with the largest key time of their
-// channels' samplers. An invalid animation is not an error here; its length is unknown. Reads at
-// most kMaxGltfKeyTimes times. A section that is not an array is a warning.
+// All animations of the asset, in the order of the file. The length of each is the largest key time
+// of its channels' samplers. An invalid animation is not an error here; its length is unknown.
+// Reads at most kMaxGltfKeyTimes times. If the section "animations" is not an array, there is a
+// warning.
 std::vector<AnimationDescription> list_animations(const GltfAsset& asset,
                                                   std::vector<std::string>& warnings);
 
@@ -39,7 +40,7 @@ class GltfPose {
   // last key its last value.
   //
   // The whole animation is checked; other animations are not. Errors: an unknown animation, or a
-  // time that is not a finite number of seconds, 0 or more (kInvalidArgument; the hint lists the
+  // time that is not a finite, non-negative number of seconds (kInvalidArgument; the hint lists the
   // animations); an animation without channels; a target that is not a node, that has a matrix, or
   // that two channels share; the errors of GltfKeyframes. pose_work: a budget, reduced by the
   // elements read.
@@ -60,7 +61,7 @@ class GltfPose {
   const std::vector<double>* value_of(std::size_t node, GltfPath path) const;
 
   std::optional<PoseDescription> description_;
-  // By node and path; channels may share them.
+  // By node and path. Several channels may share one value.
   std::map<std::pair<std::size_t, GltfPath>, std::shared_ptr<const std::vector<double>>> values_;
 };
 

@@ -35,11 +35,12 @@ Result<std::vector<double>> attribute_numbers(const GltfAsset& asset,
                                               const GltfNumberFormat& format,
                                               std::size_t vertex_count);
 
-// The texture coordinates of the vertices of a primitive in a map, as fractions of its width from
-// the left and its height from the top: TEXCOORD_n, where the map selects n, with
-// KHR_texture_transform applied. All values are finite. The attribute contains floats or normalised
-// unsigned integers; with KHR_mesh_quantization any integers of 8 or 16 bits. Displacements by
-// morph targets are not applied. An error if the primitive lacks the attribute. Thread-safe.
+// The texture coordinates of the vertices of a primitive in a map, as fractions of the map's width
+// from the left and of its height from the top. They are the attribute TEXCOORD_n, whose number n
+// the map selects, with KHR_texture_transform applied. All values are finite. The attribute
+// contains floats or normalised unsigned integers or, with KHR_mesh_quantization, any integers of 8
+// or 16 bits. Displacements by morph targets are not applied. An error if the primitive lacks the
+// attribute. Thread-safe.
 Result<std::vector<std::array<double, 2>>> read_texture_coordinates(
     const GltfAsset& asset, const tinygltf::Primitive& primitive, const DracoPrimitive* compressed,
     const std::string& element, const TextureReference& map, std::size_t vertex_count);

@@ -26,8 +26,8 @@ bool is_lfs_pointer(const FileBytes& bytes) {
 Result<FileBytes> data_uri_bytes(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
-    return gltf_invalid({}, "the data URI is not marked as base64",
-                        "expected data:MEDIA/TYPE;base64,...");
+    return gltf_invalid(
+        {}, "the data URI is not marked as base64; expected data:MEDIA/TYPE;base64,...");
   }
   const auto decoded = base64_decoded(uri.substr(comma + 1));
   if (!decoded) return gltf_invalid({}, "the data URI is not valid base64");

@@ -1,7 +1,7 @@
 #pragma once
 
-// The bytes of the buffers of one glTF asset, loaded at the first access: a buffer that no geometry
-// uses may be missing.
+// The bytes of the buffers of one glTF asset. Each buffer is loaded at its first access, so that a
+// buffer that nothing uses may be missing.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,12 +32,12 @@ class GltfBuffers {
               std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
               MemoryLedger* memory = nullptr);
 
-  // Exactly byteLength bytes, from the BIN chunk, a data URI (base64, any media type) or a file; no
-  // further bytes of the file are read. Valid for the lifetime of this object.
+  // The byteLength bytes of a buffer, from the BIN chunk, a data URI (base64, any media type) or a
+  // file; no further bytes of the file are read. Valid for the lifetime of this object.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
-  // A part of these bytes. element: the element that uses the part, for the error if the part
-  // exceeds the buffer.
+  // A part of the bytes of a buffer. element: the element that uses the part, for the error if the
+  // part exceeds the buffer.
   Result<std::span<const std::uint8_t>> part(std::size_t buffer, std::uint64_t byte_offset,
                                              std::uint64_t byte_length, const std::string& element);
 

@@ -31,7 +31,7 @@ struct DracoAttribute {
 class DracoPrimitive {
  public:
   std::size_t vertex_count() const;
-  // Three indices per triangle, each below vertex_count(), for every mode of the primitive.
+  // Three indices per triangle, each below vertex_count(), whatever the mode of the primitive.
   std::vector<std::uint32_t> indices() const;
 
   // Whether the stream contains the attribute of this name: "POSITION", "JOINTS_0". Other
@@ -45,8 +45,8 @@ class DracoPrimitive {
   // The attribute POSITION, with the checks of read_positions(). All values are finite.
   Result<std::vector<Vec3>> positions() const;
 
-  // The contradictions between the stream and its accessors, one line each. The values of the
-  // stream are used.
+  // The contradictions between the stream and its accessors, one line each. In each case, the
+  // values of the stream are used.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

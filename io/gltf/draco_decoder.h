@@ -1,7 +1,8 @@
 #pragma once
 
-// Decodes Draco streams within limits: the library's decoder is interrupted before each part in
-// which counts of the stream determine allocations, until these counts have been checked.
+// Decodes Draco streams within limits. The library's decoder is interrupted before each part in
+// which counts of the stream determine allocations, and continues after these counts have been
+// checked.
 
 #include <cstddef>
 #include <cstdint>

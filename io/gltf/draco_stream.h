@@ -36,8 +36,8 @@ struct DracoConnectivity {
   std::uint32_t attribute_tables = 0;  // further connectivities, besides that of the positions
 };
 
-// Both read from a copy of a stream that is positioned at the connectivity. They return nothing if
-// the stream is too short or its numbers contradict each other.
+// Both functions read from a copy of a stream that is positioned at the connectivity. They return
+// nothing if the stream is too short or its numbers contradict each other.
 std::optional<DracoConnectivity> peek_sequential_draco(draco::DecoderBuffer stream);
 std::optional<DracoConnectivity> peek_edgebreaker_draco(draco::DecoderBuffer stream);
 

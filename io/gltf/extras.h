@@ -25,8 +25,8 @@ class PalpateExtras {
  public:
   // Appends the entries of object.extras.palpate, if any, in the order of their keys. An entry of a
   // nested object has the key "outer.inner"; deeper nesting is an error. element: JSON path of the
-  // object. An error if palpate is not an object, or if MaterialParameter cannot represent a key or
-  // a value, or if either is too long.
+  // object. An error if palpate is not an object, if MaterialParameter cannot represent a key or a
+  // value, or if a key or a value is too long.
   std::optional<Error> read(const nlohmann::json& object, const std::string& element,
                             std::vector<MaterialParameter>& parameters);
 

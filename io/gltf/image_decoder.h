@@ -23,9 +23,10 @@ struct ImageRoom {
 
 // The pixels of a PNG or JPEG; the content determines the format. Grey becomes equal red, green and
 // blue; transparency is ignored; gamma and colour profiles are not applied, so the numbers are
-// those of the file. Errors: a truncated or damaged image; and, before the allocations that depend
-// on them, a width or height above kMaxGltfImageSide, more than max_pixels (kLimitExceeded), and an
-// error of admit(). Memory for decoding: see gltf/limits.h. Error::element is empty. Thread-safe.
+// those of the file. Errors: a truncated or damaged image, a width or height above
+// kMaxGltfImageSide, more than max_pixels (kLimitExceeded), and an error of admit(). The sizes are
+// checked before the allocations that depend on them. Memory for decoding: see gltf/limits.h.
+// Error::element is empty. Thread-safe.
 Result<ImageDescription> decode_image(std::span<const std::uint8_t> bytes, const ImageRoom& room);
 
 }  // namespace palpate

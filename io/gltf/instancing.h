@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// The transforms of the instances relative to their node; a list that the file omits is empty.
+// The transforms of the instances relative to their node. A list that the file omits is empty here.
 struct GltfInstances {
   std::size_t count = 0;
   std::vector<double> translations_m;  // 3 each

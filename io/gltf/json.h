@@ -13,10 +13,11 @@
 
 namespace palpate {
 
-// 64-bit sizes are exact as doubles up to this value; buffers are far smaller.
+// Up to this value, 64-bit sizes are exact as doubles; buffers are far smaller.
 inline constexpr std::uint64_t kMaxGltfWhole = std::uint64_t{1} << 53;
 
-// A whole number from 0 to kMaxGltfWhole, also in the form "3.0"; nothing for other values.
+// The value if it is a whole number from 0 to kMaxGltfWhole, also in the form "3.0"; nothing for
+// other values.
 std::optional<std::uint64_t> whole_number(const nlohmann::json& value);
 
 // The error "/nodes/7/mesh: is "x"; expected ...", for a value of any type.
@@ -34,7 +35,7 @@ Result<std::optional<std::size_t>> optional_id(const nlohmann::json& object,
                                                const std::string& element, const char* property,
                                                const char* target, std::size_t count);
 
-// The same for a required property.
+// As optional_id(), but an absent property is an error.
 Result<std::size_t> required_id(const nlohmann::json& object, const std::string& element,
                                 const char* property, const char* target, std::size_t count);
 
@@ -43,7 +44,7 @@ Result<std::size_t> required_id(const nlohmann::json& object, const std::string&
 std::optional<Error> read_number(const nlohmann::json& object, const std::string& element,
                                  const char* property, double& value);
 
-// The same for a string.
+// As read_number(), for a string.
 std::optional<Error> read_text(const nlohmann::json& object, const std::string& element,
                                const char* property, std::string& value);
 

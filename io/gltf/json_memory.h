@@ -24,7 +24,8 @@ JsonExtent extent_of_json(std::string_view text);
 // The memory for parsing the text of an asset: for the JSON and for tinygltf's model of it.
 MemoryNeed memory_of_json(std::string_view text, const JsonExtent& extent);
 
-// The memory that the JSON library needs to destroy the JSON: it moves the values to a list first.
+// The memory that the JSON library needs to destroy the JSON, because it first moves the values to
+// a list.
 std::size_t memory_to_destroy(std::string_view text, const JsonExtent& extent);
 
 }  // namespace palpate

@@ -17,8 +17,9 @@ namespace palpate {
 
 enum class GltfPath { kTranslation, kRotation, kScale, kWeights };
 
-// The position of a time among keys: after the key `before`, by `share` of interval_s towards the
-// key `after`. Before the first key and after the last key the share is 0.
+// The position of a time among keys: it is later than the key `before` by the part `share` of
+// interval_s, the time from this key to the key `after`. Before the first key and after the last
+// key, the share is 0.
 struct GltfKeyInterval {
   std::size_t before = 0;
   std::size_t after = 0;
@@ -26,9 +27,9 @@ struct GltfKeyInterval {
   double share = 0.0;  // in [0, 1)
 };
 
-// times_s: not empty, finite, and increasing in a valid file. If they do not increase, a key is
-// ignored if a key with an earlier time follows it, and the last of several keys at one time
-// applies from that time on.
+// times_s: not empty, finite, and increasing in a valid file. In a file whose times do not
+// increase, a key is ignored if a key with an earlier time follows it. If several keys have the
+// same time, the last of them applies from that time on.
 GltfKeyInterval find_key_interval(const std::vector<double>& times_s, double time_s);
 
 // Not thread-safe; must not outlive the asset or the warnings.

@@ -6,7 +6,7 @@
 //
 //   the file, as it stands            its size                        kMaxGltfFileBytes
 //   external buffers and data URIs    what they declare               kMaxGltfBufferBytes
-//   compressed data, while decoded    see gltf/draco.h; views stay    the same, counted with them
+//   compressed data, while decoded    see gltf/draco.h; views stay    kMaxGltfBufferBytes for both
 //   the JSON, parsed                  140 bytes a value               kMaxGltfJsonValues
 //   sections of the JSON, in the      2 KiB an element, however       kMaxGltfElements
 //   model of tinygltf                 short its text
@@ -24,8 +24,8 @@
 // The table covers reading only. Height maps, which the engine computes from images afterwards,
 // have a separate limit: kMostMapTexels (engine/scene/surface_attributes.h).
 //
-// A real asset costs less than 64 MiB and 40 times the bytes that it refers to, as
-// tests/engine/cli/corpus_test.py checks; tests/io/gltf/hostile_gltf_test.cpp checks the same for
+// A real asset costs less than 64 MiB plus 40 times the bytes that it refers to, as
+// tests/engine/cli/corpus_test.py checks. tests/io/gltf/hostile_gltf_test.cpp checks the same for
 // hostile assets, except for elements, zeros and images of one colour, which take almost no bytes
 // in the file.
 
@@ -42,16 +42,16 @@ inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
-// The limit is lower for a short text: a meaningful element takes at least 12 bytes, an empty one
-// ("{},") three.
+// The limit is lower for a short text, because a meaningful element takes at least 12 bytes,
+// whereas an empty one ("{},") takes three.
 constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
   constexpr std::size_t kOfAnyText = std::size_t{1} << 14;
   return std::min(kMaxGltfElements, kOfAnyText + text_bytes / 12);
 }
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
-// Limits of the scale of a mesh by a node and its ancestors. Outside them products of three
-// lengths, such as volumes, overflow or underflow.
+// Limits of the factor by which a node and its ancestors scale a mesh. Outside these limits,
+// products of three lengths, such as volumes, overflow or underflow.
 inline constexpr double kMaxGltfScale = 1e100;
 inline constexpr double kMinGltfScale = 1e-100;
 inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all meshes of the scene
@@ -67,9 +67,10 @@ inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        //
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
-// The work for poses. Each pose of a mesh costs 16 for each primitive, 1 for each attribute, target
-// and weight, the number of vertices of the decoded morph targets, and the number of values in the
-// sets of joints. The animation that poses the scene costs the number of elements of its samplers.
+// The limit of the work for poses, in counted units. Each pose of a mesh costs 16 units for each
+// primitive, 1 for each attribute, target and weight, 1 for each vertex of the decoded morph
+// targets, and 1 for each value in the sets of joints. The animation that poses the scene costs 1
+// unit for each element of its samplers.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 // Key times that are read to determine the lengths of the animations.
 inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
@@ -77,18 +78,19 @@ inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
 // repetition in almost no space, so the format itself has no bound; a million triangles in a flat
 // grid, the most regular mesh, decode to less than 500 bytes for each byte.
 inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
-// The memory of the Draco decoder: kDracoWorkingBytes, plus kDracoWorkingFactor for each byte that
-// the accessors describe or kDracoWorkingPerStreamByte for each byte of the stream, whichever is
-// more. A triangle needs about 130 bytes in the decoder, and one or two in real streams.
+// The memory of the Draco decoder is limited to kDracoWorkingBytes plus the larger of two amounts:
+// kDracoWorkingFactor for each byte that the accessors describe, or kDracoWorkingPerStreamByte for
+// each byte of the stream. A triangle needs about 130 bytes in the decoder, and takes one or two
+// bytes in a real stream.
 inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
 inline constexpr std::uint64_t kDracoWorkingFactor = 16;
 inline constexpr std::uint64_t kDracoWorkingPerStreamByte = 128;
-// The decoded size of a stream beyond the size that its accessors describe: kDracoUndeclaredBytes,
-// plus kDracoUndeclaredFactor for each byte of the stream. Real streams decode to about ten times
-// their length.
+// The limit for the decoded size of a stream beyond the size that its accessors describe:
+// kDracoUndeclaredBytes, plus kDracoUndeclaredFactor for each byte of the stream. Real streams
+// decode to about ten times their length.
 inline constexpr std::uint64_t kDracoUndeclaredBytes = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kDracoUndeclaredFactor = 32;
 inline constexpr std::size_t kMaxGltfExtensionNames = std::size_t{1} << 16;  // per list
-inline constexpr std::size_t kMaxGltfWarnings = 100;  // further ones are counted, not listed
+inline constexpr std::size_t kMaxGltfWarnings = 100;  // further warnings are only counted
 
 }  // namespace palpate

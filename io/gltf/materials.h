@@ -33,13 +33,14 @@ class GltfMaterials {
   static Result<GltfMaterials> open(const nlohmann::json& root, PalpateExtras& extras,
                                     std::span<const MaterialOverride> overrides);
 
-  // The index in the scene of a material of the file, in the order of first use. The overrides are
-  // applied to the material. An error if one of its declarations cannot be represented.
+  // The index in the scene of a material of the file; indices are in the order of first use. The
+  // overrides are applied to the material. An error if one of its declarations cannot be
+  // represented.
   Result<std::uint32_t> index_of(std::uint32_t id);
 
-  // The maps that a run of this material in a mesh of this haptic material needs; null: none.
-  // material and haptic: indices in the scene. The maps are marked for decode_maps(). Valid until
-  // the next index_of().
+  // The maps that triangles with this material need in a mesh with this haptic material; a map that
+  // is not needed is null. material and haptic: indices in the scene. Marks the maps for
+  // decode_maps(). The pointers are valid until the next index_of().
   struct Maps {
     const TextureReference* texture = nullptr;
     const TextureReference* friction = nullptr;
@@ -51,8 +52,8 @@ class GltfMaterials {
 
   // Moves all materials and warnings into a scene whose meshes have been read with index_of(). If
   // an override names "default" and no material has this name, a default material is added for the
-  // runs without material. An error (kInvalidArgument) if an override names a material that no
-  // triangle has.
+  // triangles without a material. An error (kInvalidArgument) if an override names a material that
+  // no triangle has.
   std::optional<Error> finish(SceneDescription& scene);
 
  private:
@@ -64,7 +65,8 @@ class GltfMaterials {
 
   GltfMaterials(const nlohmann::json& root, PalpateExtras& extras)
       : root_(&root), extras_(&extras) {}
-  // The answers of call_maps() for each material, because every primitive queries them.
+  // The answers of call_maps() for each material. They are stored, because every primitive queries
+  // them.
   struct KnownMaterial {
     bool has_map = false;
     bool is_flat = false;

@@ -20,18 +20,18 @@ struct GltfDecodedView {
   std::size_t stride = 0;           // distance between elements, in bytes
 };
 
-// The uncompressed fallback that such a view may have in its own buffer is not read. Not
-// thread-safe; one per call of read_gltf().
+// The decoded buffer views of one asset. The uncompressed fallback that a compressed view may have
+// in its own buffer is not read. Not thread-safe; one per call of read_gltf().
 class GltfMeshoptViews {
  public:
   // root: the JSON of the asset, checked by gltf/schema.h. Both must outlive this object.
   GltfMeshoptViews(const nlohmann::json& root, GltfBuffers& buffers)
       : root_(root), buffers_(buffers) {}
 
-  // The decoded view; null if the view is not compressed. Valid for the lifetime of this object.
-  // Checked before any allocation: a violation of the extension and more elements than the
-  // compressed bytes can encode are errors. kMaxGltfBufferBytes limits decoded views together with
-  // the buffers.
+  // The decoded view; null if the view is not compressed. Valid for the lifetime of this object. An
+  // error if the view violates the extension or has more elements than the compressed bytes can
+  // encode; this is checked before any allocation. kMaxGltfBufferBytes limits the bytes of decoded
+  // views and buffers together.
   Result<const GltfDecodedView*> decoded(std::size_t view);
 
  private:

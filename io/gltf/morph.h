@@ -19,13 +19,12 @@ struct Primitive;
 
 namespace palpate {
 
-// The number of morph targets of a mesh, which is that of its first primitive; all primitives must
+// The number of morph targets of a mesh. It is read from the first primitive; all primitives must
 // have the same number.
 std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh);
 
 // The morph weights of a node: the weights of the pose, else those of the node; nothing if neither
-// has weights. An error unless the number of weights is that of the targets. The node must have a
-// mesh.
+// has weights. An error unless there is one weight for each target. The node must have a mesh.
 Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& asset,
                                                              std::size_t node,
                                                              const GltfPose& pose);

@@ -18,7 +18,7 @@ namespace palpate {
 struct PlacedNode {
   std::size_t node = 0;          // index in the file
   std::uint32_t tree_node = 0;   // index into GltfNodeWalk::tree
-  AffineTransform T_scene_node;  // the product of the ancestors; finite
+  AffineTransform T_scene_node;  // of the node and its ancestors; finite
 };
 
 struct GltfNodeWalk {

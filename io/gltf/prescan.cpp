@@ -122,10 +122,10 @@ Result<GltfContainer> split_container(std::span<const std::uint8_t> bytes) {
   const std::size_t first = container.json.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || container.json[first] != '{') {
     return gltf_error(ErrorCode::kNotGltf, {},
-                      bytes.empty() ? "is empty"
-                                    : "begins neither like a GLB container (\"glTF\") nor like a "
-                                      "JSON object (\"{\")",
-                      "expected a glTF 2.0 file: .gltf or .glb");
+                      bytes.empty()
+                          ? "is empty; expected a glTF 2.0 file, .gltf or .glb"
+                          : "begins neither like a GLB container (\"glTF\") nor like a "
+                            "JSON object (\"{\"); expected a glTF 2.0 file, .gltf or .glb");
   }
   return container;
 }

@@ -24,21 +24,21 @@ class GltfElements {
   virtual ~GltfElements() = default;
   // Announces the number of elements of a section. The number is within the limits.
   virtual void expect(GltfSection section, std::size_t count) = 0;
-  // The next element. taken: an object with the properties that the reader uses; each has the type,
-  // the array length and the id range that glTF 2.0 requires, and a whole number written "3.0" is
-  // 3. The scenes are passed first, as one element {"scene": 0, "scenes": [...]}. rest: the
-  // remainder of the element in the document if the document no longer needs it, so that taken and
-  // rest can be destroyed together.
+  // The next element. taken: an object with the properties that the reader uses. Each has the type,
+  // the array length and the id range that glTF 2.0 requires; a whole number that the file writes
+  // as "3.0" is stored as 3. The scenes are passed first, as one element {"scene": 0, "scenes":
+  // [...]}. rest: the remainder of the element in the document if the document no longer needs it,
+  // so that taken and rest can be destroyed together.
   virtual std::optional<Error> add(GltfSection section, nlohmann::json taken,
                                    nlohmann::json rest) = 0;
 };
 
 // Checks the sections in the order of GltfSection and passes their elements on, one at a time. The
-// properties are moved out of root to avoid a second copy; root keeps buffer views, extensions,
-// extras and all other content that is not read through tinygltf, and the lengths of all sections.
-// Error::element is the JSON path of the first invalid property. Min and max of an accessor that
-// contradict each other are a warning. text_bytes: length of the JSON text, which limits the number
-// of elements. Thread-safe.
+// properties are moved out of root to avoid a second copy; root keeps the lengths of all sections,
+// and all content that is not read through tinygltf, such as buffer views, extensions and extras.
+// Error::element is the JSON path of the first invalid property. If min and max of an accessor
+// contradict each other, there is a warning. text_bytes: length of the JSON text, which limits the
+// number of elements. Thread-safe.
 std::optional<Error> check_sections(nlohmann::json& root, std::size_t text_bytes,
                                     std::vector<std::string>& warnings, GltfElements& elements);
 

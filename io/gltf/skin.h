@@ -29,8 +29,8 @@ struct GltfSkin {
 // place: returns the transform of a node to the scene. Errors: ids out of range, no joint, more
 // than max_joints (kLimitExceeded), fewer inverse bind matrices than joints, a matrix that is not
 // affine, a scale above kMaxGltfScale (kLimitExceeded). Absent inverse bind matrices are the
-// identity. A node that is listed as several joints, which glTF forbids, is a warning; each of the
-// joints is used.
+// identity. A node that is listed as several joints, which glTF forbids, causes a warning; each of
+// the joints is used.
 Result<GltfSkin> read_skin(const GltfAsset& asset, std::size_t skin, std::size_t max_joints,
                            const std::function<Result<AffineTransform>(std::size_t)>& place,
                            std::vector<std::string>& warnings);
@@ -39,12 +39,12 @@ class DracoPrimitive;
 
 // Moves the positions of a primitive from the mesh frame to the scene frame: each vertex becomes
 // the weighted mean of its positions under its joints, over all sets JOINTS_n and WEIGHTS_n.
-// Weights are divided by their sum; a sum that differs from 1 by more than the rounding of its type
-// is a warning. Errors: a missing set, sets of another length than the positions, negative weights,
-// a joint with non-zero weight that the skin does not have. Joints of weight 0 are ignored.
-// Vertices without any weight move with the first joint, which is a warning. pose_work: a budget,
-// reduced by the number of values of each set. element: of the primitive. compressed: the decoded
-// primitive if it is compressed, else null.
+// Weights are divided by their sum. If the sum differs from 1 by more than the rounding of the
+// weights' type, there is a warning. Errors: a missing set, sets of another length than the
+// positions, negative weights, a joint with non-zero weight that the skin does not have. Joints of
+// weight 0 are ignored. Vertices without any weight move with the first joint, and there is a
+// warning. pose_work: a budget, reduced by the number of values of each set. element: of the
+// primitive. compressed: the decoded primitive if it is compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                 const DracoPrimitive* compressed, const std::string& element,
                                 const GltfSkin& skin, std::size_t& pose_work,

@@ -12,9 +12,10 @@
 
 namespace palpate {
 
-// Reads a textureInfo of an asset; element is its JSON path. An error unless it refers to a texture
-// and the texture, if it has a source, refers to an image; both must be objects. The content of the
-// image is not read. TextureReference::scale and pixels keep their defaults. Thread-safe.
+// Reads a textureInfo of an asset; element is its JSON path. An error unless it refers to a
+// texture. If the texture has a source, this source must refer to an image. Texture and image must
+// be objects. The content of the image is not read. TextureReference::scale and pixels keep their
+// defaults. Thread-safe.
 Result<TextureReference> read_texture_reference(const nlohmann::json& root,
                                                 const nlohmann::json& info,
                                                 const std::string& element);

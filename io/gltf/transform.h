@@ -35,19 +35,21 @@ struct AffineTransform {
   bool all_finite() const { return linear.allFinite() && translation_m.allFinite(); }
 };
 
-// The tolerance of the last row of a matrix, which is then replaced by 0 0 0 1. Exporters invert
-// and multiply matrices of floats, with four products per entry, and write the computed row.
+// The tolerance of the last row of a matrix; a row within it is replaced by 0 0 0 1. The tolerance
+// is needed because exporters invert and multiply matrices of floats, with four products per entry,
+// and write the computed row.
 inline constexpr double kAffineRowTolerance = 16.0 * std::numeric_limits<float>::epsilon();
 
-// The tolerance of the length of a quaternion, which is then normalised. Files round quaternions to
-// few digits, some to signed bytes with a half step of 1/256 per component. A quaternion outside
-// the tolerance is an error, because glTF requires unit length.
+// The tolerance of the length of a quaternion; a quaternion within it is normalised. The tolerance
+// is needed because files round quaternions to few digits, some of them to signed bytes with a half
+// step of 1/256 per component. A quaternion outside the tolerance is an error, because glTF
+// requires unit length.
 inline constexpr double kRotationLengthTolerance = 1.0 / 128.0;
 
 // An error if rotation is not a unit quaternion. element: for the message.
 std::optional<Error> check_rotation(const Eigen::Vector4d& rotation, const std::string& element);
 
-// The optional parts of a transform in a file.
+// The parts of a transform, each of which may be absent.
 struct GltfTrs {
   std::optional<Vec3> translation_m;
   std::optional<Eigen::Vector4d> rotation;  // quaternion x, y, z, w; checked
@@ -57,9 +59,9 @@ struct GltfTrs {
 // translation * rotation * scale. Without rotation the linear part is exactly the scale.
 AffineTransform transform_of(const GltfTrs& trs);
 
-// The transform from the node frame to the frame of its parent (glTF 2.0, section 3.5.3): matrix,
-// or translation * rotation * scale, each of which the pose may replace. An error unless the matrix
-// is affine within kAffineRowTolerance. node_id: for messages.
+// The transform from the node frame to the frame of its parent (glTF 2.0, section 3.5.3): its
+// matrix, or translation * rotation * scale, where the pose may replace each of the three. An error
+// unless the matrix is affine within kAffineRowTolerance. node_id: for messages.
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
                                         const GltfTrs& pose);
 

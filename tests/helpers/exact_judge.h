@@ -5,8 +5,8 @@
 //
 // Points are judged in exact arithmetic: a filter in double with a proven bound settles nearly
 // every sign, integers of arbitrary length (Boost.Multiprecision) the rest. Spheres are judged by
-// the distance between path and triangle. It is evaluated in long double, from normals that were
-// computed exactly and rounded once.
+// the distance between path and triangle. This distance is evaluated in long double, from normals
+// that were computed exactly and rounded once.
 //
 // Path and triangles are in one frame, in metres. The doubles are treated as exact numbers.
 // Coordinates close to overflow are not supported.
@@ -59,7 +59,8 @@ class ExactJudge {
   // Triangles without area are no obstacle and are left out.
   explicit ExactJudge(const std::vector<Corners>& triangles);
 
-  // Returns the first piece of the polyline that touches a triangle. A single corner is a point.
+  // Returns the first piece of the polyline that touches a triangle. A path of a single corner is a
+  // point.
   std::optional<Violation> touch_of_point(std::span<const Vec3> path) const;
 
   // Returns the first piece that touches a triangle or is nearer to one than least_distance_m.
@@ -70,11 +71,11 @@ class ExactJudge {
   // must not lie on the surface.
   bool is_inside(const Vec3& p) const;
 
-  // The distance of the closed segment from p to q; 0 if they touch. Accurate to a few ulp of the
-  // coordinates.
+  // The distance between the closed segment from p to q and a triangle; 0 if they touch. Accurate
+  // to a few ulp of the coordinates.
   double distance_m(const Vec3& p, const Vec3& q, std::size_t triangle) const;
 
-  // The distance of the point p to the nearest triangle.
+  // The distance from the point p to the nearest triangle.
   double distance_m(const Vec3& p) const;
 
   const std::vector<Corners>& triangles() const { return triangles_; }

@@ -41,8 +41,8 @@ std::string bytes_of(const std::vector<T>& values) {
 
 std::string base64_encoded(const std::string& bytes);
 
-// A GLB of any chunks, valid or not. chunks: type and data of each; the lengths are those of the
-// data.
+// A GLB of any chunks, valid or not. chunks: the type and the data of each chunk. The lengths in
+// the GLB are those of the data.
 std::string glb_of(const std::vector<std::pair<std::string, std::string>>& chunks);
 
 class GltfBuilder {

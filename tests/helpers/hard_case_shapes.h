@@ -32,7 +32,7 @@ inline Soup sheet_soup(double half_x, double half_y) {
 }
 
 // Two rectangles that meet in a ridge along x, with the solid below. solid_rad is the angle inside
-// the solid; more than 180 deg makes a valley.
+// the solid; with more than 180 deg, the ridge is a valley.
 inline Vec3 wedge_slope(double solid_rad, double side) {
   return {0.0, side * std::sin(0.5 * solid_rad), -std::cos(0.5 * solid_rad)};
 }
@@ -101,8 +101,9 @@ inline Soup tiled_sheet_soup(double half, int rows, int strips, double gap_m) {
   return soup;
 }
 
-// A strip from x = -half to half, y0 to y1, at z = 0, front up, made of one fan of slivers: `count`
-// triangles that share the far corner and have bases of length half * 1e-8.
+// A strip in the plane z = 0, front up, from x = -half to half and from y0 to y1. It consists of a
+// fan of `count` slivers, which share the corner (half, y1) and have bases of length half * 1e-8,
+// and of two larger triangles.
 inline void add_sliver_fan(Soup& soup, double half, double y0, double y1, int count) {
   const Vec3 tip(half, y1, 0);
   const auto base = [&](int i) { return Vec3(-half + i * half * 1e-8, y0, 0); };

@@ -20,7 +20,7 @@ enum class HardKind : std::uint8_t {
   kSliver,            // closed, faces of aspect ratio 1e8
   kRepeated,          // closed, with duplicate faces and faces of almost no area or none
   kCoplanarOverlap,   // overlapping sheets in one plane
-  kTJunction,         // a box whose faces do not share their vertices, +-1 um apart
+  kTJunction,         // a box whose faces share no vertices; some vertices are off by 1 um
   kGap,               // sheets with slits of 1 um
   kThinSheets,        // sheets 0.1 mm apart
   kSelfIntersection,  // intersecting closed bodies
@@ -42,16 +42,16 @@ struct HardScene {
   std::vector<Vec3> aims;  // further targets besides vertices, edges and faces: slits
 };
 
-// Builds a scene of this kind in a random pose. One in three keeps its original pose, in which
-// planes are exact.
+// Builds a scene of this kind in a random pose. One scene in three keeps its original pose, in
+// which planes are exact.
 HardScene hard_scene(HardKind kind, Random& random);
 
 // A closed body of constant cross-section along x. profile_m: y and z of the convex profile,
 // counter-clockwise. stations_m: the x of the cross-sections, ascending.
 Soup extruded(const std::vector<Eigen::Vector2d>& profile_m, const std::vector<double>& stations_m);
 
-// A box whose faces have separate vertices on its edges; some of them are kGapWidth_m off along one
-// axis.
+// A box whose faces have separate vertices on the edges of the box. Some of these vertices are
+// displaced by kGapWidth_m along one axis.
 Soup ragged_box(const Vec3& half_extent_m, Random& random);
 
 // The triangles that the engine uses: the faces that the surface kept, with the coordinates of its

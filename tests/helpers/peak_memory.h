@@ -7,8 +7,8 @@
 
 namespace palpate::test {
 
-// Measures the peak from its construction on. Only one object may exist at a time. Allocations of
-// other threads count, too.
+// Measures the peak memory from the construction of the object on. Only one object may exist at a
+// time. Allocations of other threads count, too.
 class PeakMemory {
  public:
   PeakMemory();
@@ -20,23 +20,23 @@ class PeakMemory {
   std::size_t start_;
 };
 
-// During its lifetime, operator new fails beyond this many bytes more than were held at the
-// construction. As the standard requires, operator new calls the new-handler before it throws. Only
-// one object may exist at a time.
+// During the lifetime of the object, operator new fails if the memory held would exceed that at the
+// construction by more than `bytes`. As the standard requires, operator new calls the new-handler
+// before it throws. Only one object may exist at a time.
 class BoundedMemory {
  public:
   explicit BoundedMemory(std::size_t bytes);
   ~BoundedMemory();
 };
 
-// During its lifetime, from the n-th call of operator new on (counted from 0), only 4 KiB more than
-// are held at that call are available. They suffice to report an error. Only one object may exist
-// at a time.
+// During the lifetime of the object, from the n-th call of operator new on (calls are counted from
+// 0), only 4 KiB more memory than at that call is available. This is enough to report an error.
+// Only one object may exist at a time.
 class FailingMemory {
  public:
   explicit FailingMemory(std::size_t n);
   ~FailingMemory();
-  // The number of calls so far.
+  // The number of calls of operator new so far.
   static std::size_t calls();
 };
 

@@ -1,18 +1,20 @@
 #pragma once
 
-// A judge of resting places that shares no code with the engine: can the proxy get nearer to the
-// goal from here?
+// A judge of resting places that shares no code with the engine. It decides whether the proxy can
+// get nearer to the goal from its present place.
 //
-// A way is a straight segment from the proxy. It crosses no triangle, and except for rounding it
-// never comes nearer to a triangle than one stand-off, or than its distance at the start if that is
-// smaller. (A sphere's distance is that of its centre less the radius.) In a plane of motion, a way
-// lies in that plane. The proxy is not at rest if a way leads nearer to the goal.
+// A free segment is a straight segment from the proxy. It crosses no triangle, and except for
+// rounding it never comes nearer to a triangle than one stand-off, or than its distance at the
+// start if that is smaller. (A sphere's distance is that of its centre minus the radius.) If the
+// proxy moves in a plane of motion, a free segment lies in this plane. The proxy is not at rest if
+// a free segment leads nearer to the goal.
 //
-// The distance to a triangle is a convex function. A way may therefore not begin by decreasing any
-// distance that is at most a stand-off at its start: the remaining directions form a convex cone.
-// If even the unhindered steepest descent in that cone gains no more than the tolerance, there is
-// no way: this is a proof. Otherwise the judge searches for ways. A way that it reports satisfies
-// the definition, which is checked for each triangle: crossings exactly, distances in long double.
+// The distance to a triangle is a convex function. A free segment may therefore not decrease, at
+// its start, any distance that is at most a stand-off there; the remaining directions form a convex
+// cone. If even the unhindered steepest descent in that cone gains no more than the tolerance, this
+// proves that no free segment leads nearer to the goal. Otherwise the judge searches for free
+// segments. A segment that it reports satisfies the definition above, which is checked for each
+// triangle: crossings exactly, distances in long double.
 //
 // The search tries the following directions, each as far as the distance to the goal decreases and
 // up to the first obstacle:
@@ -23,12 +25,12 @@
 //   pass the triangle's edges at the smallest allowed distance;
 // - the line in which two of these planes meet.
 //
-// A triangle that is farther than one stand-off by no more than rounding counts as one stand-off
-// away, in the proxy's favour.
+// If the distance of a triangle exceeds one stand-off by no more than rounding, it counts as one
+// stand-off, in the proxy's favour.
 //
-// Under friction, a slide along the planes of one or two triangles is limited to the part of the
-// lag along it that exceeds the hold of static friction. The straight way to the goal is not
-// limited.
+// Under friction, a slide along the planes of one or two triangles is at most as long as the part
+// of the lag along the slide that exceeds the limit of static friction. The straight segment to the
+// goal is not limited.
 
 #include <cstddef>
 #include <optional>
@@ -55,7 +57,7 @@ struct Rest {
   double static_friction = 0.0;  // of all surfaces
 };
 
-// A path that leads nearer to the goal. Solver frame, metres.
+// A free segment that leads nearer to the goal. Solver frame, metres.
 struct Escape {
   Vec3 from;
   Vec3 to;
@@ -86,7 +88,7 @@ class RestJudge {
 
   Verdict judged(std::span<const JudgedBody> bodies, const Rest& rest) const;
 
-  // The least gain of a reported way.
+  // The least gain of a reported escape, in metres.
   double tolerance_m() const { return kGainPerSize * size_m_; }
 
   // 1e-9 of the size of the scene, or of a sphere larger than it.

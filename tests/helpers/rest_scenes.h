@@ -30,7 +30,7 @@ struct RestClass {
   const char* name;
   ProxyKind proxy;
   RestScene (*make)(ProxyKind proxy, Random& random);
-  double most_capped;  // largest accepted fraction of capped ticks among those in contact
+  double most_capped;  // largest accepted fraction of capped ticks among the ticks in contact
 
   std::string full_name() const;  // name and proxy kind
 };
@@ -48,8 +48,9 @@ std::vector<RestClass> restless_classes();
 // The classes whose spheres are up to ten thousand times larger than the edges.
 std::vector<RestClass> large_sphere_classes();
 
-// A room with plane walls: the hull of random float points. It is convex by exact signs, and walls
-// that share an edge meet at an angle of more than a degree. Faces look inwards.
+// A room with plane walls: the convex hull of random points in single precision. It is convex by
+// exact signs, and walls that share an edge meet at an angle of more than a degree. Faces look
+// inwards.
 Soup convex_room(Random& random);
 
 // A hand that plunges, slides, arrives in the plane of a face, aims exactly at vertices and edges,
@@ -62,7 +63,7 @@ class RestHand {
            double stand_off_m, double grid_m, const Vec3& start, Random& random);
   Vec3 next_goal(const ProxyState& state);
 
-  // Stops resting and aiming: from now on, each tick moves the goal.
+  // The hand stops resting and aiming. From now on, each tick moves the goal.
   void never_rest() { is_restless_ = true; }
 
  private:

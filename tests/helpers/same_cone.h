@@ -1,6 +1,6 @@
 #pragma once
 
-// Friction that is the same at every face.
+// Friction cones that are equal at every face.
 
 #include "haptics/proxy/god_object.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 // Long runs of tests. The environment variable PALPATE_SOAK turns a short run into a long one. The
-// long runs have names that begin with "Soak." and the label slow or soak. Other variables set
-// their length and their first scene.
+// long runs have names that begin with "Soak." and the label slow or soak. Other environment
+// variables set the length and the first scene of the long runs.
 
 #include <cstdint>
 #include <cstdlib>

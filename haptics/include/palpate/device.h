@@ -22,7 +22,7 @@ struct MotorDescription {
   // The direction of the line: a unit vector, device frame. If the line turns as the device moves,
   // this is its direction in the device's rest pose.
   std::array<double, 3> direction_device = {1.0, 0.0, 0.0};
-  double peak_force_N = 0.0;        // > 0; for a time that the device limits itself
+  double peak_force_N = 0.0;        // > 0; for a time that the device itself limits
   double continuous_force_N = 0.0;  // > 0, at most peak_force_N; for an unlimited time
 };
 
@@ -77,14 +77,14 @@ class Device {
   // between start() and stop().
   virtual const DeviceDescription& description() const noexcept = 0;
   // Prepares the device for read() and command(). If the device cannot start, returns a description
-  // of the problem in one line. In this case read() is not called, but a command of zero force and
-  // stop() still follow.
+  // of the problem in one line. In this case read() is not called, but command() with zero force
+  // and stop() are still called.
   virtual std::optional<std::string> start() { return std::nullopt; }
   // Returns the latest sample. dt_s: the nominal time since the last call, s.
   virtual DeviceSample read(double dt_s) noexcept = 0;
   virtual void command(const DeviceCommand& command) noexcept = 0;
-  // Ends a session. It is the last call, after a command of zero force. The device stays idle until
-  // the next start().
+  // Ends a session. stop() is the last call of a session, after command() with zero force. The
+  // device stays idle until the next start().
   virtual void stop() noexcept {}
   virtual DeviceHealth health() const { return {}; }
 };

@@ -32,14 +32,14 @@ enum Fault : std::uint32_t {
   // The solver reached its limit of steps or of work. The proxy is feasible, but more steps might
   // have moved it nearer to the goal. Its force is commanded nevertheless.
   kFaultSolverCapped = 1u << 2,
-  // The position moved farther than the scene's size and faster than a hand can move: zero force.
+  // The position moved farther than the scene's size and faster than a hand can: zero force.
   kFaultJump = 1u << 3,
   kFaultBodyHeld = 1u << 4,  // a moving body was stopped by a proxy that could not give way
   // A new pose of a body was ignored: the body does not exist, the pose is not rigid or too far
   // away, or too many bodies move.
   kFaultBadBodyPose = 1u << 5,
   kFaultNonFiniteForce = 1u << 6,  // the computed force was not finite: zero force
-  kFaultFarSample = 1u << 7,       // finite, but farther than farthest_sample_m(): zero force
+  kFaultFarSample = 1u << 7,       // the position is farther than farthest_sample_m(): zero force
   kFaultBadSettings = 1u << 8,     // check_settings() found an Error: zero force in every tick
   kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
   kFaultBadActuation = 1u << 10    // new motor axes were ignored: they need other sensed axes

@@ -12,13 +12,13 @@
 
 namespace palpate::test {
 
-// Coarse meshes and short paths, and one seed for all.
+// Coarse meshes, short paths, and the same seed for all knobs.
 inline constexpr MeasurementEffort kEffort{.quick = true, .seed = 1};
 
-// Tolerance between a fitted order and that of theory.
+// The largest allowed difference between a fitted order and the order that theory predicts.
 inline constexpr double kOrderTolerance = 0.15;
 
-// Measures the knob of this name; a test failure if it does not exist.
+// Measures the knob of this name. The test fails if there is no such knob.
 inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& name,
                            const MeasurementEffort& effort = kEffort) {
   for (const Knob& knob : knobs) {
@@ -28,7 +28,7 @@ inline KnobResult measured(const std::vector<Knob>& knobs, const std::string& na
   return {};
 }
 
-// The method of this name; a test failure if it does not exist.
+// The method of this name. The test fails if there is no such method.
 inline const MethodResult& method_of(const KnobResult& result, std::string_view name) {
   for (const MethodResult& m : result.methods) {
     if (m.name == name) return m;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Made-up knobs with all that a report must cope with, measured as real ones are: in no time.
+// Artificial knobs with all cases that a report must handle. They are measured like real knobs, but
+// their runs take no time.
 
 #include <vector>
 
@@ -8,19 +9,21 @@
 
 namespace palpate::test {
 
-// Order 2 down to a floor; the default takes longer than necessary.
+// Order 2 down to a floor. The default takes longer than necessary.
 KnobResult sample_mesh();
-// Three methods, of orders 1, 4 and at the floor; coarse levels are unstable; a preset fails.
+// Three methods: one of order 1, one of order 4 and one at the floor. Coarse levels are unstable,
+// and a preset fails.
 KnobResult sample_integrator();
 // A negative order, and errors of exactly 0 without a floor.
 KnobResult sample_iterations();
-// Levels that are given, six methods; one level is 0.
+// Six methods at levels that the user cannot choose. One level has the value 0.
 KnobResult sample_estimators();
 // No error at any level, and times that hardly differ.
 KnobResult sample_without_error();
-// Two levels with long names, one of which fails always; no order.
+// A method with a long name and three levels, one of which always fails. It has no order.
 KnobResult sample_arithmetic();
-// Texts that are no names: markup, quotes, commas, line breaks, commands, bytes that are no UTF-8.
+// Texts with markup, quotation marks, commas, line breaks, `command` (a shell command), and bytes
+// that are not UTF-8.
 KnobResult sample_hostile(const std::string& command);
 
 std::vector<KnobResult> all_samples();

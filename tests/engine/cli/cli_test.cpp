@@ -863,6 +863,20 @@ TEST_F(CommandLine, DescribesASceneInJson) {
   EXPECT_EQ(info["memory_bytes"], sum);
 }
 
+// The hint appears if `run` refuses the size.
+TEST_F(CommandLine, HintsAtFitForScenesThatDoNotFitTheWorkspace) {
+  const std::string hint = "run it with --fit auto";
+  EXPECT_EQ(expect_done({"info", kStar}).out.find(hint), std::string::npos);
+  for (const std::string size : {"4", "0.003"}) {
+    const std::string text = expect_done({"info", kCube, "--fit", size}).out;
+    EXPECT_NE(text.find("\n  size: " + size + " x " + size + " x " + size +
+                        " m; a device's workspace is 0.4 m: " + hint + "\n"),
+              std::string::npos)
+        << text;
+    expect_refused({"run", kCube, "--virtual", "--fit", size}, {"--fit auto"});
+  }
+}
+
 TEST_F(CommandLine, PrintsTheParametersOfMaterials) {
   GltfBuilder gltf = GltfBuilder::one_triangle();
   gltf.json["materials"] = {
@@ -988,8 +1002,9 @@ TEST_F(CommandLine, RefusesInvalidMaterialValues) {
   expect_refused({"info", good, "--material", "wood.1.stiffness=hard"},
                  {"wood.1", "stiffness is \"hard\"", "N/m"});
   expect_refused({"info", good, "--material", "glass.stiffness=1"}, {"--material", "glass"});
-  expect_refused({"info", good, "--material", "wood.1.stiffnes=1"},
-                 {"--material wood.1.stiffnes", "wood.1", "use one of the keys solid, stiffness, "});
+  expect_refused(
+      {"info", good, "--material", "wood.1.stiffnes=1"},
+      {"--material wood.1.stiffnes", "wood.1", "use one of the keys solid, stiffness, "});
   for (const char* none : {"stiffness=1", "wood.1.stiffness", "=1", ".stiffness=1", "wood.1.=1",
                            "wood.1.stiffness="}) {
     expect_refused({"info", good, "--material", none}, {"--material", none});
@@ -1378,7 +1393,7 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
     EXPECT_GE(run["way_share"], 0.99);
     EXPECT_EQ(run["comparable"], true);
     EXPECT_EQ(run["interrupted"], false);
-    EXPECT_EQ(run["missed_deadlines"], 0);
+    EXPECT_TRUE(run["missed_deadlines"].is_null()) << "simulated time has no deadlines";
     EXPECT_EQ(run["device_extent_m"].size(), 3u);
   }
   EXPECT_EQ(result["runs"][0]["a4"], false);
@@ -1419,6 +1434,16 @@ TEST_F(CommandLine, PrintsBothRunsSideBySide) {
                            "losses", "work", "travel", "missed deadlines", "p50 / p99 / max"}) {
     EXPECT_NE(out.find(what), std::string::npos) << what << " is not in " << out;
   }
+  EXPECT_TRUE(std::regex_search(out, std::regex("\nmissed deadlines +- +-\n")))
+      << "not measured in simulated time: " << out;
+}
+
+TEST_F(CommandLine, CountsMissedDeadlinesInRealTime) {
+  const json result = json::parse(
+      expect_not_comparable({"run", kStar, "--seconds", "2", "--a4", "on", "--json"}).out);
+  const json& missed = result["runs"].at(0)["missed_deadlines"];
+  ASSERT_TRUE(missed.is_number_unsigned()) << missed;
+  EXPECT_LE(missed, result["runs"].at(0)["ticks"]);
 }
 
 TEST_F(CommandLine, GivesOneTraceForOneSeed) {

@@ -17,7 +17,7 @@
 
 namespace palpate::test {
 
-// The results of one call.
+// The results of one run of the program.
 struct Outcome {
   int exit_code = -1;  // -1: ended by a signal
   std::string out;
@@ -29,7 +29,8 @@ inline std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Runs the program in the folder. stdout_path: redirects stdout, which is then not in the outcome.
+// Runs the program in the folder. stdout_path: if not empty, stdout is redirected to this file, and
+// the outcome does not contain it.
 inline Outcome run_program(const TemporaryFolder& folder, std::vector<std::string> arguments,
                            const std::string& stdout_path = {}) {
   const std::string out = stdout_path.empty() ? folder.path("stdout") : stdout_path;

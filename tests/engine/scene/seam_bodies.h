@@ -19,7 +19,7 @@ using Wide3 = Eigen::Matrix<long double, 3, 1>;
 using WideMat3 = Eigen::Matrix<long double, 3, 3>;
 
 // A closed surface, divided into nodes. vertices_m are the intended positions. The transforms in
-// the file produce these positions, apart from rounding in double.
+// the file produce these positions, except for rounding in double.
 struct SeamBody {
   std::string kind;
   std::vector<Wide3> vertices_m;       // scene frame
@@ -43,7 +43,8 @@ std::vector<std::uint32_t> seam_vertices(const SeamBody& body);
 
 // Decides in long double whether a point is inside, by the parity of the triangles on a ray from
 // the point. If rounding could change a sign, it tries another direction, and finally the sum of
-// the solid angles. For points at a distance from the surface of at least 1e-15 of its size.
+// the solid angles. Decides correctly for points whose distance from the surface is at least 1e-15
+// of the size of the body.
 class SeamJudge {
  public:
   // origin_m: the origin of the tested points, scene frame.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Simulated devices, and a haptic loop of which every tick is judged.
+// Simulated devices, and a haptic loop with a judgement of every tick.
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,8 @@ inline HapticSettings settings(double stiffness_N_per_m, double damping_Ns_per_m
   return s;
 }
 
-// Turns z, the front of a sheet, to `normal`, and about it by any angle.
+// A pose at at_m that turns the z axis, the front of a sheet, to `normal`. The angle of rotation
+// about the normal is random.
 inline RigidTransform facing(const Vec3& normal, const Vec3& at_m, Random& random) {
   const Quat turn(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), normal));
   return {(turn * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized(), at_m};
@@ -50,14 +51,16 @@ inline std::string device_name(const testing::TestParamInfo<HardDevice>& c) {
          "Actuators" + (c.param.radius_m == 0.0 ? "_Point" : "_Sphere");
 }
 
-// MassDamper on one axis with Coulomb friction as well, which sticks; exact between ticks.
+// A MassDamper on one axis with Coulomb friction in addition, so that it can stick. The motion
+// between ticks is exact.
 class RubbingMass {
  public:
   RubbingMass(double mass_kg, double damping_Ns_per_m, double friction_N)
       : mass_kg_(mass_kg), damping_Ns_per_m_(damping_Ns_per_m), friction_N_(friction_N) {}
 
   void advance(double force_N, double dt_s) {
-    // It stops once in a held force, and starts again the other way or not at all.
+    // Under a held force, the mass stops at most once. It then stays at rest, or starts again in
+    // the other direction.
     for (int part = 0; part < 3 && dt_s > 0.0; ++part) {
       const double way = velocity_m_per_s != 0.0 ? velocity_m_per_s : force_N;
       if (velocity_m_per_s == 0.0 && std::abs(force_N) <= friction_N_) return;
@@ -90,8 +93,9 @@ class RubbingMass {
   double mass_kg_, damping_Ns_per_m_, friction_N_;
 };
 
-// A haptic loop beside a JudgedProxy that gets the same goals: the loop's own proxy must be its
-// equal to the bit, so that what is said of the one holds for the other. Looks at the pose, too.
+// A haptic loop, and a JudgedProxy that gets the same goals. The loop's own proxy must be equal to
+// the JudgedProxy bit for bit, so that the verdict on the JudgedProxy holds for the loop. The pose
+// of the scene is judged as well.
 class JudgedLoop {
  public:
   JudgedLoop(const OwnedWorld& world, const ActuationModel& actuation,

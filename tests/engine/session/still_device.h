@@ -1,6 +1,6 @@
 #pragma once
 
-// A device that is held where it is put.
+// A device that stays at the position that the test sets.
 
 #include "engine/devices/vector_device.h"
 

@@ -102,17 +102,16 @@ TEST(ActuationCounts, RefusesSensorsThatAreNot2Or3) {
     expect_refused(ActuationModel::from_counts(1, actuators), "sensors", "no axis to rotate about");
   }
   for (const int sensors : {-1, 0, 4, 6}) {
-    const std::string reason = std::to_string(sensors) + " sensors, expected 2 or 3";
+    const std::string reason = "is " + std::to_string(sensors) + "; expected 2 or 3";
     expect_refused(ActuationModel::from_counts(sensors, 1), "sensors", reason);
     expect_refused(ActuationModel::from_axes(sensors, {Vec3::UnitX()}), "sensors", reason);
   }
 }
 
 TEST(ActuationCounts, RefusesActuatorsThatAreNotSensed) {
-  expect_refused(ActuationModel::from_counts(2, 3), "actuators", "3 actuators but only 2 sensors");
-  expect_refused(ActuationModel::from_counts(3, 4), "actuators", "4 actuators but only 3 sensors");
-  expect_refused(ActuationModel::from_counts(3, -1), "actuators",
-                 "-1 actuators, expected 0 or more");
+  expect_refused(ActuationModel::from_counts(2, 3), "actuators", "is 3; expected at most 2");
+  expect_refused(ActuationModel::from_counts(3, 4), "actuators", "is 4; expected at most 3");
+  expect_refused(ActuationModel::from_counts(3, -1), "actuators", "is -1; expected 0 or more");
 }
 
 TEST(ActuationAxes, DetermineTheNumberOfActuators) {
@@ -143,7 +142,7 @@ TEST(ActuationAxes, RefusesAxesWithoutDirection) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Vec3& axis : {Vec3(0, 0, 0), Vec3(nan, 0, 0), Vec3(0, infinity, 0)}) {
     expect_refused(ActuationModel::from_axes(3, {Vec3::UnitX(), axis}), "actuated axis 2 (",
-                   "finite direction of non-zero length");
+                   "finite vector of non-zero length");
   }
 }
 
@@ -163,7 +162,7 @@ TEST(ActuationAxes, RefusesDuplicatesAndOtherDependentAxes) {
 TEST(ActuationAxes, RefusesAxesOutsideTheSensedPlane) {
   for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 0, 1e-9), Vec3(1e9, 1e9, -1e-3)}) {
     expect_refused(ActuationModel::from_axes(2, {axis}), "actuated axis 1 (",
-                   "leaves the sensed plane");
+                   "leaves the plane of the sensed axes");
     EXPECT_TRUE(ActuationModel::from_axes(3, {axis}));
   }
 }
@@ -171,10 +170,10 @@ TEST(ActuationAxes, RefusesAxesOutsideTheSensedPlane) {
 TEST(ActuationAxes, RefusesMoreAxesThanSensors) {
   const std::vector<Vec3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3(1, 1, 0)};
   expect_refused(ActuationModel::from_axes(2, axes), "actuated axis 3 (",
-                 "more actuated axes than");
+                 "expected at most one axis per sensor");
   expect_refused(
       ActuationModel::from_axes(3, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3(1, 1, 1)}),
-      "actuated axis 4 (", "more actuated axes than");
+      "actuated axis 4 (", "expected at most one axis per sensor");
 }
 
 class ActuatedSpan : public testing::TestWithParam<std::pair<int, int>> {};

@@ -37,7 +37,8 @@ inline Soup square_soup(double half_m) {
   return soup;
 }
 
-// One side of a groove along y whose sides rise at rise_rad: the side with x > 0 or the other one.
+// One side of a groove along y: the side with x > 0, or the other one. Both sides rise at the angle
+// rise_rad.
 inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
   const double x = half_m * std::cos(rise_rad);
   const double z = half_m * std::sin(rise_rad);
@@ -53,8 +54,8 @@ inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
 // A hand and bodies that all have the same pose. That pose defines the local frame of the test.
 class BodyHand {
  public:
-  // The effects of the bodies, one entry for each. To be filled before begin(); bodies without an
-  // entry have no effects.
+  // The effects of the bodies, one entry for each. Fill it before begin(). Bodies without an entry
+  // have no effects.
   EffectBodies effects;
 
   BodyHand(const std::vector<Soup>& soups, const RigidTransform& pose) : pose_(pose) {
@@ -107,7 +108,7 @@ class BodyHand {
   TickRecord record_;
 };
 
-// Calls f(slot) for every slot of an index, including those that repeat a triangle.
+// Calls f(slot) for every slot of an index, including slots that repeat a triangle.
 template <typename F>
 void for_each_slot(const SurfaceIndex& index, F f) {
   const std::size_t slots = index.pack_count() * TrianglePack::kLanes;

@@ -1,6 +1,7 @@
 #pragma once
 
-// A god-object whose ticks are all judged: finite, monotone, certified and on its side.
+// A god-object with a judgement of every tick. The result must be finite and certified, the proxy
+// must stay on its side of the surfaces, and no step may increase the distance to the goal.
 
 #include <algorithm>
 #include <array>
@@ -19,8 +20,8 @@
 
 namespace palpate::test {
 
-// AddressSanitizer makes a tick about eight times slower. The number of trials of the heavy cases
-// is divided by this there.
+// AddressSanitizer makes a tick about eight times slower. If it is used, the number of trials of
+// heavy cases is divided by this number.
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr int kSanitizerDivisor = 20;
 #else
@@ -43,8 +44,8 @@ inline constexpr double kCertificateTolerance = 1e-12;
 
 // The certificate of a passive spring: whether K/2 |p - x|^2 grew by no more than the work of the
 // device, for K = 1 N/m. x is the device point and p the proxy, in the solver frame. If the lag is
-// below a thousandth of the coordinates, the rounding of p exceeds the relative tolerance. That
-// rounding is permitted twice: at the end of a step and where the proxy is lifted or stopped.
+// below a thousandth of the coordinates, the rounding of p exceeds the relative tolerance. The
+// rounding of p is permitted twice: at the end of a step, and where the proxy is lifted or stopped.
 inline bool keeps_energy_certificate(const Vec3& p_before, const Vec3& x_before,
                                      const Vec3& p_after, const Vec3& x_after) {
   const Vec3 moved = x_after - x_before;
@@ -79,9 +80,9 @@ inline Soup on_lattice(Soup soup) {
 // A proxy in the scene frame of its world that judges each of its ticks. verdict() is empty as long
 // as every tick satisfies these conditions:
 //   - The result is finite, with a normal of length 1 or 0.
-//   - The energy certificate holds. No corner of the path is farther from the goal than the corner
-//     before. A sphere that moves round a feature along tangents may exceed this by a hundredth of
-//     the radius, but not at the end of the tick.
+//   - The energy certificate holds. No corner of the path is farther from the goal than the
+//     previous corner. A sphere that moves round a feature along tangents may exceed this by a
+//     hundredth of the radius, but not at the end of the tick.
 //   - The committed path touches no triangle of the world, in exact arithmetic. At the corners of
 //     the path, the centre of a sphere also keeps its radius from all triangles.
 // Paths are judged only if the bodies need no transform; otherwise the geometry would be known only

@@ -6,11 +6,13 @@
 
 namespace palpate::test {
 
-// A sphere may come nearer than its radius by the rounding of positions and distances, in ulps.
+// The distance, in ulps, by which a sphere may come nearer to a triangle than its radius, because
+// positions and distances are rounded.
 inline constexpr double kNearUlps = 64;
 
-// A step that must not increase the distance to the goal may increase it by the rounding of the
-// projection (relative) and of the coordinates of its corner (ulps).
+// The amount by which a step that must not increase the distance to the goal may increase it. It
+// allows for the rounding of the projection (relative) and of the coordinates of the step's corner
+// (in ulps).
 inline constexpr double kFartherRelative = 32 * kEpsilon;
 inline constexpr double kFartherUlps = 4;
 

@@ -31,8 +31,8 @@ class ReferenceSurface {
                    Side side);
 
   const std::vector<Face>& faces() const { return faces_; }
-  // Lengths below this are within the rounding of long double: 2^-64 for each of some 30
-  // operations, and planes that meet at more than 0.1 deg.
+  // Lengths below this are within the rounding error of long double. The bound allows 2^-64 for
+  // each of about 30 operations, and planes that meet at more than 0.1 deg.
   Wide roundoff_m() const { return roundoff_m_; }
 
   Wide height_m(std::uint32_t face, const WideVec3& p) const;
@@ -64,7 +64,7 @@ struct ReferencePlane {
 
 // The point nearest to the goal within all half-spaces, and the planes that hold it. These planes
 // are the only subset of up to three planes that all push and whose solution violates no plane.
-// Nullopt if no such subset exists.
+// Returns nullopt if no such subset exists.
 struct NearestFeasible {
   WideVec3 point;
   std::vector<ReferencePlane> active;
@@ -72,16 +72,17 @@ struct NearestFeasible {
 std::optional<NearestFeasible> nearest_feasible(const std::vector<ReferencePlane>& planes,
                                                 const WideVec3& goal, Wide roundoff_m);
 
-// The point proxy of Zilles & Salisbury as a sequence of straight pieces. On the planes of the
-// faces that hold it, the proxy moves straight to the point nearest to the goal, also through free
-// space beyond a convex edge. The first face on the segment joins those planes. If the faces are no
-// longer under the proxy, it drops all planes and falls straight towards the goal.
+// The point proxy of Zilles & Salisbury. Its path is a sequence of straight pieces. On the planes
+// of the faces that hold the proxy, it moves straight to the point nearest to the goal, also
+// through free space beyond a convex edge. The plane of the first face on this segment is added to
+// those planes. If the faces are no longer under the proxy, the proxy drops all planes and falls
+// straight towards the goal.
 class ReferenceGodObject {
  public:
   ReferenceGodObject(const ReferenceSurface& surface, const WideVec3& start)
       : surface_(&surface), proxy_(start) {}
 
-  // False if the proxy did not come to rest.
+  // Returns false if the proxy did not come to rest.
   bool move_to(const WideVec3& goal);
 
   const WideVec3& proxy() const { return proxy_; }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Work budgets for tests. Without a limit, a test judges the solver alone; with a small budget,
-// most ticks run out of work.
+// Work budgets for tests. Without a limit, a test judges only the solver; with a small budget, most
+// ticks exhaust it.
 
 #include <cmath>
 #include <cstdint>
@@ -18,8 +18,8 @@ inline Accuracy with_budget(Accuracy accuracy, WorkUnits budget) {
   return accuracy;
 }
 
-// The accuracy for a scene: one scene in four has a budget so small that most ticks run out of
-// work, one has the budget of its preset, and two have no limit.
+// The accuracy for a scene. Of four scenes, one has a budget so small that most ticks exhaust it,
+// one has the budget of its preset, and two have no limit.
 inline Accuracy with_some_budget(const Accuracy& accuracy, std::uint64_t scene) {
   switch (scene % 4) {
     case 0:
