@@ -268,13 +268,13 @@ class Candidates {
 
 }  // namespace
 
-std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepared,
-                             const std::vector<ExplorationRun>& runs, const Progress& progress,
-                             const StopFlag* stop) {
+std::optional<RunAdvice> advise_run(const RunRequest& command, const PreparedRun& prepared,
+                                    const std::vector<ExplorationRun>& runs,
+                                    const Progress& progress, const StopFlag* stop) {
   constexpr double kFarther = 0.05;
   const std::vector<Changes> candidates = Candidates(command, prepared, runs).list();
   const std::size_t triangles = prepared.scene.statistics().instanced_triangles;
-  std::optional<Advice> best;
+  std::optional<RunAdvice> best;
   std::size_t loaded = 0;
   for (std::size_t i = 0; i < candidates.size() && loaded <= kMostTriangles; ++i) {
     if (stop && stop->requested()) break;
@@ -288,15 +288,15 @@ std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepa
     const bool ends_comparable = are_comparable(*tried);
     const double to_beat = best ? best->least_way_share : least_path_share(runs) + kFarther;
     if (!ends_comparable && least <= to_beat) continue;
-    best =
-        Advice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable, least};
+    best = RunAdvice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable,
+                     least};
     if (ends_comparable) break;
   }
   return best;
 }
 
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
-                           const std::optional<Advice>& advice, bool is_search_cut) {
+                           const std::optional<RunAdvice>& advice, bool is_search_cut) {
   std::string found;
   for (const ExplorationRun& run : runs) {
     if (run.interrupted) continue;

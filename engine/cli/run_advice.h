@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-struct Advice {
+struct RunAdvice {
   std::string command_line;  // for a POSIX shell
   bool ends_comparable = false;
   double least_way_share = 0.0;  // the smallest way_share of the runs
@@ -26,14 +26,14 @@ struct Advice {
 // Otherwise returns the options with which the proxy covered the largest share of the path, if this
 // share exceeds that of the original runs by 5 % of the path. A request to stop ends the search;
 // the result so far is returned. Not for the haptic thread.
-std::optional<Advice> advise(const RunRequest& command, const PreparedRun& prepared,
-                             const std::vector<ExplorationRun>& runs, const Progress& progress,
-                             const StopFlag* stop = nullptr);
+std::optional<RunAdvice> advise_run(const RunRequest& command, const PreparedRun& prepared,
+                                    const std::vector<ExplorationRun>& runs,
+                                    const Progress& progress, const StopFlag* stop = nullptr);
 
 // A text that states that the runs are not comparable, the reasons, and the advice. Empty if the
-// runs are comparable. Interrupted runs are not judged. is_search_cut: whether advise() was stopped
-// or not called.
+// runs are comparable. Interrupted runs are not judged. is_search_cut: whether advise_run() was
+// stopped or not called.
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
-                           const std::optional<Advice>& advice, bool is_search_cut);
+                           const std::optional<RunAdvice>& advice, bool is_search_cut);
 
 }  // namespace palpate

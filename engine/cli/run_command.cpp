@@ -128,7 +128,7 @@ std::string run_heading(const RunRequest& command, const PreparedRun& prepared) 
 
 nlohmann::ordered_json runs_json(const PreparedRun& prepared,
                                  const std::vector<ExplorationRun>& runs,
-                                 const std::optional<Advice>& advice) {
+                                 const std::optional<RunAdvice>& advice) {
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
                               {"comparable", are_comparable(runs)}};
   json["reasons"] = nlohmann::ordered_json::array();
@@ -177,11 +177,11 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
 }
 
 // Searches only if the runs are not comparable and no signal ended them.
-std::optional<Advice> find_advice(const RunRequest& command, const PreparedRun& prepared,
-                                  const std::vector<ExplorationRun>& runs) {
+std::optional<RunAdvice> find_advice(const RunRequest& command, const PreparedRun& prepared,
+                                     const std::vector<ExplorationRun>& runs) {
   if (are_comparable(runs) || signal_flag().requested()) return std::nullopt;
   ProgressBar bar("searching for better options");
-  return advise(
+  return advise_run(
       command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
 }
 
@@ -201,7 +201,7 @@ int run(const RunRequest& command) {
   if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
-  const std::optional<Advice> advice = find_advice(command, *prepared, runs);
+  const std::optional<RunAdvice> advice = find_advice(command, *prepared, runs);
   const std::string interruption = interruption_line(runs, command.a4 == A4Runs::kCompare);
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {

@@ -21,8 +21,9 @@ struct SignWork {
 //
 // Double arithmetic decides nearly every call, pairs of doubles decide nearly all remaining calls,
 // and exact expansions decide the rest. Two alternatives are no better: 113-bit arithmetic in
-// software is slower and leaves some signs undecided, and CGAL's filtered kernel takes as long as
-// exact expansions. predicate_benchmark.cpp measures the times; the README states them.
+// software is slower and leaves some signs undecided, and CGAL's filtered kernel, which changes the
+// rounding mode, is faster than exact expansions in one class of inputs only.
+// predicate_benchmark.cpp measures the times; benchmarks/RESULTS.md states them.
 //
 // Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
 // of three coordinate differences overflows and that none of its last bits underflows, which holds

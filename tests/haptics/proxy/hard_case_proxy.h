@@ -20,7 +20,7 @@
 
 namespace palpate::test {
 
-// AddressSanitizer makes a tick about eight times slower. If it is used, the number of trials of
+// AddressSanitizer makes a tick up to twenty times slower. If it is used, the number of trials of
 // heavy cases is divided by this number.
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr int kSanitizerDivisor = 20;
