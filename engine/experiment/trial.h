@@ -25,12 +25,14 @@ struct TrialSettings {
   double limit_s = 120.0;          // a trial that takes longer ends with the status timeout
 };
 
-// The way of a trial in the plane of the device: a closed contour, opened at the centre of the
-// green sphere. Scene frame.
+// The way of a trial in the plane of the device: a closed contour, opened shortly before the green
+// sphere. Scene frame; lengths are along the path.
 struct TrialWay {
-  HandPath path;         // once round the contour, from green to green, with material on the left
-  double red_along_m;    // the centre of the red sphere, as a length along the path
-  double longest_leg_m;  // the longest straight leg of the contour
+  HandPath path;         // once round the contour and past its opening, with material on the left
+  double green_along_m;  // centre of the green sphere
+  double red_along_m;    // centre of the red sphere, beyond the green one
+  Vec3 green_m;
+  Vec3 red_m;
 };
 
 // Finds the way of trials on this scene. The node's palpate_contour states the centres of the

@@ -10,13 +10,12 @@
 
 #include "engine/scene/memory_budget.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/simulation/ball_outline.h"
 #include "engine/simulation/clearance_hint.h"
 #include "engine/simulation/contour_path.h"
-#include "engine/simulation/outline.h"
+#include "engine/simulation/hand_session.h"
 #include "engine/simulation/path_coverage.h"
 #include "engine/simulation/path_plan.h"
-#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/reachable_outlines.h"
 #include "engine/simulation/scene_cut.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
@@ -65,66 +64,25 @@ PathPlanSettings plan_settings(const ExplorationSettings& settings) {
   return plan;
 }
 
-// The contour that a hand follows, and all outlines that may obstruct the hand.
-struct FollowedContour {
-  Outline outline;
-  std::vector<Polyline> obstacles;  // the outline is one of them
-};
-
-Error contour_too_crowded(const std::vector<Polyline>& section, const char* how) {
-  return {ErrorCode::kLimitExceeded, "", "scene",
-          "has " + std::to_string(section.size()) + " curves in the plane, too many of which " +
-              how + " to compute their common contour",
-          "load a part of the scene with `SceneSettings::node`, or use `RunSettings::sensors` 3, "
-          "which needs no contour"};
-}
-
-// The longest outline of the section. For a sphere, only the parts of the outlines that the sphere
-// can touch are considered.
-Result<FollowedContour> followed_contour(const std::vector<Polyline>& section, const Vec3& normal,
-                                         double small_m, double proxy_radius_m) {
-  auto found = outlines(section, normal, small_m);
-  if (!found) return contour_too_crowded(section, "cross each other");
-  // If solids are inside out, no outline may be found; the longest curve is used.
-  if (found->empty()) found->push_back({section.front(), !section.front().closed});
-  if (proxy_radius_m > 0.0 && found->front().curve.closed) {
-    auto touched = ball_outlines(*found, normal, proxy_radius_m);
-    if (!touched) return contour_too_crowded(section, "are within a sphere of each other");
-    if (!touched->empty()) found = std::move(touched);
-  }
-  FollowedContour followed{found->front(), {}};
-  for (Outline& outline : *found) followed.obstacles.push_back(std::move(outline.curve));
-  return followed;
-}
-
-Error nothing_at_height(const Scene& scene, const ScenePose& pose) {
-  const Box bounds = bounds_in_device(scene, pose);
-  std::ostringstream range;
-  range << "the scene spans " << bounds.low.z() << " to " << bounds.high.z() << " m along A3";
-  return {ErrorCode::kInvalidArgument, "", "plane_height_m",
-          "has no contour at this height: " + range.str(),
-          "choose a height in between, or use 3 sensors"};
-}
-
 Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
                                  const ExplorationSettings& settings) {
   const ScenePose& pose = setup.haptics.initial_pose;
   const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
-  const double offset_m = setup.haptics.plane_height_m - pose.translation_m.z();
-  const std::vector<Polyline> section = cut_scene(scene, normal, offset_m);
-  if (section.empty()) return nothing_at_height(scene, pose);
   const PathPlanSettings plan = plan_settings(settings);
   const double small_m = kSmallForHand * plan.press_depth_m;
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
-  const auto followed = followed_contour(section, normal, small_m, facts.proxy_radius_m);
-  if (!followed) return followed.error();
-  facts.slips_off_at_ends = !followed->outline.curve.closed;
-  facts.sides = followed->outline.has_two_sides ? PathSides::kEither : PathSides::kFront;
+  const auto found =
+      reachable_outlines(scene, pose, setup.haptics.plane_height_m, small_m, facts.proxy_radius_m);
+  if (!found) return found.error();
+  const Outline& followed = found->front();
+  std::vector<Polyline> obstacles;
+  for (const Outline& outline : *found) obstacles.push_back(outline.curve);
+  facts.slips_off_at_ends = !followed.curve.closed;
+  facts.sides = followed.has_two_sides ? PathSides::kEither : PathSides::kFront;
   // A sphere also needs clearance for its other half.
   double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
-  std::vector<Vec3> contour =
-      open_contour(followed->outline.curve, followed->obstacles, normal, room_m);
+  std::vector<Vec3> contour = open_contour(followed.curve, obstacles, normal, room_m);
   facts.room_m = std::max(0.0, room_m - facts.proxy_radius_m);
   PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
   hand.contour_m = std::move(contour);
@@ -214,17 +172,6 @@ bool is_stopped(const StopFlag* stop) {
   return stop && stop->requested();
 }
 
-void run_virtual(HapticSession& session, double dt_s, std::size_t ticks, const Progress& progress,
-                 const StopFlag* stop) {
-  constexpr std::size_t kReportEvery = 1000;
-  session.start();  // a simulated device always starts
-  for (std::size_t n = 0; n < ticks && !is_stopped(stop); ++n) {
-    session.tick(dt_s);
-    if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
-  }
-  session.stop();
-}
-
 void run_realtime(HapticSession& session, const RunSetup& setup, std::size_t ticks,
                   const Progress& progress, const StopFlag* stop, ExplorationRun& run) {
   if (is_stopped(stop)) return;
@@ -305,28 +252,27 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
                                                          : plan_walk(scene, setup, settings);
   if (!hand) return hand.error();
-  const ScenePose& pose = setup.haptics.initial_pose;
-  SimulatedDevice device(plant, *hand->plan, pose.point(hand->start_scene_m), pose,
-                         setup.actuation.is_planar());
-  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
-
-  auto mover = SteadyMotions::create(scene, setup.moves);
-  if (!mover) return mover.error();
-
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
   const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
   Recorder recorder(run, ticks);
-  HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&recorder, &device}});
+  const auto session =
+      HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m, {&recorder});
+  if (!session) return session.error();
   if (settings.virtual_time) {
-    run_virtual(session, setup.dt_s, ticks, progress, stop);
+    constexpr std::uint64_t kReportEvery = 1000;
+    (*session)->run_simulated(ticks, [&](std::uint64_t n) {
+      if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
+      return is_stopped(stop);
+    });
   } else {
-    run_realtime(session, setup, ticks, progress, stop, run);
+    run_realtime((*session)->session(), setup, ticks, progress, stop, run);
   }
   run.summary = recorder.finish();
   run.interrupted = run.records.size() < ticks;
   if (!run.interrupted) progress(1.0);
-  take_effects(loop, setup.haptics.measures_effects, steps_of(run.records), run.summary);
+  take_effects((*session)->loop(), setup.haptics.measures_effects, steps_of(run.records),
+               run.summary);
   measure_coverage(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
                    setup.haptics.god_object.radius_m, run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);

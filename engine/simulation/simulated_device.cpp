@@ -4,17 +4,14 @@
 #include <numbers>
 #include <sstream>
 
+#include "engine/simulation/standard_normal.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-// Box-Muller on the generator's bits, so that every standard library draws the same numbers.
-double standard_normal(std::mt19937_64& random) {
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * std::numbers::pi * uniform());
-}
+// The bandwidth of the noise of the hand's force.
+constexpr double kForceNoise_Hz = 6.0;
 
 }  // namespace
 
@@ -64,7 +61,11 @@ DeviceSample SimulatedDevice::read(double dt_s) noexcept {
 
 void SimulatedDevice::move_hand(double dt_s) {
   HandTarget target = plan_.target(time_s_, pose_after(last_), last_);
-  target.position_m += intention_noise(dt_s);
+  if (settings_.intention_noise_m > 0.0) target.position_m += intention_noise(dt_s);
+  if (settings_.wander_m > 0.0) {
+    target.position_m += settings_.wander_m * wander_.advance(settings_.wander_Hz, dt_s, random_);
+  }
+  if (settings_.force_noise > 0.0) advance_force_noise(dt_s);
   if (planar_) {
     target.position_m.z() = position_m_.z();
     target.velocity_m_per_s.z() = 0.0;
@@ -83,10 +84,19 @@ Vec3 SimulatedDevice::intention_noise(double dt_s) {
   return noise_m_;
 }
 
+void SimulatedDevice::advance_force_noise(double dt_s) {
+  const double keep = std::exp(-2.0 * std::numbers::pi * kForceNoise_Hz * dt_s);
+  for (int k = 0; k < 3; ++k) {
+    force_noise_[k] =
+        keep * force_noise_[k] + std::sqrt(1.0 - keep * keep) * standard_normal(random_);
+  }
+}
+
 void SimulatedDevice::substep(const HandTarget& target, double dt_s) {
   const double mass = settings_.device.mass_kg + settings_.hand.mass_kg;
-  const Vec3 hand = settings_.hand.stiffness_N_per_m * (target.position_m - position_m_) +
-                    settings_.hand.damping_Ns_per_m * (target.velocity_m_per_s - velocity_m_per_s_);
+  Vec3 hand = settings_.hand.stiffness_N_per_m * (target.position_m - position_m_) +
+              settings_.hand.damping_Ns_per_m * (target.velocity_m_per_s - velocity_m_per_s_);
+  if (settings_.force_noise > 0.0) hand += settings_.force_noise * hand.norm() * force_noise_;
   Vec3 force = force_N_ + hand - settings_.device.damping_Ns_per_m * velocity_m_per_s_;
   if (planar_) force.z() = 0.0;
   const Vec3 pushed = velocity_m_per_s_ + force * (dt_s / mass);

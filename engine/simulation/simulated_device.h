@@ -10,6 +10,7 @@
 #include "engine/devices/light_device.h"
 #include "engine/devices/stability_limits.h"  // HandImpedance
 #include "engine/session/haptic_session.h"
+#include "engine/simulation/intention_wander.h"
 #include "geometry/base/result.h"
 #include "geometry/base/types.h"
 
@@ -37,6 +38,13 @@ struct PlantSettings {
   HandImpedance hand;
   double intention_noise_m = 0.3e-3;  // standard deviation per axis, 3 Hz low-pass
   double intention_noise_Hz = 3.0;
+  // A second noise of the intended position, of second order (intention_wander.h): its standard
+  // deviation per axis and its natural frequency.
+  double wander_m = 0.0;
+  double wander_Hz = 1.0;
+  // Noise of the hand's force per axis, with a 6 Hz low-pass: its standard deviation, as a share of
+  // the magnitude of the force.
+  double force_noise = 0.0;
   int substeps = 10;  // semi-implicit Euler steps per tick
   std::uint64_t seed = 1;
 };
@@ -62,6 +70,7 @@ class SimulatedDevice final : public Device, public TickObserver {
  private:
   void move_hand(double dt_s);
   Vec3 intention_noise(double dt_s);
+  void advance_force_noise(double dt_s);
   void substep(const HandTarget& target, double dt_s);
 
   PlantSettings settings_;
@@ -73,6 +82,8 @@ class SimulatedDevice final : public Device, public TickObserver {
   Vec3 position_m_;
   Vec3 velocity_m_per_s_ = Vec3::Zero();
   Vec3 noise_m_ = Vec3::Zero();
+  IntentionWander wander_;
+  Vec3 force_noise_ = Vec3::Zero();  // of unit variance per axis
   Vec3 force_N_ = Vec3::Zero();
   TickRecord last_;
 };

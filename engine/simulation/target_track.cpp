@@ -7,8 +7,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kSharpCornerRad = std::numbers::pi / 4;
-
 // In press depths: the distance beyond an edge at which the hand is on the new wall. kMostAslant
 // limits the factor by which an oblique path lengthens this distance.
 constexpr double kBeyondEdge = 2.0;

@@ -3,12 +3,16 @@
 // The track of the hand's target point while the hand follows a path.
 
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "engine/simulation/hand_path.h"
 #include "geometry/base/types.h"
 
 namespace palpate {
+
+// A path that turns by at least this angle has a corner.
+inline constexpr double kSharpCornerRad = std::numbers::pi / 4;
 
 // The polyline that the target point of a hand follows, at the press depth inside the walls of a
 // path. At a convex edge sharper than 45 deg the target continues past the edge by the press depth

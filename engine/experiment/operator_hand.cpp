@@ -1,0 +1,285 @@
+#include "engine/experiment/operator_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/simulation/path_plan.h"
+#include "haptics/record_vectors.h"
+
+namespace palpate {
+namespace {
+
+// The pace: the depth beyond the press depth that halves it, the share of it before a corner, and
+// the distance from which a corner slows the hand.
+constexpr double kComfortable_m = 5e-3;
+constexpr double kPaceAtCorner = 0.3;
+constexpr double kSeesCorner_m = 10e-3;
+
+// How far the target may be ahead of the seen place; in a corner by this many press depths more.
+constexpr double kMostLead_m = 15e-3;
+constexpr double kMoreLeadInCorner = 3.0;
+
+constexpr double kMostCorrection_m = 20e-3;
+
+// Recovery: the time without a good contact, also in a corner; the place that the hand goes to, and
+// how far outside the contour it goes first, in press depths; its speed, in v0.
+constexpr double kPatience_s = 0.5;
+constexpr double kPatienceInCorner_s = 1.5;
+constexpr double kGoesOn_m = 10e-3;
+constexpr double kOutside = 1.5;
+constexpr double kHaste = 2.0;
+
+// In press depths: the hand rests at the start this far outside the contour.
+constexpr double kStartsOutside = 2.0;
+
+std::size_t ring_size(double delay_s, double picture_s) {
+  return static_cast<std::size_t>(std::ceil(delay_s / picture_s)) + 3;
+}
+
+// Simplifying a path shortens it; both spheres keep their share of the length.
+double shortening(const HandPath& path, const TrialWay& way) {
+  return path.lengths_m().back() / way.path.lengths_m().back();
+}
+
+std::vector<double> corners_of(const HandPath& path) {
+  const std::vector<double> lengths_m = path.lengths_m();
+  std::vector<double> corners_m;
+  for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
+    if (std::abs(path.points[i].fold_rad) >= kSharpCornerRad) corners_m.push_back(lengths_m[i]);
+  }
+  return corners_m;
+}
+
+}  // namespace
+
+OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person,
+                           Following following, double display_Hz, double proxy_radius_m)
+    : person_(person),
+      following_(following),
+      picture_s_(1.0 / display_Hz),
+      proxy_radius_m_(proxy_radius_m),
+      path_(simplified(way.path, kSmallForHand * person.press_depth_m)),
+      track_(path_, person.press_depth_m),
+      place_(path_, shortening(path_, way) * way.green_along_m,
+             2.0 * kSmallForHand * person.press_depth_m),
+      corners_m_(corners_of(path_)),
+      red_along_m_(shortening(path_, way) * way.red_along_m),
+      pictures_(ring_size(person.sight_delay_s, picture_s_)) {
+  const double green_m = place_.along_m();
+  start_m_ =
+      way.green_m - (kStartsOutside * person_.press_depth_m + proxy_radius_m_) * inward_at(green_m);
+  plan_m_ = start_m_;
+  detour_.at_m = start_m_;
+  begin_detour(green_m, false, person_.speed_m_per_s);
+}
+
+Vec3 OperatorHand::inward_at(double along_m) const {
+  return path_.points[palpate::leg_at(place_.lengths_m(), along_m)].inward;
+}
+
+// On the track of the sphere's contact point; a target of the centre is proxy_radius_m further out.
+Vec3 OperatorHand::inside_m(double along_m) const {
+  return point_along(path_, place_.lengths_m(), along_m) +
+         person_.press_depth_m * inward_at(along_m);
+}
+
+HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
+                                const TickRecord& last) noexcept {
+  const double dt_s = time_s - last_time_s_;
+  last_time_s_ = time_s;
+  if (time_s >= static_cast<double>(taken_) * picture_s_) {
+    take_picture(time_s, T_device_scene, last);
+  }
+  look(time_s);
+  HandTarget target;
+  if (seen_ == 0) {  // the person has seen nothing yet and rests
+    target.position_m = T_device_scene.point(start_m_);
+    return target;
+  }
+  const Aim aim = is_following_ ? follow(dt_s) : go_back(dt_s);
+  const Vec3 to_centre = -proxy_radius_m_ * inward_at(place_.along_m());
+  const ScenePose believed = believed_pose(time_s);
+  target.position_m = believed.point(aim.p_m + to_centre);
+  target.velocity_m_per_s = believed.direction(aim.velocity_m_per_s);
+  return target;
+}
+
+// A picture shows the scene after the rotation of its tick, as the display does.
+void OperatorHand::take_picture(double time_s, const ScenePose& T_device_scene,
+                                const TickRecord& last) {
+  Picture& picture = pictures_[taken_ % pictures_.size()];
+  picture.time_s = time_s;
+  picture.T_device_scene = T_device_scene;
+  picture.proxy_scene_m = taken_ > 0 ? vec3(last.proxy_scene_m) : start_m_;
+  picture.goal_scene_m =
+      taken_ > 0 ? T_device_scene.inverse_point(vec3(last.device_m)) : start_m_;
+  picture.contact = last.contact != 0;
+  picture.plan_scene_m = plan_m_;
+  ++taken_;
+}
+
+void OperatorHand::look(double time_s) {
+  while (seen_ < taken_) {
+    const Picture& next = pictures_[seen_ % pictures_.size()];
+    if (next.time_s > time_s - person_.sight_delay_s) return;
+    ++seen_;
+    see(next);
+  }
+}
+
+void OperatorHand::see(const Picture& picture) {
+  const Vec3 outward = picture.proxy_scene_m - picture.goal_scene_m;
+  const bool is_apart = !outward.isZero(0.0);
+  const Vec3 contact_m = is_apart
+                             ? Vec3(picture.proxy_scene_m - proxy_radius_m_ * outward.normalized())
+                             : picture.proxy_scene_m;
+  const double before_m = place_.along_m();
+  const bool is_good = picture.contact && place_.see(contact_m, outward);
+  const bool passed_corner = has_corner_between(before_m, place_.along_m());
+  saw_wrong_part_ = picture.contact && !is_good;
+  const bool lost_contact = saw_contact_ && !picture.contact;
+  saw_contact_ = picture.contact;
+  const bool replans =
+      following_ == Following::kReplan && picture.time_s - held_since_s_ >= person_.replan_s;
+  const bool thaws = following_ == Following::kFrozen && (lost_contact || passed_corner);
+  if (seen_ == 1 || replans || thaws) {
+    held_pose_ = picture.T_device_scene;
+    held_since_s_ = picture.time_s;
+  }
+  if (is_good) {
+    lost_s_ = 0.0;
+    if (!is_following_) resume();
+  } else {
+    lost_s_ += picture_s_;
+    if (is_following_ && lost_s_ >= (is_in_corner() ? kPatienceInCorner_s : kPatience_s)) lose();
+  }
+}
+
+ScenePose OperatorHand::believed_pose(double time_s) const {
+  const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  if (following_ == Following::kReplan || following_ == Following::kFrozen) return held_pose_;
+  if (following_ == Following::kDelayed || seen_ < 2) return newest.T_device_scene;
+  const Picture& previous = pictures_[(seen_ - 2) % pictures_.size()];
+  const Eigen::AngleAxisd turned(newest.T_device_scene.rotation *
+                                 previous.T_device_scene.rotation.conjugate());
+  const double pictures = (time_s - newest.time_s) / picture_s_;
+  return turned_about(newest.T_device_scene, newest.proxy_scene_m,
+                      {turned.axis(), pictures * turned.angle()});
+}
+
+bool OperatorHand::has_corner_between(double first_m, double last_m) const {
+  const auto corner = std::lower_bound(corners_m_.begin(), corners_m_.end(), first_m);
+  return corner != corners_m_.end() && *corner <= last_m;
+}
+
+// Whether the target has turned, or turns, at a corner that the seen contact has not passed.
+bool OperatorHand::is_in_corner() const {
+  return has_corner_between(place_.along_m(), target_along_m());
+}
+
+double OperatorHand::target_along_m() const {
+  const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
+  const TargetTrack::Waypoint& to = track_.waypoints()[leg_ + 1];
+  const double leg_m = to.track_m - from.track_m;
+  const double part = leg_m > 0.0 ? (travelled_m_ - from.track_m) / leg_m : 1.0;
+  return from.along_m + part * (to.along_m - from.along_m);
+}
+
+double OperatorHand::pace_m_per_s() const {
+  const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  const double depth_m = (newest.goal_scene_m - newest.proxy_scene_m).norm();
+  const double deeper_m = std::max(0.0, depth_m - person_.press_depth_m);
+  const double pace = person_.speed_m_per_s * kComfortable_m / std::max(kComfortable_m, deeper_m);
+  const double seen_m = place_.along_m();
+  const bool is_at_corner = saw_contact_ && has_corner_between(seen_m, seen_m + kSeesCorner_m);
+  return is_at_corner ? std::min(pace, kPaceAtCorner * person_.speed_m_per_s) : pace;
+}
+
+OperatorHand::Aim OperatorHand::follow(double dt_s) {
+  double speed_m_per_s = pace_m_per_s();
+  const double lead_m = kMostLead_m + speed_m_per_s * person_.sight_delay_s +
+                        (is_in_corner() ? kMoreLeadInCorner * person_.press_depth_m : 0.0);
+  const double along_m = target_along_m();
+  if (along_m - place_.along_m() > lead_m || along_m >= red_along_m_) speed_m_per_s = 0.0;
+  advance(speed_m_per_s * dt_s);
+  const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
+  const Vec3 direction = (track_.waypoints()[leg_ + 1].p_m - from.p_m).normalized();
+  plan_m_ = from.p_m + (travelled_m_ - from.track_m) * direction;
+  correct(direction, dt_s);
+  return {plan_m_ + correction_m_, speed_m_per_s * direction};
+}
+
+void OperatorHand::advance(double step_m) {
+  const auto& waypoints = track_.waypoints();
+  travelled_m_ = std::min(travelled_m_ + step_m, track_.length_m());
+  while (leg_ + 2 < waypoints.size() && travelled_m_ >= waypoints[leg_ + 1].track_m) ++leg_;
+}
+
+// The correction of an earlier leg is projected onto the present one.
+void OperatorHand::correct(const Vec3& direction, double dt_s) {
+  const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  const double lag_m = (newest.plan_scene_m - newest.goal_scene_m).dot(direction);
+  const double along_m = correction_m_.dot(direction) + person_.gain_per_s * lag_m * dt_s;
+  correction_m_ = std::clamp(along_m, -kMostCorrection_m, kMostCorrection_m) * direction;
+}
+
+void OperatorHand::begin_detour(double along_m, bool by_outside, double speed_m_per_s) {
+  detour_.count = 0;
+  detour_.next = 0;
+  detour_.waited_s = 0.0;
+  detour_.speed_m_per_s = speed_m_per_s;
+  if (by_outside) {
+    detour_.points_m[detour_.count++] = point_along(path_, place_.lengths_m(), along_m) -
+                                        kOutside * person_.press_depth_m * inward_at(along_m);
+  }
+  detour_.points_m[detour_.count++] = inside_m(along_m);
+}
+
+void OperatorHand::lose() {
+  ++recoveries_;
+  // A hand that is lost again, or touches a wrong part, comes from outside.
+  const bool by_outside = saw_wrong_part_ || !is_following_;
+  detour_.at_m = plan_m_ + correction_m_;
+  is_following_ = false;
+  correction_m_.setZero();
+  lost_s_ = 0.0;
+  begin_detour(std::min(place_.along_m() + kGoesOn_m, red_along_m_), by_outside,
+               kHaste * person_.speed_m_per_s);
+}
+
+OperatorHand::Aim OperatorHand::go_back(double dt_s) {
+  if (detour_.next == detour_.count) {
+    detour_.waited_s += dt_s;
+    if (detour_.waited_s >= kPatience_s + person_.sight_delay_s) lose();
+  }
+  if (detour_.next < detour_.count) {
+    const Vec3 to_m = detour_.points_m[detour_.next] - detour_.at_m;
+    const double step_m = detour_.speed_m_per_s * dt_s;
+    const double left_m = to_m.norm();
+    if (left_m > step_m) {
+      const Vec3 direction = to_m / left_m;
+      detour_.at_m += step_m * direction;
+      plan_m_ = detour_.at_m;
+      return {plan_m_, detour_.speed_m_per_s * direction};
+    }
+    detour_.at_m = detour_.points_m[detour_.next++];
+  }
+  plan_m_ = detour_.at_m;
+  return {plan_m_, Vec3::Zero()};
+}
+
+// The person sees contact with the contour and follows it from there.
+void OperatorHand::resume() {
+  is_following_ = true;
+  correction_m_.setZero();
+  const double along_m = place_.along_m();
+  leg_ = track_.leg_at(along_m);
+  const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
+  const TargetTrack::Waypoint& to = track_.waypoints()[leg_ + 1];
+  const double walls_m = to.along_m - from.along_m;
+  const double part =
+      walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
+  travelled_m_ = from.track_m + part * (to.track_m - from.track_m);
+}
+
+}  // namespace palpate

@@ -1,0 +1,121 @@
+#pragma once
+
+// A simulated person who follows a contour from the green to the red sphere, and who sees the scene
+// only in pictures that are late.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/experiment/contour_place.h"
+#include "engine/experiment/operator_parameters.h"
+#include "engine/experiment/trial.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/target_track.h"
+
+namespace palpate {
+
+// The person aims at a point that is press_depth_m inside the wall and advances along the waypoints
+// of a TargetTrack. The person knows only the newest picture that is sight_delay_s old or older; a
+// picture is taken display_Hz times a second and shows the pose of the scene, the proxy, the device
+// point and whether there is contact.
+//
+// - Pace: the target advances at v0 e0 / max(e0, e), e = max(0, seen |goal - proxy| - D), and at
+// most
+//   at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. That depth slows the hand
+//   is our reading of the paper's instruction to keep frame and ball close. The target waits when
+//   it is too far ahead of the seen place.
+// - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. Into the wall the
+//   hand yields.
+// - Recovery: if no contact is seen for 0.5 s that moves or keeps the place on the contour, the
+// hand
+//   goes back to the contour, 10 mm past that place.
+//
+// The paper describes no model of its people: all of this is ours.
+class OperatorHand final : public HandPlan {
+ public:
+  // proxy_radius_m: 0 for a point. `way` must outlive the hand.
+  OperatorHand(const TrialWay& way, const OperatorParameters& person, Following following,
+               double display_Hz, double proxy_radius_m);
+
+  HandTarget target(double time_s, const ScenePose& T_device_scene,
+                    const TickRecord& last) noexcept override;
+
+  // Where the hand rests at time 0: 2 D outside the centre of the green sphere. Scene frame.
+  const Vec3& start_scene_m() const { return start_m_; }
+
+  // How often the person was lost so far.
+  std::uint64_t recoveries() const { return recoveries_; }
+
+ private:
+  struct Picture {
+    double time_s;
+    ScenePose T_device_scene;
+    Vec3 proxy_scene_m;
+    Vec3 goal_scene_m;  // the device point
+    bool contact;
+    Vec3 plan_scene_m;  // where the person aimed then, without the correction
+  };
+  // Points that the hand visits in order; the last one lies inside the contour.
+  struct Detour {
+    Vec3 points_m[2];
+    std::size_t count = 0;
+    std::size_t next = 0;
+    Vec3 at_m = Vec3::Zero();
+    double speed_m_per_s = 0.0;
+    double waited_s = 0.0;  // since the last point was reached
+  };
+  struct Aim {
+    Vec3 p_m;
+    Vec3 velocity_m_per_s;
+  };
+
+  void take_picture(double time_s, const ScenePose& T_device_scene, const TickRecord& last);
+  void look(double time_s);
+  void see(const Picture& picture);
+  ScenePose believed_pose(double time_s) const;
+  bool is_in_corner() const;
+  bool has_corner_between(double first_m, double last_m) const;
+  double target_along_m() const;
+  double pace_m_per_s() const;
+  Aim follow(double dt_s);
+  void advance(double step_m);
+  void correct(const Vec3& direction, double dt_s);
+  Aim go_back(double dt_s);
+  void begin_detour(double along_m, bool by_outside, double speed_m_per_s);
+  void lose();
+  void resume();
+  Vec3 inside_m(double along_m) const;
+  Vec3 inward_at(double along_m) const;
+
+  OperatorParameters person_;
+  Following following_;
+  double picture_s_;
+  double proxy_radius_m_;
+  HandPath path_;  // simplified
+  TargetTrack track_;
+  ContourPlace place_;             // as the person has seen it
+  std::vector<double> corners_m_;  // along the path
+  double red_along_m_;
+  Vec3 start_m_;
+
+  std::vector<Picture> pictures_;  // a ring
+  std::uint64_t taken_ = 0;        // number of pictures taken
+  std::uint64_t seen_ = 0;         // number of pictures seen; the last one is the newest
+  ScenePose held_pose_;            // for kReplan and kFrozen
+  double held_since_s_ = 0.0;
+  bool saw_contact_ = false;
+  bool saw_wrong_part_ = false;
+
+  double last_time_s_ = 0.0;
+  bool is_following_ = false;  // otherwise on a detour
+  Detour detour_;
+  std::size_t leg_ = 0;
+  double travelled_m_ = 0.0;  // along the track
+  Vec3 plan_m_;               // the target without the correction, scene frame
+  Vec3 correction_m_ = Vec3::Zero();
+  double lost_s_ = 0.0;
+  std::uint64_t recoveries_ = 0;
+};
+
+}  // namespace palpate
