@@ -12,8 +12,8 @@ enum class Caches : std::uint8_t {
   kEvicted  // the data of the sample are in L3 only
 };
 
-// Reads a buffer twice the size of this machine's L2, which evicts nearly all other data from L1
-// and L2. The L3 is several times as large and keeps the evicted data. Takes about 40 us.
+// Reads a buffer that is twice as large as this machine's L2. This evicts nearly all other data
+// from L1 and L2. The L3 is several times as large and keeps the evicted data. Takes about 40 us.
 void evict_l1_and_l2();
 
 }  // namespace palpate::bench

@@ -1,7 +1,7 @@
 #pragma once
 
-// The second library to which Palpate is compared (peer): the same queries on CGAL's AABB_tree, in
-// double, on CGAL's copy of the triangles.
+// CGAL is the second library to which Palpate is compared (peer). It answers the same queries with
+// its AABB_tree, in double, on its own copy of the triangles.
 
 #include <memory>
 #include <optional>

@@ -14,8 +14,9 @@ namespace palpate::bench {
 struct SampleCounts {
   std::size_t warm;
 
-  // The number of samples for evicted caches, because evicting takes a hundred times as long as the
-  // timed sample, and for inputs that are slow on purpose. The path includes at least one tap.
+  // The smaller number of samples that is used for evicted caches and for inputs that are slow on
+  // purpose. (Evicting takes a hundred times as long as the timed sample.) The path includes at
+  // least one tap.
   std::size_t fewer() const { return std::min(warm, std::max<std::size_t>(warm / 4, 250)); }
   std::size_t for_caches(Caches caches) const { return caches == Caches::kWarm ? warm : fewer(); }
 };
@@ -46,8 +47,8 @@ void register_instance_benchmarks(const SampleCounts& counts);
 // Call this before the other benchmarks of the size, which keep their scenes in memory.
 void register_load_benchmarks(int subdivisions);
 
-// Once for all sizes: side_test_<method>/<class of inputs>. Registers nothing without CGAL, one of
-// the compared methods.
+// Once for all sizes: side_test_<method>/<class of inputs>. Registers nothing if the program was
+// built without CGAL, because CGAL has one of the compared methods.
 void register_side_test_benchmarks();
 
 }  // namespace palpate::bench

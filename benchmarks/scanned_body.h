@@ -25,8 +25,8 @@ class ScannedBody {
   // A point of the surface, approximately the nearest to p.
   Vec3 surface_near(Vec3 p) const;
 
-  // The parts that determine the distance within radius_m of p; the overloads below use these
-  // alone.
+  // The parts that determine the distance within radius_m of p. The overloads below use only these
+  // parts.
   struct Parts {
     std::vector<std::uint32_t> solid;
     std::vector<std::uint32_t> bores;
@@ -43,8 +43,8 @@ class ScannedBody {
   struct Part {
     Shape shape;
     Vec3 centre_m;
-    Vec3 half_m;     // box: half extents; cylinder, ring: radius, half the height, tube radius
-    int axis = 0;    // of cylinders and rings
+    Vec3 half_m;     // half extents of a box; of others: radius, half height, tube radius
+    int axis = 0;    // axis of a cylinder or ring
     double round_m;  // radius of its edges
   };
 

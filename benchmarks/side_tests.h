@@ -3,7 +3,7 @@
 // Three methods to compute the sign that tells on which side of a line an edge passes.
 //
 // The test whether a segment meets a triangle (geometry/exact/segment_triangle.h) needs the sign of
-// d . ((from - p) x (to - p)), which is positive if the edge passes the line on its left. Each
+// d . ((from - p) x (to - p)), which is positive if the edge passes on the left of the line. Each
 // method begins with a filter in double. The methods differ in the arithmetic that they use when
 // the filter is undecided.
 
@@ -14,7 +14,7 @@
 
 namespace palpate::bench {
 
-// A line through p along d, which is not zero, and an edge. p + d is exact in double, so that a
+// An edge, and a line through p along d. d is not zero. p + d is exact in double, so that a
 // direction and a second point describe the same line.
 struct SideInput {
   Vec3 p, d, from, to;
@@ -36,7 +36,7 @@ class CgalSideTest {
   explicit CgalSideTest(std::span<const SideInput> inputs);
   ~CgalSideTest();
 
-  int side(std::size_t n) const;  // of inputs[n]
+  int side(std::size_t n) const;  // side for inputs[n]
 
  private:
   struct Inputs;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The first library to which Palpate is compared (peer): the same queries on Embree without
-// Palpate, in float, on Embree's own triangle geometry, with the point query callback described in
+// Embree without Palpate is the first library to which Palpate is compared (peer). It answers the
+// same queries in float, on its own triangle geometry, with the point query callback described in
 // Embree's tutorials.
 
 #include <cstdint>

@@ -26,9 +26,9 @@ struct Tally {
   double capped_share() const { return capped / ticks; }
 };
 
-// Times every tick of a path in the scene frame, so that the proxy meets the same triangles with
-// and without A4. Each pass begins with a new loop. Reports percentiles, solver_iterations,
-// contact_share and capped_share.
+// Times every tick of a path. The path is in the scene frame, so that the proxy meets the same
+// triangles with and without A4. Each pass begins with a new loop. Reports percentiles,
+// solver_iterations, contact_share and capped_share.
 Tally time_ticks(benchmark::State& state, const ContactWorld& world,
                  const ActuationModel& actuation, const HapticSettings& settings,
                  const DevicePath& path, Caches caches);

@@ -34,14 +34,15 @@ std::optional<Error> check_settings(const ContactWorld& world, const HapticSetti
 // bits of a double are left to resolve the scene.
 inline constexpr double kFarthestSamplePerSize = 0x1p26;
 
-// The size of a world plus the distance of its middle from the scene's origin. m.
+// The size of a world plus the distance of its middle from the scene's origin, in metres.
 double world_extent_m(const ContactWorld& world) noexcept;
 
 // The largest distance from the device's origin at which a scene can be placed. There, a sensed
-// position is rounded by 2^-53 of the distance, which is 2^-27 of the world's extent. m.
+// position is rounded by 2^-53 of the distance; this rounding is 2^-27 of the world's extent. In
+// metres.
 double farthest_place_m(const ContactWorld& world) noexcept;
 
-// The largest distance of a good sample from the device's origin. m.
+// The largest distance of a good sample from the device's origin, in metres.
 inline double farthest_sample_m(double world_extent_m,
                                 const RigidTransform& T_device_scene) noexcept {
   return kFarthestSamplePerSize * (world_extent_m + T_device_scene.translation_m.norm());
@@ -52,16 +53,16 @@ inline double farthest_sample_m(double world_extent_m,
 // is less than two such distances from the middle. The proxy is at an earlier goal or touches a
 // surface; therefore, it is also less than two such distances from the middle. The lag is less than
 // the sum, four such distances. (A4 moves the scene by less than this, and kLargestForce_N leaves
-// half of the exponents in reserve.) m.
+// half of the exponents in reserve.) In metres.
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept;
 
 // The limit of the coupling's force under valid settings. It uses half of the exponent range of
-// double, so that sums and squares of such forces are finite. N.
+// double, so that sums and squares of such forces are finite. In newtons.
 inline constexpr double kLargestForce_N = 0x1p511;
 
 // The shortest tick for which the damper's force is bounded: a thousandth of the tick of a servo at
 // 1 MHz. In a shorter tick the damper can still overflow; the tick then reports
-// kFaultNonFiniteForce. s.
+// kFaultNonFiniteForce. In seconds.
 inline constexpr double kShortestTick_s = 1e-9;
 
 }  // namespace palpate

@@ -46,7 +46,7 @@ using MaterialValue = std::variant<double, bool, std::string, std::vector<double
 struct MaterialParameter {
   std::string key;  // "stiffness"; "texture.amplitude" for an entry of the object texture
   MaterialValue value;
-  std::string element;  // its origin: its JSON path, or "`SceneSettings::overrides` NAME.key"
+  std::string element;  // JSON path, or "`SceneSettings::overrides` NAME.key" of an override
 };
 
 // A parameter set outside the file, as in SceneSettings::overrides. It takes precedence over the
@@ -61,7 +61,7 @@ struct MaterialOverride {
 // material has this name.
 inline constexpr const char* kDefaultMaterialName = "default";
 
-// A glTF material and its extras.palpate, or another element of a file that has such extras.
+// A glTF material, or another element that has extras.palpate, together with these extras.
 struct MaterialDescription {
   std::string name;                           // "material 3" if the file has no name
   std::string element;                        // its JSON path, "/materials/3"
@@ -103,8 +103,8 @@ struct HapticMaterialDescription {
 // The map of the haptic texture for triangles of this material in a mesh with this haptic material
 // (null: none). The first vibrotactileTexture of the haptic material takes precedence over the
 // material's normal texture, which is used only together with the parameter "textureHeight".
-// Returns null if neither texture applies or if "textureHeight" is the number 0. Thread-safe, as
-// are the next two functions.
+// Returns null if neither texture applies or if "textureHeight" is the number 0. This function and
+// the next two are thread-safe.
 const TextureReference* texture_map(const MaterialDescription& material,
                                     const HapticMaterialDescription* haptic);
 

@@ -22,8 +22,8 @@ struct PoseDescription {
 // "1.25 s", with enough digits to restore the number.
 std::string seconds_text(double time_s);
 
-// "at rest" or "animation #0 "Walk" at 1.5 s". If the last key is earlier than the pose, its time
-// is appended.
+// "at rest" or "animation #0 "Walk" at 1.5 s". If the last key is earlier than the pose, the time
+// of that key is appended.
 std::string pose_text(std::span<const AnimationDescription> animations,
                       const std::optional<PoseDescription>& pose);
 

@@ -25,7 +25,7 @@ struct MaterialRun {
   std::optional<std::uint32_t> material;  // index into SceneDescription::materials
 };
 
-// The triangles of one glTF mesh, its primitives appended in file order. If skins or morph weights
+// The triangles of one glTF mesh, primitive by primitive in file order. If skins or morph weights
 // give a mesh two poses, it has two descriptions.
 struct MeshDescription {
   std::string name;
@@ -36,8 +36,8 @@ struct MeshDescription {
       {};  // index into SceneDescription::haptic_materials
   // Texture coordinates of the positions in the maps of texture_map() and friction_map(): fractions
   // of the width from the left and of the height from the top, with the map's transform applied.
-  // They may be any finite numbers. There is one pair for each position, of zeros in primitives
-  // without a map. A vector is empty if no primitive has a map.
+  // They may be any finite numbers. There is one pair for each position. In primitives without a
+  // map, the pairs are zeros. A vector is empty if no primitive has a map.
   std::vector<std::array<double, 2>> texture_uv = {};
   std::vector<std::array<double, 2>> friction_uv = {};
 };
@@ -88,19 +88,19 @@ struct SceneDescription {
   std::vector<MeshDescription> meshes;  // meshes of the nodes, each once; none is empty
   std::vector<NodeDescription> nodes;   // in depth-first file order
   std::vector<TreeNode> tree;           // all nodes of the scene, depth first in file order
-  // The materials that triangles refer to. If an override requires it, the material of the
-  // triangles without a material is appended: name "default", element "default material".
+  // The materials that triangles refer to. If an override requires it, a material for the triangles
+  // without a material is appended, with the name "default" and the element "default material".
   std::vector<MaterialDescription> materials;
   std::vector<PhysicsMaterialDescription> physics_materials;
   std::vector<HapticMaterialDescription> haptic_materials;
-  // The extras.palpate of the scene: name "scene", element "/scenes/0/extras/palpate"; without
-  // extras it has no parameters.
+  // The extras.palpate of the scene, as a material with the name "scene" and the element
+  // "/scenes/0/extras/palpate". Without extras, it has no parameters.
   MaterialDescription scene_parameters;
   std::vector<RegionDescription> regions;        // in depth-first file order
   std::vector<ImageDescription> images;          // targets of TextureReference::pixels
   std::vector<AnimationDescription> animations;  // all animations of the file, in file order
   std::optional<PoseDescription> pose;           // absent: the rest pose
-  std::vector<std::string> notes;                // decisions of the reader, one line each: the pose
+  std::vector<std::string> notes;                // decisions, such as the pose; one line each
   std::vector<std::string> warnings;             // one line each
   double parse_ms = 0.0;
 };

@@ -28,8 +28,8 @@ inline double length_of(const Vec3& vector) {
 }
 
 // The magnitudes that bound the rounding error of a product of transforms p -> linear p +
-// translation_m. Two long translations that cancel leave a short translation with the rounding
-// error of the long ones.
+// translation_m. If two long translations cancel, the short translation that remains has the
+// rounding error of the long ones.
 struct TransformProduct {
   std::uint32_t factors = 0;
   double linear = 1.0;          // the product of the factors' lengthening()

@@ -3,9 +3,9 @@
 // One scene for each haptic effect, and a gallery of all effects. models/README.md describes what
 // each scene declares and how it feels.
 //
-// Frame: scene, metres; slabs lie in x and y and z is up, as in the thin plate. An effect scene
-// covers at most 0.1 x 0.1 m around the origin, the gallery 0.34 x 0.38 m. Not for the haptic
-// thread. Thread-safe.
+// Frame: scene, metres; slabs lie in the x-y plane and z is up, as in the model of the thin plate.
+// An effect scene covers at most 0.1 x 0.1 m around the origin, the gallery 0.34 x 0.38 m. Not for
+// the haptic thread. Thread-safe.
 
 #include <string>
 #include <vector>

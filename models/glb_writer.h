@@ -24,7 +24,7 @@ struct SceneContent;
 Result<std::string> encode_scene(const SceneContent& content);
 
 struct GlbContent {
-  std::string name;      // of the mesh and of the only node, which has no transform
+  std::string name;      // name of the mesh and of the only node; the node has no transform
   std::string material;  // name of the only material
   TriangleMesh mesh;
 };

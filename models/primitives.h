@@ -32,9 +32,10 @@ inline double to_float(double x) {
   return static_cast<double>(static_cast<float>(x));
 }
 
-// An icosahedron whose triangles are split into four `subdivisions` times, with vertices projected
-// to the sphere. It has 20 * 4^subdivisions triangles (5 subdivisions: 20,480; 6: 81,920; 7:
-// 327,680; 8: 1,310,720; 9: 5,242,880). Requires 0 <= subdivisions <= 12 and radius_m > 0.
+// An icosahedron whose triangles are split into four, `subdivisions` times. The vertices are
+// projected to the sphere. The mesh has 20 * 4^subdivisions triangles (5 subdivisions: 20,480; 6:
+// 81,920; 7: 327,680; 8: 1,310,720; 9: 5,242,880). Requires radius_m > 0 and 0 <= subdivisions <=
+// 12.
 TriangleMesh icosphere(int subdivisions, double radius_m);
 
 // An icosphere whose vertices lie at radius_m + bump_height_m * T(x) T(y) T(z), where (x, y, z) is
@@ -52,10 +53,10 @@ TriangleMesh box(const Vec3& size_m);
 TriangleMesh torus(double major_radius_m, double minor_radius_m, int subdivisions);
 
 // The solid between z_low_m and z_high_m over a contour of n vertices: 4 n - 4 triangles. Vertex i
-// is contour[i] at z_low_m, vertex n + i is contour[i] at z_high_m, both rounded to float; the caps
-// are triangulated by ear clipping on an exact orientation predicate. Returns kInvalidArgument if a
-// number is not finite, z_low_m >= z_high_m, or the rounded contour is not a simple,
-// counter-clockwise polygon.
+// is contour[i] at z_low_m, and vertex n + i is contour[i] at z_high_m; both are rounded to float.
+// The caps are triangulated by ear clipping with an exact orientation predicate. Returns
+// kInvalidArgument if a number is not finite, z_low_m >= z_high_m, or the rounded contour is not a
+// simple, counter-clockwise polygon.
 Result<TriangleMesh> prism(const Contour& contour_m, double z_low_m, double z_high_m);
 
 }  // namespace palpate

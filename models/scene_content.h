@@ -1,8 +1,8 @@
 #pragma once
 
 // The content of a glTF scene before encoding: meshes, materials and nodes with their haptic
-// properties. Frames: each mesh in the frame of its node, the nodes in the frame of the scene;
-// metres. Plain values; thread-safe.
+// properties. A mesh is in the frame of its node, and the nodes are in the frame of the scene.
+// Lengths are in metres. Plain values; thread-safe.
 
 #include <array>
 #include <cstddef>
@@ -31,7 +31,7 @@ struct MeshContent {
 
 struct MaterialContent {
   std::string name;
-  nlohmann::json palpate = nullptr;                      // its extras.palpate; null for none
+  nlohmann::json palpate = nullptr;  // extras.palpate of the material; null: none
   std::optional<std::array<double, 4>> base_color = {};  // red, green, blue, opacity: linear, 0..1
   Index base_color_image = {};
   Index normal_image = {};
@@ -48,7 +48,7 @@ struct NodeContent {
   std::string name;
   Index mesh = {};
   Vec3 translation_m = Vec3::Zero();
-  Index physics_material = {};  // of a collider with the node's own mesh
+  Index physics_material = {};  // physics material of a collider that has the node's own mesh
   nlohmann::json extras = nullptr;
 };
 

@@ -20,7 +20,7 @@ struct Answer {
   std::string setting;  // "Rate"
   std::string value;    // "2 kHz"
   std::string reason;
-  std::string limit;  // the bound of the value, or of the statement
+  std::string limit;  // what limits the value, or the validity of the statement
 };
 
 struct Advice {
@@ -42,8 +42,8 @@ struct AdviceInput {
   std::span<const KnobResult> results;   // after reconcile()
   const SceneFindings* scene = nullptr;  // null: no scene was measured
   DeviceDescription device;
-  CouplingSettings coupling;               // of the loop: set by the user, or the default
-  std::vector<std::string> scene_options;  // of `palpate run`: the path, then scene options
+  CouplingSettings coupling;               // coupling of the loop: set by the user, or the default
+  std::vector<std::string> scene_options;  // for `palpate run`: the path, then scene options
   std::string program = "palpate";         // first word of the command
 };
 
@@ -57,7 +57,8 @@ Result<Advice> advise(const AdviceInput& input);
 // The shortest digits that give back the same number: "0.2", "2e-05".
 std::string shortest_digits(double value);
 
-// The words of the command, each quoted for a shell; and the command as one line.
+// command_words(): the words of the command, each quoted for a shell. command_line(): the command
+// as one line.
 std::vector<std::string> command_words(const Advice& advice);
 std::string command_line(const Advice& advice);
 

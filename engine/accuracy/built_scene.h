@@ -18,7 +18,7 @@ namespace palpate {
 Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                                   const Vec3& place_m = Vec3::Zero());
 
-// The same for a mesh that is known to compile. If it does not compile, the program ends.
+// compile_mesh() for a mesh that is known to compile. If it does not compile, the program ends.
 std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                         const Vec3& place_m = Vec3::Zero());
 
@@ -42,9 +42,10 @@ class LazyScene {
   std::shared_ptr<Held> held_;
 };
 
-// The rounding error, in metres in the scene frame, that the scene's file causes in positions on
-// surfaces. It is the float_floor_m() of the farthest coordinate of a mesh in its own frame, at the
-// scale of its node; the translations of nodes lose no digits.
+// The rounding of the numbers in the scene's file causes an error in positions on surfaces. This is
+// the size of that error in metres, in the scene frame. It is the float_floor_m() of the farthest
+// coordinate of a mesh in its own frame, at the scale of its node; the translations of nodes lose
+// no digits.
 double file_floor_m(const Scene& scene);
 
 // "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".

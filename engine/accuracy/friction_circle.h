@@ -12,7 +12,7 @@
 namespace palpate {
 
 struct FrictionCircle {
-  double friction = 0.5;  // static and dynamic
+  double friction = 0.5;  // static and dynamic coefficient
   double depth_m = 2e-3;
   double radius_m = 5e-3;  // of the device's circle; larger than lag_m()
   double turns_per_s = 2.0;
@@ -30,10 +30,10 @@ struct FrictionCircle {
   double discrete_radius_m(double step_s) const;
 };
 
-// Moves the device by half a turn to let the proxy settle, then by half a turn that is measured, in
-// a random pose. After the first half turn, exp(-pi r / L) of the initial deviation is left.
-// Sample::error: the error of the mean radius of the proxy's circle, m. Sample::time: computing
-// time for one second of contact, us.
+// In a random pose, moves the device by half a turn to let the proxy settle, and then by another
+// half turn, which is measured. After the first half turn, exp(-pi r / L) of the initial deviation
+// is left. Sample::error: the error of the mean radius of the proxy's circle, m. Sample::time:
+// computing time for one second of contact, us.
 Sample go_round(const FrictionCircle& circle, double step_s, const Accuracy& accuracy,
                 std::uint64_t seed);
 

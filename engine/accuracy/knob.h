@@ -51,7 +51,7 @@ struct Method {
 };
 
 struct Knob {
-  std::string name;   // of files and rows: "servo_rate"
+  std::string name;   // name in files and rows: "servo_rate"
   std::string title;  // "Servo rate"
   Quantity level;
   Quantity error;
@@ -88,7 +88,7 @@ struct Knob {
 
 // The amount of work of each measurement.
 struct MeasurementEffort {
-  bool quick = false;  // coarser meshes and shorter paths, but as many repeats
+  bool quick = false;  // coarser meshes and shorter paths, but the same number of repeats
   std::uint64_t seed = 1;
 
   static constexpr int kRepeats = 21;  // odd, so that the median is one of the repeats

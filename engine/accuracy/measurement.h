@@ -29,12 +29,12 @@ struct LevelResult {
   Spread time;
   double raw_error = 0.0;  // the median as measured, possibly below the floor
   double iterations = 0.0;
-  std::uint64_t ticks = 0;  // over all repeats
+  std::uint64_t ticks = 0;  // in all repeats together
   int repeats = 0;
   int failures = 0;     // repeats that failed
   std::string failure;  // the first failure
   bool at_floor = false;
-  bool on_front = false;  // on the Pareto front: judge() in recommendation.h
+  bool on_front = false;  // on the Pareto front; judge() in recommendation.h sets it
 
   // A level counts if no repeat failed.
   bool counts() const { return failures == 0; }
@@ -65,10 +65,10 @@ struct KnobResult {
   // judge() in recommendation.h sets the following members. reconcile() may replace `recommended`
   // and sets decided_by_title.
   std::optional<LevelPlace> recommended;
-  // The factor by which the best of the clearly better levels is better than the default, in time
-  // or in error; 1 if no level is clearly better.
+  // Some levels may be clearly better than the default. This is the factor, in time or in error, by
+  // which the best of them is better than the default; 1 if no level is clearly better.
   double default_behind = 1.0;
-  std::string better_than_default;  // names this best level
+  std::string better_than_default;  // name of the best of those levels
   // The title of the knob that Knob::decided_by names, if reconcile() used its recommendation.
   std::string decided_by_title;
 
@@ -83,7 +83,7 @@ inline constexpr std::array kAccuracyPresets = {Accuracy::fast(), Accuracy::bala
 inline constexpr std::array<const char*, 3> kPresetNames = {"fast", "balanced", "exact"};
 inline constexpr std::size_t kDefaultPreset = 1;
 
-// Called with the completed share of the work, 0 to 1.
+// Called with the completed fraction of the work, 0 to 1.
 using MeasuringProgress = std::function<void(double)>;
 
 // Measures a knob. Repeats the levels in turn, so that other work of the machine affects all levels

@@ -19,9 +19,9 @@ enum class PlantIntegrator : std::uint8_t {
 // every step.
 inline constexpr double kPlantInstant_s = 4e-3;
 
-// The rounding error of sums in double: each step rounds the depth by up to half a unit in the last
-// place, and n roundings accumulate like a random walk, to sqrt(n) times one rounding. Relative to
-// the depth.
+// The rounding error of sums in double, relative to the depth. Each step rounds the depth by up to
+// half a unit in the last place. The roundings of n steps accumulate like a random walk, to sqrt(n)
+// times one rounding.
 double plant_roundoff(const PressedContact& contact, double step_s);
 
 // Integrates the contact with a continuous spring and damper of the wall, under a random push.

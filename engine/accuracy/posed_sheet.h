@@ -23,7 +23,7 @@ inline constexpr double kSheetSize_m = 0.2;
 // effect friction is needed and not in this build. Not for the haptic thread.
 Result<PosedSheet> sheet_at(const RigidTransform& T_scene_sheet, double friction = 0.0);
 
-// The same in a random pose.
+// sheet_at() in a random pose.
 Result<PosedSheet> posed_sheet(SeededRandom& random, double friction = 0.0);
 
 }  // namespace palpate

@@ -14,20 +14,22 @@ namespace palpate {
 
 struct PressedContact {
   double mass_kg = light_device().mass_kg;
-  double damping_Ns_per_m = light_device().damping_Ns_per_m;  // of the device
+  double damping_Ns_per_m = light_device().damping_Ns_per_m;  // damping of the device
   CouplingSettings coupling = {1000.0, 1.0};
-  double push_N = 2.0;      // force of the hand from time 0 on; before, half of it, at rest
+  // The force of the hand from time 0 on. Before time 0, the hand pushes with half of this force,
+  // and the device is at rest.
+  double push_N = 2.0;
   double duration_s = 0.5;  // about four time constants: the motion has nearly settled
 
-  // The default contact with the mass and the damping of this device instead. Its duration is the
-  // same number of time constants, but at least 0.5 s and at most 5 s.
+  // The default contact, but with the mass and the damping of this device. Its duration is the same
+  // number of time constants, but at least 0.5 s and at most 5 s.
   static PressedContact on(const DeviceDescription& device);
 
   double static_depth_m() const { return push_N / coupling.stiffness_N_per_m; }
   double start_depth_m() const { return 0.5 * static_depth_m(); }
 
-  // Depth at a time >= 0 in continuous time: the solution of m x'' = -(b + B) x' - K x + f, by the
-  // matrix exponential, exact to within rounding.
+  // The depth at a time >= 0 in continuous time: the solution of m x'' = -(b + B) x' - K x + f. It
+  // is computed by the matrix exponential and is exact to within rounding.
   double depth_m(double time_s) const;
 };
 

@@ -31,10 +31,10 @@ bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 //  2. Levels stay if their time is about the shortest.
 //  3. Levels stay if their error is about the smallest.
 //  4. The levels that are left are ties. The default is chosen, or else the level nearest to it.
-// "About" means that the medians are within kAlikeFactor. For the default it means is_alike(), so
-// that a wide spread favours the default, but does not decide between other levels. `distance[i]`
-// ranks level i for step 4: 0 for the default, more for levels farther from it. Returns no value if
-// no level counts.
+// "About" means that the medians are within kAlikeFactor. For the default, "about" means
+// is_alike(). A wide spread thus favours the default, but does not decide between other levels.
+// `distance[i]` ranks level i for step 4: 0 for the default, more for levels farther from it.
+// Returns no value if no level counts.
 std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> levels,
                                         std::span<const std::size_t> distance, double enough);
 
@@ -42,8 +42,8 @@ std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> leve
 // level is on the front if no other level is clearly better.
 void judge(KnobResult& result);
 
-// Gives each knob with a Knob::decided_by the recommendation of that knob, if it is among the
-// results and has the same methods and levels.
+// A Knob::decided_by names another knob. If the other knob is among the results and has the same
+// methods and levels, its recommendation replaces the recommendation of the knob that names it.
 void reconcile(std::vector<KnobResult>& results);
 
 }  // namespace palpate

@@ -25,10 +25,10 @@ struct PresetOnScene {
   Spread p99_ns;
   Spread worst_ns;
   double iterations = 0.0;
-  std::uint64_t ticks = 0;  // in contact, of all repeats
+  std::uint64_t ticks = 0;  // ticks in contact, of all repeats
   std::uint64_t capped_ticks = 0;
-  // Distance between the proxy of this preset and that of the preset exact in the same tick, over
-  // all hands.
+  // The distance between the proxy of this preset and the proxy of the preset exact in the same
+  // tick, evaluated over all hands.
   double rms_error_m = 0.0;
   double p99_error_m = 0.0;
   double worst_error_m = 0.0;
@@ -51,10 +51,12 @@ struct RateTrial {
 };
 
 struct KeptRate {
-  std::vector<RateTrial> trials;  // in ascending order; above 1 kHz up to the first failure
-  double by_trial_Hz = 0.0;       // the highest rate that passed; 0 if none did
-  // 1 / (2 t), where one tick in a thousand takes longer than t. At this rate, half of the period
-  // is left for the device and the rest of the program.
+  // One element per rate tried, in ascending order. Above 1 kHz, the last element is the first rate
+  // that was not kept, if there is one.
+  std::vector<RateTrial> trials;
+  double by_trial_Hz = 0.0;  // the highest rate that passed; 0 if none did
+  // 1 / (2 t), where t is the time that one tick in a thousand exceeds. At the rate 1 / (2 t), half
+  // of the period is left for the device and the rest of the program.
   double by_computing_Hz = 0.0;
   std::string realtime_note;  // the real-time rights that the system did not grant
 
@@ -63,26 +65,27 @@ struct KeptRate {
 
 struct SceneAccuracy {
   std::array<PresetOnScene, 3> presets;  // fast, balanced, exact
-  int hands = 0;                         // different seeds
-  int repeats = 0;                       // of each preset
-  double seconds = 0.0;                  // of a hand
-  double contact_share = 0.0;            // of its ticks
-  double deepest_m = 0.0;                // the lag under exact that one tick in a hundred exceeds
-  double floor_m = 0.0;  // errors below it are meaningless: file_floor_m() of the scene
+  int hands = 0;                         // number of hands, each with its own seed
+  int repeats = 0;                       // number of repeats of each preset
+  double seconds = 0.0;                  // duration of the path of each hand
+  double contact_share = 0.0;            // share of the ticks in contact, over all hands
+  double deepest_m = 0.0;  // lag that one tick in a hundred exceeds, under the preset exact
+  double floor_m = 0.0;    // errors below it are meaningless: file_floor_m() of the scene
   KeptRate kept_rate;
 };
 
 // Simulated hands explore the scene with the settings of `setup` and the preset exact, and their
 // paths are recorded. Then each preset in turn replays these paths. Returns an error if no hand
-// touches the scene, if the rate of `setup` is not from 20 Hz to 20 kHz, or the errors of
-// explore(). Takes many seconds and starts haptic threads.
+// touches the scene or if the rate of `setup` is not from 20 Hz to 20 kHz. Also returns the errors
+// of explore(). Takes many seconds and starts haptic threads.
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
                                     const MeasurementEffort& effort,
                                     const MeasuringProgress& progress);
 
-// A knob that simplifies the scene itself: all surfaces as one mesh without effects, with a half of
-// the triangles, a quarter and so on. Returns no value if the scene has more triangles than
-// kMostSimplified or too few, or if it does not compile as one mesh; `why` then states the reason.
+// A knob that simplifies the scene itself. Its scenes have all surfaces as one mesh without
+// effects; this mesh has a half of the triangles, a quarter and so on. Returns no value if the
+// scene has more triangles than kMostSimplified or too few, or if it does not compile as one mesh;
+// `why` then states the reason.
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const MeasurementEffort& effort, std::string& why);
 

@@ -49,7 +49,7 @@ using OnContact = std::function<void(const TickRecord& record)>;
 PassCost run_pass(const ContactWorld& world, const PassSetup& setup, Device& device,
                   std::span<const double> dt_s, std::size_t lead_in, const OnContact& on_contact);
 
-// The same for a device that is at path_m[n] in tick n. Device frame, metres.
+// run_pass() for a device that is at path_m[n] in tick n. Device frame, metres.
 PassCost run_path(const ContactWorld& world, const PassSetup& setup, std::span<const Vec3> path_m,
                   double dt_s, std::size_t lead_in, const OnContact& on_contact);
 

@@ -17,8 +17,8 @@ struct SurfaceCoupling {
   std::string name;  // of the material, or "surfaces without their own"
   CouplingSettings coupling;
   // Largest curvature of the relief along the axes of the image, 1/m; 0 without a texture. A relief
-  // h(x) pressed to the depth d acts along the surface as a spring of K d h'', in addition to K: a
-  // wave of amplitude a and length L has a curvature of a (2 pi / L)^2.
+  // h(x) pressed to the depth d acts along the surface as a spring of K d h'', in addition to K.
+  // For a wave of amplitude a and length L, the curvature is a (2 pi / L)^2.
   double relief_per_m = 0.0;
 
   // The largest stiffness rendered at this depth.
@@ -28,11 +28,11 @@ struct SurfaceCoupling {
 };
 
 // The coupling of the loop first, then that of each material that declares a stiffness, a damping
-// or a texture. The full relief is considered, as for a hand at rest, because then no texel is
-// faded out. Force shading is not considered.
+// or a texture. The full relief is considered, because no texel is faded out for a hand that does
+// not move. Force shading is not considered.
 std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop);
 
-// The verdict on a coupling on a device.
+// The verdict on a coupling that is used with a device.
 struct CouplingVerdict {
   SurfaceCoupling surface;
   double effective_N_per_m =

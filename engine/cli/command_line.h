@@ -13,9 +13,9 @@ struct OptionSetting {
   std::optional<std::string> value;  // no value: the option is removed
 };
 
-// The arguments with each option in `changes` set to its value, or removed. Earlier settings of the
-// option, and of options that exclude it, are removed. Each of these options has one value, written
-// as in "--fit 0.2" or "--fit=0.2".
+// Returns the arguments in which each option in `changes` is set to its value, or is removed if it
+// has no value. Earlier settings of the option, and of options that exclude it, are removed. Each
+// of these options has one value, written as in "--fit 0.2" or "--fit=0.2".
 std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 

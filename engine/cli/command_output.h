@@ -20,17 +20,18 @@ int refuse(const Error& error);
 // Prints JSON on stdout. Bytes of a name that are not UTF-8 become replacement characters.
 void print(const nlohmann::ordered_json& json);
 
-// Flushes stdout and prints the warnings on stderr, one per line. Returns the exit code; lost
-// output, for example because of a full disk, is an error. Call it last, because a command that
-// fails prints only one line on stderr, the error.
+// Flushes stdout and prints the warnings on stderr, one per line. Returns the exit code. Lost
+// output (for example because of a full disk) counts as an error. Call it last, because a command
+// that fails prints only one line on stderr, and this line is the error.
 int finish_output(const std::vector<std::string>& warnings = {});
 
 // Returns an error if stdout is closed, is open for reading only, or is a full device. A disk may
 // still become full later.
 std::optional<Error> check_output();
 
-// A line of progress: label, bar, seconds done of total_s, and the share in percent. If the line
-// does not fit into `columns`, parts are left out; the share is kept longest.
+// A line of progress: label, bar, seconds done of total_s, and the completed share in percent. If
+// the line does not fit into `columns`, parts are left out, and the completed share is left out
+// last.
 std::string progress_line(const std::string& label, double share, double total_s,
                           std::size_t columns);
 

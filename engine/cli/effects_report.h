@@ -16,7 +16,8 @@ namespace palpate {
 
 // The keys effects, honoured, defaulted and not_understood of one declaration.
 nlohmann::ordered_json declaration_json(const DeclarationReport& declaration);
-// The same for each material, with its name and the unchanged parameters of its extras.
+// The keys of declaration_json() for each material, and also its name and the unchanged parameters
+// of its extras.
 nlohmann::ordered_json materials_json(const Scene& scene);
 nlohmann::ordered_json regions_json(const Scene& scene);
 // {"friction": {"ticks": n, "time_share": x}, ..., "a4": {"ticks": n}}. time_share is present only

@@ -12,8 +12,8 @@ namespace palpate {
 // scene file that has this form is replaced as well.
 std::string with_option_names(std::string text);
 
-// Returns the error with its texts changed in the same way. If its element is a field, the option
-// replaces the element.
+// Returns the error with its texts changed in the same way. If the element of the error is a field,
+// the option replaces it.
 Error with_option_names(Error error);
 
 }  // namespace palpate

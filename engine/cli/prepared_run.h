@@ -14,8 +14,8 @@ struct PreparedRun {
 };
 
 // Loads the scene and chooses the plane of a planar device. With --fit auto, a scene that does not
-// fit the workspace is scaled. Returns an error, which names the option to change, if the scene
-// does not fit.
+// fit the workspace is scaled. Returns an error if the scene does not fit; the error names the
+// option to change.
 Result<PreparedRun> prepare_run(const RunRequest& command);
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ enum class SignalPhase : std::uint8_t {
 // Call it once, at the start of the program; the phase is then kAtOnce. SIGINT and SIGTERM are
 // handled even if they are ignored at the start, as in background jobs of shells. A SIGHUP that is
 // ignored at the start stays ignored, as nohup requires. After the call, a write beyond the file
-// size limit fails and does not end the program.
+// size limit fails, but does not end the program.
 void install_signal_handlers();
 
 // Sets the phase during its lifetime; the destructor restores the previous phase.

@@ -20,9 +20,9 @@ struct RunAdvice {
 };
 
 // Tries other options in simulated time, in a fixed order: more time, a larger scene, a smaller
-// sphere, other planes, single nodes, another number of sensors, a larger workspace for parts that
-// are small compared with the press depth, and last the removal of the user's --place,
-// --plane-height and --actuated-axes. Returns the first options whose runs are comparable.
+// sphere, other planes, single nodes, another number of sensors, a larger workspace (for scenes
+// with parts that are small compared with the press depth), and last the removal of the user's
+// --place, --plane-height and --actuated-axes. Returns the first options whose runs are comparable.
 // Otherwise returns the options with which the proxy covered the largest share of the path, if this
 // share exceeds that of the original runs by 5 % of the path. A request to stop ends the search;
 // the result so far is returned. Not for the haptic thread.

@@ -22,7 +22,7 @@ struct RunRequest {
   ExplorationSettings exploration;
   std::string out_dir = "out";
   bool json = false;
-  std::vector<std::string> arguments;  // of the program, unchanged
+  std::vector<std::string> arguments;  // arguments of the program, unchanged
 
   // Whether the request includes the run with A4, or the run without A4.
   bool wants(bool with_a4) const {

@@ -38,7 +38,7 @@ void add_rotation(CLI::App& app, RunSettings& settings);
 void add_output(CLI::App& app, RunSettings& settings, bool& json);
 
 // Parses the texts and checks that all numbers are finite and in range. An Error names the option,
-// or the field of a setting, which option_names.h maps to its option.
+// or the field of a setting; option_names.h maps such a field to its option.
 Result<RunSetup> make_setup(const RunOptions& options);
 
 // Adds an option whose argument is one of a few words, each of which stands for a value. usual: the

@@ -1,6 +1,6 @@
 #pragma once
 
-// The options that select, scale and pose a scene, and its loading.
+// The options that select, scale and pose a scene, and the functions that load the scene.
 
 #include <optional>
 #include <string>
@@ -31,8 +31,8 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
 // Checks the options and loads the scene. An error names the option.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 
-// The same for a session. Also returns an error if an effect needs a higher tick rate, for example
-// a vibration whose frequency is half of the tick rate or more.
+// Checks the options and loads the scene for a session. Also returns an error if an effect needs a
+// higher tick rate, for example a vibration whose frequency is half of the tick rate or more.
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run);
 
 }  // namespace palpate

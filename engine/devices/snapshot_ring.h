@@ -35,8 +35,8 @@ class SnapshotRing {
     latest_.store(stamp, std::memory_order_release);
   }
 
-  // Copies the newest value to `value` and returns true. Returns false, with `value` unchanged, if
-  // no value was published yet or if the thread was suspended twice while the writer published
+  // Copies the newest value to `value` and returns true. Returns false and leaves `value` unchanged
+  // if no value was published yet or if the thread was suspended twice while the writer published
   // kSlots values.
   bool read(T& value) const noexcept {
     for (int attempt = 0; attempt < 2; ++attempt) {

@@ -47,16 +47,16 @@ struct ServoTiming {
 enum class PassivityBound : std::uint8_t {
   kSampling,  // the force held until the next sample generates energy
   kEncoder,   // rounded positions generate energy
-  kDamper     // the coupling's damping is not below the device's: no wall is passive
+  kDamper     // the coupling's damping is not below the device's, so no wall is passive
 };
 
 // "sampling", "encoder" or "damper".
 const char* name_of(PassivityBound bound);
 
-// A wall is passive if no motion of any hand extracts more energy from it than the hand put in;
-// this limit does not depend on the hand. A wall is stable if the device, released or held by the
-// given hand, comes to rest against it. Passivity is the stronger property. At a stiffness that
-// feels hard, most devices are stable but not passive.
+// A wall is passive if no motion of any hand extracts more energy from it than the hand put in. The
+// limit of passive walls therefore does not depend on the hand. A wall is stable if the device,
+// released or held by the given hand, comes to rest against it. Passivity is the stronger property.
+// At a stiffness that feels hard, most devices are stable but not passive.
 //
 // Symbols: K stiffness and B damping of the wall, b damping of the device, T period, d delay in
 // periods.
@@ -81,18 +81,18 @@ struct StabilityLimits {
   // includes the damping of the hand.
   double stable_first_order_N_per_m = 0.0;
 
-  // A wall at exactly the limit is still passive: for B = 0 and d = 0, a tick in which the device
-  // moves by dx generates at most K |dx|^2 / 2, and the device dissipates b |dx|^2 / T, which
-  // is at least as much.
+  // A wall at exactly the limit is still passive. Consider a tick in which the device moves by dx,
+  // with B = 0 and d = 0: the wall generates at most K |dx|^2 / 2, and the device dissipates at
+  // least as much, namely b |dx|^2 / T.
   bool is_passive(double stiffness_N_per_m) const {
     return passivity_bound != PassivityBound::kDamper && stiffness_N_per_m <= passive_N_per_m;
   }
   bool is_stable(double stiffness_N_per_m) const { return stiffness_N_per_m < stable_N_per_m; }
 };
 
-// Computes the limits of a wall with this damping. The velocity for the damping is the position's
-// change over the last tick divided by T, as in VirtualCoupling by default. An Error names the
-// number that is out of range. Not for the haptic thread. Thread-safe.
+// Computes the limits of a wall with this damping. The damping acts on the velocity that
+// VirtualCoupling uses by default: the position's change over the last tick, divided by T. An Error
+// names the number that is out of range. Not for the haptic thread. Thread-safe.
 Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
                                          double coupling_damping_Ns_per_m,
                                          const ServoTiming& timing);

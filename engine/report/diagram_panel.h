@@ -31,8 +31,8 @@ struct PanelPlace {
 };
 
 // The colour, the point symbol and the complete gnuplot style of the n-th curve (n = 0, 1, ...).
-// The symbol is gnuplot's number of the filled symbol; the number before it is that of the open
-// symbol.
+// The point symbol is a number of gnuplot. This number stands for the filled symbol, and the number
+// before it for the open symbol.
 const char* curve_colour(std::size_t curve);
 int curve_point(std::size_t curve);
 std::string curve_style(std::size_t curve);

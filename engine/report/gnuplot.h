@@ -13,8 +13,8 @@ namespace palpate {
 // neither terminal nor output. Texts are UTF-8 and literal: no character in them is markup. The
 // user's gnuplot settings have no effect. Temporary files never have a name.
 //
-// Returns an error, with gnuplot's message, if gnuplot is not installed or does not draw. Blocks
-// until gnuplot exits; not for the haptic thread.
+// Returns an error if gnuplot is not installed or does not draw; the error contains gnuplot's
+// message. Blocks until gnuplot exits; not for the haptic thread.
 Result<std::string> gnuplot_svg(const std::string& script, int width_px, int height_px,
                                 int font_px);
 
@@ -22,8 +22,8 @@ Result<std::string> gnuplot_svg(const std::string& script, int width_px, int hei
 // become spaces; bytes that are not UTF-8 become "?".
 std::string gnuplot_quoted(std::string_view text);
 
-// The same for a tick label. In a tick label, a percent sign is also escaped, because gnuplot would
-// interpret it as a format.
+// A gnuplot string literal for a tick label. It also escapes percent signs, because gnuplot
+// interprets a percent sign in a tick label as a format.
 std::string gnuplot_tick(std::string_view text);
 
 }  // namespace palpate

@@ -35,8 +35,8 @@ class OutputFiles {
   // The path at which to write the file of this name, which must be one of the names of create().
   std::string path(const std::string& name) const;
 
-  // Returns the error that writing such a file gave, with the path replaced by the file's final
-  // path.
+  // error: an error from writing one of these files. Returns this error with the file's final path
+  // instead of its path in the hidden folder.
   Error in_place(Error error) const;
 
   // Moves the files into place. If this fails, the previous files are kept or restored. Call it

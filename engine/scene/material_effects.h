@@ -24,7 +24,7 @@ struct HonouredParameter {
   std::string source;   // "extras.palpate", "KHR_physics_rigid_bodies", "MPEG_haptic_material",
                         // "glTF" or "override"
   std::string element;  // JSON path, or "`SceneSettings::overrides` NAME.key"
-  bool is_off = false;  // the value, such as 0, switches its effect off
+  bool is_off = false;  // true: the value (for example 0) switches its effect off
 };
 
 // A default value, used because a needed value was not declared.
@@ -53,10 +53,10 @@ struct MaterialReport {
 // All declarations that affect the contact forces of some triangles.
 struct MaterialSources {
   const MaterialDescription* material;  // an empty description for triangles without a material
-  const PhysicsMaterialDescription* physics = nullptr;  // of the node; null if the node has none
+  const PhysicsMaterialDescription* physics = nullptr;  // physics material of the node; null: none
   std::string physics_element = {};                     // JSON path of `physics`
-  const HapticMaterialDescription* haptic = nullptr;    // of the mesh; null if the mesh has none
-  double scale = 1.0;                                   // of the scene; multiplies all lengths
+  const HapticMaterialDescription* haptic = nullptr;    // haptic material of the mesh; null: none
+  double scale = 1.0;  // scale of the scene; multiplies all lengths
 };
 
 struct MaterialEffects {
@@ -87,8 +87,8 @@ struct MaterialEffects {
 // that has the wrong type, is out of range or is not one of the choices; values that contradict
 // each other; a value without another value that it requires; an effect that is not in this build;
 // an unknown key in an override (--material). Unknown keys in a file and unused maps are reported
-// as not understood, without an error. Maps of an effect that is off are reported as honoured, with
-// is_off. Thread-safe.
+// as not understood, without an error. If an effect is off, its maps are reported as honoured, and
+// is_off is set. Thread-safe.
 Result<MaterialEffects> material_effects(const MaterialSources& sources);
 
 inline constexpr double kMapFriction = 1.0;  // 1: the map contains the coefficients themselves
@@ -104,7 +104,7 @@ std::optional<std::uint16_t> effect_number(std::string_view name);
 struct EffectKeyName {
   std::string_view key;
   std::string_view effect;
-  bool zero_is_none = true;  // the value 0 is accepted even without the effect
+  bool zero_is_none = true;  // the value 0 is accepted even if the effect is not in this build
 };
 std::span<const EffectKeyName> effect_key_names();
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Parameters of materials, of the scene and of nodes, as files and command lines give them: their
-// source, their text, and checks of their values.
+// Handles the parameters of materials, of the scene and of nodes, which come from files and command
+// lines: states their source and their text, and checks their values.
 
 #include <string>
 #include <string_view>
@@ -29,7 +29,7 @@ std::string value_text(const MaterialValue& value);
 Error error_at(const std::string& owner, const MaterialParameter& parameter, std::string problem,
                std::string hint = "");
 
-// The same for a wrong value, e.g. "stiffness is -1; expected a number from 0 to 1e+06 N/m".
+// error_at() for a wrong value, e.g. "stiffness is -1; expected a number from 0 to 1e+06 N/m".
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
                       const std::string& expected);
 
@@ -37,8 +37,8 @@ Error parameter_error(const std::string& owner, const MaterialParameter& paramet
 Error not_built_error(const std::string& owner, const MaterialParameter& parameter,
                       std::string_view effect);
 
-// The number that the effect stores for a value; for a choice, its index in ParameterKey::choices.
-// Returns a parameter_error() if the value is not allowed.
+// The number that the effect stores for a value. For a choice, this number is the index of the
+// choice in ParameterKey::choices. Returns a parameter_error() if the value is not allowed.
 Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
                               const ParameterKey& key);
 

@@ -28,7 +28,7 @@ struct MemorySources {
 // The default limit is half of the free memory. The free memory is the least of three amounts:
 // - the memory that the machine has available (MemAvailable);
 // - the memory left in the control groups of the process and in all their parent groups (cgroup
-//   version 1 or 2); file cache counts as free memory;
+//   version 1 or 2), where file cache counts as free memory;
 // - the memory left under the limits of the process (ulimit -v and -d).
 MemoryLimit default_memory_limit(const MemorySources& sources = {});
 
@@ -45,8 +45,9 @@ inline std::uint64_t text_bytes(const std::string& text) {
 // Heap memory of a description, in bytes.
 std::uint64_t memory_bytes(const SceneDescription& description);
 
-// The memory need of several jobs together. At most `at_once` of the jobs run at the same time. All
-// results are kept; the temporary memory is that of the `at_once` jobs that need most of it.
+// The memory need of several jobs together. At most `at_once` of the jobs run at the same time. The
+// sum includes the results of all jobs, because all results are kept. It includes the temporary
+// memory of those `at_once` jobs that need the most temporary memory.
 MemoryNeed sum_of(std::vector<MemoryNeed> needs, std::size_t at_once);
 
 }  // namespace palpate

@@ -11,8 +11,8 @@
 namespace palpate {
 
 // Merges the reports of one material that is combined with several physics or haptic materials.
-// Equal lines are kept once. Sets of the kept lines make the search for equal lines fast, because a
-// file can contain many physics materials.
+// Equal lines are kept once. A file can contain many physics materials; the kept lines are
+// therefore also stored in sets, in which the search for an equal line is fast.
 class MergedReport {
  public:
   void append(const MaterialReport& more, MaterialReport& report);

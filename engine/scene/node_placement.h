@@ -9,8 +9,9 @@ namespace palpate {
 
 // The linear part of a node transform, factored as linear = R S.
 struct NodePlacement {
-  Mat3 deformation;  // S, scale and shear: symmetric; negative definite for a mirror, else positive
-  Quat rotation;     // R
+  // S: scale and shear. Symmetric; negative definite for a mirror, otherwise positive definite.
+  Mat3 deformation;
+  Quat rotation;  // R
 };
 
 // Polar decomposition of the linear part of a node transform. The decomposition of a diagonal

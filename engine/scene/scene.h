@@ -28,13 +28,13 @@ namespace palpate {
 // Settings for loading and compiling a scene. The caller sets scale or fit_size_m, not both. The
 // caller also checks these two values, because load() and compile() do not.
 struct SceneSettings {
-  double proxy_radius_m = 0.0;  // of the largest proxy that will touch the scene
+  double proxy_radius_m = 0.0;  // radius of the largest proxy that will touch the scene
   std::string node = {};        // compile only this node's subtree (find_node); empty: all nodes
   double scale = 1.0;           // scales the whole scene about its origin; > 0
   double fit_size_m = 0.0;      // if > 0, the scene is scaled to this largest extent
-  std::vector<MaterialOverride> overrides = {};  // override values of the file; load() only
-  // load() only: an animation and a time, "NAME@SECONDS" or "#number@SECONDS" (GltfPose::choose).
-  // Empty: the rest pose of the file.
+  std::vector<MaterialOverride> overrides = {};  // replace values of the file; used by load() only
+  // An animation and a time, "NAME@SECONDS" or "#number@SECONDS" (GltfPose::choose). Empty: the
+  // rest pose of the file. Used by load() only.
   std::string pose = {};
   // Limit on the memory used for loading; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
@@ -60,7 +60,7 @@ struct SceneStatistics {
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;
-  MemoryBreakdown memory;  // memory by purpose, in bytes
+  MemoryBreakdown memory;  // one entry per purpose, in bytes
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };
@@ -90,7 +90,7 @@ class Scene {
   // (scene_effects.h).
   //
   // Every step computes its memory need before it allocates. The error is kLimitExceeded if the
-  // need exceeds the rest of the memory limit, and kOutOfMemory if an allocation fails.
+  // need exceeds what is left of the memory limit. It is kOutOfMemory if an allocation fails.
   static Result<Scene> compile(SceneDescription description, const SceneSettings& settings = {});
 
   const ContactWorld& world() const { return world_; }
@@ -109,11 +109,11 @@ class Scene {
   }
   // Reports how the declarations were applied.
   const SceneEffectsReport& effects() const { return effects_; }
-  // The calls of world().effects, by material.
+  // The effect calls in the tables of world().effects, grouped by material.
   const std::vector<MaterialCalls>& material_calls() const { return material_calls_; }
   // The material of a face of an object's mesh: an index into materials(). If equal triangles were
-  // merged into one face, the face has the material of the first of them. Logarithmic in the
-  // primitives of the mesh.
+  // merged into one face, the face has the material of the first of them. The time is logarithmic
+  // in the number of primitives of the mesh.
   std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
   // The haptic material of an object: an index into haptic_materials().
   std::optional<std::uint32_t> haptic_material(std::size_t object) const {
@@ -123,8 +123,8 @@ class Scene {
   // Maps the frame of an object's mesh to its body frame, in units of the body. Contains the
   // node's stretch and shear.
   AffineMap map_body_mesh(std::size_t object) const;
-  // The same map in metres, including the node's scale and mirror:
-  // p_scene = T_scene_body.point(deformation(object)(p_mesh)).
+  // The map from the frame of an object's mesh to its body frame in metres. It includes the node's
+  // scale and mirror: p_scene = T_scene_body.point(deformation(object)(p_mesh)).
   AffineMap deformation(std::size_t object) const;
   // Appends all triangles, node by node, in the scene frame. For slicing and pictures, not for
   // haptics.
@@ -172,11 +172,11 @@ class Scene {
                                const RigidTransform& T_scene_body) const;
 
   MemoryLedger* ledger_ = nullptr;     // only during compile()
-  std::vector<WeldedSurface> welded_;  // by mesh, only during compile()
+  std::vector<WeldedSurface> welded_;  // one per mesh; only during compile()
   std::vector<SurfaceMesh> meshes_;
-  std::vector<MeshParts> parts_;  // by mesh
+  std::vector<MeshParts> parts_;  // one per mesh
   std::vector<IndexShape> shapes_;
-  std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // by shape
+  std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // one per shape
   std::vector<SceneObject> objects_;
   std::vector<IndexUse> use_of_object_;
   std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()

@@ -16,9 +16,10 @@ namespace palpate {
 std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes);
 
 // The bounding box of all nodes in the scene frame, in metres. The vertices of each node determine
-// the box, with two exceptions. A node is skipped if its own box lies inside the bounds found so
-// far; of ten thousand instances, most are skipped. If the vertices of a node would exceed the
-// limit kMostExactVertices on all vertices examined, the box of the node is used instead.
+// the box, with two exceptions. First, a node is skipped if its own box lies inside the bounds
+// found so far; of ten thousand instances, most are skipped. Second, the box of a node is used
+// instead of its vertices if, with them, more than kMostExactVertices vertices would be examined in
+// total.
 Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
                     const std::vector<NodeDescription>& nodes);
 

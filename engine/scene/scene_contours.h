@@ -28,10 +28,10 @@ inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 28;
 // For each axis, cuts all nodes by the plane perpendicular to this axis through the centre of the
 // scene's bounding box. A curve ends at the boundary of its node, as in plane_section() and in
 // `palpate run`. Media are not cut. Returns no value if more than most_faces faces would have to be
-// examined, counting each face once for each node and plane; only scenes with many instances reach
-// this limit.
+// examined. A face counts once for each node and plane. Only scenes with many instances reach this
+// limit.
 //
-// Uses memory for one mesh and for the cut faces of one node at a time. For load time, not for the
+// At any time, only one mesh and the cut faces of one node need memory. For load time, not for the
 // haptic thread. Thread-safe.
 std::optional<std::array<SceneContour, 3>> scene_contours(
     const Scene& scene, std::size_t most_faces = kMostContourFaces);

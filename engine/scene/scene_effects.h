@@ -52,7 +52,7 @@ struct SceneEffectsReport {
 
 // The calls of the effect program that belong to a material. material_tuner.h uses them.
 struct MaterialCalls {
-  std::string material;  // its name
+  std::string material;  // name of the material
   std::vector<std::uint32_t> calls;
 };
 
@@ -64,7 +64,7 @@ struct EffectDeclarations {
   std::span<const ImageDescription> images;
   const MaterialDescription* scene_parameters;
   std::span<const RegionDescription> regions;  // already scaled by `scale`
-  double scale = 1.0;                          // of the scene
+  double scale = 1.0;                          // scale of the scene
 };
 
 // The surface of a node: its materials, its shape and its pose.
@@ -91,15 +91,15 @@ struct SceneEffectsResult {
 };
 
 // Compiles the effects of a scene. The caller first calls material_set() for every node and then
-// compile(). For load time only. The errors are those of material_effects() and surroundings.h;
-// they name the node if the error depends on the node.
+// compile(). For load time only. The errors are those of material_effects() and surroundings.h; an
+// error names the node if it depends on the node.
 class SceneEffects {
  public:
   SceneEffects(const EffectDeclarations& declarations, std::span<const MeshParts> meshes);
 
-  // Returns the number of the material set of a node. A material set lists, for each part of the
-  // mesh, the combination of its materials with this physics material. Equal sets have the same
-  // number.
+  // Returns the number of the material set of a node. A material set has one entry for each part of
+  // the mesh: the combination of the part's materials with this physics material. Equal sets have
+  // the same number.
   Result<std::size_t> material_set(const std::string& node, std::size_t mesh,
                                    std::optional<std::uint32_t> physics_material);
   // False: nodes with this material set bound a medium and are not bodies of the world.
@@ -118,7 +118,7 @@ class SceneEffects {
     std::vector<std::uint32_t> places;  // indices of its calls among the calls of surroundings
   };
   struct MaterialSet {
-    std::vector<std::size_t> combinations;  // by part
+    std::vector<std::size_t> combinations;  // one per part
     bool is_solid = true;
   };
   using MaybeError = std::optional<Error>;

@@ -45,9 +45,9 @@ struct Seams {
 
 // Joins coinciding vertices of different surfaces. Two vertices coincide if their distance is at
 // most the sum of the bounds on their rounding errors (see the .cpp). Joined vertices get the
-// position of the vertex whose surface has the lowest number. Of each surface, at most one vertex
-// is joined at a place: the nearest one. At least one of the joined vertices must lie on the
-// boundary of its mesh; closed surfaces and separate surfaces are left alone.
+// position of the vertex whose surface has the lowest number. At each place, at most one vertex of
+// a surface is joined, namely the vertex nearest to the place. At least one of the joined vertices
+// must lie on the boundary of its mesh; closed surfaces and separate surfaces are left alone.
 //
 // anchor_scene_m: the origin of the solver frame. size_m: the largest extent of the scene.
 //

@@ -23,7 +23,7 @@ namespace palpate {
 // so that the mesh has size 1. Therefore the rounding to single precision does not depend on the
 // unit of length of the mesh, and the scaling itself rounds no coordinate. If all nodes deform a
 // mesh in the same way, apart from the size, the index contains the deformed mesh. If a body is
-// tiny relative to the scene, its index has a longer unit; otherwise the scene, measured in this
+// tiny relative to the scene, its index has a longer unit, because the scene, measured in the usual
 // unit, would exceed the range of single precision.
 struct IndexShape {
   std::uint32_t mesh;
@@ -31,7 +31,7 @@ struct IndexShape {
   double sweep_radius = 0.0;  // largest sweep radius of a query, in units of the index
 };
 
-// The index that a node uses, and the transform from index frame to body frame: see ContactBody.
+// The index that a node uses, and the transform from index frame to body frame (see ContactBody).
 struct IndexUse {
   static constexpr std::uint32_t kNoStretch = ~std::uint32_t{0};
 
@@ -42,21 +42,23 @@ struct IndexUse {
 
 // Plans all indices before any of them is built.
 //
-// If the proxy is a point, uniformly scaled and mirrored nodes of a mesh share one index, as do
-// nodes stretched by at most Stretch::kMostRatio. If the proxy is a sphere, its radius is part of
-// the boxes in an index; nodes whose scales lie between the same two powers of two share an index,
-// which is built for the smallest of these scales, and each different stretch has its own index.
+// If the proxy is a point, the following nodes of a mesh share one index: nodes that are uniformly
+// scaled or mirrored, and nodes that are stretched by at most Stretch::kMostRatio. If the proxy is
+// a sphere, its radius is part of the boxes in an index. Nodes then share an index if their scales
+// lie between the same two powers of two; the index is built for the smallest of these scales. Each
+// different stretch then has its own index.
 //
 // Call examine() for all nodes first, then use() for all nodes.
 class IndexSharing {
  public:
   // boxes: the bounding boxes of the meshes. meshes and boxes must outlive this object.
-  // sweep_radius_m: for a sphere; 0 for a point. size_m: the largest extent of the scene.
+  // sweep_radius_m: the sweep radius for a sphere proxy; 0 for a point proxy. size_m: the largest
+  // extent of the scene.
   IndexSharing(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
                double sweep_radius_m, double size_m);
 
   void examine(std::uint32_t mesh, const NodePlacement& placement);
-  // O(log n).
+  // Takes O(log n).
   IndexUse use(std::uint32_t mesh, const NodePlacement& placement);
 
   std::vector<IndexShape> take_shapes() { return std::move(shapes_); }

@@ -35,7 +35,7 @@ class MeshParts {
   // The distinct materials of the faces. Contains a single element without a value if the mesh has
   // no faces or declares no material. A part is an index into this list.
   const std::vector<std::optional<std::uint32_t>>& materials() const { return materials_; }
-  std::size_t part_of_face(std::size_t face) const;  // logarithmic in the primitives
+  std::size_t part_of_face(std::size_t face) const;  // time: logarithmic in the primitives
   std::optional<std::uint32_t> haptic_material() const { return haptic_material_; }
   std::size_t memory_bytes() const;
 
@@ -54,7 +54,7 @@ class MeshParts {
   };
 
   std::vector<std::optional<std::uint32_t>> materials_;
-  std::vector<FaceRun> runs_;  // in ascending order; a run ends where the next one begins
+  std::vector<FaceRun> runs_;  // in ascending order; each run ends where the next one begins
   std::optional<std::uint32_t> haptic_material_;
   std::vector<Triangle> triangles_;
   std::vector<std::array<double, 2>> texture_uv_;
@@ -103,8 +103,8 @@ std::size_t memory_bytes(const SurfaceAttributes& attributes);
 SurfaceIndex part_index(const PartedSurface& surface, std::size_t part);
 
 // Limit on the texels of all height maps of a scene, not counting their pyramids, which add a
-// third. A map with its pyramid needs 16/3 bytes per texel; the conversion of a normal map needs 28
-// more bytes per texel for a time. An image counts once for each map made from it.
+// third. A map with its pyramid needs 16/3 bytes per texel; the conversion of a normal map
+// temporarily needs 28 more bytes per texel. An image counts once for each map made from it.
 inline constexpr std::uint64_t kMostMapTexels = std::uint64_t{1} << 25;
 
 // Makes height maps from the images of a scene, each map once. Values range from 0 to 1. The value
@@ -119,9 +119,9 @@ class HeightMapMaker {
                  std::uint64_t most_texels = kMostMapTexels)
       : images_(images), maps_(maps), most_texels_(most_texels) {}
 
-  // Returns an error, without an element, if the referenced texture has no image that can be read
-  // (kUnsupported) or if the maps would exceed the limit on texels (kLimitExceeded; the map is not
-  // made).
+  // Returns kUnsupported if the referenced texture has no image that can be read. Returns
+  // kLimitExceeded, and does not make the map, if the maps would exceed the limit on texels. These
+  // errors have no element.
   Result<const HeightMap*> grey(const TextureReference& reference);
   Result<const HeightMap*> from_normals(const TextureReference& reference);
 
@@ -135,7 +135,7 @@ class HeightMapMaker {
   std::span<const ImageDescription> images_;
   std::deque<HeightMap>& maps_;
   std::uint64_t most_texels_;
-  std::uint64_t texels_ = 0;  // of all maps made so far
+  std::uint64_t texels_ = 0;  // texels of all maps made so far
   std::map<Key, const HeightMap*> made_;
 };
 

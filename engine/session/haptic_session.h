@@ -80,8 +80,8 @@ class HapticSession {
   std::optional<std::string> start();
 
   // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
-  // last tick. late_ns: how long ago this tick was due, for the record. If the force is not finite,
-  // commands zero force and sets kFaultNonFiniteForce.
+  // last tick. late_ns: how long ago this tick was due; it is stored in the record. If the force is
+  // not finite, commands zero force and sets kFaultNonFiniteForce.
   void tick(double dt_s, std::int64_t late_ns = 0) noexcept;
 
   // Commands zero force and stops the device. Does nothing if the session is not running.

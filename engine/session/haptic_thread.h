@@ -19,7 +19,7 @@ struct HapticThreadSettings {
 // The result of starting a haptic thread: whether the device started, and the real-time scheduling
 // granted by the operating system.
 struct RealtimeStatus {
-  std::string device_problem;  // why the device did not start and no thread runs; else empty
+  std::string device_problem;  // why the device did not start; no thread runs. Empty: started
   bool fifo_priority = false;  // SCHED_FIFO
   bool locked_memory = false;  // no page of the process can be swapped out
   std::string explanation;     // one line: refused requests and remedies; empty if none was refused

@@ -38,10 +38,10 @@ class MaterialTuner final : public BeforeTick {
   // (creaseAngle, solid). Allocates: call it before the session starts.
   Result<std::size_t> add(const std::string& material, const std::string& key);
 
-  // Sets a value, in the unit of the key as in a file; for a choice, the index of the choice.
-  // Returns an error and changes nothing if the value is out of range or contradicts the last
-  // values of the other parameters of the effect. Only one thread at a time may call set(), for all
-  // handles together. Wait-free, except that an error allocates.
+  // Sets a value. Its unit is the unit of the key in a file; the value of a choice is the index of
+  // the choice. Returns an error and changes nothing if the value is out of range or contradicts
+  // the last values of the other parameters of the effect. Only one thread at a time may call
+  // set(), even if the handles differ. Wait-free, except that an error allocates.
   std::optional<Error> set(std::size_t handle, double value);
 
   // Called on the haptic thread before a tick.

@@ -48,7 +48,7 @@ class NodeMotions final : public WorldMover {
 
   struct MovableNode {
     std::uint32_t tree_node;
-    std::uint32_t end;            // of its subtree
+    std::uint32_t end;            // end of its subtree
     RigidTransform T_scene_rest;  // the last valid pose
     bool has_moved = false;
     std::unique_ptr<SnapshotRing<PoseNumbers>> mailbox;

@@ -18,8 +18,8 @@ namespace palpate {
 // The settings of a run. make_setup() checks them.
 struct RunSettings {
   int sensors = 3;
-  // No value: the size of actuated_axes, or default_actuators if that list is empty; in both cases
-  // at most `sensors`.
+  // The number of actuators. If there is no value, it is the size of actuated_axes, or
+  // default_actuators if that list is empty; in both cases it is at most `sensors`.
   std::optional<int> actuators;
   int default_actuators = 3;
   std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
@@ -28,13 +28,14 @@ struct RunSettings {
   Table1Form table1 = Table1Form::kCorrected;
   StepRule a4_step = StepRule::kExact;
   Accuracy accuracy;
-  std::optional<std::int64_t> work_budget = {};  // haptics/proxy/work.h; no value: that of accuracy
+  // See haptics/proxy/work.h. No value: the work budget of `accuracy`.
+  std::optional<std::int64_t> work_budget = {};
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
   double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
   VelocityMethod velocity_estimator = VelocityMethod::kDifference;
   int velocity_window_ticks = 1;
-  std::optional<double> encoder_quantum_m;  // of the device, and for the adaptive estimator
+  std::optional<double> encoder_quantum_m;  // quantum of the device and of the adaptive estimator
   double radius_m = 0.0;
   std::optional<double> plane_height_m;  // for a planar device; no value: chosen by the run, or 0
   ScenePose place;                       // T_device_scene at the start

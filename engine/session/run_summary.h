@@ -29,7 +29,7 @@ struct RunSummary {
   double mean_penetration_m = 0.0;
   double max_penetration_m = 0.0;
   double mean_contact_angle_deg = 0.0;
-  double share_within_30deg = 0.0;      // of contact ticks; Barbagli & Salisbury's limit
+  double share_within_30deg = 0.0;      // share of contact ticks; Barbagli & Salisbury's limit
   std::uint64_t losses_of_contact = 0;  // transitions from contact to no contact, not debounced
   std::uint64_t longest_gap_ticks = 0;  // longest interval without contact after the first contact
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device

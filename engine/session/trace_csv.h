@@ -19,8 +19,8 @@ namespace palpate {
 
 // The header line of a trace: the column names, joined by commas. Each number of each field in
 // kRecordFields has one column. The order of the columns differs from that of the fields: new
-// columns are always added at the end. Angles are in degrees. Faults and effects are names,
-// joined by "+", or an empty field if there are none. The friction state is a name.
+// columns are always added at the end. Angles are in degrees. Faults are written as names joined by
+// "+", and so are effects; the field is empty if there are none. The friction state is a name.
 const std::string& trace_columns();
 
 // Writes a trace: trace_columns(), then one line per record (CsvLines). Equal records give equal

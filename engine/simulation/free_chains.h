@@ -19,7 +19,8 @@ struct ChainPoint {
 };
 
 struct FreeChain {
-  std::vector<ChainPoint> points;  // the last point of an open chain names its last segment
+  // In an open chain, the last point names the chain's last segment.
+  std::vector<ChainPoint> points;
   bool closed;
   bool has_two_sides;  // all its pieces belong to open curves
   bool is_sheet;       // its first piece has no solid behind it
@@ -43,8 +44,8 @@ struct FreeChains {
 // one of its sides is a front, forms separate chains.
 //
 // The chains are in the order of the curves. All curves must lie in one plane. Allocates; O(n log
-// n) for n segments if each meets few others and no axis-parallel line crosses many of them.
-// Deterministic.
+// n) for n segments if each segment meets few others and no axis-parallel line crosses many of
+// them. Deterministic.
 FreeChains free_chains(const std::vector<Polyline>& curves, const Vec3& plane_normal);
 
 }  // namespace palpate

@@ -30,12 +30,12 @@ struct HandPath {
   std::vector<double> lengths_m() const;
 };
 
-// The same path with the walls touched from behind.
+// Returns `path` with its walls touched from behind.
 HandPath other_side(HandPath path);
 
-// A simpler path: one leg replaces several if all points between its ends are within tolerance_m of
-// it and the path does not turn back; the wall of the new leg is the mean of their walls. Turns are
-// kept.
+// A simpler path. One leg replaces several if all points between its ends are within tolerance_m of
+// it and the path does not turn back. The wall of the new leg is the mean of the walls of the legs
+// that it replaces. Turns are kept.
 HandPath simplified(const HandPath& path, double tolerance_m);
 
 // Points at equal distances of at most spacing_m along the path, including both ends.

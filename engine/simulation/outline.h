@@ -17,8 +17,9 @@ struct Outline {
 
 // The outlines of the union of the regions that the curves enclose, as free_chains() defines it.
 // Parts inside other solids are left out; where one curve enters the solid of another, the outline
-// continues along the other curve. A curve that meets no other is unchanged. Open ends, for example
-// where parts do not quite meet, are joined if they are nearer than small_m, nearest pairs first.
+// continues along the other curve. A curve that meets no other is unchanged. Two open ends, for
+// example where parts do not quite meet, are joined if they are nearer to each other than small_m;
+// the nearest pairs are joined first.
 //
 // The result is sorted, longest first, ties in the order of the curves. Returns no value if so many
 // curves cross each other that planar_pieces() gives up. All curves lie in one plane. Allocates;

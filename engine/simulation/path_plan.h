@@ -13,8 +13,8 @@ namespace palpate {
 
 struct PathPlanSettings {
   double press_depth_m = 4e-3;  // depth of the hand's target inside the wall: about 0.5 N
-  double approach_s = 1.0;      // from free space to the wall
-  double follow_s = 27.0;       // to the end of the path
+  double approach_s = 1.0;      // duration of the motion from free space to the wall
+  double follow_s = 27.0;       // duration of the motion along the path
   // The hand observes its position along the path and corrects for lag, for example the lag from
   // the sideways push of an under-actuated device. It does not correct the lag in depth, which the
   // wall causes.
@@ -22,11 +22,11 @@ struct PathPlanSettings {
   double max_correction_m = 12e-3;
   double lift_speed_m_per_s = 0.06;
   double patience_s = 1.0;
-  double least_ease = 0.0;  // least share by which the hand reduces its press depth
+  double least_ease = 0.0;  // the hand reduces its press depth by at least this share
 };
 
-// In units of the press depth: the distance in front of the path at which the hand rests; the size
-// of the details of a path that the hand ignores.
+// Two lengths, in units of the press depth. kRestsInFront: the distance in front of the path at
+// which the hand rests. kSmallForHand: the size of the details of a path that the hand ignores.
 inline constexpr double kRestsInFront = 2.0;
 inline constexpr double kSmallForHand = 0.25;
 
@@ -38,15 +38,15 @@ enum class PathSides : std::uint8_t { kFront, kEither, kWhereFree };
 // Properties of a path that the hand must know.
 struct PathFacts {
   double room_m = 0.0;  // clearance in front of the path, where the hand rests and lifts to
-  bool slips_off_at_ends =
-      false;  // an open contour: the hand first touches it a little after its start
+  // True for an open contour, which the hand first touches a little after its start.
+  bool slips_off_at_ends = false;
   PathSides sides = PathSides::kFront;
   bool may_cross_itself = false;  // distant parts of the path may be near each other
-  double proxy_radius_m =
-      0.0;  // radius of a sphere, whose centre stays this far in front of the path
+  // The radius of a sphere proxy; its centre stays this far in front of the path.
+  double proxy_radius_m = 0.0;
 };
 
-// A hand that follows a path over the displayed scene: the path is fixed to the scene and moves
+// A hand that follows a path over the displayed scene. The path is fixed to the scene and moves
 // with it. The hand's target is press_depth_m inside the wall that it follows (TargetTrack).
 //
 // The hand observes the proxy. The hand waits if it gets too far ahead of the proxy. At a sharp
@@ -78,7 +78,7 @@ class PathPlan final : public HandPlan {
     Vec3 from_m = Vec3::Zero();
     double travelled_m = 0.0;  // travelled since from_m
     double speed_m_per_s = 0.0;
-    double begins_along_m = 0.0;  // along the path
+    double begins_along_m = 0.0;  // lengths along the path at which the detour begins and ends
     double ends_along_m = 0.0;
 
     void add(const Vec3& p_m) { points_m[count++] = p_m; }
@@ -116,10 +116,10 @@ class PathPlan final : public HandPlan {
 
   PathPlanSettings settings_;
   PathFacts facts_;
-  std::vector<HandPath> paths_;  // by side
+  std::vector<HandPath> paths_;  // one per side
   std::vector<TargetTrack> tracks_;
-  std::vector<double> length_m_;  // of the path, up to each point
-  std::vector<double> turns_m_;   // along the path, where the hand takes a new heading
+  std::vector<double> length_m_;  // length of the path up to each point
+  std::vector<double> turns_m_;   // places along the path where the hand takes a new heading
   Vec3 start_m_;
 
   bool is_behind_ = false;  // the hand follows the second side
@@ -131,7 +131,7 @@ class PathPlan final : public HandPlan {
   double last_time_s_ = 0.0;
 
   std::size_t wall_ = 0;        // current wall of the proxy
-  double proxy_along_m_ = 0.0;  // along the path
+  double proxy_along_m_ = 0.0;  // the proxy's place along the path
   double waited_s_ = 0.0;
   double waited_at_m_ = 0.0;
   double lift_step_m_ = 0.0;

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-// The least share of the run in contact. If the share is smaller, means over the ticks in contact
-// are not printed, and the run is not comparable.
+// The least share of the run's ticks that must be in contact. If the share is smaller, averages
+// over the ticks in contact are not printed, and the run is not comparable.
 inline constexpr double kLeastContactShareOfMeans = 0.05;
 
 // The least share of the contour, or of the places, that the proxy must cover.
@@ -24,8 +24,8 @@ inline constexpr double kLongestGapShare = 0.1;
 // The reason why a run is not comparable with others.
 enum class Shortfall : std::uint8_t { kNeverTouched, kLittleContact, kLostContact, kLittleWay };
 
-// The shortfalls of a run; empty for a comparable run. For a run that never touched a surface, only
-// kNeverTouched.
+// The shortfalls of a run; empty for a comparable run. The only shortfall of a run that never
+// touched a surface is kNeverTouched.
 std::vector<Shortfall> shortfalls(const ExplorationRun& run);
 
 inline bool is_comparable(const ExplorationRun& run) {
@@ -45,7 +45,7 @@ bool slips_off(const ExplorationRun& run);
 
 bool has_means(const RunSummary& summary);
 
-// Whether the hand was still advancing when the run ended, so that the run was too short.
+// Whether the hand was still advancing when the run ended, which means that the run was too short.
 bool was_still_getting_on(const ExplorationRun& run);
 
 }  // namespace palpate

@@ -29,7 +29,7 @@ struct SceneFace {
   std::uint32_t face = 0;
   std::array<OpenMesh::HalfedgeHandle, 3> edges;  // edge k from corner k to corner k + 1
   std::array<Vec3, 3> corners_m;
-  Vec3 winding;  // unit normal about which the corners run counter-clockwise; zero if no area
+  Vec3 winding;  // unit normal about which the corners run counter-clockwise; zero without area
   Vec3 normal;   // outward: equal to winding, or opposite in a mirrored node
 };
 

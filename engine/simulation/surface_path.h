@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct SurfacePathSettings {
-  double length_m = 1.0;  // of the whole path; each sharp edge shortens the path
+  double length_m = 1.0;  // length of the whole path; each sharp edge shortens the path
   double leg_m = 0.12;    // length after which the path takes a new heading
   // The clearance required above the path. At the start of the path, twice this clearance is
   // required.
@@ -30,15 +30,20 @@ struct SurfacePath {
 // Plans a path that begins at a random point (uniform by area), preferably with no surface in front
 // of it. The path follows a geodesic: it is a straight line if the faces are unfolded at the edges
 // that it crosses. The path takes a random heading after every leg_m and wherever it cannot
-// continue: at a boundary of the surface, at an edge of three or more faces or of two faces with
-// opposite orientations, where a probe slightly above the surface would hit a surface of the scene,
-// and where the clearance is less than room_m. If no heading leads on, the path returns along its
-// last leg. A path may therefore cover a place twice.
+// continue:
+// - at a boundary of the surface;
+// - at an edge of three or more faces, or of two faces with opposite orientations;
+// - where a probe slightly above the surface would hit a surface of the scene;
+// - where the clearance is less than room_m.
+//
+// If no heading leads on, the path returns along its last leg. A path may therefore cover a place
+// twice.
 //
 // Scene frame, in the rest pose of the nodes. Of 64 random points, at most the 8 best ones are
 // tried as the start. Returns no value if no path starts at any of them. Deterministic: the same
-// scene and settings give the same path. O(n) in the faces of all nodes (above kMostWeighed, in a
-// sample of them); no memory is allocated per face beyond kMostWeighed.
+// scene and settings give the same path. The time is O(n), where n is the number of faces of all
+// nodes; if there are more than kMostWeighed, n is the number of faces in a sample of them. Faces
+// beyond kMostWeighed need no additional memory.
 std::optional<SurfacePath> plan_surface_path(const Scene& scene,
                                              const SurfacePathSettings& settings);
 

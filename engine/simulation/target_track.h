@@ -23,9 +23,9 @@ class TargetTrack {
  public:
   struct Waypoint {
     Vec3 p_m;
-    Vec3 inward;     // of the leg that begins here: a wall in this direction supports the hand
+    Vec3 inward;     // direction in which a wall supports the hand on the leg that begins here
     double along_m;  // the corresponding length along the path
-    double track_m;  // from the first waypoint
+    double track_m;  // length along the track from the first waypoint
     bool is_turn = false;  // the target waits here until the proxy arrives
   };
 
@@ -34,8 +34,8 @@ class TargetTrack {
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   double length_m() const { return waypoints_.back().track_m; }
 
-  // The index of the first waypoint of a leg: the last leg that begins at or before this length
-  // along the path.
+  // The index of the first waypoint of the last leg that begins at or before this length along the
+  // path.
   std::size_t leg_at(double along_m) const;
 
  private:

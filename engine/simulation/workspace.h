@@ -33,7 +33,8 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 
-// The same for the whole workspace less the clearance for the hand.
+// Like fitting_size_m(), but scales the scene to the whole workspace less the clearance for the
+// hand.
 std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 

@@ -30,7 +30,7 @@ struct MemoryNeed {
   }
 };
 
-// Bytes by purpose. The sum of two breakdowns is valid, for example of a mesh and its index.
+// Bytes by purpose. Two breakdowns may be added, for example those of a mesh and of its index.
 struct MemoryBreakdown {
   std::size_t adjacency = 0;        // OpenMesh's vertices, half-edges and faces
   std::size_t positions = 0;        // of OpenMesh's vertices, shared with the welded surface

@@ -8,11 +8,12 @@ namespace palpate {
 
 // Holds two blocks of memory in reserve. While an object of this class lives, a failing operator
 // new frees one block and tries again. One block is for failures during stack unwinding, the other
-// for failures at any other time. Both cases occur, because destructors, for example those of JSON
-// values, may allocate but must not throw. Once the matching block is used, the previous handler is
-// called; without a previous handler, operator new throws. The mechanism is std::set_new_handler,
-// which affects the whole process; the last object restores the previous handler. Thread-safe.
-// Objects that live at the same time share the two blocks, which have the largest requested size.
+// for failures at any other time. Failures during unwinding need a block of their own, because
+// destructors, for example those of JSON values, may allocate but must not throw. Once the matching
+// block is used, the previous handler is called; without a previous handler, operator new throws.
+// The mechanism is std::set_new_handler, which affects the whole process; the last object restores
+// the previous handler. Thread-safe. Objects that live at the same time share the two blocks, which
+// have the largest requested size.
 class MemoryReserve {
  public:
   // bytes: minimum size of each block. Throws std::bad_alloc.

@@ -51,7 +51,7 @@ std::future<void> start_thread(const Work& work) {
 }
 
 // Calls first() and second(), in parallel if a core is free. Returns when both have returned. If
-// either throws, rethrows the exception; if both throw, that of first().
+// one of them throws, rethrows its exception; if both throw, rethrows that of first().
 template <typename First, typename Second>
 void run_both(const First& first, const Second& second) {
   SpareCore core;
@@ -61,7 +61,7 @@ void run_both(const First& first, const Second& second) {
     return;
   }
   std::future<void> other = start_thread([&] {
-    const SpareCore in_use = std::move(core);  // given back before first() has returned
+    const SpareCore in_use = std::move(core);  // given back when second() has returned
     second();
   });
   first();

@@ -15,8 +15,8 @@ namespace palpate {
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
-// Unaligned, so that the layout of a struct holding one does not depend on the -m flags of the
-// translation unit that includes this header.
+// Unaligned, so that the layout of a struct that contains a Quat does not depend on the -m flags of
+// the translation unit that includes this header.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise from the front
@@ -58,8 +58,8 @@ inline RigidTransform unit_pose(const RigidTransform& T) noexcept {
   return {T.rotation.normalized(), T.translation_m};
 }
 
-// Whether the direction has length 1 within 4 kUnitQuaternion: the error of a unit axis after
-// rotation by the matrix of a quaternion that is_pose() accepts.
+// Whether the direction has length 1 within 4 kUnitQuaternion. A unit axis has this error after it
+// was rotated by the matrix of a quaternion that is_pose() accepts.
 inline bool is_unit(const Vec3& direction) noexcept {
   return std::abs(direction.squaredNorm() - 1.0) <= 4 * kUnitQuaternion;
 }

@@ -20,10 +20,10 @@ struct SignWork {
 // triangle's normal points to). It is also the side on which the line p q passes the edge r s.
 //
 // Double arithmetic decides nearly every call, pairs of doubles decide nearly all remaining calls,
-// and exact expansions decide the rest. Two alternatives are no better: 113-bit arithmetic in
-// software is slower and leaves some signs undecided, and CGAL's filtered kernel, which changes the
-// rounding mode, is faster than exact expansions in one class of inputs only.
-// predicate_benchmark.cpp measures the times; benchmarks/RESULTS.md states them.
+// and exact expansions decide the rest. Two alternatives are no better. 113-bit arithmetic in
+// software is slower and leaves some signs undecided. CGAL's filtered kernel changes the rounding
+// mode and is faster than exact expansions in one class of inputs only. predicate_benchmark.cpp
+// measures the times; benchmarks/RESULTS.md states them.
 //
 // Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
 // of three coordinate differences overflows and that none of its last bits underflows, which holds
@@ -44,8 +44,8 @@ int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
 // Bound on the rounding of a triple product u . (v x w) of coordinate differences, relative to
-// |u|_1 |v|_1 |w|_1: 3 for the differences, 3 for the cross product, 3 for the dot product; the
-// rest is slack for second-order terms.
+// |u|_1 |v|_1 |w|_1. Of the 12 round-offs, 3 are for the differences, 3 for the cross product and 3
+// for the dot product; the rest is slack for second-order terms.
 inline constexpr double kTripleRoundoff = 12 * kUnitRoundoff;
 
 inline double norm1(const Vec3& v) {

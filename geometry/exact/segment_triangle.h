@@ -23,8 +23,8 @@ struct SegmentCrossing {
   };
   Kind kind = Kind::kMiss;
   double fraction = 0.0;            // the first common point: a fraction of the segment, in [0, 1]
-  double height_start = 0.0;        // of p above the plane, along the triangle's normal, metres
-  double height_end = 0.0;          // of q
+  double height_start = 0.0;        // height of p above the plane, along its normal, metres
+  double height_end = 0.0;          // height of q above the plane
   int side = 0;                     // kThrough: 1 if p is in front of the triangle, -1 behind
   Vec3 edge_normal = Vec3::Zero();  // kEdgeOn: unit, in the plane, outwards at the crossed edge
   Vec3 edge_point = Vec3::Zero();   // kEdgeOn: a corner on the crossed edge

@@ -27,9 +27,9 @@ inline float round_down(double x) {
   return -round_up(-x);
 }
 
-// Margin for the rounding of a float box, in ulp of the largest float coordinate: 1 ulp for the
-// box, 1 for a query point inside the box, 4 for a ray's origin, direction and end; doubled for
-// safety.
+// Margin for the rounding of a float box, in ulp of the largest float coordinate. The sum of 1 ulp
+// for the box, 1 for a query point inside the box and 4 for a ray's origin, direction and end is
+// doubled for safety.
 inline constexpr int kFloatMarginUlps = 12;
 
 // Bound on the rounding of a query point to float. kFloatMarginUlps covers only points inside the
@@ -101,7 +101,7 @@ class EmbreeBoxes {
  public:
   // boxes: grown by all margins. visit: called for each box that a ray meets; args->context is the
   // context of the SegmentQuery. The construction uses the calling thread only, so that it can
-  // throw a memory shortage in Embree as std::bad_alloc.
+  // report a memory shortage in Embree by throwing std::bad_alloc.
   EmbreeBoxes(const std::vector<Box>& boxes, RTCIntersectFunctionN visit);
   ~EmbreeBoxes();
   EmbreeBoxes(const EmbreeBoxes&) = delete;

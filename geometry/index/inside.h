@@ -16,13 +16,13 @@ namespace palpate {
 
 // Whether inside and outside are well defined: every welded edge has an even number of faces, in
 // any orientation. All segments between two given points then have the same crossing parity. The
-// test uses the cleaned mesh, as an index does: a surface that is closed only by triangles without
-// area counts as open. A mesh without faces is closed. Load time only; O(n), and O(m log m) in the
-// number m of edges that surface() cuts.
+// test uses the cleaned mesh, as an index does. A surface that is closed only by triangles without
+// area therefore counts as open. A mesh without faces is closed. Load time only; O(n), and O(m log
+// m) in the number m of edges that surface() cuts.
 bool is_closed(const SurfaceMesh& mesh);
 
-// The largest number of segments that is_inside() tries, and of crossings that it counts per
-// segment.
+// kMostTries is the largest number of segments that is_inside() tries; kMostCrossings is the
+// largest number of crossings that it counts per segment.
 inline constexpr int kMostTries = 16;
 inline constexpr int kMostCrossings = 256;
 
@@ -41,10 +41,10 @@ std::optional<bool> is_inside(const SurfaceIndex& index, const Vec3& p) noexcept
 // == q, there is no crossing. Requirements, exactness and thread safety are those of is_inside().
 std::optional<bool> crosses_odd(const SurfaceIndex& index, const Vec3& p, const Vec3& q) noexcept;
 
-// The end, outside the box, of the segment from p that is_inside() uses in try `attempt` (0, 1,
-// ...). Requires p inside the box. The tries cycle through the faces of the box, nearest face
-// first; the end lies beyond the face of the try. The segment is oblique, because many meshes have
-// edges parallel to the axes.
+// In try `attempt` (0, 1, ...), is_inside() uses a segment from p to a point outside the box. This
+// function returns that point, the end of the segment. Requires p inside the box. The tries cycle
+// through the faces of the box, nearest face first. The end lies beyond the face that belongs to
+// the try. The segment is oblique, because many meshes have edges parallel to the axes.
 Vec3 probe_end(const Box& box, const Vec3& p, int attempt) noexcept;
 
 }  // namespace palpate

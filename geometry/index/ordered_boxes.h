@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // boxes of a BoxPack
+inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // number of boxes in a BoxPack
 
 // The method of a search near a point. Embree is fast if few boxes are near, but its search cannot
 // be stopped while many boxes contain the point. A search in order of numbers can stop at any box.

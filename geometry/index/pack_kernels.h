@@ -22,9 +22,9 @@ struct alignas(64) LaneDistances {
   }
 };
 
-// The kernels use plain arrays and no Eigen types. They are compiled with different -m flags; if
-// they used inline functions of a library, the linker could keep the copy that was compiled with
-// these flags for the whole program.
+// The kernels use plain arrays and no Eigen types. They are compiled with different -m flags. If
+// they used an inline function of a library, the linker could keep the copy that was compiled with
+// these flags, and the whole program would use this copy.
 struct PackKernels {
   // See lanes_in_the_way(). Returns how many entries of out were written, at most count.
   std::size_t (*in_the_way)(const TrianglePack* packs, const std::uint32_t* ids, std::size_t count,

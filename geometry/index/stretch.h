@@ -17,8 +17,8 @@ namespace palpate {
 // stays shared in the body frame.
 //
 // The search in the index uses a larger radius. A ball in the body frame is contained in a ball in
-// the index frame with most_per_metre_ times its radius, plus a margin for the rounding of the
-// mapped point.
+// the index frame. The radius of the second ball is most_per_metre_ times that of the first, plus a
+// margin for the rounding of the mapped point.
 //
 // Immutable. No allocation, lock or exception.
 class Stretch {
@@ -44,8 +44,8 @@ class Stretch {
     const double rounding_m = roundoff_ * (2 * p_body.lpNorm<1>() + size_m_ + reach_m);
     return (reach_m + rounding_m) * most_per_metre_;
   }
-  // Maps a ball around p_body: returns the ball in the index frame that contains it, with its
-  // bounding box there.
+  // Maps a ball around p_body to the index frame. Returns a ball there that contains the mapped
+  // ball, and the bounding box of the mapped ball.
   StretchedBall ball_index(double radius_m, const Vec3& p_body) const;
 
   // Maps a triangle of the index to the body frame. If the mapped triangle has no area in double,
@@ -54,7 +54,8 @@ class Stretch {
 
   // The bounding box of the surface in the body frame.
   Box box_body(const Box& box_index) const;
-  // Maps a length of the index frame to metres, as the quadratic mean over all directions.
+  // Maps a length of the index frame to metres. The mapped length depends on the direction; the
+  // result is its quadratic mean over all directions.
   double mean_length_m(double length_index) const { return mean_metres_ * length_index; }
 
  private:

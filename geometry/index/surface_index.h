@@ -29,7 +29,7 @@ class EmbreeBoxes;
 struct SurfacePoint {
   Vec3 point_m;
   double distance_m;
-  std::uint32_t face;  // of the SurfaceMesh
+  std::uint32_t face;  // number of the face in the SurfaceMesh
 };
 
 // The first point where a segment meets the surface.
@@ -55,8 +55,8 @@ struct PackedSurface {
   FixedArray<std::uint32_t> faces;         // one per slot: face of the mesh
 };
 
-// A segment visitor returns kNothingMore to end the search completely: not even further packs at
-// the start of the segment are visited.
+// A segment visitor returns kNothingMore to end the search completely. In that case, even further
+// packs at the start of the segment are not visited.
 inline constexpr QueryFraction kNothingMore{-1.0};
 
 // Receives up to sixteen packs near a segment. Returns the fraction of the segment up to which the
@@ -129,8 +129,8 @@ class SurfaceIndex {
   // Visits the same packs as visit_segment(), in an order that allows a search to stop at any pack
   // and resume there. With `first`, the order is ascending and starts at pack `first`. Without
   // `first`, it is the order in which the segment reaches the packs. If there are too many packs
-  // for this order, only the packs near a first part of the segment are visited in it; all packs
-  // are then visited in ascending order.
+  // for this order, it is used only for the packs near a first part of the segment. After them, all
+  // packs are visited in ascending order.
   //
   // Unlike the order of Embree's tree, the visited packs and their grouping do not depend on the
   // instruction set. Returns the number of packs that a search found but did not visit because
@@ -148,7 +148,7 @@ class SurfaceIndex {
   }
   const TriangleGeometry& triangle(std::uint32_t slot) const { return surface_.triangles[slot]; }
   std::uint32_t face(std::uint32_t slot) const { return surface_.faces[slot]; }
-  // Prefetches the part of a pack that a trace reads into the cache.
+  // Prefetches into the cache the part of a pack that a trace reads.
   void prefetch_pack(std::uint32_t id) const {
     constexpr std::size_t kCacheLine = 64;
     const char* lines = reinterpret_cast<const char*>(&surface_.packs[id]);

@@ -19,9 +19,9 @@ struct alignas(64) TrianglePack {
 
   double centre_m[3];  // index frame
   double per_metre;    // a power of two
-  // Bound on the rounding of p - centre_m in double that the magnitude of the centre causes, local
-  // units. It is significant only for a pack whose distance from the origin is more than 1e8 times
-  // its size.
+  // Bound, in local units, on the part of the rounding of p - centre_m in double that the magnitude
+  // of the centre causes. It is significant only for a pack whose distance from the origin is more
+  // than 1e8 times its size.
   float centre_roundoff;
   std::int32_t count;
 
@@ -61,9 +61,9 @@ struct alignas(64) PackApproach {
   std::uint32_t pack;
   std::uint32_t lanes;
   float squared_limit;  // larger squared distances are out of reach
-  // squared: squared distances at the start of the step. fall: bound on the product of the distance
-  // at the start and the decrease of the distance over the whole step at the rate of the start.
-  // Local units.
+  // squared: squared distances at the start of the step. fall: bound on the product of two numbers.
+  // The first is the distance at the start; the second is the decrease of the distance over the
+  // whole step, if the rate of the start continued. Local units.
   alignas(64) float squared[TrianglePack::kLanes];
   float fall[TrianglePack::kLanes];
 

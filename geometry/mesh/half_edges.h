@@ -42,8 +42,9 @@ struct EdgeFindings {
 };
 
 struct HalfEdgeMates : EdgeFindings {
-  // The mate of each half-edge: the only other half-edge between the same two vertices, if the two
-  // run in opposite directions, so that their faces are oriented alike. Otherwise kNoHalfEdge.
+  // The mate of each half-edge. It is the only other half-edge between the same two vertices, and
+  // it runs in the opposite direction, so that the two faces are oriented alike. Without such a
+  // half-edge, the entry is kNoHalfEdge.
   FixedArray<std::uint32_t> aligned;
 };
 

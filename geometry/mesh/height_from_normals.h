@@ -31,14 +31,14 @@ inline constexpr double kLeastNormalZ = 2.0 / 255.0;
 std::vector<TexelSlope> slopes_from_normal_map(std::span<const std::array<std::uint16_t, 3>> pixels,
                                                double scale);
 
-// The heights in texels, with the highest point at 0, of the periodic map whose slopes are the
-// least-squares fit to the given slopes: R. T. Frankot and R. Chellappa, "A Method for Enforcing
-// Integrability in Shape from Shading Algorithms", 1988, eq. 21. Slopes are the derivatives of the
-// trigonometric polynomial through the heights, not differences of neighbours. The map of a sampled
-// surface is therefore reconstructed exactly if all its waves are longer than two texels. A wave of
-// exactly two texels is omitted, because its slope is zero at every sample. The mean slope is
-// omitted too, because the mean slope of a periodic map is zero; a constant slope gives heights of
-// exactly zero.
+// The heights, in texels, of the periodic map whose slopes are the least-squares fit to the given
+// slopes (R. T. Frankot and R. Chellappa, "A Method for Enforcing Integrability in Shape from
+// Shading Algorithms", 1988, eq. 21). The highest point has the height 0. Slopes are the
+// derivatives of the trigonometric polynomial through the heights, not differences of neighbours.
+// The map of a sampled surface is therefore reconstructed exactly if all its waves are longer than
+// two texels. A wave of exactly two texels is omitted, because its slope is zero at every sample.
+// The mean slope is omitted too, because the mean slope of a periodic map is zero. A constant slope
+// therefore gives heights of exactly zero.
 //
 // slopes: row by row, finite. Requires width * height slopes, with width and height from 1 to 2^28
 // (checked by asserts). O(n log n) time for n texels, for any factors of width and height, and 16

@@ -15,21 +15,21 @@ enum class MapWrap : std::uint8_t { kRepeat, kClamp, kMirror };
 // (u, v) = ((column + 0.5) / width, (row + 0.5) / height), with v downwards as in glTF.
 //
 // Within a level the map is the cubic convolution with a = -1/2 (R. G. Keys, "Cubic Convolution
-// Interpolation for Digital Image Processing", 1981; the Catmull-Rom spline): it passes through the
-// values of the texels, and value and slope are continuous everywhere, including the borders of the
-// map. The slopes are the exact derivatives of the interpolant. For a sine wave of n texels, n
-// large, the error of the value is (2pi/n)^3 / 62 of the amplitude, and the error of the slope is
-// (2pi/n)^2 / 6 of the largest slope.
+// Interpolation for Digital Image Processing", 1981), which is the Catmull-Rom spline. It passes
+// through the values of the texels, and value and slope are continuous everywhere, including the
+// borders of the map. The slopes are the exact derivatives of the interpolant. For a sine wave of n
+// texels, n large, the error of the value is (2pi/n)^3 / 62 of the amplitude, and the error of the
+// slope is (2pi/n)^2 / 6 of the largest slope.
 //
 // Each level halves width and height, rounded down, until 1 x 1. A texel is the mean of the box
 // that it covers in the finer level, weighted by area if the size is odd. Every level therefore has
 // the mean of the map, up to rounding to float. Between levels the map is blended linearly (L.
 // Williams, "Pyramidal Parametrics", 1983). The coarsest level is flat.
 //
-// The pyramid prevents aliasing, because a hand samples a map once per tick. A wave that is shorter
-// than a few steps of the hand would be rendered as an alias: as a slower wave that the map does
-// not contain, or as noise. A caller removes such waves by choosing a lod at which one texel is at
-// least as long as the step: lod = log2 of the step in texels.
+// The pyramid prevents aliasing. Aliasing can occur because a hand samples a map only once per
+// tick. A wave that is shorter than a few steps of the hand would be rendered as an alias: as a
+// slower wave that the map does not contain, or as noise. A caller removes such waves by choosing a
+// lod at which one texel is at least as long as the step: lod = log2 of the step in texels.
 //
 // Immutable after build; sampling is thread-safe and safe on the haptic thread: no allocation, lock
 // or exception.

@@ -31,22 +31,22 @@ struct PlanarPiece {
 
 struct PlanarPieces {
   std::vector<PlanarVertex> vertices;
-  std::vector<PlanarPiece> pieces;  // by segment, along it
+  std::vector<PlanarPiece> pieces;  // sorted by segment, and along each segment
   double merged_m = 0.0;            // points within this distance are merged
   bool gave_up = false;  // too many segments are close together: not all pairs were examined
 };
 
-// Vertices lie on a grid, so that geometric predicates on them are exact, and they are more than
-// merged_m apart. Segments that cross, touch or overlap within half of merged_m share vertices;
-// pieces that coincide share both vertices. A closed chain of segments stays closed.
+// Vertices lie on a grid, so that geometric predicates on them are exact. Any two vertices are more
+// than merged_m apart. Segments that cross, touch or overlap within half of merged_m share
+// vertices; pieces that coincide share both vertices. A closed chain of segments stays closed.
 //
-// merged_m is 2^-20 of the extent, about sixteen times the rounding of coordinates in single
-// precision, because parts of a model coincide only up to this rounding. merged_m is larger if the
+// merged_m is 2^-20 of the extent. This is about sixteen times the rounding of coordinates in
+// single precision; parts of a model coincide only up to this rounding. merged_m is larger if the
 // rounding of largest_m requires it. largest_m: the largest coordinate from which the segments were
 // computed.
 //
-// Deterministic. O(n log n); gives up if more than ten million + 32 n pairs of bounding boxes
-// overlap, or if more than one million + 32 n vertices arise, for n segments.
+// Deterministic. O(n log n); for n segments, gives up if more than ten million + 32 n pairs of
+// bounding boxes overlap, or if more than one million + 32 n vertices arise.
 PlanarPieces planar_pieces(const std::vector<PlanarSegment>& segments, double largest_m);
 
 }  // namespace palpate

@@ -72,7 +72,7 @@ class PointGrid {
   }
 
   double per_cell_;
-  std::vector<std::uint32_t> first_;  // by the low bits of the key; its size is a power of two
+  std::vector<std::uint32_t> first_;  // indexed by the key's low bits; its size is a power of two
   std::vector<Entry> entries_;
 };
 

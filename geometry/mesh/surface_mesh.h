@@ -58,7 +58,7 @@ class SurfaceMesh {
   static SurfaceMesh build(std::vector<Vec3> positions, std::vector<Triangle> triangles);
 
   // Adjacency and boundaries of the split surface. Face numbers and the first corner of each face
-  // are the same as here. OpenMesh's normals are not set; use accurate_unit_normal().
+  // are the same as in this object. OpenMesh's normals are not set; use accurate_unit_normal().
   const OpenMeshSurface& surface() const { return *surface_; }
   const CleaningReport& report() const { return report_; }
 
@@ -81,9 +81,10 @@ class SurfaceMesh {
                ? static_cast<std::uint32_t>(split_vertex)
                : copied_vertices_[split_vertex - report_.welded_vertices];
   }
-  // The only other face at edge e of a face (from corner e to corner e + 1) in the welded surface,
-  // including edges that surface() cuts because of orientation. kNone at a boundary edge or where
-  // three or more faces meet. O(log n) in the number of edges cut because of orientation.
+  // The only other face at edge e of a face in the welded surface. Edge e runs from corner e to
+  // corner e + 1. Edges that surface() cuts because of orientation are included. kNone at a
+  // boundary edge or where three or more faces meet. O(log n) in the number of edges cut because of
+  // orientation.
   std::uint32_t welded_neighbour(std::size_t face, int e) const;
 
   // The memory needed for the SurfaceMesh of `welded`, excluding the positions and mates that are
@@ -101,7 +102,7 @@ class SurfaceMesh {
   SourceTriangles sources_;
   // The welded vertex of each split vertex that is a copy.
   std::vector<std::uint32_t> copied_vertices_;
-  // Edges with exactly two faces that surface() cuts because of orientation.
+  // The edges that surface() cuts because of orientation. Each of them has exactly two faces.
   std::vector<MisalignedMate> cut_edges_;
   CleaningReport report_;
 };

@@ -37,7 +37,8 @@ class SourceTriangles {
   std::size_t memory_bytes() const { return kept_before_.capacity() * sizeof(kept_before_[0]); }
 
  private:
-  std::vector<std::uint32_t> kept_before_;  // kept triangles before each dropped one, ascending
+  // The number of kept triangles before each dropped triangle; ascending.
+  std::vector<std::uint32_t> kept_before_;
 };
 
 // A triangle surface made from any triangle soup. Positions are in metres in the caller's frame.

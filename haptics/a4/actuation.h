@@ -58,7 +58,7 @@ class ActuationModel {
   // pi/2] rad. Without actuators it is pi/2.
   double angle_to_actuated_rad(const Vec3& unit_device) const;
 
-  // True if all numbers are equal to the bit.
+  // True if all numbers are equal bit for bit.
   bool operator==(const ActuationModel& other) const {
     return sensors_ == other.sensors_ && actuators_ == other.actuators_ && basis_ == other.basis_;
   }

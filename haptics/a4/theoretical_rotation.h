@@ -48,8 +48,9 @@ class TheoreticalRotation {
   AxisAngle update(const Vec3& normal_device) noexcept;
 
   // Sets the axes of motors that turn with the device, for the next update(). The remembered
-  // direction T is kept as far as the new axes allow: with one actuator on the same side, with two
-  // as its projection on their span. An equal model changes nothing.
+  // direction T is kept as far as the new axes allow. With one actuator, T keeps its side; with two
+  // actuators, T becomes its projection on the span of the new axes. An equal model changes
+  // nothing.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
   // Ends the contact: the next normal chooses T without memory.

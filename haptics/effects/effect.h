@@ -48,7 +48,7 @@ enum class EffectStage : std::uint8_t {
 inline constexpr std::size_t kEffectStageCount = 5;
 
 // The inputs that an effect needs. The union over all effects of a scene selects the step that its
-// ticks run, so that inputs without a user are not computed.
+// ticks run, so that inputs that no effect uses are not computed.
 enum EffectNeed : std::uint32_t {
   kNeedsNothing = 0,
   kNeedsContact = 1u << 0,       // runs the tables of the materials in contact
@@ -81,7 +81,7 @@ struct EffectTick {
   Vec3 proxy_m = Vec3::Zero();           // equals the device point without contact
   double radius_m = 0.0;                 // of the proxy
   Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero if unknown
-  double longest_dt_s = 0.0;             // the longer dt of this tick and the one before
+  double longest_dt_s = 0.0;             // the longer of this tick's dt and the previous tick's
   bool slid = false;                     // the proxy moved along the touched surface
   Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on, the rendered one
   double share = 1.0;                    // this material's share of the contact force, (0, 1]
@@ -113,7 +113,7 @@ struct ParameterKey {
   };
   enum class Role : std::uint8_t {
     kDeclares,  // a value other than zero declares the effect
-    kRequired,  // must be given with the effect; declares an effect without a kDeclares key
+    kRequired,  // must be given with the effect; declares an effect that has no kDeclares key
     kOptional,  // its default is the value in a default-constructed Parameters
   };
   std::string_view key;   // "staticFriction"

@@ -22,7 +22,7 @@ struct EffectCall {
   EffectFunction apply;
   std::uint16_t effect;      // its number in compiled_effects()
   std::uint32_t parameters;  // their offset in bytes
-  std::uint32_t state;       // its offset in bytes
+  std::uint32_t state;       // offset of the effect's state in bytes
 };
 
 // A table: a range of consecutive calls.

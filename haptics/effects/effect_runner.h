@@ -26,14 +26,15 @@ struct ContactResponse {
 // The motion in a tick, as input of the effects. Solver frame.
 struct EffectMotion {
   double dt_s = 0.0;
-  double longest_dt_s = 0.0;  // the longer dt of this tick and the one before
+  double longest_dt_s = 0.0;  // the longer of this tick's dt and the previous tick's
   double ticks = 0.0;         // number of good ticks before this one
   Vec3 goal_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
-// The activity of each effect, by its number in compiled_effects(): the ticks in which it was
-// active and, if measured, its computing time.
+// The activity of each effect; element n is for effect n of compiled_effects(). It consists of the
+// number of ticks in which the effect was active and, if measured, the computing time of the
+// effect.
 struct EffectCounters {
   std::array<std::uint64_t, kMostEffects> ticks{};
   std::array<std::int64_t, kMostEffects> time_ns{};
@@ -46,8 +47,8 @@ struct EffectCounters {
 // Thread-safety: one thread owns a runner. No allocation, lock or exception after construction.
 class EffectRunner {
  public:
-  // The world must have effects and must outlive the runner. radius_m: of the proxy. coupling: the
-  // spring and damper of surfaces that declare none.
+  // The world must have effects and must outlive the runner. radius_m: the radius of the proxy.
+  // coupling: the spring and damper of surfaces that declare none.
   EffectRunner(const ContactWorld& world, double radius_m, const CouplingSettings& coupling,
                bool measures_time);
 

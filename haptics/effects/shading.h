@@ -21,8 +21,9 @@ struct ShadingEffect {
   static constexpr EffectStage kStage = EffectStage::kSurface;
   static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsCornerNormals;
 
-  // A smooth normal that differs from the facet's by at most this, the rounding to float, is
-  // ignored. The force of a flat face is therefore the same to the bit with and without shading.
+  // A smooth normal is ignored if it differs from the facet's normal by at most this value, which
+  // the rounding to float can cause. The force of a flat face is therefore the same to the bit with
+  // and without shading.
   static constexpr double kFlat = 2.0 * std::numeric_limits<float>::epsilon();
 
   struct Parameters {

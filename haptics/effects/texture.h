@@ -19,9 +19,10 @@ namespace palpate {
 // gains no energy, except through sampling in time. Mip levels (Williams 1983, "Pyramidal
 // parametrics") remove waves that pass in a few ticks, before they can alias.
 //
-// Value 1 of the map is the surface of the mesh, and value 0 lies the texture's height below it. A
-// texture only carves the surface, so that contact begins softly, at the surface of the mesh. Only
-// the hand's speed selects the level; the texture of a moving body can therefore alias.
+// At the value 1 of the map, the rendered surface is that of the mesh; at the value 0, it lies
+// below that of the mesh by the texture's height. A texture only carves the surface, so that
+// contact begins softly, at the surface of the mesh. Only the hand's speed selects the level; the
+// texture of a moving body can therefore alias.
 struct TextureEffect {
   static constexpr std::string_view kName = "texture";
   static constexpr EffectStage kStage = EffectStage::kSurface;

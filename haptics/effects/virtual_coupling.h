@@ -19,14 +19,16 @@ struct CouplingSettings {
   VelocitySettings velocity = {};     // estimates the lag's velocity for the damper
 };
 
-// Returns the coupling force on the hand, F = K (p - g) + B u, N, scene axes, with p the proxy and
-// g the goal (Lecuyer et al. 2005, section 3: "a spring and a damper in parallel").
+// Returns the coupling force on the hand, F = K (p - g) + B u, in newtons and scene axes, where p
+// is the proxy and g the goal (Lecuyer et al. 2005, section 3: "a spring and a damper in
+// parallel").
 //
 // The paper does not say which velocity the damper acts on. Here u is the part of d(p - g)/dt
-// against which the surface presses: a freely sliding proxy follows the hand without resistance. A
-// damper on the whole lag, which turns as the proxy moves around a surface, would push the hand
-// forward: by B d v^2 / r at penetration depth d on a sphere of radius r. The force is never
-// attractive: a component that pulls along the contact normal N is removed, so that F.N >= 0.
+// against which the surface presses, so that a freely sliding proxy follows the hand without
+// resistance. The lag turns as the proxy moves around a surface. A damper on the whole lag would
+// therefore push the hand forward, by B d v^2 / r at penetration depth d on a sphere of radius r.
+// The force is never attractive: a component that pulls along the contact normal N is removed, so
+// that F.N >= 0.
 //
 // lag_m: p - g. damped_m_per_s: u. normal: unit contact normal N, or zero if several normals
 // cancel. Of the settings, only K and B are used. No state; safe on any thread.
@@ -48,10 +50,10 @@ class VirtualCoupling {
 
   // Returns d(p - g)/dt, estimated by the method of the settings; zero on the first tick of a
   // contact. lag_m: proxy minus goal. By default the estimate is the backward difference of one
-  // tick. With it, the damper dissipates B |dl|^2 / T in each tick, which is never negative; dl is
-  // the change of the lag in the tick. A longer window has less noise, but returns some of that
-  // energy. Effects that use a velocity of their own (viscosity) keep the difference of one tick,
-  // so that their dissipation stays exact.
+  // tick. With this difference, the damper dissipates B |dl|^2 / T in each tick, which is never
+  // negative; dl is the change of the lag in the tick. A longer window has less noise, but returns
+  // some of that energy. Effects that use a velocity of their own (viscosity) keep the difference
+  // of one tick, so that their dissipation stays exact.
   Vec3 lag_rate_m_per_s(const Vec3& lag_m, double dt_s) noexcept {
     Vec3 rate = Vec3::Zero();
     if (!is_one_tick_) [[unlikely]] {

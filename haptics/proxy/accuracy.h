@@ -43,7 +43,7 @@ struct Accuracy {
   static constexpr int kMostIterations = 1 << 16;
 
   // fast() uses double precision, too: in measurements, the larger stand-off of kFloat caused
-  // additional steps that took longer than its arithmetic saved.
+  // additional steps, and these took more time than single-precision arithmetic saved.
   static constexpr Accuracy fast() { return {8, 1.0, NarrowPhase::kDouble, true, false, 5000}; }
   static constexpr Accuracy balanced() { return {}; }
   static constexpr Accuracy exact() {

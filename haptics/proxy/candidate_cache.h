@@ -13,23 +13,24 @@
 
 namespace palpate {
 
-// Keeps a ball around the proxy, the safe zone, and all packs of bodies at rest that come within
-// reach_m of the ball. A step with both ends inside the ball can meet only triangles of these
-// packs, so a tick needs no search of the index for it. The results are the same as with a search.
+// Keeps a ball around the proxy, which is called the safe zone. Also keeps all packs of bodies at
+// rest that come within reach_m of the ball. A step with both ends inside the ball can meet only
+// triangles of these packs, so a tick needs no search of the index for such a step. The results are
+// the same as with a search.
 //
-// The size of the ball depends on the density of the surface and not on the speed of the proxy: a
-// ball that grew with the speed would contain half the mesh after a large step.
+// The size of the ball depends on the density of the surface and not on the speed of the proxy,
+// because a ball that grew with the speed would contain half the mesh after a large step.
 //
 // Points are in the solver frame in metres, except where a name ends in _index. Safe on the haptic
 // thread: no allocation, lock or exception. Not thread-safe: one thread owns a cache.
 class CandidateCache {
  public:
-  // Capacity in packs: four times the number, about 65, that the triangles around an apex of 1000
-  // triangles occupy.
+  // Capacity in packs. The triangles around an apex of 1000 triangles occupy about 65 packs; the
+  // capacity is four times this number.
   static constexpr std::size_t kCapacity = 256;
 
-  // reach_m: the distance from the proxy's centre within which a triangle can matter: the radius
-  // and the margins. The world must outlive the cache.
+  // reach_m: the distance from the proxy's centre within which a triangle can matter, which is the
+  // radius plus the margins. The world must outlive the cache.
   CandidateCache(const LiveWorld& world, double reach_m);
 
   // Whether both points are inside the ball.
@@ -63,9 +64,9 @@ class CandidateCache {
     failed_at_.reset();
   }
 
-  // Writes the cached packs of the n-th body whose boxes come within the reach of the segment p to
-  // p + d. Only the part of the segment inside the ball counts. p and d are in the index frame of
-  // the body. Returns the number of packs written.
+  // Of the cached packs of the n-th body, writes those whose boxes come within the reach of the
+  // segment p to p + d. Only the part of the segment inside the ball counts. p and d are in the
+  // index frame of the body. Returns the number of packs written.
   std::size_t packs_along(std::size_t n, const Vec3& p_index, const Vec3& d_index,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 

@@ -11,8 +11,8 @@ namespace palpate {
 struct ContactWorld;
 struct GodObjectSettings;
 
-// Reports the first setting that is out of range, or nullopt. Error::element is the name of the
-// field, such as "accuracy.tolerance". The valid ranges are:
+// Returns an Error for the first setting that is out of range, or nullopt. Error::element is the
+// name of the field, such as "accuracy.tolerance". The valid ranges are:
 //
 //   radius_m               finite; 0 for a point, or at least one stand-off (SolverScale), since
 //                          rounding would hide a smaller sphere. radius_m plus a stand-off must

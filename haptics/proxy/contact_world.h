@@ -29,8 +29,9 @@ struct EffectProgram;
 // For most bodies the body frame and its unit are those of the index. Tests in these units are as
 // accurate as tests in metres, because rounding bounds are relative to the lengths in question. The
 // change of unit adds one rounding to a point, or none if the unit is a power of two. A mirrored
-// body has negative units, because a reflection is a rotation multiplied by -1. The factor -1 also
-// reverses directions, so that the front of a face stays its front.
+// body has negative units, because a reflection is a rotation multiplied by -1. A reflection
+// exchanges the front and the back of a face. The factor -1 is therefore applied to directions as
+// well, so that the front of a face stays its front.
 //
 // The body frame of a stretched body has metres as its unit; its index then serves only to exclude
 // triangles that are too far away (Stretch).
@@ -145,9 +146,9 @@ struct SolverScale {
   // sizes = 7e-15 sizes (kHeightRoundoff). A stand-off of 1e-11 sizes leaves three orders of
   // magnitude for the drift of heights over millions of ticks.
   double stand_off_m;
-  // A step is stopped this far from a surface. The distance is a little less than a stand-off: the
-  // proxy still touches the surface after a slide that rounding has turned away from it by a
-  // ten-thousandth of the slide's length.
+  // A step is stopped this far from a surface. The distance is a little less than a stand-off. The
+  // proxy therefore still touches the surface after a slide, even if rounding has turned the slide
+  // away from the surface by a ten-thousandth of its length.
   double stop_m;
   // A point proxy ends a step at least this far from every triangle, crossed or not. If a proxy
   // rested beside an edge at a smaller distance than rounding, rounding would hide on which side of

@@ -70,14 +70,15 @@ struct BodyMotion {
 // capped in two other cases. In the first, the point is between nearly parallel faces, where
 // rounding decides whether a segment is free. In the second, the face that the point met last
 // yields no new contact plane, and no attempted segment improves the position. After a capped tick,
-// the proxy is at a free position on the path that a longer tick would take, no farther from the
-// goal than before. The next tick knows all faces that were met and continues from this position.
+// the proxy is at a free position on the path that a longer tick would take, and no farther from
+// the goal than before. The next tick knows all faces that were met and continues from this
+// position.
 //
 // Work: a tick is a call of move_to() and the preceding call of move_bodies(), if any. Its work is
 // counted (work.h) and limited by Accuracy::work_budget. When the budget is spent, the proxy is at
-// the end of its last completed step, no farther from the goal than before, and a body whose push
-// is incomplete is at its old pose. The next tick continues the interrupted search with all results
-// so far. If the goal has moved by less than half of its former distance from the proxy, the
+// the end of its last completed step and no farther from the goal than before. A body whose push is
+// incomplete is at its old pose. The next tick continues the interrupted search with all results so
+// far. If the goal has moved by less than half of its former distance from the proxy, the
 // interrupted step is completed for the former goal. A push begins only while half of the budget is
 // left. If pushes have used more than half of the budget and the move is then cut short, the next
 // tick moves no bodies.
@@ -239,7 +240,7 @@ class GodObject {
   double little_m() const { return kLittlePerStandOff * scale().stand_off_m; }
   // Whether a step is too small to continue. In the first tick of a goal, the length of the step
   // decides, so that the proxy ends where it will stay. In later ticks with the same goal, the gain
-  // decides: in a flat valley, short steps that gain almost nothing would lead far.
+  // decides, because short steps that gain almost nothing would lead far in a flat valley.
   bool is_little(const Vec3& step) const {
     return goal_waits_ ? !may_gain_by(step) : step.norm() <= little_m();
   }
@@ -339,8 +340,8 @@ class GodObject {
   Vec3 onto_motion_plane(const Vec3& step) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  // The target of a step, or the point where the step leaves the world's bounds: nothing can be
-  // touched beyond them.
+  // The target of a step, or the point where the step leaves the world's bounds, beyond which
+  // nothing can be touched.
   Vec3 within_bounds(const Vec3& target) const {
     return bounds_.contains(target) ? target : leave_bounds(target);
   }

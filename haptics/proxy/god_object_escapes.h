@@ -250,8 +250,8 @@ bool GodObject::slides_between(Friction& friction) {
   return false;
 }
 
-// Tries the given step, during which these contacts hold the proxy, instead of the step that the
-// planes of the contacts would give.
+// Tries the given step instead of the step that the planes of these contacts would give. During the
+// step, the contacts hold the proxy.
 template <typename Friction>
 bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
                         Friction& friction) {
@@ -265,8 +265,8 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
 }
 
 // Tries the steepest descent that the touched faces allow. If an obstacle blocks this direction,
-// the plane of the obstacle is added. The added plane gives a new direction, and directions between
-// the blocked one and the new one, which may lead past the obstacle, are tried.
+// the plane of the obstacle is added. The added plane gives a new direction. Directions between the
+// blocked one and the new one are then tried, because they may lead past the obstacle.
 template <typename Friction>
 bool GodObject::goes_past_obstacles(Friction& friction) {
   std::array<FaceContact, kMostAround + kMostBends> walls;
@@ -289,10 +289,10 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
   return false;
 }
 
-// Tries to slide along the lines in which any two planes around a vertex cross, touched or not. The
-// planes are those of the faces and those of their nearest points. The longest step is tried first,
-// because it gains most, and because the free line around a hub of hundreds of triangles may be
-// late in the original order.
+// Tries to slide along the lines in which any two planes around a vertex cross, whether or not the
+// proxy touches their faces. The planes are those of the faces and those of their nearest points.
+// The longest step is tried first, because it gains most, and because the free line around a hub of
+// hundreds of triangles may be late in the original order.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
@@ -338,7 +338,8 @@ bool GodObject::goes_along_line(const Vec3& step, Friction& friction) {
   return falls_to_none(beside, around_->all_touched()) && goes_straight(beside, friction);
 }
 
-// Tries directions between a blocked one and one that is free or gains too little, by bisection.
+// Tries, by bisection, directions between a blocked direction and one that is free or gains too
+// little.
 template <typename Friction>
 bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
   for (int i = 0; i < kMostDirectionHalvings; ++i) {
@@ -370,7 +371,8 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction,
 
 // Tries to slide along each face around a vertex and along each pair of faces. If the proxy is
 // nearer to one face of a pair than it may be, the function also lifts it above both faces and then
-// tries the slide. Such a proxy may be beside a crease between the two faces that it can follow.
+// tries the slide. Such a proxy may be beside a crease between the two faces; it can follow this
+// crease.
 template <typename Friction>
 bool GodObject::slides_at_vertex(Friction& friction) {
   const auto is_low = [&](const FaceContact& face) { return face.clearance_m < scale().stop_m; };

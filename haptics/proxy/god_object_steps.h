@@ -47,7 +47,7 @@ constexpr double kNearPerStandOff = 2.0;
 constexpr int kPatience = 8;
 
 // Number of steps within which a proxy that was moved beyond the end of a slide must come nearer to
-// the goal than it was there.
+// the goal than it was at the end of the slide.
 constexpr int kStepsToFall = 5;
 
 // Number of steps from one leap of a slow sphere to the next.
@@ -226,8 +226,8 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 }
 
 // A point that has slid off the face that held it is usually over the next face. This function adds
-// the plane of that face before the point touches it. The function does nothing if that face may
-// have friction, because friction must not act before contact.
+// the plane of the next face before the point touches it. The function does nothing if the next
+// face may have friction, because friction must not act before contact.
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
   if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;

@@ -37,8 +37,8 @@ class LiveWorld {
 
   // Moves a body. Returns false and changes nothing if kMostMoving bodies have moved already.
   bool place(std::uint32_t b, const RigidTransform& T_solver_body) noexcept;
-  // Extends the bounds to contain a body at its current pose. A separate function, because a move
-  // by place() may be undone.
+  // Extends the bounds to contain a body at its current pose. This is not part of place(), because
+  // a move by place() may be undone.
   void extend_bounds(std::uint32_t b) noexcept;
 
   // Calls visit(b) for every body at rest whose box comes within radius_m of p, in ascending order,

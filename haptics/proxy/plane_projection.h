@@ -32,12 +32,13 @@ struct PlaneProjection {
 
 // Minimises |y - target|^2 over all displacements y that satisfy every plane (at most
 // kMaxContactPlanes). Up to three planes hold the minimiser; they are its basis. (Zilles and
-// Salisbury 1995, section 4, solve a 6 x 6 system for it.) The basis is found by exchanges: while a
-// plane is violated, the most violated plane is added to the planes of the basis, and the best
-// basis of these planes, at most four, replaces the old one. The minimiser of each basis is farther
-// from the target than that of the one before, so the search ends (M. Sharir and E. Welzl, "A
-// Combinatorial Bound for Linear Programming and Related Problems", 1992). Planes whose normals lie
-// in one plane (a device with two sensors) never form a basis of three.
+// Salisbury 1995, section 4, solve a 6 x 6 system for the minimiser.) The basis is found by
+// exchanges. While a plane is violated, the most violated plane is added to the planes of the
+// basis. The best basis of these planes, of which there are at most four, replaces the old basis.
+// The minimiser of each basis is farther from the target than that of the basis before it, so the
+// search ends (M. Sharir and E. Welzl, "A Combinatorial Bound for Linear Programming and Related
+// Problems", 1992). Planes whose normals lie in one plane (a device with two sensors) never form a
+// basis of three.
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start = Feasibility::kAtStart) noexcept;
 

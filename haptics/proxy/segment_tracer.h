@@ -94,8 +94,7 @@ class SegmentTracer {
   // The first obstacle of the proxy on the step from p to q, or nullopt if the step is free.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
 
-  // As trace(), for a step that begins at the same p as the last step given to trace() and is a
-  // part of it.
+  // As trace(), for a step that is the first part, from p to q, of the last step given to trace().
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
   // The first obstacle in one body, for a proxy that moves from p_body to q_body in the frame of
@@ -169,17 +168,17 @@ class SegmentTracer {
   std::size_t contacts_around(const Vec3& p, double reach_m,
                               std::span<FaceContact> contacts) noexcept;
 
-  // Considers the faces that the last traced step came near to and that the proxy at p already
-  // touches. Returns the contact with the face that a step along d approaches most steeply, or
-  // nullopt if d approaches none of them.
+  // Of the faces that the last traced step came near to, considers those that the proxy at p
+  // already touches. Returns the contact with the face that a step along d approaches most steeply,
+  // or nullopt if d approaches none of them.
   std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) noexcept;
 
   const SolverScale& scale() const { return scale_; }
   double radius_m() const { return radius_m_; }
 
   // Whether the body's corners in the solver frame decide where a point is stopped
-  // (solver_corners.h). Contacts are still computed in the body frame, in which the corners may lie
-  // up to kMostApartPerStandOff stand-offs from these corners.
+  // (solver_corners.h). Contacts are still computed in the body frame. The corners there may lie up
+  // to kMostApartPerStandOff stand-offs from the corners in the solver frame.
   bool decides_by_corners(const ContactBody& body) const {
     return body.corners && radius_m_ == 0.0 && !is_in_float_;
   }

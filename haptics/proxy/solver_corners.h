@@ -22,15 +22,15 @@
 namespace palpate {
 
 // The largest distance, in stand-offs, between a corner in the solver frame and the same corner of
-// the index under the body's pose, including the rounding of a point that is transformed to the
-// index. The stages before the exact test extend their search by this distance, so that they never
-// exclude a triangle that the exact test would hit. The distance is less than
+// the index after the body's pose has moved it. The rounding of a point that is transformed to the
+// index is included. The stages before the exact test extend their search by this distance, so that
+// they never exclude a triangle that the exact test would hit. The distance is less than
 // SolverScale::kClearancePerStandOff, the least clearance of a proxy. A proxy therefore keeps its
 // side when a body begins to move and its index replaces its corners from one tick to the next.
 inline constexpr double kMostApartPerStandOff = 0.2;
 
-// The position of a mesh vertex in the solver frame, m: its position in the mesh frame under the
-// complete transform of its node, computed in a fixed order of operations. The result does not
+// The position of a mesh vertex in the solver frame, m. The complete transform of the vertex's node
+// is applied to the position in the mesh frame, in a fixed order of operations. The result does not
 // depend on the scale or the sharing of the index.
 inline Vec3 solver_vertex(const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
                           const Vec3& v_mesh) {

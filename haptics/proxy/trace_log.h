@@ -47,9 +47,9 @@ struct DoubtfulTriangles {
   }
 };
 
-// The position of a search in its fixed order: first the bodies at rest in ascending order, then
-// the moving bodies in the order in which they first moved; within a body, its packs in ascending
-// order.
+// The position of a search in its fixed order. The bodies at rest come first, in ascending order.
+// Then come the moving bodies, in the order in which they first moved. Within a body, its packs are
+// in ascending order.
 struct TraceCursor {
   bool is_among_moving = false;
   bool is_resumed = false;
@@ -74,8 +74,8 @@ struct TraceProgress {
 };
 
 // The traces of one step of the god-object with their results, in the order of the queries. If a
-// step is cut short, the next tick repeats it from its beginning and makes the same queries; the
-// log answers a query only if its key equals the logged key bit for bit.
+// step is cut short, the next tick repeats it from its beginning and makes the same queries. The
+// log answers a query only if the key of the query equals the logged key bit for bit.
 //
 // No allocation, lock or exception after construction. Not thread-safe: one thread owns a log.
 class TraceLog {
@@ -106,7 +106,8 @@ class TraceLog {
     if (!has_answers() || !(entries_[next_].key == key)) return nullptr;
     return &entries_[next_++];
   }
-  // Appends an entry. Null if the log is full or if entries of the previous run are still unused.
+  // Appends an entry. Returns null if the log is full or if entries of the previous run are still
+  // unused.
   Entry* note(const TraceKey& key, const std::optional<TraceHit>& hit) {
     if (has_answers() || entries_.size() == entries_.capacity()) return nullptr;
     entries_.push_back({key, hit, std::nullopt});

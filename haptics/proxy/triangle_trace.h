@@ -32,7 +32,7 @@ struct TriangleWork {
   int nearest_points = 0;
 };
 
-// The distances that keep a proxy on its side: SolverScale's, in the unit of the triangle.
+// The distances of SolverScale that keep a proxy on its side, in the unit of the triangle.
 struct TraceMargins {
   double stop_m;
   double clearance_m;
@@ -54,10 +54,10 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
                  const TraceMargins& margins, TriangleHit& hit, TriangleWork& work) noexcept;
 
 // Traces a sphere of radius_m > 0 whose centre moves from p to q. Returns true if the triangle
-// stops the step, which it does at a distance of radius_m + stop_m from the centre. A sphere that
-// already overlaps the triangle may leave it or keep its distance, but may not move nearer. Hits
-// beyond `limit` need not be found. Adds the operations to `work`. Safe on the haptic thread;
-// thread-safe.
+// stops the step. It stops the step where the centre is at a distance of radius_m + stop_m from the
+// triangle. A sphere that already overlaps the triangle may leave it or keep its distance, but may
+// not move nearer. Hits beyond `limit` need not be found. Adds the operations to `work`. Safe on
+// the haptic thread; thread-safe.
 //
 // Method: Newton's iteration for the distance along the step. The distance to a triangle is convex
 // along the step, so the iteration from the start never passes the first contact: each tangent lies

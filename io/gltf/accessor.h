@@ -1,9 +1,9 @@
 #pragma once
 
 // Decoding of accessors (glTF 2.0, section 3.6.2): base view and stride, sparse values with or
-// without a base view, all component types, normalised integers. Only the data are used: min and
-// max are ignored, and offsets need not be multiples of the component size, because real files have
-// errors in both.
+// without a base view, all component types, normalised integers. Only the data are used. Real files
+// have errors in min, max and offsets; therefore, min and max are ignored, and offsets need not be
+// multiples of the component size.
 
 #include <cstddef>
 #include <cstdint>
@@ -73,16 +73,17 @@ struct GltfNumberFormat {
 std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format);
 
-// The first count elements of an accessor, component by component, matrices by columns. All values
-// are finite. An error if the accessor has fewer elements or another format. All elements of the
-// accessor must lie in the buffer, but only count elements cost time and memory. Without a base
-// view, the elements may be zeros that the file does not store and that kMaxGltfUnstored does not
-// count. The caller must therefore bound count by data that the file does store.
+// The components of the first count elements of an accessor, element by element. The components of
+// a matrix are in the order of its columns. All values are finite. An error if the accessor has
+// fewer elements or another format. All elements of the accessor must lie in the buffer, but only
+// count elements cost time and memory. If the accessor has no base view, its elements may be zeros.
+// The file does not store such zeros, and kMaxGltfUnstored does not count them. The caller must
+// therefore bound count by data that the file does store.
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// The number of elements of an accessor of unsigned integer scalars, not normalised. An error for
-// any other type, and for more than max_count elements.
+// The number of elements of an accessor. An error if the elements are not unsigned integer scalars,
+// if they are normalised, or if there are more than max_count elements.
 Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
                                 std::size_t max_count);
 
@@ -90,8 +91,8 @@ Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
 std::optional<Error> read_indices(const GltfAsset& asset, std::size_t accessor,
                                   std::span<std::uint32_t> indices);
 
-// The index that glTF reserves for primitive restart: the largest of the type, 255, 65535 or
-// 4294967295.
+// The index that glTF reserves for primitive restart. It is the largest value of the accessor's
+// type: 255, 65535 or 4294967295.
 std::uint32_t restart_index(const GltfAsset& asset, std::size_t accessor);
 
 }  // namespace palpate

@@ -27,23 +27,24 @@ std::vector<AnimationDescription> list_animations(const GltfAsset& asset,
 
 // The pose of the nodes that one animation moves, at one time (glTF 2.0, section 3.11).
 //
-// Channels without a node, paths other than translation, rotation, scale and weights
-// (KHR_animation_pointer), and weights of a node without a mesh are ignored.
+// Channels without a node are ignored, and so are weights of a node without a mesh. Also ignored
+// are paths other than translation, rotation, scale and weights, such as those of
+// KHR_animation_pointer.
 class GltfPose {
  public:
   // The rest pose: nodes have the transforms of the file.
   GltfPose() = default;
 
-  // The pose named by NAME@SECONDS, or by "#number@SECONDS" with the animation's number in the
-  // file, because names may be missing or repeated. The last @ separates name and time; an empty
-  // text is the rest pose. Before the first key of a channel its first value applies, after the
-  // last key its last value.
+  // The pose named by NAME@SECONDS or by "#number@SECONDS", where number is the animation's number
+  // in the file. The second form exists because names may be missing or repeated. The last @
+  // separates name and time; an empty text is the rest pose. Before the first key of a channel, the
+  // channel's first value applies; after the last key, the channel's last value applies.
   //
-  // The whole animation is checked; other animations are not. Errors: an unknown animation, or a
-  // time that is not a finite, non-negative number of seconds (kInvalidArgument; the hint lists the
-  // animations); an animation without channels; a target that is not a node, that has a matrix, or
-  // that two channels share; the errors of GltfKeyframes. pose_work: a budget, reduced by the
-  // elements read.
+  // The whole animation is checked; other animations are not. An unknown animation is an error, and
+  // so is a time that is not a finite, non-negative number of seconds (kInvalidArgument); the hint
+  // lists the animations. Further errors: an animation without channels; a target that is not a
+  // node, that has a matrix, or that two channels share; the errors of GltfKeyframes. pose_work: a
+  // budget, from which the number of elements read is subtracted.
   static Result<GltfPose> choose(const GltfAsset& asset, const std::string& asked,
                                  std::size_t& pose_work, std::vector<std::string>& warnings);
 
@@ -61,7 +62,8 @@ class GltfPose {
   const std::vector<double>* value_of(std::size_t node, GltfPath path) const;
 
   std::optional<PoseDescription> description_;
-  // By node and path. Several channels may share one value.
+  // One entry for each pair of node and path that is animated. Several channels may share one
+  // value.
   std::map<std::pair<std::size_t, GltfPath>, std::shared_ptr<const std::vector<double>>> values_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The bytes of the buffers of one glTF asset. Each buffer is loaded at its first access, so that a
-// buffer that nothing uses may be missing.
+// The bytes of the buffers of one glTF asset. Each buffer is loaded at its first access. A buffer
+// that nothing uses may therefore be missing.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ struct GltfBufferDeclaration {
 class GltfBuffers {
  public:
   // folder: the folder of the asset, which must contain all external buffers. bin_chunk and memory
-  // (may be null) must outlive this object.
+  // must outlive this object; memory may be null.
   GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
               std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
               MemoryLedger* memory = nullptr);
@@ -46,17 +46,17 @@ class GltfBuffers {
   bool take_unstored(std::size_t elements);
 
   // Reserves memory for data about to be decoded, in addition to all earlier reservations; an error
-  // if the total exceeds the limit. element: the source of the data, "/accessors/3".
+  // if the total exceeds the limit. element: the source of the data, for example "/accessors/3".
   std::optional<Error> take_memory(const MemoryNeed& need, const std::string& element);
 
-  // The content of a URI of the asset: a data URI (base64, any media type), or a file in the
-  // asset's folder of at most max_bytes. Returns at most the first wanted_bytes. The bytes do not
-  // count as buffer bytes. Error::element is empty.
+  // The content of a URI of the asset: a data URI (base64, any media type), or a file of at most
+  // max_bytes in the asset's folder. Returns at most the first wanted_bytes. The bytes do not count
+  // as buffer bytes. Error::element is empty.
   Result<FileBytes> read_uri(
       const std::string& uri, std::uint64_t max_bytes,
       std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const;
 
-  // Counts bytes about to be decoded from a buffer in the same way as the bytes of a buffer; an
+  // Counts bytes that are about to be decoded from a buffer, as if they were bytes of a buffer. An
   // error if the total exceeds kMaxGltfBufferBytes. element: for messages.
   std::optional<Error> count_decoded(std::uint64_t bytes, const std::string& element);
 

@@ -34,13 +34,13 @@ class DracoPrimitive {
   // Three indices per triangle, each below vertex_count(), whatever the mode of the primitive.
   std::vector<std::uint32_t> indices() const;
 
-  // Whether the stream contains the attribute of this name: "POSITION", "JOINTS_0". Other
-  // attributes of the primitive are not compressed.
+  // Whether the stream contains the attribute of this name, for example "POSITION" or "JOINTS_0".
+  // Other attributes of the primitive are not compressed.
   bool has(const std::string& semantic) const { return attributes_.contains(semantic); }
   // The values of an attribute of the stream, in the type that its accessor declares. An integer
   // type in the stream may differ from the accessor's, because exporters let the codec choose a
-  // narrower type; each integer is converted to the accessor's type, and an integer out of its
-  // range is an error. Any other decoded type must equal the accessor's type.
+  // narrower type. Each integer is converted to the accessor's type; an integer out of the range of
+  // that type is an error. Any other decoded type must equal the accessor's type.
   Result<DracoAttribute> attribute(const std::string& semantic) const;
   // The attribute POSITION, with the checks of read_positions(). All values are finite.
   Result<std::vector<Vec3>> positions() const;
@@ -59,8 +59,8 @@ class DracoPrimitive {
   DracoPrimitive(const GltfAsset& asset, std::string element) : asset_(asset), element_(element) {}
 
   const GltfAsset& asset_;
-  std::string element_;                       // of the extension, for messages
-  std::map<std::string, Source> attributes_;  // by semantic
+  std::string element_;                       // JSON path of the extension, for messages
+  std::map<std::string, Source> attributes_;  // one source per semantic
   std::vector<std::string> warnings_;
   std::shared_ptr<const draco::Mesh> mesh_;
 };
@@ -74,9 +74,9 @@ class DracoPrimitive {
 // The counts in the stream that determine the decoder's allocations are checked beforehand. The
 // decoder's memory is proportional to the data that the accessors describe or, if the stream
 // contains more, to the length of the stream (see gltf/limits.h). The tables of the entropy coder
-// cannot be checked here: the library limits them to 64 symbols for each byte of the stream, for
-// which it uses about 750 bytes while it decodes. A stream with more than max_vertices or
-// max_triangles is an error (kLimitExceeded).
+// cannot be checked here. For each byte of the stream, the library limits them to 64 symbols, which
+// take about 750 bytes during decoding. A stream with more than max_vertices or max_triangles is an
+// error (kLimitExceeded).
 Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asset, std::size_t mesh,
                                                            std::size_t primitive,
                                                            std::size_t max_vertices,

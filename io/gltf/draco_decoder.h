@@ -24,8 +24,8 @@ struct DracoDeclared {
   std::uint64_t vertices = 0;
   std::uint64_t indices = 0;
   bool strip = false;
-  std::uint64_t vertex_bytes = 0;  // of one vertex, over all accessors
-  std::uint64_t index_bytes = 0;   // of one index
+  std::uint64_t vertex_bytes = 0;  // bytes of one vertex, summed over all accessors
+  std::uint64_t index_bytes = 0;   // bytes of one index
 
   // No product overflows: a count is at most 2^53, an element has at most 64 bytes, and all
   // elements together fit a buffer.
@@ -46,7 +46,7 @@ struct DracoLimits {
 };
 
 // Decodes a stream. Decoded data beyond the declared size, and the memory for decoding, are counted
-// in the buffers. element: of the extension, for messages. As thread-safe as the buffers.
+// in the buffers. element: JSON path of the extension, for messages. As thread-safe as the buffers.
 Result<std::shared_ptr<const draco::Mesh>> decode_draco(std::span<const std::uint8_t> bytes,
                                                         GltfBuffers& buffers,
                                                         const DracoDeclared& declared,

@@ -15,7 +15,7 @@ namespace palpate {
 
 inline constexpr const char* kDracoDamagedHint = "the data may be damaged";
 
-// A buffer at the beginning of the bytes, which must outlive it.
+// A buffer that starts at the beginning of the bytes. The bytes must outlive the buffer.
 draco::DecoderBuffer draco_buffer(std::span<const std::uint8_t> bytes);
 
 // A stream whose format the library supports; the counts in it are still unchecked.
@@ -32,7 +32,8 @@ Result<CheckedDracoStream> check_draco_stream(std::span<const std::uint8_t> byte
 // The numbers at the start of the connectivity.
 struct DracoConnectivity {
   std::uint32_t faces = 0;
-  std::uint32_t vertices = 0;  // including those of split symbols: the size of the decoder's table
+  // Includes the vertices of split symbols. This is the size of the decoder's table.
+  std::uint32_t vertices = 0;
   std::uint32_t attribute_tables = 0;  // further connectivities, besides that of the positions
 };
 

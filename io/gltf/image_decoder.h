@@ -16,8 +16,8 @@ namespace palpate {
 // The limits for one image.
 struct ImageRoom {
   std::uint64_t max_pixels = 0;
-  // Called with the number of bytes for decoding before they are allocated; a returned Error ends
-  // the decoding. May be empty.
+  // Called with the number of bytes that decoding needs, before they are allocated. A returned
+  // Error ends the decoding. May be empty.
   std::function<std::optional<Error>(std::uint64_t bytes)> admit = {};
 };
 

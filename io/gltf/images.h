@@ -22,10 +22,10 @@ class GltfImages {
   explicit GltfImages(const GltfAsset& asset) : asset_(asset) {}
 
   // Decodes the image of the texture unless it is already decoded, and sets
-  // TextureReference::pixels. The image is stored in a buffer view, a data URI or a file, as
-  // buffers are. wanted_by: the element that requires the image, for the hint. An error, which
-  // names the texture or the image, if the image is absent, damaged, neither PNG nor JPEG, or above
-  // the limits of gltf/limits.h.
+  // TextureReference::pixels. The encoded image is read from a buffer view, a data URI or a file;
+  // data URIs and files are read in the same way as those of buffers. wanted_by: the element that
+  // requires the image, for the hint. An error if the image is absent, damaged, neither PNG nor
+  // JPEG, or above the limits of gltf/limits.h. The error names the texture or the image.
   std::optional<Error> decode(TextureReference& reference, const std::string& wanted_by);
 
   std::vector<ImageDescription> take() { return std::move(images_); }
@@ -36,7 +36,7 @@ class GltfImages {
 
   const GltfAsset& asset_;
   std::vector<ImageDescription> images_;
-  std::map<std::uint32_t, std::uint32_t> indices_;  // by id in the file
+  std::map<std::uint32_t, std::uint32_t> indices_;  // id in the file to index in images_
   std::uint64_t pixels_left_ = kMaxGltfPixels;
 };
 

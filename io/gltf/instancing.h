@@ -15,16 +15,16 @@ namespace palpate {
 // The transforms of the instances relative to their node. A list that the file omits is empty here.
 struct GltfInstances {
   std::size_t count = 0;
-  std::vector<double> translations_m;  // 3 each
-  std::vector<double> rotations;       // 4 each, unit quaternions x, y, z, w
-  std::vector<double> scales;          // 3 each
+  std::vector<double> translations_m;  // 3 numbers per instance
+  std::vector<double> rotations;       // 4 per instance: a unit quaternion x, y, z, w
+  std::vector<double> scales;          // 3 per instance
 
   // translation * rotation * scale of an instance; index < count.
   AffineTransform T_node_instance(std::size_t index) const;
 };
 
 // The instances of a node; nothing if the node is not instanced. Attributes other than TRANSLATION,
-// ROTATION and SCALE are ignored. Errors: none of the three is present, their counts differ or
+// ROTATION and SCALE are ignored. Errors: none of these three is present, their counts differ or
 // exceed max_count (kLimitExceeded), a list has no bufferView, or a rotation is not a unit
 // quaternion.
 Result<std::optional<GltfInstances>> read_instances(const GltfAsset& asset, std::size_t node,

@@ -25,7 +25,7 @@ Error gltf_expected(const std::string& element, const nlohmann::json& found,
                     const std::string& expected);
 
 // The object extensions.<name> of an element; null if absent. An error if extensions or the
-// extension is not an object. parent_element: of the object, for messages.
+// extension is not an object. parent_element: JSON path of the object, for messages.
 Result<const nlohmann::json*> find_extension(const nlohmann::json& object,
                                              const std::string& parent_element, const char* name);
 

@@ -12,10 +12,10 @@
 
 namespace palpate {
 
-// Parses UTF-8 text without a byte order mark that has passed check_json_size(). Zero bytes after
-// the text, with which some exporters pad their GLB, are ignored. If an object repeats a key, the
-// last value is used, as in JavaScript, and a warning names the path of the key. Error::element is
-// "JSON". Thread-safe.
+// Parses text that has passed check_json_size(). The text must be UTF-8 without a byte order mark.
+// Zero bytes after the text, with which some exporters pad their GLB, are ignored. If an object
+// repeats a key, the last value is used, as in JavaScript, and a warning names the path of the key.
+// Error::element is "JSON". Thread-safe.
 Result<nlohmann::json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings);
 
 }  // namespace palpate

@@ -17,9 +17,9 @@ namespace palpate {
 
 enum class GltfPath { kTranslation, kRotation, kScale, kWeights };
 
-// The position of a time among keys: it is later than the key `before` by the part `share` of
-// interval_s, the time from this key to the key `after`. Before the first key and after the last
-// key, the share is 0.
+// The position of a time among the keys. The time is that of the key `before` plus
+// share * interval_s, where interval_s is the time between the keys `before` and `after`. Before
+// the first key and after the last key, the share is 0.
 struct GltfKeyInterval {
   std::size_t before = 0;
   std::size_t after = 0;
@@ -35,7 +35,7 @@ GltfKeyInterval find_key_interval(const std::vector<double>& times_s, double tim
 // Not thread-safe; must not outlive the asset or the warnings.
 class GltfKeyframes {
  public:
-  // pose_work: a budget, reduced by the elements read.
+  // pose_work: a budget, from which the number of elements read is subtracted.
   GltfKeyframes(const GltfAsset& asset, std::size_t animation, double time_s,
                 std::size_t& pose_work, std::vector<std::string>& warnings)
       : asset_(asset),
@@ -44,14 +44,15 @@ class GltfKeyframes {
         pose_work_(pose_work),
         warnings_(warnings) {}
 
-  // The value of a channel's sampler for a path: three numbers, a unit quaternion x, y, z, w, or
-  // `weights` numbers. At a key the result is exactly the key's value. Interpolation: STEP; LINEAR,
-  // for rotations along the shorter arc on the sphere; CUBICSPLINE, with rotations normalised.
+  // The value of a channel's sampler for a path. It consists of three numbers, of a unit quaternion
+  // (x, y, z, w) or of `weights` numbers. At a key the result is exactly the key's value. The
+  // interpolation is STEP, LINEAR or CUBICSPLINE. LINEAR interpolates rotations along the shorter
+  // arc on the sphere; after CUBICSPLINE, rotations are normalised.
   //
-  // The whole sampler is checked for every time. Errors: ids, types and numbers of elements that
-  // violate glTF; non-finite numbers; a negative time; a key that is not a unit quaternion; a
-  // spline that passes through a zero quaternion at this time. Times that do not increase are a
-  // warning.
+  // Whatever the time, the whole sampler is checked, not only the keys that this time needs.
+  // Errors: ids, types and numbers of elements that violate glTF; non-finite numbers; a negative
+  // time; a key that is not a unit quaternion; a spline that passes through a zero quaternion at
+  // this time. Times that do not increase cause a warning.
   Result<std::shared_ptr<const std::vector<double>>> value(std::size_t channel, GltfPath path,
                                                            std::size_t weights);
 
@@ -59,8 +60,8 @@ class GltfKeyframes {
   struct Sampler {
     std::size_t id = 0;
     std::string element;
-    std::size_t input = 0;  // accessors
-    std::size_t output = 0;
+    std::size_t input = 0;   // accessor of the key times
+    std::size_t output = 0;  // accessor of the key values
     bool is_step = false;
     bool is_cubic = false;
   };
@@ -77,16 +78,16 @@ class GltfKeyframes {
   double time_s_;
   std::size_t& pose_work_;
   std::vector<std::string>& warnings_;
-  std::map<std::size_t, GltfKeyInterval> intervals_;  // by accessor
-  // By sampler, path and width, because a hostile file may have any number of channels of one
-  // sampler.
+  std::map<std::size_t, GltfKeyInterval> intervals_;  // one per accessor of key times
+  // Stored by sampler, path and width, and not by channel: a hostile file may have any number of
+  // channels that use one sampler, and its values are computed and stored only once.
   std::map<std::tuple<std::size_t, GltfPath, std::size_t>,
            std::shared_ptr<const std::vector<double>>>
       values_;
 };
 
-// The largest time of an accessor of key times. Nothing if the times cannot be read or exceed the
-// budget, which is reduced by the times read.
+// The largest time of an accessor of key times. No value if the times cannot be read, or if their
+// number exceeds the budget. The number of times read is subtracted from the budget.
 std::optional<double> largest_key_time_s(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t& budget);
 

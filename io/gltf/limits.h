@@ -24,10 +24,9 @@
 // The table covers reading only. Height maps, which the engine computes from images afterwards,
 // have a separate limit: kMostMapTexels (engine/scene/surface_attributes.h).
 //
-// A real asset costs less than 64 MiB plus 40 times the bytes that it refers to, as
-// tests/engine/cli/corpus_test.py checks. tests/io/gltf/hostile_gltf_test.cpp checks the same for
-// hostile assets, except for elements, zeros and images of one colour, which take almost no bytes
-// in the file.
+// tests/engine/cli/corpus_test.py checks that a real asset costs less than 64 MiB plus 40 times the
+// bytes that it refers to. tests/io/gltf/hostile_gltf_test.cpp checks the same for hostile assets,
+// except for elements, zeros and images of one colour, which take almost no bytes in the file.
 
 #include <algorithm>
 #include <cstddef>
@@ -63,7 +62,7 @@ inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   //
 inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height
 inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 24;       // all images decoded
 inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
-// Entries of extras.palpate of used materials, the scene and its nodes together.
+// All entries of extras.palpate together: those of used materials, of the scene and of its nodes.
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
@@ -75,8 +74,8 @@ inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 // Key times that are read to determine the lengths of the animations.
 inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;
 // The largest number of decoded bytes for each byte of a Draco stream. The arithmetic coder stores
-// repetition in almost no space, so the format itself has no bound; a million triangles in a flat
-// grid, the most regular mesh, decode to less than 500 bytes for each byte.
+// repetition in almost no space, so the format itself has no bound. A flat grid is the most regular
+// mesh; a million triangles in such a grid decode to less than 500 bytes for each byte.
 inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
 // The memory of the Draco decoder is limited to kDracoWorkingBytes plus the larger of two amounts:
 // kDracoWorkingFactor for each byte that the accessors describe, or kDracoWorkingPerStreamByte for
@@ -85,9 +84,9 @@ inline constexpr std::uint64_t kMaxDracoExpansion = 1024;
 inline constexpr std::uint64_t kDracoWorkingBytes = std::uint64_t{1} << 24;
 inline constexpr std::uint64_t kDracoWorkingFactor = 16;
 inline constexpr std::uint64_t kDracoWorkingPerStreamByte = 128;
-// The limit for the decoded size of a stream beyond the size that its accessors describe:
-// kDracoUndeclaredBytes, plus kDracoUndeclaredFactor for each byte of the stream. Real streams
-// decode to about ten times their length.
+// The decoded size of a stream may exceed the size that its accessors describe. The limit of the
+// excess is kDracoUndeclaredBytes, plus kDracoUndeclaredFactor for each byte of the stream. Real
+// streams decode to about ten times their length.
 inline constexpr std::uint64_t kDracoUndeclaredBytes = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kDracoUndeclaredFactor = 32;
 inline constexpr std::size_t kMaxGltfExtensionNames = std::size_t{1} << 16;  // per list

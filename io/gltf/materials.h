@@ -1,6 +1,6 @@
 #pragma once
 
-// The haptic properties of triangles that the file declares: glTF materials with extras.palpate,
+// The haptic properties that the file declares for triangles: glTF materials with extras.palpate,
 // and the haptic materials of haptic_materials.h. The values are not interpreted here. Thread-safe.
 
 #include <cstddef>
@@ -87,7 +87,7 @@ class GltfMaterials {
   const nlohmann::json* root_;
   PalpateExtras* extras_;
   std::vector<Override> overrides_;
-  std::map<std::uint32_t, std::uint32_t> indices_;  // by id in the file
+  std::map<std::uint32_t, std::uint32_t> indices_;  // id in the file to index in materials_
   std::vector<MaterialDescription> materials_;
   std::vector<KnownMaterial> known_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;

@@ -24,7 +24,8 @@ struct GltfDecodedView {
 // in its own buffer is not read. Not thread-safe; one per call of read_gltf().
 class GltfMeshoptViews {
  public:
-  // root: the JSON of the asset, checked by gltf/schema.h. Both must outlive this object.
+  // root: the JSON of the asset, checked by gltf/schema.h. root and buffers must outlive this
+  // object.
   GltfMeshoptViews(const nlohmann::json& root, GltfBuffers& buffers)
       : root_(root), buffers_(buffers) {}
 

@@ -29,14 +29,15 @@ Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& as
                                                              std::size_t node,
                                                              const GltfPose& pose);
 
-// The weights of a mesh for nodes without weights: the mesh's weights, else nothing.
+// The weights that a mesh declares for nodes without weights of their own; nothing if it declares
+// none.
 Result<std::optional<std::vector<double>>> default_morph_weights(const GltfAsset& asset,
                                                                  std::size_t mesh);
 
 // Adds weight times POSITION of each target to the positions of a primitive; targets of weight 0
-// are not decoded. Their accessors contain floats or, with KHR_mesh_quantization, signed integers
-// of 8 or 16 bits, one element for each position. pose_work: a budget, reduced by the decoded
-// elements. element: of the primitive.
+// are not decoded. The accessors of the targets contain one element for each position: floats or,
+// with KHR_mesh_quantization, signed integers of 8 or 16 bits. pose_work: a budget, from which the
+// number of decoded elements is subtracted. element: JSON path of the primitive.
 std::optional<Error> add_morph_targets(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                        const std::string& element, std::span<const double> weights,
                                        std::size_t& pose_work, std::span<Vec3> positions);

@@ -18,7 +18,7 @@ namespace palpate {
 struct PlacedNode {
   std::size_t node = 0;          // index in the file
   std::uint32_t tree_node = 0;   // index into GltfNodeWalk::tree
-  AffineTransform T_scene_node;  // of the node and its ancestors; finite
+  AffineTransform T_scene_node;  // product over the node and its ancestors; finite
 };
 
 struct GltfNodeWalk {
@@ -29,8 +29,8 @@ struct GltfNodeWalk {
   std::vector<PlacedNode> declaring_nodes;  // nodes with extras.palpate, depth first
 
   std::vector<int> parents;  // of all nodes of the file; negative: no parent
-  // By node of the file, for scene_transform(). Set for the nodes of the scene if the file has
-  // skins.
+  // For scene_transform(). If the file has skins, there is one entry for each node of the file, and
+  // the entries of the scene's nodes are set.
   std::vector<std::optional<AffineTransform>> T_scene_nodes;
 };
 
@@ -43,8 +43,8 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
                                 std::vector<std::string>& warnings);
 
 // The transform of a node, in particular a joint, to the scene frame. If the walk has not reached
-// the node, the product over its ancestors is computed and stored in the walk. Iterative; each node
-// is computed once.
+// the node, the product over its ancestors is computed and stored in the walk. Iterative; the
+// transform of each node is computed once.
 Result<AffineTransform> scene_transform(const GltfAsset& asset, const GltfPose& pose,
                                         GltfNodeWalk& walk, std::size_t node);
 

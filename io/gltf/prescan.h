@@ -22,9 +22,9 @@ struct GltfContainer {
   bool byte_order_mark = false;  // a UTF-8 byte order mark, which JSON must not have
 };
 
-// Splits a GLB (glTF 2.0, section 4.4), recognised by its magic number; its unknown chunks are
-// ignored. The whole of any other content is JSON text. If this text is in UTF-16 or UTF-32, the
-// error says so. Thread-safe.
+// Splits the content of a file. A GLB (glTF 2.0, section 4.4) is recognised by its magic number;
+// its unknown chunks are ignored. Any other content is JSON text as a whole. If this text is in
+// UTF-16 or UTF-32, the error says so. Thread-safe.
 Result<GltfContainer> split_container(std::span<const std::uint8_t> bytes);
 
 // An error if the text nests deeper than kMaxGltfJsonDepth, holds more than kMaxGltfJsonValues

@@ -21,8 +21,8 @@ enum class TriangleMode { kList, kStrip, kFan };
 
 // The triangles of a primitive (glTF 2.0, section 3.7.2.1). Every second triangle of a strip is
 // reversed, so that all have the orientation of the first. The caller must have rejected lists with
-// a remainder and fewer than three indices; here, a remainder is dropped, and fewer than three
-// indices give no triangle.
+// a remainder, and primitives with fewer than three indices. This function drops a remainder, and
+// returns no triangle for fewer than three indices.
 std::vector<Triangle> assemble_triangles(TriangleMode mode, std::span<const std::uint32_t> indices);
 
 // The remaining budget, shared by all meshes of a scene.
@@ -38,10 +38,10 @@ struct MeshPose {
   const GltfSkin* skin = nullptr;         // applied after the morph targets
 };
 
-// All triangles of one mesh, possibly none. Its positions are in the mesh frame, or in the scene
-// frame if it has a skin. Primitives that share their accessors share their vertices, unless their
-// texture coordinates differ. Points, lines and primitives without POSITION are skipped with a
-// warning. Reduces the budget by the amounts that it uses.
+// All triangles of one mesh, possibly none. The positions are in the mesh frame or, if the pose has
+// a skin, in the scene frame. Primitives that share their accessors share their vertices, unless
+// their texture coordinates differ. Points, lines and primitives without POSITION are skipped with
+// a warning. Reduces the budget by the amounts that it uses.
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
                                   GltfMaterials& materials, GltfBudget& budget,
                                   std::vector<std::string>& warnings);

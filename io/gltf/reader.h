@@ -21,15 +21,15 @@ struct ReadOptions {
 };
 
 // Reads the triangle geometry and the haptic declarations of materials (gltf/materials.h) of a glTF
-// 2.0 asset: .gltf with embedded or external buffers, or .glb; the content determines the format.
-// Reads the default scene, else the first scene, else all root nodes, with the full node hierarchy.
-// Supports TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN, every index type, sparse and normalised
-// accessors, Draco and meshopt compression, and EXT_mesh_gpu_instancing. Only images that a haptic
-// material or textureHeight requires are decoded (material_description.h). External files are read
-// only from inside the folder of the asset.
+// 2.0 asset. The asset is a .gltf with embedded or external buffers, or a .glb; the content
+// determines the format. Reads the default scene, else the first scene, else all root nodes, with
+// the full node hierarchy. Supports TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN, every index type,
+// sparse and normalised accessors, Draco and meshopt compression, and EXT_mesh_gpu_instancing. Only
+// images that a haptic material or textureHeight requires are decoded (material_description.h).
+// External files are read only from inside the folder of the asset.
 //
-// Skins, morph targets and animated nodes are read in one pose: the rest pose, with the node
-// transforms and morph weights of the file, or the pose of ReadOptions::pose (see gltf/animation.h,
+// Skins, morph targets and animated nodes are read in one pose, which ReadOptions::pose selects.
+// The rest pose has the node transforms and morph weights of the file (see gltf/animation.h,
 // gltf/skin.h, gltf/morph.h). A note states the pose. A skinned mesh is described in the scene
 // frame. Nodes that share a mesh, a skin and the morph weights share one MeshDescription; otherwise
 // each pose has a separate one.
@@ -37,8 +37,8 @@ struct ReadOptions {
 // Invalid input is an Error that names the file, the JSON path and the expected content; input is
 // never repaired. Content that can be skipped without affecting the surfaces (cameras, points,
 // lines) causes a warning. Contradictory content causes a warning, too: one version of it is used,
-// and the warning states which (gltf/json_text.h, gltf/draco.h, gltf/schema.h). Input above
-// gltf/limits.h is an Error. Not for the haptic thread. Thread-safe.
+// and the warning states which (gltf/json_text.h, gltf/draco.h, gltf/schema.h). Input above the
+// limits of gltf/limits.h is an Error. Not for the haptic thread. Thread-safe.
 Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options = {});
 
 // As read_gltf(), for an asset in memory. folder: the folder of external buffers. name: the name of

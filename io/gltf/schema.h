@@ -27,8 +27,8 @@ class GltfElements {
   // The next element. taken: an object with the properties that the reader uses. Each has the type,
   // the array length and the id range that glTF 2.0 requires; a whole number that the file writes
   // as "3.0" is stored as 3. The scenes are passed first, as one element {"scene": 0, "scenes":
-  // [...]}. rest: the remainder of the element in the document if the document no longer needs it,
-  // so that taken and rest can be destroyed together.
+  // [...]}. rest: what remains of the element in the document. It is passed only if the document no
+  // longer needs it; taken and rest can then be destroyed together.
   virtual std::optional<Error> add(GltfSection section, nlohmann::json taken,
                                    nlohmann::json rest) = 0;
 };

@@ -43,8 +43,8 @@ class DracoPrimitive;
 // weights' type, there is a warning. Errors: a missing set, sets of another length than the
 // positions, negative weights, a joint with non-zero weight that the skin does not have. Joints of
 // weight 0 are ignored. Vertices without any weight move with the first joint, and there is a
-// warning. pose_work: a budget, reduced by the number of values of each set. element: of the
-// primitive. compressed: the decoded primitive if it is compressed, else null.
+// warning. pose_work: a budget, from which the number of values of each set is subtracted. element:
+// JSON path of the primitive. compressed: the decoded primitive if it is compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                 const DracoPrimitive* compressed, const std::string& element,
                                 const GltfSkin& skin, std::size_t& pose_work,

@@ -1,6 +1,6 @@
 #pragma once
 
-// References to textures, glTF 2.0, section 5.30 (textureInfo), with its sampler and
+// References to textures (textureInfo of glTF 2.0, section 5.30), with the texture's sampler and
 // KHR_texture_transform.
 
 #include <string>

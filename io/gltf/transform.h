@@ -59,20 +59,21 @@ struct GltfTrs {
 // translation * rotation * scale. Without rotation the linear part is exactly the scale.
 AffineTransform transform_of(const GltfTrs& trs);
 
-// The transform from the node frame to the frame of its parent (glTF 2.0, section 3.5.3): its
-// matrix, or translation * rotation * scale, where the pose may replace each of the three. An error
-// unless the matrix is affine within kAffineRowTolerance. node_id: for messages.
+// The transform from the node frame to the frame of its parent (glTF 2.0, section 3.5.3). It is the
+// node's matrix or the product translation * rotation * scale; the pose may replace each of these
+// three factors. An error unless the matrix is affine within kAffineRowTolerance. node_id: for
+// messages.
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
                                         const GltfTrs& pose);
 
-// An error if a mesh is lengthened by more than kMaxGltfScale. element: of the node or the joint.
-// what: the name of the scaled object, for the message: "\"lid\"".
+// An error if a mesh is lengthened by more than kMaxGltfScale. element: JSON path of the node or
+// the joint. what: the name of the scaled object for the message, for example "\"lid\"".
 std::optional<Error> check_scale(const Mat3& linear_scene_mesh, const std::string& element,
                                  const std::string& what);
 
-// True if and only if the matrix has no inverse in double precision: after its rows, then its
-// columns, are scaled to length 1, its smallest singular value is rounding noise compared with the
-// largest.
+// True if and only if the matrix has no inverse in double precision. The test scales first the rows
+// of the matrix, then its columns, to length 1. There is no inverse if the smallest singular value
+// of the scaled matrix is rounding noise compared with the largest one.
 bool is_singular(const Mat3& linear);
 
 }  // namespace palpate

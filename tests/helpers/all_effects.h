@@ -26,7 +26,7 @@ namespace palpate::test {
 struct AllEffects {
   // Local frame: body 0, a sphere with all effects; body 1, a plate without effects.
   static constexpr double kRadius_m = 0.05;
-  static constexpr double kRange_m = 0.01;  // of the magnet
+  static constexpr double kRange_m = 0.01;  // range of the magnet
   static constexpr double kPlate_m = -0.2;  // z of the plate
   static Soup sphere() { return soup_of(icosphere(3, kRadius_m)); }
   static Soup plate() {

@@ -3,10 +3,10 @@
 // A judge of proxies that shares no code with the engine: it decides whether a path touches a
 // triangle.
 //
-// Points are judged in exact arithmetic: a filter in double with a proven bound settles nearly
-// every sign, integers of arbitrary length (Boost.Multiprecision) the rest. Spheres are judged by
-// the distance between path and triangle. This distance is evaluated in long double, from normals
-// that were computed exactly and rounded once.
+// Points are judged in exact arithmetic. A filter in double with a proven bound settles nearly
+// every sign; integers of arbitrary length (Boost.Multiprecision) settle the other signs. Spheres
+// are judged by the distance between path and triangle. This distance is evaluated in long double,
+// from normals that were computed exactly and rounded once.
 //
 // Path and triangles are in one frame, in metres. The doubles are treated as exact numbers.
 // Coordinates close to overflow are not supported.
@@ -36,9 +36,9 @@ bool has_no_area(const Corners& t);
 
 // The place where a path touches a triangle or gets too near to one.
 struct Violation {
-  std::size_t piece;     // of the path, from corner `piece` to the next
+  std::size_t piece;     // piece of the path, from corner `piece` to the next
   std::size_t triangle;  // index in the judge's triangles
-  double distance_m;     // between piece and triangle; 0 if they touch
+  double distance_m;     // distance between piece and triangle; 0 if they touch
 };
 
 class ExactJudge {

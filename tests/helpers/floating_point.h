@@ -7,7 +7,7 @@
 namespace palpate::test {
 
 inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-inline constexpr double kFloatRoundoff = 0x1p-24;  // of a float, relative
+inline constexpr double kFloatRoundoff = 0x1p-24;  // relative rounding error of a float
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 

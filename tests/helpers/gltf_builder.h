@@ -57,7 +57,7 @@ class GltfBuilder {
   // An empty asset of version 2.0.
   GltfBuilder();
 
-  // The root of the JSON without buffers, which the write functions add.
+  // The root of the JSON. It has no buffers; the write functions add them.
   nlohmann::json json;
   std::string bin;  // buffer 0
 

@@ -29,9 +29,9 @@ class BoundedMemory {
   ~BoundedMemory();
 };
 
-// During the lifetime of the object, from the n-th call of operator new on (calls are counted from
-// 0), only 4 KiB more memory than at that call is available. This is enough to report an error.
-// Only one object may exist at a time.
+// During the lifetime of the object, memory runs out at the n-th call of operator new (calls are
+// counted from 0). From then on, only 4 KiB more memory than at that call is available, which is
+// enough to report an error. Only one object may exist at a time.
 class FailingMemory {
  public:
   explicit FailingMemory(std::size_t n);

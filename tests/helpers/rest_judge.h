@@ -3,18 +3,18 @@
 // A judge of resting places that shares no code with the engine. It decides whether the proxy can
 // get nearer to the goal from its present place.
 //
-// A free segment is a straight segment from the proxy. It crosses no triangle, and except for
-// rounding it never comes nearer to a triangle than one stand-off, or than its distance at the
-// start if that is smaller. (A sphere's distance is that of its centre minus the radius.) If the
-// proxy moves in a plane of motion, a free segment lies in this plane. The proxy is not at rest if
-// a free segment leads nearer to the goal.
+// A free segment is a straight segment from the proxy. It crosses no triangle. Except for rounding,
+// it never comes nearer to a triangle than one stand-off; if it starts nearer than that, it never
+// comes nearer than at its start. (A sphere's distance is that of its centre minus the radius.) If
+// the proxy moves in a plane of motion, a free segment lies in this plane. The proxy is not at rest
+// if a free segment leads nearer to the goal.
 //
-// The distance to a triangle is a convex function. A free segment may therefore not decrease, at
-// its start, any distance that is at most a stand-off there; the remaining directions form a convex
-// cone. If even the unhindered steepest descent in that cone gains no more than the tolerance, this
-// proves that no free segment leads nearer to the goal. Otherwise the judge searches for free
-// segments. A segment that it reports satisfies the definition above, which is checked for each
-// triangle: crossings exactly, distances in long double.
+// The distance to a triangle is a convex function. If the distance to a triangle is at most a
+// stand-off at the start of a free segment, it must therefore not decrease there. The directions
+// that remain form a convex cone. If even the unhindered steepest descent in that cone gains no
+// more than the tolerance, this proves that no free segment leads nearer to the goal. Otherwise the
+// judge searches for free segments. A segment that it reports satisfies the definition above. The
+// judge checks this for each triangle: crossings exactly, distances in long double.
 //
 // The search tries the following directions, each as far as the distance to the goal decreases and
 // up to the first obstacle:
@@ -54,7 +54,7 @@ struct Rest {
   Vec3 proxy;
   Vec3 goal;
   std::optional<Vec3> motion_plane_normal = {};
-  double static_friction = 0.0;  // of all surfaces
+  double static_friction = 0.0;  // coefficient of all surfaces
 };
 
 // A free segment that leads nearer to the goal. Solver frame, metres.
@@ -76,14 +76,14 @@ std::string hex(const Vec3& p);
 
 class RestJudge {
  public:
-  // size_m: of the scene. The stand-off is the engine's.
+  // size_m: the size of the scene. stand_off_m: the stand-off of the engine.
   RestJudge(double size_m, double radius_m, double stand_off_m);
 
   // Returns an escape that gains more than tolerance_m(), if the search finds one.
   std::optional<Escape> escape_from(std::span<const JudgedBody> bodies, const Rest& rest) const {
     return judged(bodies, rest).escape;
   }
-  // The same in a world of one body without a transform.
+  // escape_from() in a world of one body without a transform.
   std::optional<Escape> escape_from(const ExactJudge& judge, const Rest& rest) const;
 
   Verdict judged(std::span<const JudgedBody> bodies, const Rest& rest) const;
@@ -91,7 +91,7 @@ class RestJudge {
   // The least gain of a reported escape, in metres.
   double tolerance_m() const { return kGainPerSize * size_m_; }
 
-  // 1e-9 of the size of the scene, or of a sphere larger than it.
+  // 1e-9 of the size of the scene, or of the radius of the sphere if that is larger.
   static constexpr double kGainPerSize = 1e-9;
 
  private:

@@ -18,7 +18,7 @@ namespace palpate::test {
 
 struct RestScene {
   Soup soup;
-  double radius_m = 0.0;          // of the proxy
+  double radius_m = 0.0;          // radius of the proxy
   std::vector<Vec3> starts = {};  // initial proxy positions; empty: any place with clearance
   std::vector<Vec3> aims = {};    // further targets besides vertices, edges and faces
   double grid_m = 0.0;            // spacing of the vertices' and the goals' grid; 0: no grid

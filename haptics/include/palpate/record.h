@@ -80,7 +80,8 @@ struct TickRecord {
   double o_before_m[3] = {};               // scene's origin in the device frame, this tick
   double q_after_wxyz[4] = {1, 0, 0, 0};   // T_device_scene after the rotation, for the display
   double o_after_m[3] = {};                // scene's origin after the rotation
-  double alpha_rad = 0.0;     // contact angle, normal to actuated axes, [0, pi/2]; 0: no contact
+  // The contact angle between the normal and the actuated axes, [0, pi/2]; 0: no contact.
+  double alpha_rad = 0.0;
   double rotation_rad = 0.0;  // the angle by which A4 turns the scene after this tick
   std::int64_t step_ns = 0;   // session: computing time of the loop
   std::int64_t late_ns = 0;   // session: start minus due time; 0 if ticks are not scheduled

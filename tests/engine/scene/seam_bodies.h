@@ -24,7 +24,7 @@ struct SeamBody {
   std::string kind;
   std::vector<Wide3> vertices_m;       // scene frame
   std::vector<Triangle> triangles;     // front sides out
-  std::vector<std::uint32_t> node_of;  // by triangle: 0 to node_count - 1
+  std::vector<std::uint32_t> node_of;  // node of each triangle: 0 to node_count - 1
   std::uint32_t node_count = 0;
   Wide3 middle_m;  // a point inside
   double size_m = 0.0;

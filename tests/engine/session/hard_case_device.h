@@ -30,8 +30,8 @@ inline HapticSettings settings(double stiffness_N_per_m, double damping_Ns_per_m
   return s;
 }
 
-// A pose at at_m that turns the z axis, the front of a sheet, to `normal`. The angle of rotation
-// about the normal is random.
+// A pose at at_m that turns the z axis to `normal`. The z axis is the direction of a sheet's front.
+// The angle of rotation about the normal is random.
 inline RigidTransform facing(const Vec3& normal, const Vec3& at_m, Random& random) {
   const Quat turn(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), normal));
   return {(turn * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized(), at_m};

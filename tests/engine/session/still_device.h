@@ -13,7 +13,7 @@ class StillDevice final : public VectorDevice {
   void command_force_N(const Vec3& force) noexcept override { force_N = force; }
 
   Vec3 position_m;
-  Vec3 force_N = Vec3::Zero();  // of the last command
+  Vec3 force_N = Vec3::Zero();  // force of the last command
 };
 
 }  // namespace palpate::test

@@ -10,9 +10,9 @@ namespace palpate::test {
 // positions and distances are rounded.
 inline constexpr double kNearUlps = 64;
 
-// The amount by which a step that must not increase the distance to the goal may increase it. It
-// allows for the rounding of the projection (relative) and of the coordinates of the step's corner
-// (in ulps).
+// The tolerance for steps that must not increase the distance to the goal: the increase that is
+// still accepted. It allows for the rounding of the projection (relative) and of the coordinates of
+// the step's corner (in ulps).
 inline constexpr double kFartherRelative = 32 * kEpsilon;
 inline constexpr double kFartherUlps = 4;
 

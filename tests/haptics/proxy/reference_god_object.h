@@ -24,7 +24,7 @@ class ReferenceSurface {
   struct Face {
     std::array<WideVec3, 3> corners;
     WideVec3 normal;                 // unit, towards the proxy's side
-    std::array<WideVec3, 3> inward;  // inward normals of the edges from corner e: unit, in plane
+    std::array<WideVec3, 3> inward;  // [e]: inward unit normal of the edge from corner e, in plane
   };
 
   ReferenceSurface(const std::vector<Vec3>& positions_m, const std::vector<Triangle>& triangles,
@@ -63,8 +63,8 @@ struct ReferencePlane {
 };
 
 // The point nearest to the goal within all half-spaces, and the planes that hold it. These planes
-// are the only subset of up to three planes that all push and whose solution violates no plane.
-// Returns nullopt if no such subset exists.
+// are the only subset of up to three planes with two properties: all its planes push, and its
+// solution violates no plane. Returns nullopt if no such subset exists.
 struct NearestFeasible {
   WideVec3 point;
   std::vector<ReferencePlane> active;
@@ -72,11 +72,11 @@ struct NearestFeasible {
 std::optional<NearestFeasible> nearest_feasible(const std::vector<ReferencePlane>& planes,
                                                 const WideVec3& goal, Wide roundoff_m);
 
-// The point proxy of Zilles & Salisbury. Its path is a sequence of straight pieces. On the planes
-// of the faces that hold the proxy, it moves straight to the point nearest to the goal, also
-// through free space beyond a convex edge. The plane of the first face on this segment is added to
-// those planes. If the faces are no longer under the proxy, the proxy drops all planes and falls
-// straight towards the goal.
+// The point proxy of Zilles & Salisbury. Its path is a sequence of straight pieces. The proxy moves
+// on the planes of the faces that hold it. It moves straight to that point of these planes that is
+// nearest to the goal, also through free space beyond a convex edge. The plane of the first face on
+// this segment is added to those planes. If the faces are no longer under the proxy, the proxy
+// drops all planes and falls straight towards the goal.
 class ReferenceGodObject {
  public:
   ReferenceGodObject(const ReferenceSurface& surface, const WideVec3& start)
@@ -106,7 +106,7 @@ class ReferenceGodObject {
 // The point nearest to the goal inside a convex surface that is moved inwards by offset_m. The
 // centre of a sphere of radius offset_m rests there if it is pressed against the surface from
 // inside. The inside is convex, so the point is unique and does not depend on the path. surface:
-// Side::kInside.
+// must have Side::kInside.
 NearestFeasible nearest_inside_convex(const ReferenceSurface& surface, const WideVec3& goal,
                                       Wide offset_m, Wide reach_m);
 
