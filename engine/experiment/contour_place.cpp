@@ -21,7 +21,7 @@ ContourPlace::ContourPlace(const HandPath& path, double along_m, double off_m)
 }
 
 bool ContourPlace::see(const Vec3& contact_m, const Vec3& outward) {
-  const double first_m = along_m_ - kReach_m;
+  const double first_m = along_m_ - kKept_m;
   const double last_m = along_m_ + kReach_m;
   std::size_t leg = leg_;
   while (leg > 0 && lengths_m_[leg] > first_m) --leg;
@@ -34,9 +34,8 @@ bool ContourPlace::see(const Vec3& contact_m, const Vec3& outward) {
     if (length_m == 0.0 || outward.dot(path_.points[leg].inward) > 0.0) continue;
     const Vec3& from = path_.points[leg].p_m;
     const Vec3 tangent = (path_.points[leg + 1].p_m - from) / length_m;
-    const double least_m = std::clamp(first_m - lengths_m_[leg], 0.0, length_m);
-    const double most_m = std::clamp(last_m - lengths_m_[leg], 0.0, length_m);
-    const double at_m = std::clamp((contact_m - from).dot(tangent), least_m, most_m);
+    const double at_m = std::clamp((contact_m - from).dot(tangent), 0.0, length_m);
+    if (lengths_m_[leg] + at_m < first_m || lengths_m_[leg] + at_m > last_m) continue;
     const double off_m = (contact_m - from - at_m * tangent).norm();
     if (off_m > nearest_m) continue;
     nearest_m = off_m;

@@ -27,6 +27,8 @@ class ContourPlace {
 
   // The farthest that a contact may be ahead (the paper's spheres are 12 mm wide).
   static constexpr double kReach_m = 0.03;
+  // The farthest that a contact may be behind the place to keep it.
+  static constexpr double kKept_m = 0.01;
 
  private:
   const HandPath& path_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/simulation/path_plan.h"
 #include "haptics/record_vectors.h"
@@ -28,6 +29,8 @@ constexpr double kPatienceInCorner_s = 1.5;
 constexpr double kGoesOn_m = 10e-3;
 constexpr double kOutside = 1.5;
 constexpr double kHaste = 2.0;
+// The distance between the points that the hand visits on its way back outside the contour.
+constexpr double kStride_m = 5e-3;
 
 // In press depths: the hand rests at the start this far outside the contour.
 constexpr double kStartsOutside = 2.0;
@@ -53,16 +56,19 @@ std::vector<double> corners_of(const HandPath& path) {
 }  // namespace
 
 OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person,
-                           Following following, double display_Hz, double proxy_radius_m)
+                           Following following, const TrialSettings& settings,
+                           double proxy_radius_m)
     : person_(person),
       following_(following),
-      picture_s_(1.0 / display_Hz),
+      picture_s_(1.0 / settings.display_Hz),
+      sphere_radius_m_(settings.sphere_radius_m),
       proxy_radius_m_(proxy_radius_m),
       path_(simplified(way.path, kSmallForHand * person.press_depth_m)),
       track_(path_, person.press_depth_m),
       place_(path_, shortening(path_, way) * way.green_along_m,
              2.0 * kSmallForHand * person.press_depth_m),
       corners_m_(corners_of(path_)),
+      green_m_(way.green_m),
       red_along_m_(shortening(path_, way) * way.red_along_m),
       pictures_(ring_size(person.sight_delay_s, picture_s_)) {
   const double green_m = place_.along_m();
@@ -70,17 +76,34 @@ OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person
       way.green_m - (kStartsOutside * person_.press_depth_m + proxy_radius_m_) * inward_at(green_m);
   plan_m_ = start_m_;
   detour_.at_m = start_m_;
-  begin_detour(green_m, false, person_.speed_m_per_s);
+  detour_.goal_along_m = green_m;
+  detour_.speed_m_per_s = person_.speed_m_per_s;
 }
 
 Vec3 OperatorHand::inward_at(double along_m) const {
   return path_.points[palpate::leg_at(place_.lengths_m(), along_m)].inward;
 }
 
-// On the track of the sphere's contact point; a target of the centre is proxy_radius_m further out.
-Vec3 OperatorHand::inside_m(double along_m) const {
-  return point_along(path_, place_.lengths_m(), along_m) +
-         person_.press_depth_m * inward_at(along_m);
+// A point beside the contour, inside it by inward_m.
+Vec3 OperatorHand::beside_m(double along_m, double inward_m) const {
+  return point_along(path_, place_.lengths_m(), along_m) + inward_m * inward_at(along_m);
+}
+
+double OperatorHand::nearest_along_m(const Vec3& p_m) const {
+  const std::vector<double>& lengths_m = place_.lengths_m();
+  double nearest_m = 0.0;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < path_.points.size(); ++i) {
+    const double length_m = lengths_m[i + 1] - lengths_m[i];
+    if (length_m == 0.0) continue;
+    const Vec3 tangent = (path_.points[i + 1].p_m - path_.points[i].p_m) / length_m;
+    const double at_m = std::clamp((p_m - path_.points[i].p_m).dot(tangent), 0.0, length_m);
+    const double distance_m = (p_m - path_.points[i].p_m - at_m * tangent).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest_m = lengths_m[i] + at_m;
+  }
+  return nearest_m;
 }
 
 HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
@@ -111,8 +134,7 @@ void OperatorHand::take_picture(double time_s, const ScenePose& T_device_scene,
   picture.time_s = time_s;
   picture.T_device_scene = T_device_scene;
   picture.proxy_scene_m = taken_ > 0 ? vec3(last.proxy_scene_m) : start_m_;
-  picture.goal_scene_m =
-      taken_ > 0 ? T_device_scene.inverse_point(vec3(last.device_m)) : start_m_;
+  picture.goal_scene_m = taken_ > 0 ? T_device_scene.inverse_point(vec3(last.device_m)) : start_m_;
   picture.contact = last.contact != 0;
   picture.plan_scene_m = plan_m_;
   ++taken_;
@@ -133,8 +155,11 @@ void OperatorHand::see(const Picture& picture) {
   const Vec3 contact_m = is_apart
                              ? Vec3(picture.proxy_scene_m - proxy_radius_m_ * outward.normalized())
                              : picture.proxy_scene_m;
+  if (!has_begun_) {
+    has_begun_ = picture.contact && (contact_m - green_m_).norm() <= sphere_radius_m_;
+  }
   const double before_m = place_.along_m();
-  const bool is_good = picture.contact && place_.see(contact_m, outward);
+  const bool is_good = has_begun_ && picture.contact && place_.see(contact_m, outward);
   const bool passed_corner = has_corner_between(before_m, place_.along_m());
   saw_wrong_part_ = picture.contact && !is_good;
   const bool lost_contact = saw_contact_ && !picture.contact;
@@ -150,7 +175,7 @@ void OperatorHand::see(const Picture& picture) {
     lost_s_ = 0.0;
     if (!is_following_) resume();
   } else {
-    lost_s_ += picture_s_;
+    if (has_begun_) lost_s_ += picture_s_;
     if (is_following_ && lost_s_ >= (is_in_corner() ? kPatienceInCorner_s : kPatience_s)) lose();
   }
 }
@@ -223,49 +248,53 @@ void OperatorHand::correct(const Vec3& direction, double dt_s) {
   correction_m_ = std::clamp(along_m, -kMostCorrection_m, kMostCorrection_m) * direction;
 }
 
-void OperatorHand::begin_detour(double along_m, bool by_outside, double speed_m_per_s) {
-  detour_.count = 0;
-  detour_.next = 0;
-  detour_.waited_s = 0.0;
-  detour_.speed_m_per_s = speed_m_per_s;
-  if (by_outside) {
-    detour_.points_m[detour_.count++] = point_along(path_, place_.lengths_m(), along_m) -
-                                        kOutside * person_.press_depth_m * inward_at(along_m);
-  }
-  detour_.points_m[detour_.count++] = inside_m(along_m);
-}
-
+// A hand that is far from the place, touches a wrong part or is lost again goes by the outside.
 void OperatorHand::lose() {
   ++recoveries_;
-  // A hand that is lost again, or touches a wrong part, comes from outside.
-  const bool by_outside = saw_wrong_part_ || !is_following_;
+  const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  const double nearest_m = nearest_along_m(newest.proxy_scene_m);
+  detour_.goal_along_m = std::min(place_.along_m() + kGoesOn_m, red_along_m_);
+  detour_.is_outside = saw_wrong_part_ || !is_following_ ||
+                       std::abs(nearest_m - detour_.goal_along_m) > ContourPlace::kReach_m;
+  detour_.outside_m = nearest_m;
   detour_.at_m = plan_m_ + correction_m_;
+  detour_.speed_m_per_s = kHaste * person_.speed_m_per_s;
+  detour_.waited_s = 0.0;
   is_following_ = false;
   correction_m_.setZero();
   lost_s_ = 0.0;
-  begin_detour(std::min(place_.along_m() + kGoesOn_m, red_along_m_), by_outside,
-               kHaste * person_.speed_m_per_s);
+}
+
+// Returns whether the point is reached in this step.
+bool OperatorHand::go_towards(const Vec3& to_m, double step_m) {
+  const Vec3 left_m = to_m - detour_.at_m;
+  const double distance_m = left_m.norm();
+  if (distance_m <= step_m) {
+    detour_.at_m = to_m;
+    return true;
+  }
+  detour_.at_m += step_m / distance_m * left_m;
+  return false;
 }
 
 OperatorHand::Aim OperatorHand::go_back(double dt_s) {
-  if (detour_.next == detour_.count) {
-    detour_.waited_s += dt_s;
-    if (detour_.waited_s >= kPatience_s + person_.sight_delay_s) lose();
-  }
-  if (detour_.next < detour_.count) {
-    const Vec3 to_m = detour_.points_m[detour_.next] - detour_.at_m;
-    const double step_m = detour_.speed_m_per_s * dt_s;
-    const double left_m = to_m.norm();
-    if (left_m > step_m) {
-      const Vec3 direction = to_m / left_m;
-      detour_.at_m += step_m * direction;
-      plan_m_ = detour_.at_m;
-      return {plan_m_, detour_.speed_m_per_s * direction};
+  Detour& d = detour_;
+  const double step_m = d.speed_m_per_s * dt_s;
+  const Vec3 before_m = d.at_m;
+  if (d.is_outside) {
+    const double outside_m = -kOutside * person_.press_depth_m;
+    if (go_towards(beside_m(d.outside_m, outside_m), step_m)) {
+      const double left_m = d.goal_along_m - d.outside_m;
+      d.is_outside = left_m != 0.0;
+      d.outside_m += std::clamp(left_m, -kStride_m, kStride_m);
     }
-    detour_.at_m = detour_.points_m[detour_.next++];
+  } else if (go_towards(beside_m(d.goal_along_m, person_.press_depth_m), step_m)) {
+    if (has_begun_) d.waited_s += dt_s;
+    if (d.waited_s >= kPatience_s + person_.sight_delay_s) lose();
   }
-  plan_m_ = detour_.at_m;
-  return {plan_m_, Vec3::Zero()};
+  plan_m_ = d.at_m;
+  const Vec3 velocity_m_per_s = dt_s > 0.0 ? Vec3((d.at_m - before_m) / dt_s) : Vec3(Vec3::Zero());
+  return {plan_m_, velocity_m_per_s};
 }
 
 // The person sees contact with the contour and follows it from there.

@@ -20,6 +20,7 @@ namespace palpate {
 // picture is taken display_Hz times a second and shows the pose of the scene, the proxy, the device
 // point and whether there is contact.
 //
+// - Begin: the person touches the contour within the green sphere and then follows it.
 // - Pace: the target advances at v0 e0 / max(e0, e), e = max(0, seen |goal - proxy| - D), and at
 // most
 //   at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. That depth slows the hand
@@ -36,7 +37,7 @@ class OperatorHand final : public HandPlan {
  public:
   // proxy_radius_m: 0 for a point. `way` must outlive the hand.
   OperatorHand(const TrialWay& way, const OperatorParameters& person, Following following,
-               double display_Hz, double proxy_radius_m);
+               const TrialSettings& settings, double proxy_radius_m);
 
   HandTarget target(double time_s, const ScenePose& T_device_scene,
                     const TickRecord& last) noexcept override;
@@ -56,14 +57,14 @@ class OperatorHand final : public HandPlan {
     bool contact;
     Vec3 plan_scene_m;  // where the person aimed then, without the correction
   };
-  // Points that the hand visits in order; the last one lies inside the contour.
+  // The way back to the contour: along the contour, outside it, and then into it.
   struct Detour {
-    Vec3 points_m[2];
-    std::size_t count = 0;
-    std::size_t next = 0;
+    bool is_outside = false;  // on the part outside the contour
+    double outside_m = 0.0;   // place of the next point outside, along the path
+    double goal_along_m = 0.0;
     Vec3 at_m = Vec3::Zero();
     double speed_m_per_s = 0.0;
-    double waited_s = 0.0;  // since the last point was reached
+    double waited_s = 0.0;  // since the goal was reached
   };
   struct Aim {
     Vec3 p_m;
@@ -82,20 +83,23 @@ class OperatorHand final : public HandPlan {
   void advance(double step_m);
   void correct(const Vec3& direction, double dt_s);
   Aim go_back(double dt_s);
-  void begin_detour(double along_m, bool by_outside, double speed_m_per_s);
   void lose();
   void resume();
-  Vec3 inside_m(double along_m) const;
+  double nearest_along_m(const Vec3& p_m) const;
+  bool go_towards(const Vec3& to_m, double step_m);
+  Vec3 beside_m(double along_m, double inward_m) const;
   Vec3 inward_at(double along_m) const;
 
   OperatorParameters person_;
   Following following_;
   double picture_s_;
+  double sphere_radius_m_;
   double proxy_radius_m_;
   HandPath path_;  // simplified
   TargetTrack track_;
   ContourPlace place_;             // as the person has seen it
   std::vector<double> corners_m_;  // along the path
+  Vec3 green_m_;
   double red_along_m_;
   Vec3 start_m_;
 
@@ -108,6 +112,7 @@ class OperatorHand final : public HandPlan {
   bool saw_wrong_part_ = false;
 
   double last_time_s_ = 0.0;
+  bool has_begun_ = false;     // contact within the green sphere was seen
   bool is_following_ = false;  // otherwise on a detour
   Detour detour_;
   std::size_t leg_ = 0;

@@ -44,7 +44,7 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   if (const auto error = check_setup(scene, trial)) return *error;
   if (const auto error = check_plant(plant, trial.dt_s)) return *error;
   const double radius_m = trial.haptics.god_object.radius_m;
-  OperatorHand hand(way, person, conditions.following, settings.display_Hz, radius_m);
+  OperatorHand hand(way, person, conditions.following, settings, radius_m);
   TrialClock clock(way, settings, radius_m, trial.dt_s);
   SinkObserver to_sink(sink);
   std::vector<TickObserver*> observers{&clock};
