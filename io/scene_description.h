@@ -35,10 +35,10 @@ struct MeshDescription {
   std::vector<MaterialRun> material_runs = {};  // ascending; each extends to the next
   std::optional<std::uint32_t> haptic_material =
       {};  // index into SceneDescription::haptic_materials
-  // Texture coordinates of the positions in the maps of texture_map() and friction_map(): fractions
-  // of the width from the left and of the height from the top, with the map's transform applied.
-  // They may be any finite numbers. There is one pair for each position. In primitives without a
-  // map, the pairs are zeros. A vector is empty if no primitive has a map.
+  // For each element of positions, its texture coordinates in the map of texture_map() or
+  // friction_map(): the fraction of the map's width from the left, and of its height from the top,
+  // with the map's transform applied. They may be any finite numbers. In primitives without a map,
+  // the pairs are zeros. A vector is empty if no primitive has a map.
   std::vector<std::array<double, 2>> texture_uv = {};
   std::vector<std::array<double, 2>> friction_uv = {};
 };

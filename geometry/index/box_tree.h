@@ -20,8 +20,9 @@ class EmbreeBoxes;
 // every box in range, and may also report a box that is out of range by a rounding error. The
 // reported boxes do not depend on the instruction set.
 //
-// Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. A visitor of
-// another tree or index may start a query. Query points must be finite.
+// Queries: no allocation, lock or exception; thread-safe; safe on the haptic thread. Query points
+// must be finite. Queries may be nested: a query of this tree may be started inside a visitor that
+// another tree or index is calling.
 class BoxTree {
  public:
   // sweep_radius_m: the largest radius allowed in visit_along().

@@ -36,12 +36,13 @@ using OpenMeshSurface = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
 // haptic thread, which works on a SurfaceIndex.
 //
 // Vertices are split until the surface is a consistently oriented 2-manifold with boundary, as
-// OpenMesh requires: two corners share a vertex only across an edge with exactly two faces oriented
-// alike. Every face with an area is kept.
+// OpenMesh requires. Two faces share a vertex only if they are connected around it through edges
+// that each have exactly two faces, oriented alike. Every face with an area is kept.
 //
-// OpenMesh's add_face() would accept the faces of surface() in any order, with one difference. If a
-// fan of faces returns to an edge from which a third face was separated, surface() has two boundary
-// edges with the same ends, and add_face() would join them.
+// If the faces of surface() were given to OpenMesh's add_face(), in any order, the result would be
+// the same surface, with one exception. At an edge with three or more faces, surface() connects no
+// two of them. If a fan of faces begins and ends at such an edge, surface() can have two boundary
+// edges with the same two end vertices. add_face() would join these two edges into one.
 //
 // OpenMesh uses 72 bytes per triangle, most of the memory of a large surface. Data that can be
 // derived from OpenMesh, such as face(), is not stored again.

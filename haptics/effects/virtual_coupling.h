@@ -23,10 +23,14 @@ struct CouplingSettings {
 // is the proxy and g the goal (Lecuyer et al. 2005, section 3: "a spring and a damper in
 // parallel").
 //
-// The paper does not say which velocity the damper acts on. Here u is the part of d(p - g)/dt
-// against which the surface presses, so that a freely sliding proxy follows the hand without
-// resistance. The lag turns as the proxy moves around a surface. A damper on the whole lag would
-// therefore push the hand forward, by B d v^2 / r at penetration depth d on a sphere of radius r.
+// The paper does not say which velocity the damper acts on. Here u is only the component of
+// d(p - g)/dt along the directions in which the surface presses on the proxy
+// (ProxyState::pressed_part). Motion along the surface is not damped, so that a freely sliding
+// proxy follows the hand without resistance. The lag turns as the proxy moves around a surface. A
+// damper on the whole lag would therefore push the hand forward: a hand that moves at speed v at
+// penetration depth d on a sphere of radius r would receive the force B d v / r, for d much smaller
+// than r. If friction holds the proxy at rest, u is the whole d(p - g)/dt.
+//
 // The force is never attractive: a component that pulls along the contact normal N is removed, so
 // that F.N >= 0.
 //

@@ -1,7 +1,7 @@
 #pragma once
 
 // The haptic properties that the file declares for triangles: glTF materials with extras.palpate,
-// and the haptic materials of haptic_materials.h. The values are not interpreted here. Thread-safe.
+// and the haptic materials of haptic_materials.h. The values are not interpreted here.
 
 #include <cstddef>
 #include <cstdint>
@@ -97,6 +97,7 @@ class GltfMaterials {
 };
 
 // Adds a note with the names of the variants of KHR_materials_variants, which are not read.
+// Thread-safe.
 void note_variants(const nlohmann::json& root, std::vector<std::string>& notes);
 
 }  // namespace palpate
