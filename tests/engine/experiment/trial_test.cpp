@@ -1,0 +1,278 @@
+// Trials of the experiment: the place on the contour, the operator's sight, and whole trials.
+
+#include "engine/experiment/trial.h"
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/experiment/contour_place.h"
+#include "engine/experiment/operator_hand.h"
+#include "engine/simulation/intention_wander.h"
+#include "engine/simulation/plane_height.h"
+#include "haptics/record_vectors.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kObjects[] = {"star", "labyrinth", "inverted_labyrinth", "lock"};
+
+struct Prepared {
+  Scene scene;
+  RunSetup setup;
+  TrialWay way;
+};
+
+const Prepared& prepared(const std::string& name) {
+  static std::map<std::string, Prepared> all;
+  const auto found = all.find(name);
+  if (found != all.end()) return found->second;
+  auto scene = Scene::load(std::string(PALPATE_MODELS_DIR) + "/" + name + ".glb");
+  RunSettings settings;
+  settings.sensors = 2;
+  settings.actuators = 1;
+  settings.damping_Ns_per_m = 2.0;
+  auto setup = make_setup(settings);
+  setup->haptics.plane_height_m = *height_with_contour_m(*scene, setup->haptics.initial_pose);
+  auto way = find_trial_way(*scene, *setup, {});
+  EXPECT_TRUE(way.ok()) << name;
+  return all.emplace(name, Prepared{std::move(*scene), std::move(*setup), std::move(*way)})
+      .first->second;
+}
+
+// A person whose hand does not shake.
+OperatorParameters steady_person() {
+  OperatorParameters person;
+  person.force_noise = 0.0;
+  person.intention_noise_m = 0.0;
+  return person;
+}
+
+OperatorParameters shaking_person() {
+  OperatorParameters person;
+  person.intention_noise_m = 6.6e-3;
+  return person;
+}
+
+TrialOutcome run(const std::string& object, const OperatorParameters& person,
+                 const TrialConditions& conditions) {
+  const Prepared& p = prepared(object);
+  auto outcome = run_trial(p.scene, p.way, p.setup, {}, person, conditions);
+  EXPECT_TRUE(outcome.ok());
+  return *outcome;
+}
+
+// A square of this side with material on the left of the path.
+HandPath square(double side_m) {
+  HandPath path;
+  const Vec3 corners[] = {{0, 0, 0}, {side_m, 0, 0}, {side_m, side_m, 0}, {0, side_m, 0}};
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 tangent = (corners[(i + 1) % 4] - corners[i]).normalized();
+    path.points.push_back({corners[i], Vec3::UnitZ().cross(tangent), std::numbers::pi / 2});
+  }
+  path.points.push_back({corners[0], path.points.back().inward});
+  return path;
+}
+
+TEST(ContourPlace, MovesToContactsAheadAndNeverBack) {
+  const HandPath path = square(0.2);
+  ContourPlace place(path, 0.05, 1e-4);
+  const Vec3 down = -Vec3::UnitY();
+  EXPECT_TRUE(place.see({0.07, 0.0, 0.0}, down));
+  EXPECT_DOUBLE_EQ(place.along_m(), 0.07);
+  EXPECT_TRUE(place.see({0.065, 0.0, 0.0}, down));
+  EXPECT_DOUBLE_EQ(place.along_m(), 0.07);
+  EXPECT_FALSE(place.see({0.07 - 1.01 * ContourPlace::kKept_m, 0.0, 0.0}, down));
+  EXPECT_FALSE(place.see({0.07 + 1.01 * ContourPlace::kReach_m, 0.0, 0.0}, down));
+  EXPECT_FALSE(place.see({0.08, 2e-4, 0.0}, down)) << "off the contour";
+  EXPECT_FALSE(place.see({0.08, 0.0, 0.0}, Vec3::UnitY())) << "from behind the wall";
+  EXPECT_FALSE(place.see({0.08, 0.2, 0.0}, Vec3::UnitY())) << "the opposite wall";
+  EXPECT_DOUBLE_EQ(place.along_m(), 0.07);
+}
+
+TEST(ContourPlace, PassesACorner) {
+  const HandPath path = square(0.2);
+  ContourPlace place(path, 0.19, 1e-4);
+  EXPECT_TRUE(place.see({0.2, 0.015, 0.0}, Vec3::UnitX()));
+  EXPECT_DOUBLE_EQ(place.along_m(), 0.215);
+}
+
+TEST(TrialWay, IsWhatTheModelsState) {
+  for (const char* object : kObjects) {
+    const TrialWay& way = prepared(object).way;
+    // The spheres are 10 mm on either side of the middle of a wall. The coordinates of the files
+    // are single precision.
+    const double once_m = way.path.lengths_m().back() - way.green_along_m;
+    EXPECT_NEAR(once_m - (way.red_along_m - way.green_along_m), 0.02, 1e-7) << object;
+    EXPECT_NEAR((way.green_m - way.red_m).norm(), 0.02, 1e-7) << object;
+    for (std::size_t i = 0; i + 1 < way.path.points.size(); ++i) {
+      const Vec3 tangent = way.path.points[i + 1].p_m - way.path.points[i].p_m;
+      EXPECT_GT(Vec3::UnitZ().cross(tangent).dot(way.path.points[i].inward), 0.0) << object;
+    }
+  }
+}
+
+// The crossings of a level by Rice's formula, and the variance.
+TEST(IntentionWander, HasTheVarianceAndTheCrossingsOfItsDefinition) {
+  for (const double dt_s : {1e-3, 2.5e-3}) {
+    SCOPED_TRACE(dt_s);
+    std::mt19937_64 random(7);
+    IntentionWander wander;
+    const double natural_Hz = 2.0;
+    const double level = -1.0;
+    const auto steps = static_cast<int>(2000.0 / dt_s);
+    double square_sum = 0.0;
+    int crossings = 0;
+    Vec3 before = wander.advance(natural_Hz, dt_s, random);
+    for (int n = 0; n < steps; ++n) {
+      const Vec3 now = wander.advance(natural_Hz, dt_s, random);
+      for (int k = 0; k < 3; ++k) crossings += before[k] >= level && now[k] < level ? 1 : 0;
+      square_sum += now.squaredNorm();
+      before = now;
+    }
+    EXPECT_NEAR(square_sum / (3.0 * steps), 1.0, 0.03);
+    const double per_s = crossings / (3.0 * steps * dt_s);
+    EXPECT_NEAR(per_s, natural_Hz * std::exp(-0.5 * level * level), 0.03 * natural_Hz);
+  }
+}
+
+// Feeds a hand with records whose other fields are poison; it must behave as with clean ones.
+TEST(OperatorHand, KnowsNothingButItsPictures) {
+  const Prepared& p = prepared("star");
+  const OperatorParameters person = steady_person();
+  OperatorHand clean(p.way, person, Following::kPredict, {}, 0.0);
+  OperatorHand poisoned(p.way, person, Following::kPredict, {}, 0.0);
+  bool has_differed = false;
+  const TickSink compare = [&](const TickRecord& r) {
+    TickRecord poison;
+    std::memset(static_cast<void*>(&poison), 0xff, sizeof poison);  // every double is NaN
+    put(pose_after(r), poison.q_after_wxyz, poison.o_after_m);
+    put(vec3(r.proxy_scene_m), poison.proxy_scene_m);
+    put(vec3(r.device_m), poison.device_m);
+    poison.contact = r.contact;
+    const HandTarget a = clean.target(r.time_s, pose_after(r), r);
+    const HandTarget b = poisoned.target(r.time_s, pose_after(r), poison);
+    has_differed =
+        has_differed || a.position_m != b.position_m || a.velocity_m_per_s != b.velocity_m_per_s;
+  };
+  TrialConditions conditions;
+  conditions.a4 = true;
+  ASSERT_TRUE(run_trial(p.scene, p.way, p.setup, {}, person, conditions, compare).ok());
+  EXPECT_FALSE(has_differed);
+}
+
+// The scene is displaced at once; the target moves when the first picture that shows it is as old
+// as the delay of sight.
+TEST(OperatorHand, SeesADisplacedSceneAfterItsDelay) {
+  const Prepared& p = prepared("star");
+  OperatorParameters person = steady_person();
+  person.speed_m_per_s = 0.0;
+  const TrialSettings settings;
+  for (const double delay_s : {0.117, 0.15, 0.2}) {
+    person.sight_delay_s = delay_s;
+    OperatorHand hand(p.way, person, Following::kDelayed, settings, 0.0);
+    ScenePose pose = p.setup.haptics.initial_pose;
+    TickRecord record;
+    put(hand.start_scene_m(), record.proxy_scene_m);
+    Vec3 first = Vec3::Zero();
+    double moved_s = 0.0;
+    for (int n = 0; n < 2000 && moved_s == 0.0; ++n) {
+      if (n == 1000) pose.translation_m.x() += 0.01;
+      put(pose.point(hand.start_scene_m()), record.device_m);
+      const HandTarget target = hand.target(1e-3 * n, pose, record);
+      if (n == 999) first = target.position_m;
+      if (n >= 1000 && target.position_m != first) moved_s = 1e-3 * n;
+    }
+    EXPECT_GE(moved_s, 1.0 + delay_s);
+    EXPECT_LE(moved_s, 1.0 + delay_s + 1.0 / settings.display_Hz + 2e-3);
+  }
+}
+
+TEST(Trial, GivesTheSameBitsAgainAndForEachFollowingIfTheSceneDoesNotTurn) {
+  TrialConditions conditions;
+  conditions.noise_seed = 42;
+  const TrialOutcome first = run("star", shaking_person(), conditions);
+  for (const Following following :
+       {Following::kDelayed, Following::kPredict, Following::kReplan, Following::kFrozen}) {
+    conditions.following = following;
+    const TrialOutcome again = run("star", shaking_person(), conditions);
+    EXPECT_EQ(again.status, first.status);
+    EXPECT_EQ(again.ticks, first.ticks);
+    EXPECT_EQ(again.measures, first.measures);
+  }
+  conditions.noise_seed = 43;
+  EXPECT_NE(run("star", shaking_person(), conditions).measures, first.measures);
+}
+
+// The weakest hand with the slowest motion and the largest gain, pushed sideways by one motor.
+TEST(Trial, OfAWeakHandWithoutNoiseGetsRoundEveryObject) {
+  OperatorParameters person = steady_person();
+  person.hand_stiffness_N_per_m = 135.0;
+  person.gain_per_s = 4.0;
+  person.speed_m_per_s = 0.03;
+  for (const char* object : kObjects) {
+    const TrialOutcome outcome = run(object, person, {});
+    EXPECT_EQ(outcome.status, TrialStatus::kDone) << object;
+  }
+}
+
+// The depth follows from the springs, the angle from A4.
+TEST(Trial, ForceReducesTheDepthAndRotationReducesTheAngle) {
+  const OperatorParameters person = shaking_person();
+  std::map<bool, double> angle_deg;
+  for (const bool a4 : {false, true}) {
+    std::map<ForceMode, double> depth_m;
+    for (const char* object : kObjects) {
+      for (const ForceMode force : {ForceMode::kNone, ForceMode::kActuated, ForceMode::kFull}) {
+        const TrialOutcome outcome =
+            run(object, person, {.force = force, .a4 = a4, .noise_seed = 5});
+        depth_m[force] += outcome.measures[kPenetration].value_or(0.0);
+        angle_deg[a4] += outcome.measures[kContactAngle].value_or(0.0) / 12.0;
+      }
+    }
+    EXPECT_LT(depth_m[ForceMode::kFull], depth_m[ForceMode::kActuated]);
+    EXPECT_LT(depth_m[ForceMode::kActuated], depth_m[ForceMode::kNone]);
+  }
+  EXPECT_LT(angle_deg[true], angle_deg[false] - 10.0);
+}
+
+TEST(Trial, ReportsTheTimeLimitAsAStatusAndCoversOnlyClockedTicks) {
+  const Prepared& p = prepared("star");
+  TrialSettings settings;
+  settings.limit_s = 3.0;
+  std::uint64_t ticks = 0;
+  const auto outcome = run_trial(p.scene, p.way, p.setup, settings, steady_person(), {},
+                                 [&](const TickRecord&) { ++ticks; });
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome->status, TrialStatus::kTimeout);
+  EXPECT_EQ(outcome->ticks, 3000u);
+  EXPECT_EQ(ticks, 3000u);
+  EXPECT_LT(outcome->measures[kTotalTime].value_or(9.0), 3.0);
+  EXPECT_GT(outcome->measures[kTotalTime].value_or(0.0), 1.0);
+}
+
+// Without contact within the green sphere the clock does not start, and no measure is defined.
+TEST(Trial, LeavesMeasuresEmptyIfTheClockNeverStarts) {
+  const Prepared& p = prepared("star");
+  TrialSettings settings;
+  settings.limit_s = 0.2;
+  const auto outcome = run_trial(p.scene, p.way, p.setup, settings, steady_person(), {});
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome->status, TrialStatus::kTimeout);
+  for (const auto& measure : outcome->measures) EXPECT_FALSE(measure.has_value());
+}
+
+TEST(TrialWay, RefusesThreeSensors) {
+  const auto setup = make_setup(RunSettings{});
+  const auto way = find_trial_way(prepared("star").scene, *setup, {});
+  ASSERT_FALSE(way.ok());
+  EXPECT_EQ(way.error().element, "device.sensors");
+}
+
+}  // namespace
+}  // namespace palpate
