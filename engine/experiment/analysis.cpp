@@ -1,0 +1,156 @@
+#include "engine/experiment/analysis.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/experiment/statistics_text.h"
+
+namespace palpate {
+namespace {
+
+// The only value of an outcome, if it has no other.
+std::optional<double> constant_value(const TrialTable& table, Outcome outcome) {
+  std::optional<double> first;
+  for (int p = 0; p < static_cast<int>(table.participants().size()); ++p) {
+    for (int c = 0; c < table.conditions(); ++c) {
+      for (int t = 0; t < table.level_count(kTrialFactor); ++t) {
+        const auto value = table.value(p, c, t, outcome);
+        if (!value) continue;
+        if (first && *first != *value) return std::nullopt;
+        first = value;
+      }
+    }
+  }
+  return first;
+}
+
+Error in_following(Error error, const TrialTable& table) {
+  if (!table.following().empty()) {
+    error.element = "following " + table.following() + ", " + error.element;
+  }
+  return error;
+}
+
+// The factors that no analysis has. The paper's analysis names them too, if it is possible.
+std::vector<std::string> single_level_notes(const TrialTable& table) {
+  std::vector<std::string> notes;
+  for (const ExperimentFactor f : {kHapticFactor, kRotationFactor, kObjectFactor, kTrialFactor}) {
+    if (table.level_count(f) > 1) continue;
+    notes.push_back(std::string(kExperimentFactorNames[f]) +
+                    " is left out, because the file has one level of it: " + table.levels(f)[0] +
+                    ".");
+  }
+  return notes;
+}
+
+std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
+  const TrialTable& table = analysis.table;
+  for (const Outcome outcome :
+       {Outcome::kTime, Outcome::kLosses, Outcome::kPenetration, Outcome::kContactAngle,
+        Outcome::kLossesPerSecond, Outcome::kLosses100ms, Outcome::kTimeToLimit}) {
+    const OutcomeText& text = outcome_text(outcome);
+    if (outcome == Outcome::kTimeToLimit && analysis.counts.timeouts == 0) continue;
+    if (!table.has(outcome)) {
+      analysis.notes.push_back("The file does not have the column " + std::string(text.column) +
+                               "; the " + std::string(text.name) + " is not analysed.");
+      continue;
+    }
+    if (const auto value = constant_value(table, outcome)) {
+      if (outcome == Outcome::kContactAngle) {
+        return invalid_argument(
+            std::string(text.column),
+            "is " + number_or_dash(*value) + " in every trial; expected a measure that varies",
+            "check the column");
+      }
+      analysis.notes.push_back("The number of " + std::string(text.name) + " is " +
+                               number_or_dash(*value) +
+                               " in every trial; its analysis is left out.");
+      continue;
+    }
+    analysis.primary.push_back(analyse_repeated_measures(table, outcome));
+  }
+  const auto& haptic = table.levels(kHapticFactor);
+  const auto uah = std::find(haptic.begin(), haptic.end(), "UaH");
+  if (uah != haptic.end() && table.has(Outcome::kContactAngle)) {
+    analysis.angle_of_uah = analyse_repeated_measures(table, Outcome::kContactAngle,
+                                                      static_cast<int>(uah - haptic.begin()));
+  }
+  return std::nullopt;
+}
+
+// A condition without a completed trial makes the paper's analysis impossible, and is no error.
+std::optional<Error> analyse_fixed_effects(OperatorAnalysis& analysis) {
+  const auto empty = std::find_if(analysis.by_condition.begin(), analysis.by_condition.end(),
+                                  [](const TrialCounts& counts) { return counts.done == 0; });
+  auto paper = analyse_as_paper(analysis.table);
+  if (paper) {
+    analysis.paper = std::move(*paper);
+    for (const std::string& sentence : analysis.paper->left_out) {
+      if (std::find(analysis.notes.begin(), analysis.notes.end(), sentence) ==
+          analysis.notes.end()) {
+        analysis.notes.push_back(sentence);
+      }
+    }
+    return std::nullopt;
+  }
+  if (empty == analysis.by_condition.end()) return paper.error();
+  analysis.paper_problem = "No trial of " + levels_name(analysis.table, empty->at) +
+                           " was completed: its effects cannot be separated.";
+  return std::nullopt;
+}
+
+Result<OperatorAnalysis> analyse_table(TrialTable table) {
+  OperatorAnalysis analysis{std::move(table), {}, "", {}, {}, {}, {}, {}, {}};
+  analysis.counts = trial_counts(analysis.table, {});
+  analysis.by_condition = counts_by_condition(analysis.table);
+  analysis.notes = single_level_notes(analysis.table);
+  if (analysis.table.earlier_attempts() > 0) {
+    analysis.notes.push_back(
+        "Of several attempts at a trial the last one counts; rows of earlier attempts: " +
+        std::to_string(analysis.table.earlier_attempts()) + ".");
+  }
+  if (auto error = analyse_fixed_effects(analysis)) return in_following(*error, analysis.table);
+  if (auto error = analyse_outcomes(analysis)) return in_following(*error, analysis.table);
+  analysis.findings =
+      judge_findings(analysis.table, analysis.paper, analysis.primary, analysis.angle_of_uah);
+  return analysis;
+}
+
+}  // namespace
+
+std::string OperatorAnalysis::name() const {
+  return is_simulated() ? table.following() : "people";
+}
+
+const PrimaryAnalysis* OperatorAnalysis::primary_of(Outcome outcome) const {
+  const auto found =
+      std::find_if(primary.begin(), primary.end(),
+                   [&](const PrimaryAnalysis& analysis) { return analysis.outcome == outcome; });
+  return found == primary.end() ? nullptr : &*found;
+}
+
+bool ExperimentAnalysis::has_simulated() const {
+  return std::any_of(operators.begin(), operators.end(),
+                     [](const OperatorAnalysis& analysis) { return analysis.is_simulated(); });
+}
+
+Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double limit_s) {
+  auto tables = trial_tables(std::move(rows), limit_s);
+  if (!tables) return tables.error();
+  ExperimentAnalysis analysis;
+  for (TrialTable& table : *tables) {
+    auto of_operator = analyse_table(std::move(table));
+    if (!of_operator) return of_operator.error();
+    analysis.operators.push_back(std::move(*of_operator));
+  }
+  const bool any_paper =
+      std::any_of(analysis.operators.begin(), analysis.operators.end(),
+                  [](const OperatorAnalysis& each) { return each.paper.has_value(); });
+  if (!any_paper) {
+    const auto paper = analyse_as_paper(analysis.operators[0].table);
+    return in_following(paper.error(), analysis.operators[0].table);
+  }
+  return analysis;
+}
+
+}  // namespace palpate

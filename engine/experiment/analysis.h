@@ -1,0 +1,48 @@
+#pragma once
+
+// The analysis of an experiment's trials, of people or of simulated operators: as the paper did it,
+// and by repeated measures, which is the primary one. Each following is analysed alone.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/paper_analysis.h"
+#include "engine/experiment/paper_findings.h"
+#include "engine/experiment/primary_analysis.h"
+#include "engine/experiment/trial_means.h"
+#include "engine/experiment/trial_table.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// Of the trials of one following, or of people.
+struct OperatorAnalysis {
+  TrialTable table;
+  std::optional<PaperAnalysis> paper;  // nothing: paper_problem says why, as a sentence
+  std::string paper_problem;
+  std::vector<PrimaryAnalysis> primary;         // all levels of Haptic, one for each outcome
+  std::optional<PrimaryAnalysis> angle_of_uah;  // Figure 7
+  TrialCounts counts;                           // of all conditions together
+  std::vector<TrialCounts> by_condition;
+  std::vector<FindingResult> findings;  // in the order of paper_findings()
+  std::vector<std::string> notes;       // what was left out, and why: sentences
+
+  bool is_simulated() const { return !table.following().empty(); }
+  // "delayed"; "people"
+  std::string name() const;
+  const PrimaryAnalysis* primary_of(Outcome outcome) const;
+};
+
+struct ExperimentAnalysis {
+  std::vector<OperatorAnalysis> operators;  // at least one; the first one leads
+  bool has_simulated() const;
+};
+
+// rows: as read from trials.csv, in any order, which has no influence on the result.
+//
+// Errors: those of trial_tables() and analyse_as_paper(), and a contact angle that is constant. A
+// condition without a completed trial is an error only if every following has one.
+Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double limit_s);
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+#pragma once
+
+// What the paper found (Lecuyer et al., 2005), and whether trials agree with it.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/experiment/paper_analysis.h"
+#include "engine/experiment/primary_analysis.h"
+#include "engine/experiment/trial_table.h"
+
+namespace palpate {
+
+// A line of the paper's MANOVA. lambda is printed with three digits.
+struct PaperLambda {
+  FactorSet term;
+  double lambda, f, df2;
+};
+std::span<const PaperLambda> paper_manova();
+
+// An F of the paper's ANOVAs, with 648 degrees of freedom of error, or of its test of the contact
+// angle, with 9.
+struct PaperF {
+  Outcome outcome;
+  FactorSet term;
+  double f;
+  std::string_view p;  // as the paper states it; empty: significant
+};
+std::span<const PaperF> paper_fs();
+const PaperF* paper_f(Outcome outcome, const FactorSet& term);
+
+// A mean of the paper at a level, with its standard deviation. Contact angles are those of UaH.
+struct PaperMean {
+  Outcome outcome;
+  std::string_view level;
+  double mean, sd;
+};
+std::span<const PaperMean> paper_means();
+const PaperMean* paper_mean(Outcome outcome, std::string_view level);
+
+enum class Verdict : std::uint8_t { kAgrees, kDisagrees, kNotTestable };
+inline constexpr std::array<std::string_view, 3> kVerdictNames = {"agrees", "disagrees",
+                                                                  "not testable"};
+
+// A finding of the paper. The statement is about people.
+struct PaperFinding {
+  std::string name;       // "total time, Haptic"
+  std::string statement;  // "H is quickest and NoH slowest"
+  std::string printed;    // "F(2, 648) = 12.141; H 25, UaH 27.5, NoH 29 s"
+};
+
+// Whether trials agree with a finding. An effect agrees if it is significant at 5 % and the means
+// have the paper's order; no effect agrees if it is not significant. The primary analysis decides,
+// and for the MANOVA, which it does not have, the analysis as the paper did it.
+struct FindingResult {
+  Verdict verdict = Verdict::kNotTestable;
+  std::string because;              // "F(2, 18) = 14.2, p = 0.001; H 27.1 < UaH 27.3 < NoH 29.1 s"
+  std::optional<Verdict> as_paper;  // by the analysis as the paper did it
+};
+
+// All findings, and the results in their order. paper: nothing if it is not possible. primary: of
+// all levels of Haptic, and angle: of UaH alone, if the trials have it.
+std::span<const PaperFinding> paper_findings();
+std::vector<FindingResult> judge_findings(const TrialTable& table,
+                                          const std::optional<PaperAnalysis>& paper,
+                                          const std::vector<PrimaryAnalysis>& primary,
+                                          const std::optional<PrimaryAnalysis>& angle);
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+#pragma once
+
+// The primary analysis: repeated measures on participants' cell means. A cell is the mean of the
+// completed trials of a participant in a condition, over the blocks that are there. No missing
+// trial is replaced by a number: an effect, a comparison or a mean takes the participants who have
+// all cells that it needs, and states their number.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/comparisons.h"
+#include "engine/experiment/repeated_measures.h"
+#include "engine/experiment/trial_table.h"
+
+namespace palpate {
+
+// test: of `participants` participants. Nothing if fewer than two have all cells, or if the effect
+// is the same for all of them to within rounding.
+struct PrimaryEffect {
+  FactorSet term;  // of ExperimentFactors
+  int participants = 0;
+  std::optional<RepeatedEffect> test;
+};
+
+// Paired t tests of one family. p_holm: adjusted within the family.
+struct PrimaryPair {
+  std::string name;  // "H - UaH"
+  PairedT test;
+  double p_holm = 0.0;
+};
+struct PrimaryFamily {
+  std::string name;
+  std::vector<PrimaryPair> pairs;
+};
+
+// A mean over participants at a level of Haptic and of Rotation, -1: over all levels, and the half
+// width of its Cousineau-Morey interval, which is NaN if it cannot be computed.
+struct PrimaryMean {
+  int haptic = -1, rotation = -1;
+  double mean = 0.0, half_width = 0.0;
+  int participants = 0;
+};
+
+struct PrimaryAnalysis {
+  Outcome outcome;
+  std::optional<int> only_haptic;  // the level of Haptic that is analysed alone
+  std::vector<PrimaryEffect> effects;
+  std::vector<PrimaryFamily> families;
+  // The levels of Haptic, then those of Rotation, then their combinations; with only_haptic those
+  // of Rotation alone. Each group has one set of participants.
+  std::vector<PrimaryMean> means;
+
+  const PrimaryEffect* effect(const FactorSet& term) const;
+  const PrimaryMean* mean(int haptic, int rotation) const;
+};
+
+PrimaryAnalysis analyse_repeated_measures(const TrialTable& table, Outcome outcome,
+                                          std::optional<int> only_haptic = std::nullopt);
+
+}  // namespace palpate

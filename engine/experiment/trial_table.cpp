@@ -1,0 +1,288 @@
+#include "engine/experiment/trial_table.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "engine/experiment/operator_parameters.h"
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::array<OutcomeText, kOutcomeCount> kOutcomeTexts = {
+    {{"total time", "s", "total_time_s"},
+     {"losses of contact", "", "losses_of_contact"},
+     {"mean penetration", "dm", "mean_penetration_dm"},
+     {"losses of contact per second", "1/s", "losses_per_s"},
+     {"losses of contact of 100 ms or more", "", "losses_100ms"},
+     {"mean contact angle", "deg", "mean_contact_angle_deg"},
+     {"total time, timeouts as the limit", "s", "total_time_s"}}};
+
+bool is_digit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+// Takes the number at the start of a text, without leading zeros.
+std::string_view take_number(std::string_view& text) {
+  while (text.size() > 1 && text[0] == '0' && is_digit(text[1])) text.remove_prefix(1);
+  std::size_t digits = 0;
+  while (digits < text.size() && is_digit(text[digits])) ++digits;
+  const std::string_view number = text.substr(0, digits);
+  text.remove_prefix(digits);
+  return number;
+}
+
+// Orders names by the numbers in them: "P2" before "P10".
+struct NaturalLess {
+  bool operator()(const std::string& a, const std::string& b) const {
+    std::string_view left = a, right = b;
+    while (!left.empty() && !right.empty()) {
+      if (is_digit(left[0]) && is_digit(right[0])) {
+        const std::string_view m = take_number(left), n = take_number(right);
+        if (m.size() != n.size()) return m.size() < n.size();
+        if (m != n) return m < n;
+      } else if (left[0] != right[0]) {
+        return left[0] < right[0];
+      } else {
+        left.remove_prefix(1);
+        right.remove_prefix(1);
+      }
+    }
+    return left.empty() && right.empty() ? a < b : left.empty();  // "01" and "1" differ
+  }
+};
+
+int place_in(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::string row_name(const TrialRow& row) {
+  std::string name = row.following.empty() ? "" : "following " + row.following + ", ";
+  return name + "participant " + row.participant + ", block " + std::to_string(row.block) + ", " +
+         row.haptic + ", " + row.rotation + ", " + row.object;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// The known levels that occur, in their order. An error for another one.
+template <std::size_t count>
+Result<std::vector<std::string>> known_levels(std::string_view column,
+                                              const std::set<std::string>& found,
+                                              const std::array<std::string_view, count>& known) {
+  std::vector<std::string> levels;
+  for (const std::string_view level : known) {
+    if (found.contains(std::string(level))) levels.emplace_back(level);
+  }
+  if (levels.size() == found.size()) return levels;
+  for (const std::string& level : found) {
+    if (std::find(levels.begin(), levels.end(), level) != levels.end()) continue;
+    return invalid_argument(std::string(column),
+                            "is \"" + printable(level) + "\"; expected one of " +
+                                joined(std::vector<std::string>(known.begin(), known.end())));
+  }
+  return levels;
+}
+
+}  // namespace
+
+std::string effect_name(const FactorSet& term) {
+  std::string name;
+  for (auto factor = term.rbegin(); factor != term.rend(); ++factor) {
+    name += (name.empty() ? "" : " x ") + std::string(kExperimentFactorNames[*factor]);
+  }
+  return name;
+}
+
+const OutcomeText& outcome_text(Outcome outcome) {
+  return kOutcomeTexts[static_cast<std::size_t>(outcome)];
+}
+
+std::optional<double> outcome_of(const TrialRow& row, Outcome outcome, double limit_s) {
+  if (row.status == TrialStatus::kTimeout && outcome == Outcome::kTimeToLimit) return limit_s;
+  if (row.status != TrialStatus::kDone) return std::nullopt;
+  const auto& measures = row.measures;
+  switch (outcome) {
+    case Outcome::kTime:
+    case Outcome::kTimeToLimit:
+      return measures[kTotalTime];
+    case Outcome::kLosses:
+      return measures[kLosses];
+    case Outcome::kPenetration:
+      if (!measures[kPenetrationDm] && measures[kPenetration])
+        return 10.0 * *measures[kPenetration];
+      return measures[kPenetrationDm];
+    case Outcome::kLossesPerSecond:
+      if (!measures[kLossesPerSecond] && measures[kLosses] &&
+          measures[kTotalTime].value_or(0.0) > 0.0)
+        return *measures[kLosses] / *measures[kTotalTime];
+      return measures[kLossesPerSecond];
+    case Outcome::kLosses100ms:
+      return measures[kLosses100ms];
+    case Outcome::kContactAngle:
+      return measures[kContactAngle];
+  }
+  return std::nullopt;
+}
+
+Result<TrialTable> TrialTable::create(std::vector<TrialRow> rows, double limit_s) {
+  TrialTable table;
+  table.limit_s_ = limit_s;
+  table.rows_ = std::move(rows);
+  if (!table.rows_.empty()) table.following_ = table.rows_[0].following;
+  std::erase_if(table.rows_, [](const TrialRow& row) { return row.block <= 0; });
+  if (auto error = table.find_levels()) return *error;
+  if (auto error = table.arrange()) return *error;
+  if (auto error = table.check_conditions()) return *error;
+  return table;
+}
+
+std::optional<Error> TrialTable::find_levels() {
+  std::set<std::string> haptic, rotation;
+  std::set<std::string, NaturalLess> objects, participants;
+  std::set<int> blocks;
+  for (const TrialRow& row : rows_) {
+    haptic.insert(row.haptic);
+    rotation.insert(row.rotation);
+    objects.insert(row.object);
+    participants.insert(row.participant);
+    blocks.insert(row.block);
+  }
+  auto haptic_levels = known_levels("haptic", haptic, kHapticLevels);
+  if (!haptic_levels) return haptic_levels.error();
+  auto rotation_levels = known_levels("rotation", rotation, kRotationLevels);
+  if (!rotation_levels) return rotation_levels.error();
+  participants_.assign(participants.begin(), participants.end());
+  levels_[kHapticFactor] = std::move(*haptic_levels);
+  levels_[kRotationFactor] = std::move(*rotation_levels);
+  levels_[kObjectFactor].assign(objects.begin(), objects.end());
+  for (const int block : blocks) levels_[kTrialFactor].push_back(std::to_string(block));
+  if (participants_.size() >= 2) return std::nullopt;
+  const std::string whose = following_.empty() ? "" : "following " + following_ + ", ";
+  return invalid_argument(whose + "participant",
+                          "has " + std::to_string(participants_.size()) +
+                              (participants_.size() == 1 ? " level" : " levels") +
+                              " beside practice; expected two participants or more",
+                          "the analysis is about differences between participants");
+}
+
+std::optional<Error> TrialTable::arrange() {
+  const std::size_t places =
+      participants_.size() * static_cast<std::size_t>(conditions()) * levels_[kTrialFactor].size();
+  row_of_place_.assign(places, -1);
+  for (int i = 0; i < static_cast<int>(rows_.size()); ++i) {
+    const TrialRow& row = rows_[i];
+    for (std::size_t m = 0; m < kMeasureCount; ++m) {
+      if (row.status != TrialStatus::kDone || !row.measures[m]) continue;
+      if (std::isfinite(*row.measures[m])) continue;
+      return invalid_argument(row_name(row) + ", " + std::string(trial_measures()[m].name),
+                              "is not finite; expected a number, because the status is done");
+    }
+    const int at_condition = condition(place_in(levels_[kHapticFactor], row.haptic),
+                                       place_in(levels_[kRotationFactor], row.rotation),
+                                       place_in(levels_[kObjectFactor], row.object));
+    int& found = row_of_place_[place(place_in(participants_, row.participant), at_condition,
+                                     place_in(levels_[kTrialFactor], std::to_string(row.block)))];
+    if (found < 0) {
+      found = i;
+      continue;
+    }
+    if (rows_[found].attempt == row.attempt) {
+      return invalid_argument(row_name(row), "is there twice; expected one row",
+                              "remove one row, or number the attempts");
+    }
+    ++earlier_attempts_;
+    if (rows_[found].attempt < row.attempt) found = i;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> TrialTable::check_conditions() const {
+  for (int c = 0; c < conditions(); ++c) {
+    bool has_row = false;
+    for (int p = 0; p < static_cast<int>(participants_.size()) && !has_row; ++p) {
+      for (int t = 0; t < level_count(kTrialFactor); ++t) has_row = has_row || row(p, c, t);
+    }
+    if (has_row) continue;
+    const std::string whose = following_.empty() ? "" : "following " + following_ + ", ";
+    return invalid_argument(whose + "condition " + condition_name(c),
+                            "has no trial; expected every combination of haptic, rotation and "
+                            "object",
+                            "add its trials, or remove the level that was not tested everywhere");
+  }
+  return std::nullopt;
+}
+
+int TrialTable::level_in(int condition, ExperimentFactor factor) const {
+  const int objects = level_count(kObjectFactor), rotations = level_count(kRotationFactor);
+  if (factor == kObjectFactor) return condition % objects;
+  if (factor == kRotationFactor) return condition / objects % rotations;
+  return condition / objects / rotations;
+}
+
+std::string TrialTable::condition_name(int condition) const {
+  return levels_[kHapticFactor][level_in(condition, kHapticFactor)] + ", " +
+         levels_[kRotationFactor][level_in(condition, kRotationFactor)] + ", " +
+         levels_[kObjectFactor][level_in(condition, kObjectFactor)];
+}
+
+std::size_t TrialTable::place(int participant, int condition, int trial) const {
+  return (static_cast<std::size_t>(participant) * static_cast<std::size_t>(conditions()) +
+          static_cast<std::size_t>(condition)) *
+             levels_[kTrialFactor].size() +
+         static_cast<std::size_t>(trial);
+}
+
+const TrialRow* TrialTable::row(int participant, int condition, int trial) const {
+  const int found = row_of_place_[place(participant, condition, trial)];
+  return found < 0 ? nullptr : &rows_[static_cast<std::size_t>(found)];
+}
+
+std::optional<double> TrialTable::value(int participant, int condition, int trial,
+                                        Outcome outcome) const {
+  const TrialRow* found = row(participant, condition, trial);
+  return found ? outcome_of(*found, outcome, limit_s_) : std::nullopt;
+}
+
+bool TrialTable::has(Outcome outcome) const {
+  return std::any_of(rows_.begin(), rows_.end(), [&](const TrialRow& row) {
+    return outcome_of(row, outcome, limit_s_).has_value();
+  });
+}
+
+Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double limit_s) {
+  std::vector<std::string> followings;
+  for (const std::string_view name : kFollowingNames) followings.emplace_back(name);
+  followings.emplace_back();
+  std::map<std::string, std::vector<TrialRow>> rows_of;
+  for (TrialRow& row : rows) {
+    if (std::find(followings.begin(), followings.end(), row.following) == followings.end()) {
+      std::vector<std::string> known(followings.begin(), followings.end() - 1);
+      return invalid_argument("following", "is \"" + printable(row.following) +
+                                               "\"; expected one of " + joined(known) +
+                                               ", or nothing for people");
+    }
+    rows_of[row.following].push_back(std::move(row));
+  }
+  std::vector<TrialTable> tables;
+  for (const std::string& following : followings) {
+    const auto found = rows_of.find(following);
+    if (found == rows_of.end()) continue;
+    auto table = TrialTable::create(std::move(found->second), limit_s);
+    if (!table) return table.error();
+    tables.push_back(std::move(*table));
+  }
+  if (tables.empty()) {
+    return invalid_argument("rows", "are 0; expected trials of two participants or more");
+  }
+  return tables;
+}
+
+}  // namespace palpate

@@ -1,0 +1,115 @@
+#pragma once
+
+// The trials of an experiment, checked, and arranged by participant, block and condition.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/experiment/factorial_model.h"
+#include "engine/experiment/trial_row.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// The factors of the paper. Trial is the block, from 1.
+enum ExperimentFactor : std::size_t { kHapticFactor, kRotationFactor, kObjectFactor, kTrialFactor };
+inline constexpr std::array<std::string_view, 4> kExperimentFactorNames = {"Haptic", "Rotation",
+                                                                           "Object", "Trial"};
+
+// The known levels of Haptic and Rotation, in the order of tables and figures.
+inline constexpr std::array<std::string_view, 3> kHapticLevels = {"NoH", "UaH", "H"};
+inline constexpr std::array<std::string_view, 2> kRotationLevels = {"NoR", "R"};
+
+// The name of an effect, as the paper writes it: "Rotation x Haptic". term: ExperimentFactors,
+// ascending.
+std::string effect_name(const FactorSet& term);
+
+// What is analysed of a trial.
+enum class Outcome : std::uint8_t {
+  kTime,
+  kLosses,
+  kPenetration,
+  kLossesPerSecond,
+  kLosses100ms,
+  kContactAngle,
+  kTimeToLimit  // the time, and the time limit for a trial with the status timeout
+};
+inline constexpr std::size_t kOutcomeCount = 7;
+
+struct OutcomeText {
+  std::string_view name;    // "total time"
+  std::string_view unit;    // "s"; empty for counts
+  std::string_view column;  // of trials.csv
+};
+const OutcomeText& outcome_text(Outcome outcome);
+
+// The outcome of a row, if the row has it: a trial that was not completed has none but
+// kTimeToLimit.
+std::optional<double> outcome_of(const TrialRow& row, Outcome outcome, double limit_s);
+
+// The trials of one kind of operator: of one following, or of people. Immutable.
+class TrialTable {
+ public:
+  // rows: of one following; practice blocks (block 0) are left out. limit_s: the time limit of a
+  // trial. Of several attempts at a trial, the last one counts.
+  //
+  // Errors: a level of Haptic or Rotation that is not known, a doubled row, a number that is not
+  // finite in a completed trial, fewer than two participants, a condition without any row.
+  static Result<TrialTable> create(std::vector<TrialRow> rows, double limit_s);
+
+  // Empty: people.
+  const std::string& following() const { return following_; }
+  double limit_s() const { return limit_s_; }
+  // In the order of numbers within names: P2 before P10.
+  const std::vector<std::string>& participants() const { return participants_; }
+  // The names of a factor's levels.
+  const std::vector<std::string>& levels(ExperimentFactor factor) const { return levels_[factor]; }
+  int level_count(ExperimentFactor factor) const {
+    return static_cast<int>(levels_[factor].size());
+  }
+  // Rows of earlier attempts, which do not count.
+  int earlier_attempts() const { return earlier_attempts_; }
+
+  // A condition is a level of Haptic, of Rotation and of Object.
+  int conditions() const {
+    return level_count(kHapticFactor) * level_count(kRotationFactor) * level_count(kObjectFactor);
+  }
+  int condition(int haptic, int rotation, int object) const {
+    return (haptic * level_count(kRotationFactor) + rotation) * level_count(kObjectFactor) + object;
+  }
+  // The level of Haptic, Rotation or Object in a condition.
+  int level_in(int condition, ExperimentFactor factor) const;
+  // "UaH, R, O2"
+  std::string condition_name(int condition) const;
+
+  // Null if the trial is absent. trial: the place of the block, from 0.
+  const TrialRow* row(int participant, int condition, int trial) const;
+  std::optional<double> value(int participant, int condition, int trial, Outcome outcome) const;
+  // Whether any trial has this outcome.
+  bool has(Outcome outcome) const;
+
+ private:
+  TrialTable() = default;
+  std::size_t place(int participant, int condition, int trial) const;
+  std::optional<Error> find_levels();
+  std::optional<Error> arrange();
+  std::optional<Error> check_conditions() const;
+
+  std::string following_;
+  double limit_s_ = 0.0;
+  std::vector<TrialRow> rows_;
+  std::vector<std::string> participants_;
+  std::array<std::vector<std::string>, 4> levels_;
+  std::vector<int> row_of_place_;  // -1: absent
+  int earlier_attempts_ = 0;
+};
+
+// A table for each following: `delayed`, which the analysis leads with, then the others in the
+// order of kFollowingNames, then people. Errors as for create(), and a file without trials.
+Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double limit_s);
+
+}  // namespace palpate
