@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/base/types.h"
+#include "io/contour_description.h"
 #include "io/material_description.h"
 #include "io/pose_description.h"
 #include "io/transform_product.h"
@@ -96,6 +97,7 @@ struct SceneDescription {
   // extras it has no parameters.
   MaterialDescription scene_parameters;
   std::vector<RegionDescription> regions;        // in depth-first file order
+  std::vector<ContourDescription> contours;      // in depth-first file order
   std::vector<ImageDescription> images;          // targets of TextureReference::pixels
   std::vector<AnimationDescription> animations;  // all animations of the file, in file order
   std::optional<PoseDescription> pose;           // absent: the rest pose

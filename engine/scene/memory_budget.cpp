@@ -176,13 +176,18 @@ MemoryLimit memory_limit(std::uint64_t max_bytes) {
 
 std::uint64_t memory_bytes(const SceneDescription& description) {
   std::uint64_t bytes = bytes_of(description.meshes) + bytes_of(description.nodes) +
-                        bytes_of(description.tree) + bytes_of(description.images);
+                        bytes_of(description.tree) + bytes_of(description.images) +
+                        bytes_of(description.contours);
   for (const MeshDescription& mesh : description.meshes) {
     bytes += text_bytes(mesh.name) + bytes_of(mesh.positions) + bytes_of(mesh.triangles) +
              bytes_of(mesh.material_runs) + bytes_of(mesh.texture_uv) + bytes_of(mesh.friction_uv);
   }
   for (const NodeDescription& node : description.nodes) bytes += text_bytes(node.name);
   for (const TreeNode& node : description.tree) bytes += text_bytes(node.name);
+  for (const ContourDescription& contour : description.contours) {
+    bytes += text_bytes(contour.node) + text_bytes(contour.element) + text_bytes(contour.problem) +
+             text_bytes(contour.hint);
+  }
   for (const ImageDescription& image : description.images) bytes += bytes_of(image.rgb);
   return bytes;
 }

@@ -62,8 +62,10 @@ void keep_subtree(SceneDescription& description, std::uint32_t node) {
   const auto is_outside = [&](const auto& n) { return n.tree_node < node || n.tree_node >= end; };
   std::erase_if(description.nodes, is_outside);
   std::erase_if(description.regions, is_outside);
+  std::erase_if(description.contours, is_outside);
   for (NodeDescription& n : description.nodes) n.tree_node -= node;
   for (RegionDescription& r : description.regions) r.tree_node -= node;
+  for (ContourDescription& c : description.contours) c.tree_node -= node;
   auto& tree = description.tree;
   tree.erase(tree.begin() + end, tree.end());
   tree.erase(tree.begin(), tree.begin() + node);

@@ -36,6 +36,10 @@ void scale_by(double scale, SceneDescription& description, std::vector<NodePlace
     region.linear_scene_node *= scale;
     region.translation_m *= scale;
   }
+  for (ContourDescription& contour : description.contours) {
+    contour.start_scene_m *= scale;
+    contour.end_scene_m *= scale;
+  }
 }
 
 // If the description has no tree, makes a tree of the nodes that have meshes.
@@ -173,6 +177,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   }
   if (auto error = refuse_extent(statistics.extent_m)) return with_path(*error, description.path);
   scene.tree_ = std::move(description.tree);
+  scene.take_contours(description.contours);
   SceneEffects effects(
       {scene.materials_, scene.physics_materials_, scene.haptic_materials_, description.images,
        &description.scene_parameters, description.regions, statistics.scale},
@@ -208,6 +213,18 @@ void Scene::take_declarations(SceneDescription& description) {
   materials_ = std::move(description.materials);
   physics_materials_ = std::move(description.physics_materials);
   haptic_materials_ = std::move(description.haptic_materials);
+}
+
+// Takes the contours, which are in the scene frame.
+void Scene::take_contours(std::vector<ContourDescription>& contours) {
+  contours_ = std::move(contours);
+  for (ContourDescription& contour : contours_) {
+    const bool has_warning = !contour.problem.empty();
+    check_points(contour);  // the scale may have changed the points
+    if (!has_warning && !contour.problem.empty()) {
+      statistics_.warnings.push_back(warning_of(contour));
+    }
+  }
 }
 
 // Calls visit(shape) once for each shape that is used without a stretch, and once for each stretch:

@@ -107,6 +107,10 @@ class Scene {
   const std::vector<HapticMaterialDescription>& haptic_materials() const {
     return haptic_materials_;
   }
+  // The contours that the file states (extras.palpate_contour), in the scene frame and scaled with
+  // the scene: those of the nodes in tree(), in its order. One with a problem has no points; the
+  // scene has a warning about it.
+  const std::vector<ContourDescription>& contours() const { return contours_; }
   // Reports how the declarations were applied.
   const SceneEffectsReport& effects() const { return effects_; }
   // The calls of world().effects, by material.
@@ -144,6 +148,7 @@ class Scene {
   static Result<Scene> compile(SceneDescription&& description, const SceneSettings& settings,
                                MemoryLedger& ledger);
   void take_declarations(SceneDescription& description);
+  void take_contours(std::vector<ContourDescription>& contours);
   std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions);
   std::optional<Error> take_places(const std::vector<NodeDescription>& nodes);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
@@ -185,6 +190,7 @@ class Scene {
   std::vector<MaterialDescription> materials_;
   std::vector<PhysicsMaterialDescription> physics_materials_;
   std::vector<HapticMaterialDescription> haptic_materials_;
+  std::vector<ContourDescription> contours_;
   SceneEffectsReport effects_;
   std::vector<MaterialCalls> material_calls_;
   ContactWorld world_;

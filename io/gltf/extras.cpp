@@ -70,9 +70,14 @@ MaybeError check_key(const std::string& key, const std::string& parent_element) 
 
 }  // namespace
 
-const Json* find_palpate_extras(const Json& object) {
+const Json* find_extras(const Json& object) {
   const auto extras = object.find("extras");
-  if (extras == object.end() || !extras->is_object()) return nullptr;
+  return extras == object.end() || !extras->is_object() ? nullptr : &*extras;
+}
+
+const Json* find_palpate_extras(const Json& object) {
+  const Json* extras = find_extras(object);
+  if (extras == nullptr) return nullptr;
   const auto palpate = extras->find("palpate");
   return palpate == extras->end() ? nullptr : &*palpate;
 }

@@ -16,8 +16,11 @@
 
 namespace palpate {
 
-// The member extras.palpate of an object of the file; null if absent. Extras may have any type;
-// only an object can contain the member palpate.
+// The extras of an object of the file; null if absent or not an object. Extras may have any type;
+// only an object can contain members for Palpate.
+const nlohmann::json* find_extras(const nlohmann::json& object);
+
+// The member extras.palpate of an object of the file; null if absent.
 const nlohmann::json* find_palpate_extras(const nlohmann::json& object);
 
 // Reads the extras of one asset and limits the number of their parameters.

@@ -20,6 +20,7 @@
 //   images that are decoded           their file, and 6 bytes a       kMaxGltfImageBytes,
 //                                     pixel, 16 while decoded         kMaxGltfPixels
 //   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
+//   extras.palpate_contour            1200 bytes each                 kMaxGltfContours
 //
 // The table covers reading only. Height maps, which the engine computes from images afterwards,
 // have a separate limit: kMostMapTexels (engine/scene/surface_attributes.h).
@@ -65,6 +66,8 @@ inline constexpr std::uint64_t kMaxGltfPixels = std::uint64_t{1} << 24;       //
 inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        // per material
 // Entries of extras.palpate of used materials, the scene and its nodes together.
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
+// Nodes of the scene with extras.palpate_contour.
+inline constexpr std::size_t kMaxGltfContours = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
 // The work for poses. Each pose of a mesh costs 16 for each primitive, 1 for each attribute, target

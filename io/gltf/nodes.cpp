@@ -137,6 +137,21 @@ std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool
   return std::nullopt;
 }
 
+// Adds the node to the lists of the members that its extras have.
+std::optional<Error> list_by_extras(const nlohmann::json& extras, const PlacedNode& placed,
+                                    GltfNodeWalk& walk) {
+  if (extras.contains("palpate")) walk.declaring_nodes.push_back(placed);
+  if (!extras.contains("palpate_contour")) return std::nullopt;
+  if (walk.contour_nodes.size() == kMaxGltfContours) {
+    return gltf_error(ErrorCode::kLimitExceeded,
+                      gltf_element("nodes", placed.node, "extras/palpate_contour"),
+                      "raises the number of contours of the scene to more than " +
+                          std::to_string(kMaxGltfContours) + ", the limit");
+  }
+  walk.contour_nodes.push_back(placed);
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
@@ -168,8 +183,9 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
                          static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
                          T_scene_node->translation_m});
     if (node.mesh >= 0) walk.mesh_nodes.push_back({next.node, tree_node, *T_scene_node});
-    if (find_palpate_extras(asset.json["nodes"][next.node]) != nullptr) {
-      walk.declaring_nodes.push_back({next.node, tree_node, *T_scene_node});
+    if (const auto* extras = find_extras(asset.json["nodes"][next.node])) {
+      const auto error = list_by_extras(*extras, {next.node, tree_node, *T_scene_node}, walk);
+      if (error) return *error;
     }
     if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
     push_all(node.children, {0, next.depth + 1, tree_node, *T_scene_node}, pending);

@@ -27,6 +27,7 @@ struct GltfNodeWalk {
 
   std::optional<std::size_t> scene;         // index into /scenes; absent: all roots
   std::vector<PlacedNode> declaring_nodes;  // nodes with extras.palpate, depth first
+  std::vector<PlacedNode> contour_nodes;    // nodes with extras.palpate_contour, depth first
 
   std::vector<int> parents;  // of all nodes of the file; negative: no parent
   // By node of the file, for scene_transform(). Set for the nodes of the scene if the file has
@@ -36,9 +37,9 @@ struct GltfNodeWalk {
 
 // Walks the nodes with the transforms of the pose. The ids in the model must be within range (see
 // gltf/schema.h). Errors: a node with two parents, a cycle, a node that the scene reaches twice,
-// nodes deeper than kMaxGltfNodeDepth, an invalid or overflowing transform. If a root of the scene
-// has a parent, the parent is ignored, with a warning. Iterative; each node is visited once.
-// Thread-safe.
+// nodes deeper than kMaxGltfNodeDepth, more contours than kMaxGltfContours, an invalid or
+// overflowing transform. If a root of the scene has a parent, the parent is ignored, with a
+// warning. Iterative; each node is visited once. Thread-safe.
 Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
                                 std::vector<std::string>& warnings);
 

@@ -18,6 +18,7 @@
 #include "io/gltf/accessor.h"
 #include "io/gltf/animation.h"
 #include "io/gltf/buffers.h"
+#include "io/gltf/contours.h"
 #include "io/gltf/error.h"
 #include "io/gltf/extensions.h"
 #include "io/gltf/extras.h"
@@ -86,6 +87,7 @@ class SceneReader {
       return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
                         scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "");
     }
+    read_contours();
     GltfImages images(asset_);
     if (auto error = materials->decode_maps(images)) return *error;
     if (auto error = materials->finish(scene_)) return *error;
@@ -144,6 +146,17 @@ class SceneReader {
       warn(region.element, name, "is ignored: the only known key of a node, \"medium\", is absent");
     }
     return std::nullopt;
+  }
+
+  // Reads the contours after the meshes: their warnings do not explain an empty scene.
+  void read_contours() {
+    scene_.contours.reserve(walk_->contour_nodes.size());
+    for (const PlacedNode& placed : walk_->contour_nodes) {
+      scene_.contours.push_back(read_contour(asset_, placed, scene_.tree[placed.tree_node].name));
+      if (const ContourDescription& contour = scene_.contours.back(); !contour.problem.empty()) {
+        scene_.warnings.push_back(warning_of(contour));
+      }
+    }
   }
 
   std::optional<Error> add_node(const PlacedNode& placed) {

@@ -32,6 +32,8 @@ struct AffineTransform {
     return {linear * inner.linear, linear * inner.translation_m + translation_m,
             product * inner.product};
   }
+  // May overflow: the caller checks.
+  Vec3 point(const Vec3& p_from) const { return linear * p_from + translation_m; }
   bool all_finite() const { return linear.allFinite() && translation_m.allFinite(); }
 };
 

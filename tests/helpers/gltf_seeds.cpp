@@ -254,6 +254,21 @@ GltfBuilder with_effects() {
   return asset;
 }
 
+// Contours of nodes: valid, and malformed in several ways, which is a warning.
+GltfBuilder with_contours() {
+  GltfBuilder asset = tetrahedron();
+  const auto extras = [](const Json& contour) { return Json{{"palpate_contour", contour}}; };
+  const Json points = {{"start_m", {0.1, 0, 0}}, {"end_m", {0, 0.1, 0}}};
+  asset.json["nodes"][0]["extras"] = extras(points);
+  asset.json["nodes"][0]["children"] = {1, 2};
+  asset.add_child({{"scale", {2, -3, 0.5}}, {"extras", extras(points)}});
+  asset.add_child({{"scale", {0, 0, 0}}, {"extras", extras(points)}});
+  asset.add_node({{"extras", extras({{"start_m", {1, 2}}, {"end_m", {1, nullptr, 3}}})}});
+  asset.add_node({{"extras", extras({{"start_m", {1, 2, 3}}, {"end", {1, 2, 3}}})}});
+  asset.add_node({{"extras", extras(7)}});
+  return asset;
+}
+
 // Points, lines, cameras, lights and a hidden node: the reader ignores them.
 GltfBuilder left_out() {
   GltfBuilder asset = tetrahedron();
@@ -315,6 +330,7 @@ std::vector<GltfSeed> gltf_seeds() {
       {"instances.glb", instanced().glb_bytes()},
       {"materials.glb", with_materials().glb_bytes()},
       {"effects.glb", with_effects().glb_bytes()},
+      {"contours.glb", with_contours().glb_bytes()},
       {"left_out.glb", left_out().glb_bytes()},
       {"hard_mesh.glb", hard_mesh().glb_bytes()},
       {"said_twice.gltf", said_twice()},

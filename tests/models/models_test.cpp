@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/scene/scene.h"
 #include "models/glb_writer.h"
 #include "models/model_files.h"
 #include "models/paper_objects.h"
@@ -320,6 +321,13 @@ TEST(ModelFiles, ContainTheStartAndEndOfATurnAlongTheContour) {
       EXPECT_EQ(extras["start_m"][static_cast<std::size_t>(k)], route.start_m[k]);
       EXPECT_EQ(extras["end_m"][static_cast<std::size_t>(k)], route.end_m[k]);
     }
+    const auto scene = Scene::load(std::string(PALPATE_MODELS_DIR "/") + object.name + ".glb");
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    EXPECT_TRUE(scene->statistics().warnings.empty());
+    ASSERT_EQ(scene->contours().size(), 1u);
+    EXPECT_EQ(scene->contours()[0].problem, "");
+    EXPECT_EQ(scene->contours()[0].start_scene_m, route.start_m);
+    EXPECT_EQ(scene->contours()[0].end_scene_m, route.end_m);
   }
   EXPECT_FALSE(models.at("sphere.glb").root["nodes"][0].contains("extras"));
 }

@@ -643,5 +643,111 @@ TEST(Scene, FacesKeepTheMaterialsOfTheirTriangles) {
   EXPECT_FALSE(scene->haptic_material(0));
 }
 
+// --- Contours ------------------------------------------------------------------------------------
+
+// The nodes "root", "object" with a mesh and a contour, and "part" below it with a contour; then
+// "other" with a mesh and a contour. The contours start at (1, 2, 3), (5, 2, 3) and (-8, 2, 3).
+SceneDescription scene_with_contours(Random& random) {
+  SceneDescription description = description_of(
+      {bent_octahedron(random)}, {{"object", 0}, {"other", 0, Mat3::Identity(), {9, 0, 0}}});
+  description.tree = {{"root", 0, {}, false, Vec3::Zero()},
+                      {"object", 1, 0u, true, Vec3::Zero()},
+                      {"part", 2, 1u, false, Vec3::Zero()},
+                      {"other", 3, 0u, true, Vec3::Zero()}};
+  description.nodes[0].tree_node = 1;
+  description.nodes[1].tree_node = 3;
+  const auto contour = [](const std::string& node, std::uint32_t tree_node, double x) {
+    return ContourDescription{node,
+                              "/nodes/" + std::to_string(tree_node) + "/extras/palpate_contour",
+                              {x, 2, 3},
+                              {x, 5, 6},
+                              tree_node};
+  };
+  description.contours = {contour("object", 1, 1), contour("part", 2, 5), contour("other", 3, -8)};
+  return description;
+}
+
+TEST(StatedContours, AreScaledWithTheScene) {
+  Random random(23);
+  const auto plain = Scene::compile(scene_with_contours(random));
+  ASSERT_TRUE(plain.ok()) << plain.error().to_string();
+  ASSERT_EQ(plain->contours().size(), 3u);
+  EXPECT_EQ(plain->contours()[0].start_scene_m, Vec3(1, 2, 3));
+  EXPECT_EQ(plain->contours()[2].end_scene_m, Vec3(-8, 5, 6));
+  SceneSettings settings;
+  settings.scale = 0.125;
+  const auto small = Scene::compile(scene_with_contours(random), settings);
+  ASSERT_TRUE(small.ok());
+  settings = {};
+  settings.fit_size_m = random.uniform(0.01, 100.0);
+  const auto fitted = Scene::compile(scene_with_contours(random), settings);
+  ASSERT_TRUE(fitted.ok());
+  for (const auto* scene : {&*small, &*fitted}) {
+    ASSERT_EQ(scene->contours().size(), 3u);
+    const double scale = scene->statistics().scale;
+    EXPECT_NE(scale, 1.0);
+    EXPECT_EQ(scene->contours()[0].start_scene_m, Vec3(scale * Vec3(1, 2, 3)));
+    EXPECT_EQ(scene->contours()[1].start_scene_m, Vec3(scale * Vec3(5, 2, 3)));
+    EXPECT_EQ(scene->contours()[2].end_scene_m, Vec3(scale * Vec3(-8, 5, 6)));
+    EXPECT_TRUE(scene->statistics().warnings.empty());
+  }
+}
+
+TEST(StatedContours, AreThoseOfTheSelectedNode) {
+  Random random(24);
+  SceneSettings settings;
+  settings.node = "object";
+  const auto scene = Scene::compile(scene_with_contours(random), settings);
+  ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+  ASSERT_EQ(scene->contours().size(), 2u);
+  EXPECT_EQ(scene->contours()[0].node, "object");
+  EXPECT_EQ(scene->contours()[1].node, "part");
+  EXPECT_EQ(scene->contours()[1].start_scene_m, Vec3(5, 2, 3));
+  for (const ContourDescription& contour : scene->contours()) {
+    EXPECT_EQ(scene->tree().at(contour.tree_node).name, contour.node);
+  }
+  settings.node = "other";
+  const auto other = Scene::compile(scene_with_contours(random), settings);
+  ASSERT_TRUE(other.ok());
+  ASSERT_EQ(other->contours().size(), 1u);
+  EXPECT_EQ(other->contours()[0].start_scene_m, Vec3(-8, 2, 3));
+}
+
+TEST(StatedContours, PointsThatTheScaleMakesEqualOrInfiniteAreAWarning) {
+  Random random(25);
+  for (const double far_m : {1e-320, 1e300}) {
+    SceneDescription description = scene_with_contours(random);
+    description.contours[1].start_scene_m = Vec3::Zero();
+    description.contours[1].end_scene_m = {0, 0, far_m};
+    SceneSettings settings;
+    settings.scale = far_m < 1.0 ? 1e-10 : 1e10;
+    const auto scene = Scene::compile(std::move(description), settings);
+    ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+    ASSERT_EQ(scene->contours().size(), 3u);
+    EXPECT_EQ(scene->contours()[0].problem, "");
+    EXPECT_NE(scene->contours()[1].problem, "");
+    EXPECT_EQ(scene->contours()[1].end_scene_m, Vec3::Zero());
+    ASSERT_EQ(scene->statistics().warnings.size(), 1u);
+    EXPECT_EQ(scene->statistics().warnings[0].rfind("/nodes/2/extras/palpate_contour: ", 0), 0u);
+  }
+}
+
+TEST(StatedContours, AMalformedContourOfAFileDoesNotRefuseTheScene) {
+  const TemporaryFolder folder;
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  asset.json["nodes"][0]["extras"]["palpate_contour"] = {{"start_m", {0, 0, 0}}};
+  SceneSettings settings;
+  settings.scale = 3.0;
+  const auto scene = Scene::load(asset.write_glb(folder), settings);
+  ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+  ASSERT_EQ(scene->statistics().warnings.size(), 1u);  // once, although the scene is scaled
+  ASSERT_EQ(scene->contours().size(), 1u);
+  const ContourDescription& contour = scene->contours()[0];
+  EXPECT_EQ(contour.element, "/nodes/0/extras/palpate_contour/end_m");
+  EXPECT_EQ(contour.problem, "is missing; expected three numbers");
+  EXPECT_EQ(scene->statistics().warnings[0].rfind(contour.element + ": " + contour.problem, 0), 0u);
+  EXPECT_NE(scene->statistics().warnings[0].find(contour.hint), std::string::npos);
+}
+
 }  // namespace
 }  // namespace palpate

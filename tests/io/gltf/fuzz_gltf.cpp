@@ -107,6 +107,12 @@ void check(const SceneDescription& scene) {
     require(region.tree_node < scene.tree.size() && !region.parameters.empty());
     require(region.linear_scene_node.allFinite() && region.translation_m.allFinite());
   }
+  for (const ContourDescription& contour : scene.contours) {
+    require(contour.tree_node < scene.tree.size() && !contour.element.empty());
+    require(contour.start_scene_m.allFinite() && contour.end_scene_m.allFinite());
+    require(contour.problem.empty() == (contour.start_scene_m != contour.end_scene_m));
+    require(contour.problem.empty() == contour.hint.empty());
+  }
 }
 
 // --- Mutations that keep a GLB valid -------------------------------------------------------------

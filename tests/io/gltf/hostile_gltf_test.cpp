@@ -473,6 +473,29 @@ TEST(HostileGltf, ElementsOfEveryKindAreBounded) {
                  "", kMany);
 }
 
+TEST(HostileGltf, MalformedContoursAreBoundedAndCounted) {
+  const std::string contour = R"({"extras":{"palpate_contour":0}})";
+  const auto file_with = [&](std::size_t count) {
+    GltfBuilder asset = GltfBuilder::one_triangle();
+    std::vector<std::size_t> roots(count + 1);
+    for (std::size_t i = 0; i <= count; ++i) roots[i] = i;
+    asset.json["scenes"][0]["nodes"] = roots;
+    std::string text = asset.data_uri_text();
+    const std::string node = R"("nodes":[)";
+    return text.replace(text.find(R"("nodes":[{)"), node.size(),
+                        node + repeated(contour + ",", count));
+  };
+  const std::string most = file_with(kMaxGltfContours);
+  const Outcome outcome = read_measured(most, "/nowhere");
+  expect_modest(outcome, most, kMaxGltfContours);
+  ASSERT_TRUE(outcome.scene.ok()) << outcome.scene.error().to_string();
+  EXPECT_EQ(outcome.scene->contours.size(), kMaxGltfContours);
+  EXPECT_EQ(outcome.scene->warnings.size(), kMaxGltfWarnings + 1);
+  expect_refused(file_with(kMaxGltfContours + 1), ErrorCode::kLimitExceeded,
+                 "/nodes/" + std::to_string(kMaxGltfContours) + "/extras/palpate_contour",
+                 kMaxGltfContours);
+}
+
 // --- Sizes that overflow or underflow ------------------------------------------------------------
 
 TEST(HostileGltf, HugeNumbersAreRefusedEverywhere) {

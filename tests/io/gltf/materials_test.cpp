@@ -346,7 +346,10 @@ TEST(GltfMaterials, NodeWithAMediumMakesARegion) {
   asset.add_node({{"extras", {{"palpate", {{"medium", 5}}}, {"palpate_contour", 3}}}});
   asset.add_node({{"extras", {{"palpate_contour", {{"medium", "box"}}}}}});
   const auto scene = read_glb(asset);
-  EXPECT_TRUE(scene.warnings.empty());
+  // The malformed contours are warnings, and neither belongs to a region.
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_EQ(scene.warnings[0].rfind("/nodes/4/extras/palpate_contour: ", 0), 0u);
+  EXPECT_EQ(scene.warnings[1].rfind("/nodes/5/extras/palpate_contour: ", 0), 0u);
   ASSERT_EQ(scene.regions.size(), 2u);
   const RegionDescription& region = scene.regions[0];
   EXPECT_EQ(region.name, "honey");
