@@ -53,18 +53,15 @@ void read_axes(ObjectReader& reader, RunSettings& settings) {
 void read_motors(ObjectReader& reader, RunSettings& settings) {
   reader.whole("sensors", settings.sensors, 1, 3);
   if (reader.ok() && settings.sensors != 2) {
-    return reader.fail(device_error(
+    reader.fail(device_error(
         reader.element_of("sensors"), "is " + std::to_string(settings.sensors) + "; expected 2",
         "an experiment with another number is not supported yet", ErrorCode::kUnsupported));
   }
   read_axes(reader, settings);
-  int actuators = 0;
+  std::uint64_t actuators = 3;  // none is stated
   const bool is_required = settings.actuated_axes.empty();
-  const nlohmann::json* const found =
-      reader.find("actuators", is_required ? Key::kRequired : Key::kOptional);
-  if (!found) return;
-  reader.whole("actuators", actuators, 0, 2);
-  settings.actuators = actuators;
+  reader.whole("actuators", actuators, 0, 2, is_required ? Key::kRequired : Key::kOptional);
+  if (actuators <= 2) settings.actuators = static_cast<int>(actuators);
 }
 
 void read_place(ObjectReader& reader, RunSettings& settings) {
@@ -145,6 +142,7 @@ std::string plan_key(std::string_view field) {
   for (const auto& [name, key] : kOtherNames) {
     if (name == field) return std::string(key);
   }
+  if (field.starts_with("actuated axis")) return "actuated_axes";
   return std::string(field);
 }
 
