@@ -1,0 +1,24 @@
+#pragma once
+
+// The plan that ships: the paper's experiment, on the paper's objects.
+
+#include <string>
+
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+inline constexpr const char* kPaperPlan = "paper";  // its name
+
+// The folder that holds the models of the paper's objects: `models` in the current folder, or in
+// the folder of the program, or in one of the four folders above that. An error if there is none.
+Result<std::string> models_folder();
+
+// The text of the plan with this folder before the names of the objects' files; empty: none.
+std::string paper_plan_text(const std::string& objects_folder);
+
+// The text of the plan for a file in this folder, with paths that lead from there to the models.
+// Relative paths if possible. folder: empty: the current one.
+Result<std::string> paper_plan_for(const std::string& folder);
+
+}  // namespace palpate

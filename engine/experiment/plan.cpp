@@ -1,0 +1,233 @@
+#include "engine/experiment/plan.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/experiment/key_hash.h"
+#include "engine/experiment/paper_plan.h"
+#include "engine/experiment/plan_device.h"
+#include "engine/experiment/strict_json.h"
+#include "geometry/base/quoted.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+using Key = ObjectReader::Key;
+namespace fs = std::filesystem;
+
+constexpr NumberRange kLengthRange_m{0.0, 1.0, true};
+constexpr NumberRange kLimitRange_s{0.0, 3600.0, true};
+
+Error plan_error(std::string element, std::string problem, std::string hint = {}) {
+  return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
+}
+
+template <std::size_t count>
+std::vector<std::string_view> words_of(const std::array<std::string_view, count>& names) {
+  return {names.begin(), names.end()};
+}
+
+bool is_object_name(const std::string& name) {
+  constexpr const char* kAllowed =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  return !name.empty() && name.size() <= kMostObjectNameBytes && name.front() != '.' &&
+         name.find_first_not_of(kAllowed) == std::string::npos;
+}
+
+// The value of an object: a file name, or an object with the settings of the scene.
+std::optional<Error> read_scene(const Json& value, const std::string& element, PlanObject& object) {
+  if (value.is_string()) {
+    const Json wrapped{{"file", value}};
+    ObjectReader reader(wrapped, element);
+    reader.text("file", object.file, Key::kRequired, kMostProseBytes);
+    auto error = reader.finish();
+    if (error) error->element = element;
+    return error;
+  }
+  ObjectReader reader(value, element);
+  reader.text("file", object.file, Key::kRequired, kMostProseBytes);
+  reader.text("node", object.scene.node, Key::kOptional, kMostProseBytes);
+  reader.text("pose", object.scene.pose, Key::kOptional, kMostProseBytes);
+  std::optional<double> scale;
+  std::optional<double> fit_size_m;
+  constexpr NumberRange kSize{0.0, 1e6, true};
+  reader.number("scale", scale, kSize);
+  reader.number("fit_size_m", fit_size_m, kSize);
+  if (scale && fit_size_m) {
+    reader.fail(plan_error(element, "has both scale and fit_size_m; expected one of them"));
+  }
+  object.scene.scale = scale.value_or(1.0);
+  object.scene.fit_size_m = fit_size_m.value_or(0.0);
+  return reader.finish();
+}
+
+void read_objects(ObjectReader& reader, const std::string& folder, ExperimentPlan& plan) {
+  const Json* const found = reader.find("objects");
+  if (!found) return;
+  const std::string element = reader.element_of("objects");
+  if (!found->is_object() || found->empty() || found->size() > kMostPlanObjects) {
+    const std::string expected = "an object with 1 to " + std::to_string(kMostPlanObjects) +
+                                 " entries, such as {\"O1\": \"star.glb\"}";
+    if (!found->is_structured()) return reader.fail(unexpected_value(element, *found, expected));
+    return reader.fail(plan_error(
+        element, "has " + std::to_string(found->size()) + " entries; expected " + expected));
+  }
+  for (const auto& [name, value] : found->items()) {
+    if (!is_object_name(name)) {
+      return reader.fail(plan_error(
+          element, "has the name " + in_quotes(name) + "; expected 1 to " +
+                       std::to_string(kMostObjectNameBytes) +
+                       " letters, digits, \"_\", \"-\" or \".\", not beginning with \".\""));
+    }
+    PlanObject object;
+    object.name = name;
+    if (auto error = read_scene(value, element + "/" + name, object)) return reader.fail(*error);
+    object.path = (fs::path(folder) / object.file).string();
+    plan.objects.push_back(std::move(object));
+  }
+}
+
+void read_operator(ObjectReader& reader, const std::string& folder, ExperimentPlan& plan) {
+  std::string name;
+  reader.text("operator", name, Key::kRequired, kMostProseBytes);
+  if (!reader.ok()) return;
+  const bool is_shipped = !shipped_operator_text(name).empty();
+  auto file = load_operator(is_shipped ? name : (fs::path(folder) / name).string());
+  if (file) {
+    plan.person = std::move(*file);
+    return;
+  }
+  if (file.error().code != ErrorCode::kFileNotFound) return reader.fail(file.error());
+  std::vector<std::string_view> words = words_of(kShippedOperators);
+  words.emplace_back("the path of an operator file");
+  reader.fail(plan_error(reader.element_of("operator"),
+                         "is " + in_quotes(name) + "; expected " + joined_words(words),
+                         "there is no such file in the folder of the plan"));
+}
+
+void read_device(ObjectReader& reader, ExperimentPlan& plan) {
+  const Json* const found = reader.find("device");
+  if (!found) return;
+  auto device = read_plan_device(*found, reader.element_of("device"));
+  if (!device) return reader.fail(device.error());
+  plan.device = std::move(*device);
+}
+
+void read_protocol(ObjectReader& reader, ExperimentPlan& plan) {
+  int format = 1;
+  reader.whole("palpate_plan", format, 1, 1);
+  reader.text("name", plan.name);
+  reader.whole("seed", plan.seed, 0, (std::uint64_t{1} << 53) - 1);
+  reader.whole("participants", plan.participants, 1, kMostParticipants);
+  reader.whole("blocks", plan.blocks, 1, kMostBlocks);
+  reader.whole("practice_blocks", plan.practice_blocks, 0, 1);
+  reader.number("sphere_radius_m", plan.trial.sphere_radius_m, kLengthRange_m);
+  reader.number("limit_s", plan.trial.limit_s, kLimitRange_s);
+}
+
+void read_display(ObjectReader& reader, ExperimentPlan& plan) {
+  constexpr NumberRange kDisplayRange_Hz{0.0, 1e6, true};
+  reader.number("display_Hz", plan.trial.display_Hz, kDisplayRange_Hz);
+  if (!reader.ok() || plan.trial.display_Hz <= plan.device.rate_Hz) return;
+  std::ostringstream text;
+  text << "is " << plan.trial.display_Hz << "; expected at most the rate of the device, "
+       << plan.device.rate_Hz << " Hz";
+  reader.fail(plan_error(reader.element_of("display_Hz"), text.str()));
+}
+
+void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
+  reader.choices("haptic", plan.haptic, words_of(kHapticNames));
+  reader.choices("rotation", plan.rotation, words_of(kRotationNames));
+  std::vector<std::size_t> followings;
+  reader.choices("followings", followings, words_of(kFollowingNames));
+  for (const std::size_t place : followings) {
+    plan.followings.push_back(static_cast<Following>(place));
+  }
+}
+
+void check_trials(ObjectReader& reader, const ExperimentPlan& plan) {
+  if (!reader.ok()) return;
+  const std::uint64_t trials =
+      static_cast<std::uint64_t>(plan.participants) * plan.trials_per_participant();
+  if (trials <= kMostTrials) return;
+  reader.fail(plan_error("/participants",
+                         "gives a plan of " + std::to_string(trials) +
+                             " trials; expected at most " + std::to_string(kMostTrials),
+                         "divide it into several plans with different seeds"));
+}
+
+std::string canonical_text(Json json, const ExperimentPlan& plan) {
+  json["operator"] = plan.person.name;
+  for (auto& [name, value] : json["objects"].items()) {
+    if (value.is_object()) {
+      value.erase("file");
+    } else {
+      value = Json::object();
+    }
+  }
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::vector<PlanCondition> ExperimentPlan::conditions() const {
+  std::vector<PlanCondition> all;
+  for (const std::size_t h : haptic) {
+    for (const std::size_t r : rotation) {
+      for (std::size_t o = 0; o < objects.size(); ++o) all.push_back({h, r, o});
+    }
+  }
+  return all;
+}
+
+std::vector<int> ExperimentPlan::block_numbers() const {
+  std::vector<int> numbers;
+  for (int block = practice_blocks > 0 ? 0 : 1; block <= blocks; ++block) numbers.push_back(block);
+  return numbers;
+}
+
+std::uint64_t ExperimentPlan::trials_per_participant() const {
+  return std::uint64_t{followings.size()} * block_numbers().size() * haptic.size() *
+         rotation.size() * objects.size();
+}
+
+Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
+                                  const std::string& folder) {
+  const auto json = parse_strict_json(text, path);
+  if (!json) return json.error();
+  ExperimentPlan plan;
+  plan.path = path;
+  ObjectReader reader(*json, "");
+  read_protocol(reader, plan);
+  read_device(reader, plan);
+  read_display(reader, plan);
+  read_factors(reader, plan);
+  read_objects(reader, folder, plan);
+  read_operator(reader, folder, plan);
+  check_trials(reader, plan);
+  if (auto error = reader.finish()) {
+    if (error->path.empty()) error->path = path;
+    return *error;
+  }
+  plan.canonical = canonical_text(*json, plan);
+  plan.hash = KeyHash().add(plan.canonical).value();
+  return plan;
+}
+
+Result<ExperimentPlan> load_plan(const std::string& name_or_path) {
+  if (name_or_path == kPaperPlan) {
+    const auto folder = models_folder();
+    if (!folder) return folder.error();
+    return parse_plan(paper_plan_text(""), name_or_path, *folder);
+  }
+  const auto text = read_settings_text(name_or_path);
+  if (!text) return text.error();
+  return parse_plan(*text, name_or_path, fs::path(name_or_path).parent_path().string());
+}
+
+}  // namespace palpate

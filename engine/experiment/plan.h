@@ -1,0 +1,95 @@
+#pragma once
+
+// The plan of an experiment: what `palpate experiment run` reads.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/experiment/operator_file.h"
+#include "engine/experiment/trial.h"
+#include "engine/scene/scene.h"
+#include "engine/session/run_setup.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// The levels of the factors, in the order of the paper's tables.
+inline constexpr std::array<std::string_view, 3> kHapticNames = {"NoH", "UaH", "H"};
+inline constexpr std::array<ForceMode, 3> kHapticForces = {ForceMode::kNone, ForceMode::kActuated,
+                                                           ForceMode::kFull};
+inline constexpr std::array<std::string_view, 2> kRotationNames = {"NoR", "R"};  // without, with A4
+
+// Limits of a plan. 2^18 rows of trials.csv have about 100 MB.
+inline constexpr std::uint64_t kMostTrials = std::uint64_t{1} << 18;
+inline constexpr int kMostParticipants = 10'000;
+inline constexpr int kMostBlocks = 100;
+inline constexpr std::size_t kMostPlanObjects = 100;
+inline constexpr std::size_t kMostObjectNameBytes = 40;
+
+// An object that the hand follows.
+struct PlanObject {
+  std::string name;     // letters, digits, "_", "-" and "."
+  std::string file;     // as the plan states it: relative to the folder of the plan
+  std::string path;     // of the file, from the current folder
+  SceneSettings scene;  // node, scale, fit_size_m and pose
+};
+
+// The conditions of a trial, apart from the following.
+struct PlanCondition {
+  std::size_t haptic = 0;    // index into kHapticNames
+  std::size_t rotation = 0;  // index into kRotationNames
+  std::size_t object = 0;    // index into ExperimentPlan::objects
+};
+
+// A plan. Its JSON is an object with these keys; those in brackets are optional:
+//   palpate_plan     1
+//   name             text
+//   seed             whole number, below 2^53
+//   participants, blocks, practice_blocks (0 or 1)
+//   device           the settings of `run` (plan_device.h)
+//   display_Hz, sphere_radius_m, limit_s
+//   haptic, rotation lists of one or more levels
+//   objects          {"O1": "star.glb"} or {"O1": {"file": "star.glb", ["node", "scale" or
+//                    "fit_size_m", "pose"]}}; paths are relative to the folder of the plan
+//   operator         a name of kShippedOperators, or the path of an operator file
+//   followings       a list of one or more of kFollowingNames
+struct ExperimentPlan {
+  std::string path;  // as the caller named it
+  std::string name;
+  std::uint64_t seed = 0;
+  int participants = 1;
+  int blocks = 1;
+  int practice_blocks = 0;
+  RunSettings device;
+  TrialSettings trial;
+  std::vector<std::size_t> haptic;    // indices into kHapticNames
+  std::vector<std::size_t> rotation;  // indices into kRotationNames
+  std::vector<PlanObject> objects;    // by name
+  OperatorFile person;
+  std::vector<Following> followings;
+  // What the plan states, without what may differ between machines: the JSON with sorted keys,
+  // without blanks and paths of objects, and with the name of the operator. `hash` is its hash.
+  std::string canonical;
+  std::uint64_t hash = 0;
+
+  // Haptic x rotation x object, in the order of the lists.
+  std::vector<PlanCondition> conditions() const;
+  // The numbers of the blocks; 0 is practice.
+  std::vector<int> block_numbers() const;
+  std::uint64_t trials_per_participant() const;
+};
+
+// An error names the element, such as /device/rate_Hz. path: of the file, for messages. folder: to
+// which paths in the plan are relative; empty: the current one. Reads the operator file, but no
+// scene.
+Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
+                                  const std::string& folder);
+
+// name_or_path: "paper", the plan that ships (paper_plan.h), or the path of a file.
+Result<ExperimentPlan> load_plan(const std::string& name_or_path);
+
+}  // namespace palpate

@@ -1,0 +1,96 @@
+#pragma once
+
+// Reads JSON files that users write: plans and operator files. Any key that is not expected is an
+// error, because a misspelt key would silently keep a default.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// Such a file has some kilobytes. The limit bounds the memory of a hostile one.
+inline constexpr std::uint64_t kMostSettingsBytes = std::uint64_t{1} << 20;
+inline constexpr std::size_t kMostNameBytes = 100;
+inline constexpr std::size_t kMostProseBytes = 2000;
+
+// Parses the text of a file; a byte order mark at its start is ignored. Errors: a zero byte, deep
+// nesting (check_json_size), a syntax error, a number beyond the range of a double, a repeated key.
+// path: for Error::path.
+Result<nlohmann::json> parse_strict_json(std::string_view text, const std::string& path);
+
+// The content of a file of at most kMostSettingsBytes.
+Result<std::string> read_settings_text(const std::string& path);
+
+// A range of numbers; is_least_out: it excludes `least` itself.
+struct NumberRange {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool is_least_out = false;
+
+  bool contains(double x) const { return x >= least && x <= most && !(is_least_out && x == least); }
+};
+// "a number above 0 and at most 100", "a number from 2 to 3", "a finite number"
+std::string text_of(const NumberRange& range);
+
+// The error "ELEMENT: is FOUND; expected EXPECTED" for a value of any type.
+Error unexpected_value(const std::string& element, const nlohmann::json& found,
+                       const std::string& expected, std::string hint = {});
+
+// The values of one JSON object. Each function sets its argument to the value of a key. After the
+// first error, further calls do nothing. finish() must be called at the end; it returns the first
+// error, but a key that no call has asked for comes first, since a misspelt key also is a missing
+// one.
+class ObjectReader {
+ public:
+  enum class Key : std::uint8_t { kRequired, kOptional };
+
+  // element: the JSON path of the object, "" for the root. The value must outlive the reader.
+  ObjectReader(const nlohmann::json& value, std::string element);
+
+  // The value of a key, or null if it is absent or an error has occurred.
+  const nlohmann::json* find(const char* key, Key need = Key::kRequired);
+  // A text of 1 to most_bytes bytes without control characters.
+  void text(const char* key, std::string& value, Key need = Key::kRequired,
+            std::size_t most_bytes = kMostNameBytes);
+  void flag(const char* key, bool& value, Key need = Key::kRequired);
+  void number(const char* key, double& value, const NumberRange& range, Key need = Key::kRequired);
+  void number(const char* key, std::optional<double>& value, const NumberRange& range);  // optional
+  // A whole number, also in the form 3.0.
+  void whole(const char* key, std::uint64_t& value, std::uint64_t least, std::uint64_t most,
+             Key need = Key::kRequired);
+  void whole(const char* key, int& value, int least, int most, Key need = Key::kRequired);
+  // A list of this many numbers.
+  void numbers(const char* key, std::vector<double>& values, std::size_t count,
+               Key need = Key::kRequired);
+  // One of a few words; value becomes its place.
+  void choice(const char* key, std::size_t& value, const std::vector<std::string_view>& words,
+              Key need = Key::kRequired);
+  // A list of one or more of these words, none of them twice; values become their places.
+  void choices(const char* key, std::vector<std::size_t>& values,
+               const std::vector<std::string_view>& words);
+
+  std::string element_of(const std::string& key) const { return element_ + "/" + key; }
+  void fail(Error error);
+  bool ok() const { return !error_; }
+  std::optional<Error> finish();
+
+ private:
+  const nlohmann::json& object_;
+  std::string element_;
+  std::vector<std::string> asked_;
+  std::optional<Error> error_;
+};
+
+// "a, b or c"
+std::string joined_words(const std::vector<std::string_view>& words);
+
+}  // namespace palpate

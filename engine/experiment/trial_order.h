@@ -1,0 +1,28 @@
+#pragma once
+
+// The order of the conditions, and the seeds of all random numbers of an experiment. No seed
+// depends on what ran before.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+// Every seed is the KeyHash of the listed fields, with the purpose first. seed: of the plan.
+// participant: 1 for the first. block: 0 for practice.
+
+// ("order", seed, participant, block)
+std::uint64_t order_seed(std::uint64_t seed, int participant, int block);
+// ("noise", seed, participant, block, haptic, rotation, object): the same for every following.
+std::uint64_t noise_seed(std::uint64_t seed, int participant, int block, const std::string& haptic,
+                         const std::string& rotation, const std::string& object);
+// ("draw", seed, participant, operator name, draw name)
+std::uint64_t draw_seed(std::uint64_t seed, int participant, const std::string& operator_name,
+                        const std::string& draw);
+
+// A random permutation of 0 to count - 1 (Fisher and Yates), uniform over all permutations.
+std::vector<std::size_t> trial_order(std::size_t count, std::uint64_t seed);
+
+}  // namespace palpate
