@@ -159,7 +159,7 @@ Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
                   "load one node, or delete the others");
   }
   if (!stated.empty() && !stated.front().problem.empty()) {
-    return no_way(stated.front().element, stated.front().problem, "");
+    return no_way(stated.front().element, stated.front().problem, stated.front().hint);
   }
   const ScenePose& pose = setup.haptics.initial_pose;
   const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
