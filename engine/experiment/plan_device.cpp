@@ -148,6 +148,10 @@ std::string plan_key(std::string_view field) {
 
 // Every `Struct::field` becomes the key.
 std::string with_plan_keys(std::string text) {
+  constexpr std::string_view kOfRun = ", the value of `fitting_size_m()`";  // `run --fit auto`
+  if (const std::size_t at = text.find(kOfRun); at != std::string::npos) {
+    text.erase(at, kOfRun.size());
+  }
   for (const std::string_view owner : {"`RunSettings::", "`HapticSettings::", "`SceneSettings::"}) {
     for (std::size_t at = text.find(owner); at != std::string::npos; at = text.find(owner, at)) {
       const std::size_t begin = at + owner.size();
@@ -181,6 +185,10 @@ Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::st
 
 Error as_plan_error(Error error, const std::string& element) {
   if (!error.element.empty()) error.element = element + "/" + plan_key(error.element);
+  return with_plan_keys(std::move(error));
+}
+
+Error with_plan_keys(Error error) {
   error.problem = with_plan_keys(std::move(error.problem));
   error.hint = with_plan_keys(std::move(error.hint));
   return error;

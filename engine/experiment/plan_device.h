@@ -2,6 +2,8 @@
 
 // The object `device` of a plan: the settings of `run`, by the names of the fields of RunSettings.
 
+#include <string>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "engine/session/run_setup.h"
@@ -18,5 +20,8 @@ Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::st
 // The error of make_setup(), check_setup() or check_plant() as an error of the plan: its element
 // and the fields in its texts are replaced by keys of the plan. element: of the object `device`.
 Error as_plan_error(Error error, const std::string& element);
+
+// The error with the fields of settings in its texts replaced by keys of the plan.
+Error with_plan_keys(Error error);
 
 }  // namespace palpate

@@ -28,11 +28,11 @@ struct TrialSettings {
 // The way of a trial in the plane of the device: a closed contour, opened shortly before the green
 // sphere. Scene frame; lengths are along the path.
 struct TrialWay {
-  HandPath path;         // once round the contour and past its opening, with material on the left
-  double green_along_m;  // centre of the green sphere
-  double red_along_m;    // centre of the red sphere, beyond the green one
-  Vec3 green_m;
-  Vec3 red_m;
+  HandPath path;  // once round the contour and past its opening, with material on the left
+  double green_along_m = 0.0;  // centre of the green sphere
+  double red_along_m = 0.0;    // centre of the red sphere, beyond the green one
+  Vec3 green_m = Vec3::Zero();
+  Vec3 red_m = Vec3::Zero();
 };
 
 // Finds the way of trials on this scene. The node's palpate_contour states the centres of the

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -79,7 +80,7 @@ class FreeMemory : public testing::Test {
     std::ofstream(path) << text;
   }
 
-  std::string root_ = testing::TempDir() + "palpate_free_memory";
+  std::string root_ = testing::TempDir() + "palpate_free_memory_" + std::to_string(::getpid());
   MemorySources sources_;
 };
 

@@ -1,0 +1,37 @@
+#pragma once
+
+// Joins the parts of all participants to the results of an experiment.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/trial_row.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// The names of the results in the folder of an experiment.
+inline constexpr const char* kTrialsFile = "trials.csv";
+inline constexpr const char* kColumnsFile = "columns.csv";
+inline constexpr const char* kRunFile = "run.json";
+
+struct MergedExperiment {
+  int participants = 0;
+  std::uint64_t trials = 0;
+  std::array<std::uint64_t, kTrialStatusNames.size()> by_status{};  // in the order of TrialStatus
+};
+
+// Reads the parts in these folders, checks them, and writes trials.csv, columns.csv and run.json
+// into out_folder, together or not at all. The rows are in the order of participants and, for each
+// participant, in the order in which the trials ran. Any folder may be out_folder.
+//
+// Errors, which name the file: a folder without parts; folders of different runs, with the entry
+// that differs (find_difference); a part with wrong hashes; a participant whose parts in two
+// folders differ, with the line and the column; participants without a part; a result that cannot
+// be written.
+Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folders,
+                                          const std::string& out_folder);
+
+}  // namespace palpate

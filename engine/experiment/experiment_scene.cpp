@@ -1,0 +1,136 @@
+#include "engine/experiment/experiment_scene.h"
+
+#include <optional>
+#include <utility>
+
+#include "engine/experiment/key_hash.h"
+#include "engine/experiment/plan_device.h"
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/plane_height.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/workspace.h"
+#include "io/gltf/file.h"
+#include "io/gltf/limits.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kDeviceElement = "/device";
+
+std::string element_of(const PlanObject& object) {
+  return "/objects/" + object.name;
+}
+
+Result<std::uint64_t> hash_of_file(const std::string& path) {
+  const auto bytes = read_regular_file(path, kMaxGltfFileBytes);
+  if (!bytes) return bytes.error();
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  return KeyHash().add(text).value();
+}
+
+std::uint64_t hash_of_geometry(const Scene& scene) {
+  std::vector<Vec3> positions_m;
+  std::vector<Triangle> triangles;
+  scene.append_triangles_scene(positions_m, triangles);
+  KeyHash hash;
+  hash.add(std::uint64_t{positions_m.size()});
+  for (const Vec3& p : positions_m) hash.add(p.x()).add(p.y()).add(p.z());
+  hash.add(std::uint64_t{triangles.size()});
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t corner : t) hash.add(std::uint64_t{corner});
+  }
+  return hash.value();
+}
+
+Error scene_error(Error error, const PlanObject& object) {
+  error = with_plan_keys(std::move(error));
+  if (error.path.empty()) error.path = object.path;
+  return error;
+}
+
+// An error of the device together with this object.
+Error device_error(Error error, const ExperimentPlan& plan) {
+  error = as_plan_error(std::move(error), kDeviceElement);
+  error.path = plan.path;
+  return error;
+}
+
+std::optional<Error> check_size(const ExperimentPlan& plan, const PlanObject& object,
+                                const Scene& scene, const RunSetup& setup) {
+  const Workspace workspace =
+      hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
+  auto misfit = check_fits(workspace, bounds_in_device(scene, setup.haptics.initial_pose),
+                           scene.statistics().extent_m.maxCoeff());
+  if (!misfit) return std::nullopt;
+  const bool is_of_scene = misfit->element == "scene";
+  Error error = device_error(*misfit, plan);
+  if (is_of_scene) error.element = element_of(object);
+  return error;
+}
+
+std::optional<Error> choose_plane(const ExperimentPlan& plan, const PlanObject& object,
+                                  const Scene& scene, RunSetup& setup) {
+  if (plan.device.plane_height_m) return std::nullopt;
+  const auto height_m = height_with_contour_m(scene, setup.haptics.initial_pose);
+  if (!height_m) {
+    return Error{ErrorCode::kInvalidContent, plan.path, element_of(object),
+                 "has no contour in a plane across A3: every face lies across A3",
+                 "turn the scene with /device/place"};
+  }
+  setup.haptics.plane_height_m = *height_m;
+  return std::nullopt;
+}
+
+Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const PlanObject& object,
+                                              const TrialFunctions& functions) {
+  auto setup = make_setup(plan.device);
+  if (!setup) return device_error(setup.error(), plan);
+  const auto file_hash = hash_of_file(object.path);
+  if (!file_hash) return file_hash.error();
+  SceneSettings settings = object.scene;
+  settings.proxy_radius_m = plan.device.radius_m;
+  auto scene = Scene::load(object.path, settings);
+  if (!scene) return scene_error(scene.error(), object);
+  if (auto error = check_tick_rate(scene->effects(), plan.device.rate_Hz)) {
+    return scene_error(*error, object);
+  }
+  if (scene->objects().empty()) {
+    return Error{ErrorCode::kEmptyScene, object.path, "",
+                 "has no surface that can be touched; expected one", ""};
+  }
+  if (auto error = check_size(plan, object, *scene, *setup)) return *error;
+  if (auto error = choose_plane(plan, object, *scene, *setup)) return *error;
+  if (auto error = check_setup(*scene, *setup)) return device_error(*error, plan);
+  auto way = functions.find_way(*scene, *setup, plan.trial);
+  if (!way) return scene_error(way.error(), object);
+  const std::uint64_t geometry_hash = hash_of_geometry(*scene);
+  return ExperimentScene{std::move(*scene), std::move(*setup), std::move(*way), *file_hash,
+                         geometry_hash};
+}
+
+}  // namespace
+
+Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
+                                                            const TrialFunctions& functions) {
+  std::vector<ExperimentScene> scenes;
+  for (const PlanObject& object : plan.objects) {
+    auto scene = load_experiment_scene(plan, object, functions);
+    if (!scene) return scene.error();
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
+std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup) {
+  for (int participant = 1; participant <= plan.participants; ++participant) {
+    const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
+    PlantSettings plant;
+    plant.device = setup.device;
+    plant.hand.stiffness_N_per_m = person.hand_stiffness_N_per_m;
+    plant.hand.damping_Ns_per_m = person.hand_damping_Ns_per_m;
+    if (auto error = check_plant(plant, setup.dt_s)) return device_error(*error, plan);
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

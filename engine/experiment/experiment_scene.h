@@ -1,0 +1,47 @@
+#pragma once
+
+// The objects of a plan, loaded and checked before the first trial.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/plan.h"
+#include "engine/experiment/trial.h"
+#include "engine/scene/scene.h"
+#include "engine/session/run_setup.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// find_trial_way() and run_trial() of trial.h. They are arguments, so that tests of everything
+// around a trial can replace it by a short computation.
+struct TrialFunctions {
+  std::function<Result<TrialWay>(const Scene&, const RunSetup&, const TrialSettings&)> find_way;
+  std::function<Result<TrialOutcome>(const Scene&, const TrialWay&, const RunSetup&,
+                                     const TrialSettings&, const OperatorParameters&,
+                                     const TrialConditions&, const TickSink&)>
+      run;
+};
+
+// An object, ready for trials.
+struct ExperimentScene {
+  Scene scene;
+  RunSetup setup;  // with the height of the plane
+  TrialWay way;
+  std::uint64_t file_hash;      // of the bytes of the file
+  std::uint64_t geometry_hash;  // of the triangles in the scene frame, in metres
+};
+
+// Loads every object of the plan. Errors, with the path of the plan or the file: those of
+// Scene::load(), make_setup(), check_setup() and find_way, a scene that is larger than the
+// workspace, an effect that the rate is too low for, and a scene without a plane that cuts it.
+Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
+                                                            const TrialFunctions& functions);
+
+// Returns an error if the hand of a person is unstable on this device: check_plant() for every
+// participant of the plan.
+std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup);
+
+}  // namespace palpate

@@ -1,0 +1,98 @@
+#include "engine/experiment/participant_part.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <system_error>
+
+#include "engine/experiment/key_hash.h"
+#include "engine/experiment/trials_file.h"
+#include "engine/report/whole_file.h"
+#include "io/gltf/file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kNameBegin = "participant-";
+constexpr std::string_view kNameEnd = ".csv";
+
+// The first line: what the rows belong to, and their hash.
+std::string line_of_run(std::uint64_t run, int participant) {
+  return "palpate part 1, run " + hash_text(run) + ", participant " + std::to_string(participant) +
+         ", rows ";
+}
+
+std::string first_lines(std::uint64_t run, int participant, std::string_view rows) {
+  return line_of_run(run, participant) + hash_text(KeyHash().add(rows).value()) + "\n" +
+         trials_columns() + "\n";
+}
+
+Error part_error(const std::string& path, std::string element, std::string problem) {
+  return {ErrorCode::kInvalidContent, path, std::move(element), std::move(problem),
+          "remove the file and run its shard again"};
+}
+
+}  // namespace
+
+std::string parts_folder(const std::string& folder) {
+  return (fs::path(folder) / "parts").string();
+}
+
+std::string part_identity_path(const std::string& folder) {
+  return (fs::path(parts_folder(folder)) / "run.json").string();
+}
+
+std::string part_path(const std::string& folder, int participant) {
+  std::string name(kNameBegin);
+  name.append(std::to_string(participant)).append(kNameEnd);
+  return (fs::path(parts_folder(folder)) / name).string();
+}
+
+std::vector<int> participants_with_parts(const std::string& folder) {
+  std::vector<int> participants;
+  std::error_code failed;
+  for (fs::directory_iterator entry(parts_folder(folder), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(kNameBegin) || !name.ends_with(kNameEnd)) continue;
+    const char* const begin = name.data() + kNameBegin.size();
+    const char* const stop = name.data() + name.size() - kNameEnd.size();
+    int participant = 0;
+    const auto [rest, problem] = std::from_chars(begin, stop, participant);
+    if (problem == std::errc() && rest == stop && participant > 0) {
+      participants.push_back(participant);
+    }
+  }
+  std::sort(participants.begin(), participants.end());
+  return participants;
+}
+
+std::optional<Error> write_part(const std::string& path, std::uint64_t run, int participant,
+                                std::string_view rows) {
+  auto file = WholeFile::create(path);
+  if (!file) return file.error();
+  file->add(first_lines(run, participant, rows));
+  file->add(rows);
+  return file->finish();
+}
+
+Result<std::string> read_part(const std::string& path, std::uint64_t run, int participant) {
+  const auto bytes = read_regular_file(path, kMostTrialsBytes);
+  if (!bytes) return bytes.error();
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const std::string begin = line_of_run(run, participant);
+  if (!text.starts_with(begin)) {
+    const std::string found(text.substr(0, std::min(text.find('\n'), begin.size())));
+    return part_error(path, "line 1", "begins with \"" + found + "\"; expected \"" + begin + "\"");
+  }
+  const std::size_t head_bytes = first_lines(run, participant, "").size();
+  const std::string_view rows = text.substr(std::min(head_bytes, text.size()));
+  if (text.substr(0, text.size() - rows.size()) != first_lines(run, participant, rows)) {
+    return part_error(path, "line 1", "does not have the hash of the rows; the file was changed");
+  }
+  return std::string(rows);
+}
+
+}  // namespace palpate

@@ -1,0 +1,128 @@
+#include "engine/experiment/participant_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "engine/experiment/trial_order.h"
+#include "engine/experiment/trials_file.h"
+#include "engine/report/csv.h"
+#include "engine/report/write_error.h"
+#include "engine/session/trace_csv.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string name_of(Following following) {
+  return std::string(kFollowingNames[static_cast<std::size_t>(following)]);
+}
+
+TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
+                              const PlannedTrial& trial) {
+  const PlanCondition& c = trial.condition;
+  TrialConditions conditions;
+  conditions.force = kHapticForces[c.haptic];
+  conditions.a4 = kRotationNames[c.rotation] == "R";
+  conditions.following = trial.following;
+  conditions.noise_seed =
+      noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),
+                 std::string(kRotationNames[c.rotation]), plan.objects[c.object].name);
+  return conditions;
+}
+
+TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
+                const TrialOutcome& outcome) {
+  return {.following = name_of(trial.following),
+          .participant = std::to_string(participant),
+          .block = trial.block,
+          .trial = trial.trial,
+          .haptic = std::string(kHapticNames[trial.condition.haptic]),
+          .rotation = std::string(kRotationNames[trial.condition.rotation]),
+          .object = plan.objects[trial.condition.object].name,
+          .attempt = 1,
+          .status = outcome.status,
+          .measures = outcome.measures};
+}
+
+Result<TraceWriter> create_trace(const std::string& path) {
+  std::error_code failed;
+  fs::create_directories(fs::path(path).parent_path(), failed);
+  if (failed) return write_error(path, failed.value());
+  return TraceWriter::create(path);
+}
+
+Result<TrialOutcome> run_planned(const ExperimentPlan& plan, const ExperimentScene& scene,
+                                 const TrialFunctions& functions, const OperatorParameters& person,
+                                 const TrialConditions& conditions, const std::string& trace_path) {
+  if (trace_path.empty()) {
+    return functions.run(scene.scene, scene.way, scene.setup, plan.trial, person, conditions, {});
+  }
+  auto writer = create_trace(trace_path);
+  if (!writer) return writer.error();
+  auto outcome = functions.run(scene.scene, scene.way, scene.setup, plan.trial, person, conditions,
+                               [&](const TickRecord& record) { writer->add(record); });
+  if (!outcome) return outcome;
+  const auto written = writer->finish();
+  if (!written) return written.error();
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant) {
+  const std::vector<PlanCondition> conditions = plan.conditions();
+  std::vector<PlannedTrial> trials;
+  for (const Following following : plan.followings) {
+    for (const int block : plan.block_numbers()) {
+      const auto order = trial_order(conditions.size(), order_seed(plan.seed, participant, block));
+      for (std::size_t place = 0; place < order.size(); ++place) {
+        trials.push_back({following, block, static_cast<int>(place) + 1, conditions[order[place]]});
+      }
+    }
+  }
+  return trials;
+}
+
+std::string trace_name(const ExperimentPlan& plan, int participant, const PlannedTrial& trial) {
+  const std::size_t in_block = plan.conditions().size();
+  std::string place = std::to_string(trial.trial);
+  place.insert(0, std::to_string(in_block).size() - place.size(), '0');
+  const std::string name = "block-" + std::to_string(trial.block) + "-trial-" + place + "-" +
+                           std::string(kHapticNames[trial.condition.haptic]) + "-" +
+                           std::string(kRotationNames[trial.condition.rotation]) + "-" +
+                           plan.objects[trial.condition.object].name + ".csv";
+  return (fs::path(name_of(trial.following)) / ("participant-" + std::to_string(participant)) /
+          name)
+      .string();
+}
+
+Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
+                                                      const std::vector<ExperimentScene>& scenes,
+                                                      const TrialFunctions& functions,
+                                                      int participant,
+                                                      const std::string& traces_folder,
+                                                      const std::function<bool()>& after_trial) {
+  const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
+  CsvLines lines("");
+  lines.clear();
+  ParticipantRun run;
+  for (const PlannedTrial& trial : planned_trials(plan, participant)) {
+    const std::string trace_path =
+        traces_folder.empty()
+            ? ""
+            : (fs::path(traces_folder) / trace_name(plan, participant, trial)).string();
+    const auto outcome = run_planned(plan, scenes[trial.condition.object], functions, person,
+                                     conditions_of(plan, participant, trial), trace_path);
+    if (!outcome) return outcome.error();
+    add_row(lines, row_of(plan, participant, trial, *outcome));
+    run.ticks += outcome->ticks;
+    if (!after_trial()) return std::optional<ParticipantRun>();
+  }
+  run.rows = lines.text();
+  return std::optional<ParticipantRun>(std::move(run));
+}
+
+}  // namespace palpate

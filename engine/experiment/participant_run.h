@@ -1,0 +1,48 @@
+#pragma once
+
+// All trials of one simulated participant.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/experiment_scene.h"
+#include "engine/experiment/plan.h"
+#include "engine/experiment/trial_row.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// The trials of a participant, in the order in which they run: by following, block and the random
+// order within the block.
+struct PlannedTrial {
+  Following following;
+  int block;
+  int trial;  // place in the block, 1 for the first
+  PlanCondition condition;
+};
+std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant);
+
+// The path of the trace of a trial below the folder of the traces:
+// "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv".
+std::string trace_name(const ExperimentPlan& plan, int participant, const PlannedTrial& trial);
+
+struct ParticipantRun {
+  std::string rows;         // lines of trials.csv
+  std::uint64_t ticks = 0;  // of all trials
+};
+
+// Runs the trials. The result depends on plan, scenes and participant only. traces_folder: for a
+// trace of each trial (TraceWriter), empty for none; folders are created. after_trial: called after
+// each trial; if it returns false, the run ends without a result. Thread-safe for different
+// participants. Errors: those of TrialFunctions::run, and of writing a trace.
+Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
+                                                      const std::vector<ExperimentScene>& scenes,
+                                                      const TrialFunctions& functions,
+                                                      int participant,
+                                                      const std::string& traces_folder,
+                                                      const std::function<bool()>& after_trial);
+
+}  // namespace palpate

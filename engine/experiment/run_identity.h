@@ -1,0 +1,49 @@
+#pragma once
+
+// What identifies the results of an experiment: two runs with the same identity have the same rows.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/experiment_scene.h"
+#include "engine/experiment/plan.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+struct RunIdentity {
+  struct SceneHashes {
+    std::string name;  // of the object
+    std::uint64_t file = 0;
+    std::uint64_t geometry = 0;
+  };
+
+  std::string version;  // of Palpate
+  std::string plan_name;
+  std::uint64_t plan = 0;  // hash
+  std::uint64_t seed = 0;
+  int participants = 0;
+  std::string operator_name;
+  int operator_version = 0;
+  std::uint64_t operator_file = 0;  // hash
+  std::vector<SceneHashes> scenes;  // in the order of the plan
+
+  // The KeyHash of all of the above.
+  std::uint64_t hash() const;
+  // As a JSON object with a line end.
+  std::string json() const;
+};
+
+RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<ExperimentScene>& scenes);
+
+// Reads the text of json(). path: for messages.
+Result<RunIdentity> parse_identity(const std::string& text, const std::string& path);
+
+// Nothing if the identities are equal. Otherwise the first difference: its element is the JSON path
+// in json(), its path is empty. other_path: of the second, for the message.
+std::optional<Error> find_difference(const RunIdentity& identity, const RunIdentity& other,
+                                     const std::string& other_path);
+
+}  // namespace palpate

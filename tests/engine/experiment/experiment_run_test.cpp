@@ -1,0 +1,556 @@
+// Shards, jobs, interruptions and merging, with a stand-in for the trial.
+
+#include "engine/experiment/experiment_run.h"
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/experiment/participant_part.h"
+#include "engine/experiment/participant_run.h"
+#include "engine/experiment/trials_file.h"
+#include "geometry/base/random.h"
+#include "tests/engine/experiment/stand_in_trial.h"
+#include "tests/helpers/gltf_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::microseconds;
+using test::stand_in_trials;
+using test::TemporaryFolder;
+
+constexpr int kParticipants = 9;
+
+nlohmann::json small_plan_json() {
+  return nlohmann::json::parse(R"({"palpate_plan": 1, "name": "small", "seed": 7,
+      "participants": 9, "blocks": 1, "practice_blocks": 1,
+      "device": {"sensors": 2, "actuators": 1, "rate_Hz": 1000, "stiffness_N_per_m": 1000,
+                 "damping_Ns_per_m": 2},
+      "display_Hz": 40, "sphere_radius_m": 0.006, "limit_s": 120,
+      "haptic": ["NoH", "H"], "rotation": ["NoR", "R"],
+      "objects": {"O1": "star.glb", "O2": {"file": "star.glb", "scale": 0.5}},
+      "operator": "literature", "followings": ["delayed", "replan"]})");
+}
+
+ExperimentPlan plan_of(const nlohmann::json& json) {
+  auto plan = parse_plan(json.dump(), "plan.json", PALPATE_MODELS_DIR);
+  EXPECT_TRUE(plan.ok()) << plan.error().to_string();
+  return *plan;
+}
+
+ExperimentPlan small_plan() {
+  return plan_of(small_plan_json());
+}
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The bytes of all results.
+std::string results_in(const std::string& folder) {
+  std::string all;
+  for (const char* name : {kTrialsFile, kColumnsFile, kRunFile}) {
+    const std::string text = content((fs::path(folder) / name).string());
+    EXPECT_FALSE(text.empty()) << folder << " " << name;
+    all += text;
+  }
+  return all;
+}
+
+// All files below a folder, by their path below it.
+std::set<std::string> files_below(const std::string& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) names.insert(fs::relative(entry.path(), folder).string());
+  }
+  return names;
+}
+
+ExperimentRunOutcome run_into(const std::string& folder, const ExperimentPlan& plan,
+                              std::optional<Shard> shard = {}, int jobs = 1) {
+  const auto outcome = run_experiment(plan, {folder, shard, jobs, false}, stand_in_trials());
+  EXPECT_TRUE(outcome.ok()) << outcome.error().to_string();
+  return outcome ? *outcome : ExperimentRunOutcome{};
+}
+
+// The results of an undisturbed run with one job.
+const std::string& reference() {
+  static const std::string results = [] {
+    const TemporaryFolder folder;
+    run_into(folder.path(), small_plan());
+    return results_in(folder.path());
+  }();
+  return results;
+}
+
+// Runs in a child process, which is killed after `life` unless it has ended. True if it ended.
+template <typename Work>
+bool run_in_child(std::chrono::microseconds life, const Work& work) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(work() ? 0 : 1);
+  EXPECT_GT(child, 0);
+  const auto end = std::chrono::steady_clock::now() + life;
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > end) ::kill(child, SIGKILL);
+    ::usleep(100);
+  }
+  if (WIFEXITED(status)) {
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    return true;
+  }
+  EXPECT_EQ(WTERMSIG(status), SIGKILL);
+  return false;
+}
+
+TEST(ExperimentRun, WritesEveryPlannedTrialOnce) {
+  const TemporaryFolder folder;
+  const ExperimentPlan plan = small_plan();
+  const ExperimentRunOutcome outcome = run_into(folder.path(), plan);
+  EXPECT_EQ(outcome.computed.size(), 9u);
+  ASSERT_TRUE(outcome.merged.has_value());
+  const auto rows = read_trials(folder.path(kTrialsFile));
+  ASSERT_TRUE(rows.ok()) << rows.error().to_string();
+  EXPECT_EQ(rows->size(), 9u * 2 * 2 * 8);
+  EXPECT_EQ(outcome.merged->trials, rows->size());
+  EXPECT_EQ(std::accumulate(outcome.merged->by_status.begin(), outcome.merged->by_status.end(),
+                            std::uint64_t{0}),
+            rows->size());
+  // Each block of each participant and following has each condition once, in places 1 to 8.
+  std::map<std::string, std::set<int>> places;
+  std::set<std::string> orders;
+  std::map<std::string, std::string> order;
+  for (const TrialRow& row : *rows) {
+    const std::string block = row.participant + " " + std::to_string(row.block);
+    places[row.following + " " + block].insert(row.trial);
+    order[row.following + " " + block] += row.haptic + row.rotation + row.object + " ";
+  }
+  EXPECT_EQ(places.size(), 9u * 2 * 2);
+  for (const auto& [block, numbers] : places) {
+    EXPECT_EQ(numbers.size(), 8u);
+    EXPECT_EQ(*numbers.begin(), 1);
+    EXPECT_EQ(*numbers.rbegin(), 8);
+    orders.insert(order[block]);
+  }
+  EXPECT_EQ(orders.size(), 9u * 2) << "the followings share the order, participants and blocks not";
+}
+
+TEST(ExperimentRun, FollowingsShareTheRandomNumbers) {
+  const TemporaryFolder folder;
+  run_into(folder.path(), small_plan());
+  std::map<std::string, std::string> without_rotation;
+  std::map<std::string, std::string> with_rotation;
+  const auto rows = read_trials(folder.path(kTrialsFile));
+  ASSERT_TRUE(rows.ok()) << rows.error().to_string();
+  for (TrialRow row : *rows) {
+    const std::string following = row.following;
+    row.following.clear();
+    CsvLines lines("");
+    lines.clear();
+    add_row(lines, row);
+    (row.rotation == "NoR" ? without_rotation : with_rotation)[following] += lines.text();
+  }
+  EXPECT_EQ(without_rotation["delayed"], without_rotation["replan"]);
+  EXPECT_NE(with_rotation["delayed"], with_rotation["replan"]);
+}
+
+TEST(ExperimentRun, GivesTheSameBytesWithAnyNumberOfJobs) {
+  for (const int jobs : {1, 2, 5, 20}) {
+    const TemporaryFolder folder;
+    run_into(folder.path(), small_plan(), {}, jobs);
+    EXPECT_EQ(results_in(folder.path()), reference()) << jobs << " jobs";
+  }
+}
+
+TEST(ExperimentRun, ShardsInAnyOrderGiveTheSameBytes) {
+  constexpr std::uint64_t kSeed = 18;
+  std::cout << "seed " << kSeed << "\n";
+  SeededRandom random(kSeed);
+  for (int count = 1; count <= 7; ++count) {
+    for (const bool in_one_folder : {false, true}) {
+      SCOPED_TRACE(std::to_string(count) + " shards");
+      const TemporaryFolder folder;
+      std::vector<int> numbers(static_cast<std::size_t>(count));
+      std::iota(numbers.begin(), numbers.end(), 1);
+      for (std::size_t left = numbers.size(); left > 1; --left) {
+        std::swap(numbers[left - 1], numbers[random.index(left)]);
+      }
+      std::vector<std::string> folders;
+      for (const int number : numbers) {
+        folders.push_back(folder.path(in_one_folder ? "all" : std::to_string(number)));
+        const auto outcome = run_into(folders.back(), small_plan(), Shard{number, count});
+        EXPECT_FALSE(outcome.merged.has_value());
+        EXPECT_FALSE(fs::exists(fs::path(folders.back()) / kTrialsFile));
+      }
+      if (in_one_folder) folders = {folders.front()};
+      const auto merged = merge_experiment(folders, folder.path("out"));
+      ASSERT_TRUE(merged.ok()) << merged.error().to_string();
+      EXPECT_EQ(results_in(folder.path("out")), reference());
+    }
+  }
+}
+
+TEST(ExperimentRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
+  const std::uint64_t seed = 5;
+  std::cout << "seed " << seed << "\n";
+  SeededRandom random(seed);
+  const ExperimentPlan plan = small_plan();
+  const TrialFunctions slow = stand_in_trials(microseconds(100));
+  int kills = 0;
+  for (int count = 1; count <= 7; ++count) {
+    const TemporaryFolder folder;
+    std::vector<std::string> folders;
+    for (int number = 1; number <= count; ++number) {
+      folders.push_back(folder.path(std::to_string(number)));
+      const auto run = [&] {
+        return run_experiment(plan, {folders.back(), Shard{number, count}, 1, false}, slow).ok();
+      };
+      while (!run_in_child(microseconds(5000 + random.index(20000)), run)) ++kills;
+    }
+    const auto merged = merge_experiment(folders, folder.path("out"));
+    ASSERT_TRUE(merged.ok()) << merged.error().to_string();
+    EXPECT_EQ(results_in(folder.path("out")), reference());
+  }
+  std::cout << kills << " kills\n";
+  EXPECT_GE(kills, 5) << "the processes ended before they were killed";
+}
+
+TEST(ExperimentRun, AKilledRunWithTwoJobsResumes) {
+  const ExperimentPlan plan = small_plan();
+  const TrialFunctions slow = stand_in_trials(microseconds(200));
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  const auto run = [&] { return run_experiment(plan, {out, {}, 2, false}, slow).ok(); };
+  int kills = 0;
+  while (!run_in_child(microseconds(20000), run)) {
+    ++kills;
+    EXPECT_FALSE(fs::exists(fs::path(out) / kTrialsFile)) << "the results are not complete yet";
+  }
+  std::cout << kills << " kills\n";
+  EXPECT_GE(kills, 1);
+  EXPECT_EQ(results_in(out), reference());
+  const ExperimentRunOutcome again = run_into(out, plan);
+  EXPECT_EQ(again.kept.size(), 9u);
+  EXPECT_TRUE(again.computed.empty());
+  EXPECT_EQ(results_in(out), reference());
+  // No temporary file is left.
+  std::set<std::string> expected{"trials.csv", "columns.csv", "run.json", "run.log",
+                                 "parts/run.json"};
+  for (int p = 1; p <= kParticipants; ++p) {
+    expected.insert("parts/participant-" + std::to_string(p) + ".csv");
+  }
+  EXPECT_EQ(files_below(out), expected);
+}
+
+TEST(ExperimentRun, AShardRunTwiceGivesTheSameBytes) {
+  const ExperimentPlan plan = small_plan();
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  for (const int number : {2, 1, 2}) run_into(out, plan, Shard{number, 2});
+  EXPECT_EQ(run_into(out, plan, Shard{1, 2}).kept.size(), 5u);
+  ASSERT_TRUE(merge_experiment({out}, out).ok());
+  EXPECT_EQ(results_in(out), reference());
+}
+
+TEST(ExperimentRun, AShardThatRunsTwiceAtTheSameTimeGivesTheSameBytes) {
+  const ExperimentPlan plan = small_plan();
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  const pid_t child = ::fork();
+  const auto run = [&] {
+    return run_experiment(plan, {out, {}, 1, false}, stand_in_trials(microseconds(50))).ok();
+  };
+  if (child == 0) ::_exit(run() ? 0 : 1);
+  EXPECT_TRUE(run());
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(results_in(out), reference());
+}
+
+// A process that may not write files beyond a size is refused like one with a full disk.
+TEST(ExperimentRun, AFullDiskIsRefusedAndALaterRunResumes) {
+  const ExperimentPlan plan = small_plan();
+  const std::size_t part_bytes = [&] {
+    const TemporaryFolder folder;
+    run_into(folder.path(), plan, Shard{1, 9});
+    return content(part_path(folder.path(), 1)).size();
+  }();
+  // No file at all; the identity, but no part; all parts, but not trials.csv.
+  for (const std::size_t limit : {std::size_t{0}, part_bytes / 2, 2 * part_bytes}) {
+    for (const std::optional<Shard>& shard : {std::optional<Shard>(), std::optional(Shard{1, 2})}) {
+      const bool is_refused = limit < part_bytes || !shard;
+      SCOPED_TRACE(std::to_string(limit) + (shard ? " bytes, shard" : " bytes"));
+      const TemporaryFolder folder;
+      const std::string out = folder.path("out");
+      const bool has_ended = run_in_child(std::chrono::seconds(30), [&] {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit most{limit, limit};
+        ::setrlimit(RLIMIT_FSIZE, &most);
+        const auto outcome = run_experiment(plan, {out, shard, 2, false}, stand_in_trials());
+        if (!is_refused) return outcome.ok();
+        return !outcome && outcome.error().code == ErrorCode::kFileUnwritable &&
+               outcome.error().path.starts_with(out) && !fs::exists(fs::path(out) / kTrialsFile);
+      });
+      EXPECT_TRUE(has_ended);
+      for (const std::string& name : files_below(out)) {
+        EXPECT_EQ(name.find(".part"), std::string::npos) << name;
+      }
+      const ExperimentRunOutcome later = run_into(out, plan);
+      EXPECT_EQ(later.kept.size(), limit > part_bytes ? (shard ? 5u : 9u) : 0u);
+      EXPECT_EQ(results_in(out), reference());
+    }
+  }
+}
+
+TEST(ExperimentRun, ADamagedPartIsComputedAgain) {
+  const ExperimentPlan plan = small_plan();
+  const TemporaryFolder folder;
+  run_into(folder.path(), plan);
+  std::string part = content(part_path(folder.path(), 4));
+  fs::resize_file(part_path(folder.path(), 3), part.size() / 2);
+  part[part.size() - 10] ^= 1;
+  std::ofstream(part_path(folder.path(), 4), std::ios::binary) << part;
+  fs::remove(part_path(folder.path(), 9));
+  EXPECT_EQ(run_into(folder.path(), plan).computed, (std::vector<int>{3, 4, 9}));
+  EXPECT_EQ(results_in(folder.path()), reference());
+}
+
+TEST(ExperimentRun, AnotherPlanReplacesTheParts) {
+  const TemporaryFolder folder;
+  nlohmann::json other = small_plan_json();
+  other["seed"] = 8;
+  other["participants"] = 12;
+  run_into(folder.path(), plan_of(other));
+  EXPECT_EQ(run_into(folder.path(), small_plan()).computed.size(), 9u);
+  EXPECT_EQ(results_in(folder.path()), reference());
+}
+
+TEST(ExperimentRun, AStopLeavesCompleteParticipantsOnly) {
+  const ExperimentPlan plan = small_plan();
+  const TemporaryFolder folder;
+  StopFlag stop;
+  TrialFunctions functions = stand_in_trials();
+  int trials = 0;
+  functions.run = [&, run = functions.run](auto&&... arguments) {
+    if (++trials == 32 * 2 + 5) stop.request();  // in the third participant
+    return run(arguments...);
+  };
+  const auto outcome = run_experiment(plan, {folder.path(), {}, 1, false}, functions, {}, &stop);
+  ASSERT_TRUE(outcome.ok()) << outcome.error().to_string();
+  EXPECT_EQ(outcome->computed, (std::vector<int>{1, 2}));
+  EXPECT_EQ(outcome->not_done, (std::vector<int>{3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_FALSE(outcome->merged.has_value());
+  EXPECT_EQ(trials, 32 * 2 + 5);
+  EXPECT_EQ(run_into(folder.path(), plan).kept, (std::vector<int>{1, 2}));
+  EXPECT_EQ(results_in(folder.path()), reference());
+}
+
+TEST(ExperimentRun, AnErrorOfATrialEndsTheRun) {
+  const TemporaryFolder folder;
+  TrialFunctions functions = stand_in_trials();
+  functions.run = [](auto&&...) -> Result<TrialOutcome> {
+    return invalid_argument("rate_Hz", "is wrong");
+  };
+  const auto outcome = run_experiment(small_plan(), {folder.path("out"), {}, 2, false}, functions);
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_EQ(outcome.error().problem, "is wrong");
+  EXPECT_TRUE(participants_with_parts(folder.path("out")).empty());
+}
+
+TEST(ExperimentRun, TracesHaveEveryTickOfEveryTrial) {
+  nlohmann::json json = small_plan_json();
+  json["participants"] = 2;
+  const ExperimentPlan plan = plan_of(json);
+  const TemporaryFolder folder;
+  const ExperimentRunSettings with_traces{folder.path(), {}, 2, true};
+  EXPECT_EQ(run_into(folder.path(), plan).computed.size(), 2u);
+  // The parts are there, but not their traces.
+  ASSERT_EQ(run_experiment(plan, with_traces, stand_in_trials())->computed.size(), 2u);
+  std::size_t traces = 0;
+  for (const int participant : {1, 2}) {
+    for (const PlannedTrial& trial : planned_trials(plan, participant)) {
+      const std::string text = content(
+          (fs::path(folder.path("traces")) / trace_name(plan, participant, trial)).string());
+      EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 10);
+      ++traces;
+    }
+  }
+  EXPECT_EQ(traces, 2u * 32);
+  EXPECT_TRUE(fs::exists(folder.path("traces/delayed/participant-2")));
+  EXPECT_EQ(run_experiment(plan, with_traces, stand_in_trials())->kept.size(), 2u);
+}
+
+TEST(ExperimentRun, ReportsProgressUpToTheEnd) {
+  const TemporaryFolder folder;
+  std::vector<double> shares;
+  const auto outcome = run_experiment(
+      small_plan(), {folder.path(), {}, 2, false}, stand_in_trials(microseconds(1500)),
+      [&](const ExperimentProgress& progress) { shares.push_back(progress.share); });
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_FALSE(shares.empty());
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_LE(shares.back(), 1.0);
+}
+
+TEST(ExperimentRun, IsRefusedBeforeTheFirstTrial) {
+  const auto expect_refused = [](const nlohmann::json& json, const TrialFunctions& functions,
+                                 const std::string& path, const std::string& element,
+                                 const std::string& problem) {
+    const TemporaryFolder folder;
+    TrialFunctions never = functions;
+    never.run = [](auto&&...) -> Result<TrialOutcome> {
+      return invalid_argument("trial", "a trial ran");
+    };
+    const auto outcome = run_experiment(plan_of(json), {folder.path("out"), {}, 1, false}, never);
+    ASSERT_FALSE(outcome.ok()) << json.dump();
+    const std::string line = outcome.error().to_string();
+    EXPECT_TRUE(outcome.error().path.ends_with(path)) << line;
+    EXPECT_EQ(outcome.error().element, element) << line;
+    EXPECT_NE(outcome.error().problem.find(problem), std::string::npos) << line;
+    EXPECT_EQ(line.find("Settings::"), std::string::npos) << line;
+    EXPECT_FALSE(fs::exists(folder.path("out")));
+  };
+  const auto with = [](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json json = small_plan_json();
+    json[nlohmann::json::json_pointer(pointer)] = value;
+    return json;
+  };
+  const TrialFunctions good = stand_in_trials();
+  TrialFunctions no_contour = good;
+  no_contour.find_way = [](const Scene&, const RunSetup&, const TrialSettings&) {
+    return Result<TrialWay>(invalid_argument("contour", "has no closed contour"));
+  };
+  expect_refused(small_plan_json(), no_contour, "star.glb", "contour", "no closed contour");
+  expect_refused(with("/objects/O2", "missing.glb"), good, "missing.glb", "", "cannot be opened");
+  expect_refused(with("/objects/O2/node", "Moon"), good, "star.glb", "node \"Moon\"", "");
+  expect_refused(with("/objects/O2/scale", 100), good, "plan.json", "/objects/O2", "spans");
+  expect_refused(with("/objects/O2/scale", 1e-4), good, "plan.json", "/objects/O2", "spans");
+  expect_refused(with("/device/workspace_m", 1e-3), good, "plan.json", "/device/workspace_m",
+                 "expected at least");
+  expect_refused(with("/device/place", {1e9, 0, 0, 1, 0, 0, 0}), good, "plan.json", "/device/place",
+                 "");
+  expect_refused(with("/device/stiffness_N_per_m", 1e300), good, "plan.json",
+                 "/device/stiffness_N_per_m", "");
+  expect_refused(with("/device/device_damping_Ns_per_m", 1e6), good, "plan.json",
+                 "/device/device_damping_Ns_per_m", "unstable");
+}
+
+// Folders of an experiment with two shards, one of them changed.
+struct MergeCase {
+  TemporaryFolder folder;
+  std::string a = folder.path("a");
+  std::string b = folder.path("b");
+  std::string out = folder.path("out");
+
+  void run(const nlohmann::json& of_a, const nlohmann::json& of_b) const {
+    run_into(a, plan_of(of_a), Shard{1, 2});
+    run_into(b, plan_of(of_b), Shard{2, 2});
+  }
+  void expect_refused(const std::string& path, const std::string& element,
+                      const std::string& problem) const {
+    const auto merged = merge_experiment({a, b}, out);
+    ASSERT_FALSE(merged.ok());
+    const std::string line = merged.error().to_string();
+    EXPECT_EQ(merged.error().path, path) << line;
+    EXPECT_EQ(merged.error().element, element) << line;
+    EXPECT_NE(merged.error().problem.find(problem), std::string::npos) << line;
+    EXPECT_FALSE(fs::exists(out));
+  }
+};
+
+TEST(ExperimentMerge, NamesMissingParticipants) {
+  const MergeCase test;
+  test.run(small_plan_json(), small_plan_json());
+  fs::remove(part_path(test.a, 3));
+  fs::remove(part_path(test.b, 8));
+  test.expect_refused(test.a, "", "lacks participants 3 and 8 of 9");
+}
+
+TEST(ExperimentMerge, NamesAFolderWithoutParts) {
+  const MergeCase test;
+  run_into(test.a, small_plan(), Shard{1, 2});
+  test.expect_refused(test.b, "", "has no parts/run.json");
+}
+
+TEST(ExperimentMerge, NamesWhatDiffersBetweenPlans) {
+  for (const auto& [pointer, value, element] :
+       std::vector<std::tuple<const char*, nlohmann::json, std::string>>{
+           {"/seed", 8, "/plan/hash"},
+           {"/operator", "people2005", "/operator/hash"},
+           {"/objects/O2", "lock.glb", "/plan/hash"},
+           {"/objects/O1", "lock.glb", "/scenes/O1/file_hash"}}) {
+    SCOPED_TRACE(pointer);
+    nlohmann::json other = small_plan_json();
+    other[nlohmann::json::json_pointer(pointer)] = value;
+    const MergeCase test;
+    test.run(small_plan_json(), other);
+    test.expect_refused(part_identity_path(test.b), element, "as in " + part_identity_path(test.a));
+  }
+}
+
+TEST(ExperimentMerge, NamesAPartThatWasChanged) {
+  const MergeCase test;
+  test.run(small_plan_json(), small_plan_json());
+  const std::string path = part_path(test.b, 2);
+  std::string text = content(path);
+  text[text.size() - 10] ^= 1;
+  std::ofstream(path, std::ios::binary) << text;
+  test.expect_refused(path, "line 1", "does not have the hash");
+  std::ofstream(path, std::ios::binary) << "participant,block\n";
+  test.expect_refused(path, "line 1", "expected \"palpate part 1, run ");
+}
+
+TEST(ExperimentMerge, NamesAnIdentityThatWasChanged) {
+  const MergeCase test;
+  test.run(small_plan_json(), small_plan_json());
+  const std::string path = part_identity_path(test.b);
+  std::string text = content(path);
+  text.replace(text.find("\"seed\": 7"), 9, "\"seed\": 8");
+  std::ofstream(path, std::ios::binary) << text;
+  test.expect_refused(path, "/run", "the hash of the other entries");
+}
+
+TEST(ExperimentMerge, NamesRowsThatDiffer) {
+  const MergeCase test;
+  test.run(small_plan_json(), small_plan_json());
+  // The same participant in both folders: once more is no fault, another result is one.
+  fs::copy_file(part_path(test.b, 2), part_path(test.a, 2));
+  ASSERT_TRUE(merge_experiment({test.a, test.b}, test.out).ok());
+  EXPECT_EQ(results_in(test.out), reference());
+  fs::remove_all(test.out);
+
+  const std::uint64_t run = [&] {
+    const std::string text = content(part_path(test.b, 2));
+    return std::stoull(text.substr(text.find("run ") + 4, 16), nullptr, 16);
+  }();
+  std::string rows = *read_part(part_path(test.b, 2), run, 2);
+  std::size_t at = 0;
+  for (int line = 0; line < 3; ++line) at = rows.find('\n', at) + 1;
+  for (int field = 0; field < 8; ++field) at = rows.find(',', at) + 1;
+  const std::size_t end = rows.find(',', at);
+  rows.replace(at, end - at, rows.substr(at, end - at) == "done" ? "fault" : "done");
+  ASSERT_FALSE(write_part(part_path(test.b, 2), run, 2, rows).has_value());
+  test.expect_refused(part_path(test.b, 2), "line 6, column status",
+                      "as in " + part_path(test.a, 2));
+}
+
+}  // namespace
+}  // namespace palpate
