@@ -13,6 +13,7 @@ namespace palpate {
 std::unique_ptr<Command> make_run_command();
 std::unique_ptr<Command> make_replay_command();
 std::unique_ptr<Command> make_accuracy_command();
+std::unique_ptr<Command> make_experiment_command();
 std::unique_ptr<Command> make_info_command();
 
 inline std::vector<std::unique_ptr<Command>> all_commands() {
@@ -20,6 +21,7 @@ inline std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(make_run_command());
   commands.push_back(make_replay_command());
   commands.push_back(make_accuracy_command());
+  commands.push_back(make_experiment_command());
   commands.push_back(make_info_command());
   return commands;
 }

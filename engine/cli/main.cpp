@@ -51,7 +51,7 @@ bool has_empty_argument(int argc, char** argv) {
 }
 
 // "run, replay or info"
-std::string joined(const std::vector<CLI::App*>& apps) {
+std::string joined(const std::vector<const CLI::App*>& apps) {
   std::string names;
   for (std::size_t i = 0; i < apps.size(); ++i) {
     if (i > 0) names += i + 1 < apps.size() ? ", " : " or ";
@@ -60,27 +60,40 @@ std::string joined(const std::vector<CLI::App*>& apps) {
   return names;
 }
 
+// The chosen commands: {experiment, run} for `palpate experiment run`.
+std::vector<const CLI::App*> chosen_commands(const CLI::App& program) {
+  std::vector<const CLI::App*> chosen;
+  for (auto inner = program.get_subcommands(); !inner.empty();) {
+    chosen.push_back(inner.front());
+    inner = inner.front()->get_subcommands();
+  }
+  return chosen;
+}
+
 // CLI11's message, or a clearer one for the commonest mistakes.
-std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& apps,
+std::string problem_of(const CLI::App& program, const std::vector<const CLI::App*>& chosen,
                        const CLI::ParseError& error) {
   const std::string message = error.what();
-  const auto chosen = program.get_subcommands();
+  const CLI::App& last = chosen.empty() ? program : *chosen.back();
+  const std::string name = chosen.empty() ? "palpate" : last.get_name();
+  const auto choices = last.get_subcommands([](const CLI::App*) { return true; });
   const std::vector<std::string> extras = program.remaining(/* recurse = */ true);
-  if (chosen.empty() && !extras.empty()) {
+  if (!choices.empty() && !extras.empty()) {
     return extras.front() +
-           (extras.front().starts_with("-") ? ": is not an option of palpate; expected "
-                                            : ": is not a subcommand; expected ") +
-           joined(apps);
+           (extras.front().starts_with("-") ? ": is not an option of " + name + "; expected "
+            : chosen.empty()                ? ": is not a subcommand; expected "
+                                            : ": is not a subcommand of " + name + "; expected ") +
+           joined(choices);
   }
-  if (chosen.empty() && error.get_name() == "RequiredError") {
-    return message + "; expected " + joined(apps);
+  if (!choices.empty() && error.get_name() == "RequiredError") {
+    return message + "; expected " + joined(choices);
   }
   const bool has_extras = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
   if (has_extras && !extras.empty()) {
     return extras.front() +
            (extras.front().starts_with("-") ? ": is not an option of "
                                             : ": is an unexpected argument of ") +
-           chosen.front()->get_name();
+           name;
   }
   const std::size_t repeated = message.find(": At Most 1 required");
   if (repeated != std::string::npos) {
@@ -89,12 +102,12 @@ std::string problem_of(const CLI::App& program, const std::vector<CLI::App*>& ap
   return message;
 }
 
-int refuse_arguments(const CLI::App& program, const std::vector<CLI::App*>& apps,
-                     const CLI::ParseError& error) {
-  std::string problem = problem_of(program, apps, error);
+int refuse_arguments(const CLI::App& program, const CLI::ParseError& error) {
+  const auto chosen = chosen_commands(program);
+  std::string problem = problem_of(program, chosen, error);
   std::replace(problem.begin(), problem.end(), '\n', ' ');
-  const auto chosen = program.get_subcommands();
-  const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
+  std::string command;
+  for (const CLI::App* const app : chosen) command += app->get_name() + " ";
   std::cerr << "palpate: " << problem << " (see " << palpate::program_name() << " " << command
             << "--help)\n";
   return kBadArguments;
@@ -117,7 +130,7 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return program.exit(help);
   } catch (const CLI::ParseError& error) {
-    return refuse_arguments(program, apps, error);
+    return refuse_arguments(program, error);
   }
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   const auto chosen =

@@ -287,7 +287,7 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused({}, {"subcommand is required; expected run, replay, accuracy or info"});
+  expect_refused({}, {"subcommand is required; expected run, replay, accuracy, experiment or info"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});

@@ -1,0 +1,265 @@
+// `experiment`: runs the paper's experiment with simulated operators.
+
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_line.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/program_signals.h"
+#include "engine/experiment/experiment_merge.h"
+#include "engine/experiment/experiment_run.h"
+#include "engine/experiment/paper_plan.h"
+#include "engine/experiment/plan.h"
+#include "engine/experiment/trial.h"
+#include "engine/experiment/trials_file.h"
+#include "engine/report/whole_file.h"
+#include "geometry/base/parallel.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "1, 2 and 5"
+std::string number_list(const std::vector<int>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i > 0) text += i + 1 < numbers.size() ? ", " : " and ";
+    text += std::to_string(numbers[i]);
+  }
+  return text;
+}
+
+// "participant 3", "participants 1 and 2"
+std::string participants_text(const std::vector<int>& numbers) {
+  return (numbers.size() == 1 ? "participant " : "participants ") + number_list(numbers);
+}
+
+// "12 s", "3 min 20 s", "2 h 5 min"
+std::string duration_text(double seconds) {
+  const auto s = static_cast<long long>(seconds + 0.5);
+  if (s < 60) return std::to_string(s) + " s";
+  if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
+  return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
+}
+
+std::string merged_text(const MergedExperiment& merged, const std::string& folder) {
+  std::ostringstream text;
+  text << merged.trials << " trials of " << merged.participants
+       << (merged.participants == 1 ? " participant:" : " participants:");
+  for (std::size_t i = 0; i < kTrialStatusNames.size(); ++i) {
+    text << (i > 0 ? ", " : " ") << merged.by_status[i] << " " << kTrialStatusNames[i];
+  }
+  text << "\ntrials.csv, columns.csv and run.json are in " << folder << "/\n";
+  return text.str();
+}
+
+// Options of one subcommand. Each has a function that adds them and one that runs.
+
+struct ExperimentRunRequest {
+  std::string plan;
+  std::string out_dir = "experiment";
+  std::string shard;
+  std::optional<int> jobs;
+  bool traces = false;
+};
+
+Result<Shard> parse_shard(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  const auto count = parse_integer(
+      "--shard", slash == std::string::npos ? "" : text.substr(slash + 1), {1, kMostShards});
+  const auto number = parse_integer("--shard", text.substr(0, slash), {1, count ? *count : 1});
+  if (count && number) return Shard{static_cast<int>(*number), static_cast<int>(*count)};
+  return invalid_argument(
+      "--shard",
+      "is \"" + text + "\"; expected i/n with 1 <= i <= n <= " + std::to_string(kMostShards),
+      "write for example --shard 1/4");
+}
+
+// What the run did, for the user.
+std::string outcome_text(const ExperimentRunOutcome& outcome, const ExperimentRunRequest& request) {
+  std::string text;
+  if (!outcome.kept.empty()) {
+    text += "kept " + participants_text(outcome.kept) + ", complete in " + request.out_dir +
+            "/parts from an earlier run of this plan\n";
+  }
+  if (outcome.merged) return text + merged_text(*outcome.merged, request.out_dir);
+  if (outcome.computed.empty() && outcome.kept.empty()) {
+    return text + "shard " + request.shard + " has no participant\n";
+  }
+  return text + "shard " + request.shard + " is complete in " + request.out_dir +
+         "/parts\nmerge all shards: " +
+         shell_line({"experiment", "merge", request.out_dir, "...", "--out", "experiment"}) + "\n";
+}
+
+int report_interruption(const ExperimentRunOutcome& outcome, const ExperimentRunRequest& request) {
+  const std::size_t done = outcome.computed.size() + outcome.kept.size();
+  std::cerr << "palpate: interrupted; " << done << " of " << done + outcome.not_done.size()
+            << " participants are complete in " << request.out_dir
+            << "/parts, and the same command goes on from there\n";
+  return exit_code_after_signals(0);
+}
+
+int run_plan(const ExperimentRunRequest& request) {
+  ExperimentRunSettings settings;
+  settings.out_folder = request.out_dir;
+  settings.writes_traces = request.traces;
+  if (!request.shard.empty()) {
+    const auto shard = parse_shard(request.shard);
+    if (!shard) return refuse(shard.error());
+    settings.shard = *shard;
+  }
+  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
+  settings.jobs = request.jobs.value_or(settings.shard ? 1 : cores);
+  const auto plan = load_plan(request.plan);
+  if (!plan) return refuse(plan.error());
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<ExperimentRunOutcome> outcome = ExperimentRunOutcome{};
+  {
+    ProgressBar bar("experiment");
+    const auto show = [&](const ExperimentProgress& progress) {
+      bar.show(progress.time_left_s
+                   ? "experiment, " + duration_text(*progress.time_left_s) + " left"
+                   : "experiment",
+               progress.share);
+    };
+    outcome = run_experiment(*plan, settings, {find_trial_way, run_trial}, show, &signal_flag());
+  }
+  if (!outcome) return refuse(outcome.error());
+  if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
+  std::cout << outcome_text(*outcome, request);
+  return exit_code_after_signals(finish_output());
+}
+
+void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
+  CLI::App& app = *experiment.add_subcommand("run", "run all trials of a plan");
+  set_help(app,
+           "  ./run.sh experiment plan paper --out plan.json    # then edit it\n"
+           "  ./run.sh experiment run plan.json --out experiment\n",
+           "A participant's trials appear in DIR/parts together. If the command is interrupted or "
+           "killed, the\nsame command computes the missing participants only. trials.csv, "
+           "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
+           "times of computing.\n");
+  app.add_option("PLAN", request.plan, "plan, a JSON file; `paper` is the plan that ships")
+      ->required();
+  app.add_option("--out", request.out_dir, "folder of the results")->capture_default_str();
+  app.add_option("--shard", request.shard,
+                 "i/n: compute the participants i, i + n, i + 2 n, ... only; `experiment merge` "
+                 "joins the shards")
+      ->type_name("i/n");
+  add_integer(app, "--jobs", request.jobs, {1, kMostJobs},
+              "participants to compute at the same time [the number of cores; 1 for a shard]");
+  app.add_flag("--traces", request.traces,
+               "write every tick of every trial to DIR/traces, about 0.5 MB a simulated second");
+}
+
+struct ExperimentPlanRequest {
+  std::string name;
+  std::string out_path;
+};
+
+int write_plan(const ExperimentPlanRequest& request) {
+  if (request.name != kPaperPlan) {
+    return refuse(invalid_argument(
+        "NAME", "is \"" + request.name + "\"; expected " + std::string(kPaperPlan)));
+  }
+  const std::string path = request.out_path.empty() ? request.name + ".json" : request.out_path;
+  std::error_code failed;
+  if (fs::exists(fs::symlink_status(path, failed))) {
+    return refuse({ErrorCode::kFileUnwritable, path, "",
+                   "exists already, and may have been edited; expected a new file",
+                   "choose another name with --out, or remove the file"});
+  }
+  const auto text = paper_plan_for(fs::path(path).parent_path().string());
+  if (!text) return refuse(text.error());
+  auto file = WholeFile::create(path);
+  if (!file) return refuse(file.error());
+  file->add(*text);
+  if (const auto error = file->finish()) return refuse(*error);
+  std::cout << path << "\nrun it: " << shell_line({"experiment", "run", path}) << "\n";
+  return finish_output();
+}
+
+void add_plan(CLI::App& experiment, ExperimentPlanRequest& request) {
+  CLI::App& app =
+      *experiment.add_subcommand("plan", "write the plan that ships, to edit it or to read it");
+  set_help(app, "  ./run.sh experiment plan paper --out plan.json\n",
+           "The paths of the objects in the plan lead from the plan's folder to the models.\n");
+  app.add_option("NAME", request.name, "paper: the paper's experiment")->required();
+  app.add_option("--out", request.out_path, "file to write; it must not exist [paper.json]");
+}
+
+struct ExperimentMergeRequest {
+  std::vector<std::string> folders;
+  std::string out_dir = "experiment";
+};
+
+int merge(const ExperimentMergeRequest& request) {
+  if (const auto error = check_output()) return refuse(*error);
+  const auto merged = merge_experiment(request.folders, request.out_dir);
+  if (!merged) return refuse(merged.error());
+  std::cout << merged_text(*merged, request.out_dir);
+  return finish_output();
+}
+
+void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
+  CLI::App& app = *experiment.add_subcommand("merge", "join the shards of an experiment");
+  set_help(app,
+           "  ./run.sh experiment plan paper --out plan.json\n"
+           "  ./run.sh experiment run plan.json --shard 1/2 --out shard-1\n"
+           "  ./run.sh experiment run plan.json --shard 2/2 --out shard-2\n"
+           "  ./run.sh experiment merge shard-1 shard-2 --out experiment\n",
+           "A participant may be in several shards, if its results are equal.\n");
+  app.add_option("DIR", request.folders, "folders of `experiment run --out`")->required();
+  app.add_option("--out", request.out_dir, "folder of the results; it may be one of DIR")
+      ->capture_default_str();
+}
+
+class ExperimentCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override {
+    app_ =
+        program.add_subcommand("experiment", "run the paper's experiment with simulated operators");
+    app_->require_subcommand(1);
+    set_help(*app_,
+             "  ./run.sh experiment plan paper --out plan.json    # then edit it\n"
+             "  ./run.sh experiment run plan.json --out experiment\n",
+             "./run.sh experiment COMMAND --help lists the options of a command.\n");
+    add_run(*app_, run_);
+    add_plan(*app_, plan_);
+    add_merge(*app_, merge_);
+    return app_;
+  }
+
+  int run(const std::vector<std::string>&) override {
+    if (app_->got_subcommand("run")) return run_plan(run_);
+    if (app_->got_subcommand("plan")) return write_plan(plan_);
+    return merge(merge_);
+  }
+
+ private:
+  CLI::App* app_ = nullptr;
+  ExperimentRunRequest run_;
+  ExperimentPlanRequest plan_;
+  ExperimentMergeRequest merge_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_experiment_command() {
+  return std::make_unique<ExperimentCommand>();
+}
+
+}  // namespace palpate
