@@ -233,9 +233,9 @@ class ExperimentCommand final : public Command {
     app_ =
         program.add_subcommand("experiment", "run the paper's experiment with simulated operators");
     app_->require_subcommand(1);
-    set_help(*app_,
-             "  ./run.sh experiment plan paper --out plan.json    # then edit it\n"
-             "  ./run.sh experiment run plan.json --out experiment\n",
+    set_help(*app_, "  ./run.sh experiment plan paper --out plan.json\n",
+             "Edit the plan, then run it: ./run.sh experiment run plan.json --out experiment\n"
+             "The plan of the paper takes about five minutes on two cores.\n\n"
              "./run.sh experiment COMMAND --help lists the options of a command.\n");
     add_run(*app_, run_);
     add_plan(*app_, plan_);
