@@ -1,9 +1,13 @@
 #include "engine/experiment/experiment_merge.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <sys/file.h>
+#include <unistd.h>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -25,6 +29,26 @@ using OrderedJson = nlohmann::ordered_json;
 struct FoundPart {
   std::string path;
   std::string rows;
+};
+
+// Waits until no other process moves results into the folder: moving replaces several files, and
+// two runs of one plan may end at the same time. Where the file system has no locks, it does not
+// wait.
+class OneAtATime {
+ public:
+  explicit OneAtATime(const std::string& folder)
+      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~OneAtATime() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  OneAtATime(const OneAtATime&) = delete;
+  OneAtATime& operator=(const OneAtATime&) = delete;
+
+ private:
+  int descriptor_;
 };
 
 Error merge_error(std::string path, std::string element, std::string problem, std::string hint) {
@@ -163,6 +187,7 @@ std::optional<Error> write_results(const std::string& out_folder, const std::str
     const auto written = write_text_file(files->path(name), text);
     if (!written) return files->in_place(written.error());
   }
+  const OneAtATime lock(out_folder);
   return files->move_into_place();
 }
 

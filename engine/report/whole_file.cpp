@@ -104,12 +104,14 @@ class WholeFile::Output {
 
   int finish() {
     flush();
+    // The duplicate keeps the lock until the file has its final name: another writer of the same
+    // file would remove an unlocked temporary file as a leftover.
+    const int lock = ::dup(descriptor_);
     const int closed = ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno;
     if (failure_ == 0) failure_ = closed;
-    if (failure_ != 0 || part_path_.empty()) return failure_;
-    if (::rename(part_path_.c_str(), target_path_.c_str()) != 0) return errno;
-    part_path_.clear();
-    return 0;
+    if (failure_ == 0 && !part_path_.empty()) failure_ = rename_part();
+    if (lock >= 0) ::close(lock);
+    return failure_;
   }
 
  private:
@@ -130,6 +132,12 @@ class WholeFile::Output {
       if (errno != EEXIST) return errno;
     }
     return EEXIST;
+  }
+
+  int rename_part() {
+    if (::rename(part_path_.c_str(), target_path_.c_str()) != 0) return errno;
+    part_path_.clear();
+    return 0;
   }
 
   void flush() {

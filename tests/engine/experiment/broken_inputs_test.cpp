@@ -520,6 +520,9 @@ TEST(Plan, HashIgnoresLayoutAndPlacesOfFilesOnly) {
   const std::uint64_t hash = parse_plan(paper_plan_text(""), "a", "")->hash;
   EXPECT_EQ(parse_plan(to_text(paper()), "b", "x")->hash, hash);
   EXPECT_EQ(parse_plan(paper_plan_text("elsewhere"), "c", "")->hash, hash);
+  Json with_objects = paper();
+  with_objects["objects"]["O1"] = {{"file", "elsewhere/star.glb"}};
+  EXPECT_EQ(parse_plan(to_text(with_objects), "c", "")->hash, hash);
   for (const Breakage& change :
        std::vector<Breakage>{{"seed", [](Json& j) { j["seed"] = 2006; }, "", ""},
                              {"participants", [](Json& j) { j["participants"] = 11; }, "", ""},

@@ -275,7 +275,10 @@ TEST(ExperimentRun, AShardThatRunsTwiceAtTheSameTimeGivesTheSameBytes) {
   const std::string out = folder.path("out");
   const pid_t child = ::fork();
   const auto run = [&] {
-    return run_experiment(plan, {out, {}, 1, false}, stand_in_trials(microseconds(50))).ok();
+    const auto outcome =
+        run_experiment(plan, {out, {}, 1, false}, stand_in_trials(microseconds(50)));
+    EXPECT_TRUE(outcome.ok()) << outcome.error().to_string();  // also printed by the child
+    return outcome.ok();
   };
   if (child == 0) ::_exit(run() ? 0 : 1);
   EXPECT_TRUE(run());
@@ -341,6 +344,24 @@ TEST(ExperimentRun, AnotherPlanReplacesTheParts) {
   run_into(folder.path(), plan_of(other));
   EXPECT_EQ(run_into(folder.path(), small_plan()).computed.size(), 9u);
   EXPECT_EQ(results_in(folder.path()), reference());
+}
+
+TEST(ExperimentRun, AnEditedOperatorFileOrSceneReplacesTheParts) {
+  const TemporaryFolder folder;
+  nlohmann::json person = nlohmann::json::parse(shipped_operator_text("literature"));
+  nlohmann::json json = small_plan_json();
+  json["operator"] = folder.write("own.json", person.dump());
+  json["objects"]["O1"] = folder.path("own.glb");
+  const std::string models = PALPATE_MODELS_DIR;
+  fs::copy_file(models + "/star.glb", folder.path("own.glb"));
+  EXPECT_EQ(run_into(folder.path("out"), plan_of(json)).computed.size(), 9u);
+  EXPECT_EQ(run_into(folder.path("out"), plan_of(json)).kept.size(), 9u);
+  person["parameters"]["speed_m_per_s"]["high"] = 0.07;
+  folder.write("own.json", person.dump());
+  EXPECT_EQ(run_into(folder.path("out"), plan_of(json)).computed.size(), 9u);
+  fs::copy_file(models + "/lock.glb", folder.path("own.glb"), fs::copy_options::overwrite_existing);
+  EXPECT_EQ(run_into(folder.path("out"), plan_of(json)).computed.size(), 9u);
+  EXPECT_EQ(run_into(folder.path("out"), plan_of(json)).kept.size(), 9u);
 }
 
 TEST(ExperimentRun, AStopLeavesCompleteParticipantsOnly) {
@@ -475,6 +496,28 @@ struct MergeCase {
     EXPECT_FALSE(fs::exists(out));
   }
 };
+
+TEST(ExperimentMerge, SucceedsWhileAnotherProcessMergesIntoTheSameFolder) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path();
+  run_into(out, small_plan());
+  const auto merge_often = [&] {
+    constexpr int kMerges = 100;
+    for (int i = 0; i < kMerges; ++i) {
+      const auto merged = merge_experiment({out}, out);
+      EXPECT_TRUE(merged.ok()) << merged.error().to_string();
+      if (!merged) return false;
+    }
+    return true;
+  };
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(merge_often() ? 0 : 1);
+  EXPECT_TRUE(merge_often());
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(results_in(out), reference());
+}
 
 TEST(ExperimentMerge, NamesMissingParticipants) {
   const MergeCase test;
