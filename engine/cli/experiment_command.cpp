@@ -151,7 +151,7 @@ void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
            "A participant's trials appear in DIR/parts together. If the command is interrupted or "
            "killed, the\nsame command computes the missing participants only. trials.csv, "
            "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
-           "times of computing.\n");
+           "times of computing.\nResults of another plan in DIR are replaced.\n");
   app.add_option("PLAN", request.plan, "plan, a JSON file; `paper` is the plan that ships")
       ->required();
   app.add_option("--out", request.out_dir, "folder of the results")->capture_default_str();

@@ -4,21 +4,12 @@
 
 namespace palpate {
 
-std::size_t leg_at(const std::vector<double>& lengths_m, double along_m) {
-  const auto after = std::upper_bound(lengths_m.begin() + 1, lengths_m.end() - 1, along_m);
-  return static_cast<std::size_t>(after - lengths_m.begin()) - 1;
-}
-
-Vec3 point_along(const HandPath& path, const std::vector<double>& lengths_m, double along_m) {
-  const std::size_t leg = leg_at(lengths_m, along_m);
-  const Vec3& from = path.points[leg].p_m;
-  return from + (along_m - lengths_m[leg]) * (path.points[leg + 1].p_m - from).normalized();
-}
-
-ContourPlace::ContourPlace(const HandPath& path, double along_m, double off_m)
-    : path_(path), lengths_m_(path.lengths_m()), off_m_(off_m), along_m_(along_m) {
-  leg_ = leg_at(lengths_m_, along_m_);
-}
+ContourPlace::ContourPlace(const HandPath& path, double along_m, double sphere_radius_m)
+    : path_(path),
+      lengths_m_(path.lengths_m()),
+      off_m_(kOffPath * sphere_radius_m),
+      along_m_(along_m),
+      leg_(leg_at(lengths_m_, along_m)) {}
 
 bool ContourPlace::see(const Vec3& contact_m, const Vec3& outward) {
   const double first_m = along_m_ - kKept_m;

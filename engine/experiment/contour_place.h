@@ -14,18 +14,19 @@ namespace palpate {
 // construction; one thread owns it. The path must outlive it.
 class ContourPlace {
  public:
-  // off_m: largest distance of a contact point from the path.
-  ContourPlace(const HandPath& path, double along_m, double off_m);
+  // sphere_radius_m: of the spheres that mark the ends of a trial. A contact point lies on the path
+  // if its distance from the path is at most kOffPath times this radius.
+  ContourPlace(const HandPath& path, double along_m, double sphere_radius_m);
 
   // A contact: its point, and the direction from the device point to the proxy, which leaves the
-  // wall. Returns whether the contact moves or keeps the place: whether it lies on the path at most
-  // kReach_m before or after the place.
+  // wall. Returns whether the contact moves or keeps the place: whether it lies on the path, at
+  // most kReach_m ahead of the place and at most kKept_m behind it.
   bool see(const Vec3& contact_m, const Vec3& outward);
 
   double along_m() const { return along_m_; }
-  const std::vector<double>& lengths_m() const { return lengths_m_; }
 
-  // The farthest that a contact may be ahead (the paper's spheres are 12 mm wide).
+  static constexpr double kOffPath = 1.0 / 8;
+  // The farthest that a contact may be ahead of the place to move it.
   static constexpr double kReach_m = 0.03;
   // The farthest that a contact may be behind the place to keep it.
   static constexpr double kKept_m = 0.01;
@@ -35,12 +36,7 @@ class ContourPlace {
   std::vector<double> lengths_m_;
   double off_m_;
   double along_m_;
-  std::size_t leg_ = 0;  // of the place
+  std::size_t leg_;  // of the place
 };
-
-// The point at this length along a path whose lengths are HandPath::lengths_m(), and the leg that
-// it lies on.
-std::size_t leg_at(const std::vector<double>& lengths_m, double along_m);
-Vec3 point_along(const HandPath& path, const std::vector<double>& lengths_m, double along_m);
 
 }  // namespace palpate

@@ -124,11 +124,8 @@ Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup) {
   for (int participant = 1; participant <= plan.participants; ++participant) {
     const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
-    PlantSettings plant;
-    plant.device = setup.device;
-    plant.hand.stiffness_N_per_m = person.hand_stiffness_N_per_m;
-    plant.hand.damping_Ns_per_m = person.hand_damping_Ns_per_m;
-    if (auto error = check_plant(plant, setup.dt_s)) return device_error(*error, plan);
+    if (auto error = check_plant(plant_of(setup, person, 0), setup.dt_s))
+      return device_error(*error, plan);
   }
   return std::nullopt;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/simulation/path_plan.h"
 #include "haptics/record_vectors.h"
@@ -10,8 +9,8 @@
 namespace palpate {
 namespace {
 
-// The pace: the depth beyond the press depth that halves it, the share of it before a corner, and
-// the distance from which a corner slows the hand.
+// The pace: the depth beyond the press depth above which it falls, its largest share of v0 before a
+// corner, and the distance from which a corner slows the hand.
 constexpr double kComfortable_m = 5e-3;
 constexpr double kPaceAtCorner = 0.3;
 constexpr double kSeesCorner_m = 10e-3;
@@ -39,13 +38,28 @@ std::size_t ring_size(double delay_s, double picture_s) {
   return static_cast<std::size_t>(std::ceil(delay_s / picture_s)) + 3;
 }
 
-// Simplifying a path shortens it; both spheres keep their share of the length.
-double shortening(const HandPath& path, const TrialWay& way) {
-  return path.lengths_m().back() / way.path.lengths_m().back();
+// The lengths along a path up to each point of its simplified form, whose points are points of the
+// path.
+std::vector<double> lengths_along(const HandPath& whole, const HandPath& simple) {
+  const std::vector<double> lengths_m = whole.lengths_m();
+  std::vector<double> kept_m;
+  std::size_t i = 0;
+  for (const HandPath::Point& point : simple.points) {
+    while (i + 1 < whole.points.size() && whole.points[i].p_m != point.p_m) ++i;
+    kept_m.push_back(lengths_m[i++]);
+  }
+  return kept_m;
 }
 
-std::vector<double> corners_of(const HandPath& path) {
-  const std::vector<double> lengths_m = path.lengths_m();
+// The number that corresponds to x if `from` maps to `to`, evenly in between. Both ascend.
+double mapped(double x, const std::vector<double>& from, const std::vector<double>& to) {
+  const std::size_t i = leg_at(from, x);
+  const double leg = from[i + 1] - from[i];
+  const double part = leg > 0.0 ? std::clamp((x - from[i]) / leg, 0.0, 1.0) : 0.0;
+  return to[i] + part * (to[i + 1] - to[i]);
+}
+
+std::vector<double> corners_of(const HandPath& path, const std::vector<double>& lengths_m) {
   std::vector<double> corners_m;
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     if (std::abs(path.points[i].fold_rad) >= kSharpCornerRad) corners_m.push_back(lengths_m[i]);
@@ -63,47 +77,35 @@ OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person
       picture_s_(1.0 / settings.display_Hz),
       sphere_radius_m_(settings.sphere_radius_m),
       proxy_radius_m_(proxy_radius_m),
+      place_(way.path, way.green_along_m, settings.sphere_radius_m),
       path_(simplified(way.path, kSmallForHand * person.press_depth_m)),
+      lengths_m_(path_.lengths_m()),
+      way_lengths_m_(lengths_along(way.path, path_)),
       track_(path_, person.press_depth_m),
-      place_(path_, shortening(path_, way) * way.green_along_m,
-             2.0 * kSmallForHand * person.press_depth_m),
-      corners_m_(corners_of(path_)),
+      corners_m_(corners_of(path_, lengths_m_)),
       green_m_(way.green_m),
-      red_along_m_(shortening(path_, way) * way.red_along_m),
+      red_along_m_(mapped(way.red_along_m, way_lengths_m_, lengths_m_)),
       pictures_(ring_size(person.sight_delay_s, picture_s_)) {
-  const double green_m = place_.along_m();
-  start_m_ =
-      way.green_m - (kStartsOutside * person_.press_depth_m + proxy_radius_m_) * inward_at(green_m);
+  const double green_along_m = seen_along_m();
+  start_m_ = way.green_m -
+             (kStartsOutside * person_.press_depth_m + proxy_radius_m_) * inward_at(green_along_m);
   plan_m_ = start_m_;
   detour_.at_m = start_m_;
-  detour_.goal_along_m = green_m;
+  detour_.goal_along_m = green_along_m;
   detour_.speed_m_per_s = person_.speed_m_per_s;
 }
 
 Vec3 OperatorHand::inward_at(double along_m) const {
-  return path_.points[palpate::leg_at(place_.lengths_m(), along_m)].inward;
+  return path_.points[leg_at(lengths_m_, along_m)].inward;
 }
 
 // A point beside the contour, inside it by inward_m.
 Vec3 OperatorHand::beside_m(double along_m, double inward_m) const {
-  return point_along(path_, place_.lengths_m(), along_m) + inward_m * inward_at(along_m);
+  return point_along(path_, lengths_m_, along_m) + inward_m * inward_at(along_m);
 }
 
-double OperatorHand::nearest_along_m(const Vec3& p_m) const {
-  const std::vector<double>& lengths_m = place_.lengths_m();
-  double nearest_m = 0.0;
-  double least_m = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < path_.points.size(); ++i) {
-    const double length_m = lengths_m[i + 1] - lengths_m[i];
-    if (length_m == 0.0) continue;
-    const Vec3 tangent = (path_.points[i + 1].p_m - path_.points[i].p_m) / length_m;
-    const double at_m = std::clamp((p_m - path_.points[i].p_m).dot(tangent), 0.0, length_m);
-    const double distance_m = (p_m - path_.points[i].p_m - at_m * tangent).norm();
-    if (distance_m >= least_m) continue;
-    least_m = distance_m;
-    nearest_m = lengths_m[i] + at_m;
-  }
-  return nearest_m;
+double OperatorHand::seen_along_m() const {
+  return mapped(place_.along_m(), way_lengths_m_, lengths_m_);
 }
 
 HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
@@ -120,7 +122,7 @@ HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
     return target;
   }
   const Aim aim = is_following_ ? follow(dt_s) : go_back(dt_s);
-  const Vec3 to_centre = -proxy_radius_m_ * inward_at(place_.along_m());
+  const Vec3 to_centre = -proxy_radius_m_ * inward_at(seen_along_m());
   const ScenePose believed = believed_pose(time_s);
   target.position_m = believed.point(aim.p_m + to_centre);
   target.velocity_m_per_s = believed.direction(aim.velocity_m_per_s);
@@ -158,9 +160,9 @@ void OperatorHand::see(const Picture& picture) {
   if (!has_begun_) {
     has_begun_ = picture.contact && (contact_m - green_m_).norm() <= sphere_radius_m_;
   }
-  const double before_m = place_.along_m();
+  const double before_m = seen_along_m();
   const bool is_good = has_begun_ && picture.contact && place_.see(contact_m, outward);
-  const bool passed_corner = has_corner_between(before_m, place_.along_m());
+  const bool passed_corner = has_corner_between(before_m, seen_along_m());
   saw_wrong_part_ = picture.contact && !is_good;
   const bool lost_contact = saw_contact_ && !picture.contact;
   saw_contact_ = picture.contact;
@@ -199,15 +201,7 @@ bool OperatorHand::has_corner_between(double first_m, double last_m) const {
 
 // Whether the target has turned, or turns, at a corner that the seen contact has not passed.
 bool OperatorHand::is_in_corner() const {
-  return has_corner_between(place_.along_m(), target_along_m());
-}
-
-double OperatorHand::target_along_m() const {
-  const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
-  const TargetTrack::Waypoint& to = track_.waypoints()[leg_ + 1];
-  const double leg_m = to.track_m - from.track_m;
-  const double part = leg_m > 0.0 ? (travelled_m_ - from.track_m) / leg_m : 1.0;
-  return from.along_m + part * (to.along_m - from.along_m);
+  return has_corner_between(seen_along_m(), target_along_m());
 }
 
 double OperatorHand::pace_m_per_s() const {
@@ -215,7 +209,7 @@ double OperatorHand::pace_m_per_s() const {
   const double depth_m = (newest.goal_scene_m - newest.proxy_scene_m).norm();
   const double deeper_m = std::max(0.0, depth_m - person_.press_depth_m);
   const double pace = person_.speed_m_per_s * kComfortable_m / std::max(kComfortable_m, deeper_m);
-  const double seen_m = place_.along_m();
+  const double seen_m = seen_along_m();
   const bool is_at_corner = saw_contact_ && has_corner_between(seen_m, seen_m + kSeesCorner_m);
   return is_at_corner ? std::min(pace, kPaceAtCorner * person_.speed_m_per_s) : pace;
 }
@@ -225,7 +219,7 @@ OperatorHand::Aim OperatorHand::follow(double dt_s) {
   const double lead_m = kMostLead_m + speed_m_per_s * person_.sight_delay_s +
                         (is_in_corner() ? kMoreLeadInCorner * person_.press_depth_m : 0.0);
   const double along_m = target_along_m();
-  if (along_m - place_.along_m() > lead_m || along_m >= red_along_m_) speed_m_per_s = 0.0;
+  if (along_m - seen_along_m() > lead_m || along_m >= red_along_m_) speed_m_per_s = 0.0;
   advance(speed_m_per_s * dt_s);
   const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
   const Vec3 direction = (track_.waypoints()[leg_ + 1].p_m - from.p_m).normalized();
@@ -252,8 +246,8 @@ void OperatorHand::correct(const Vec3& direction, double dt_s) {
 void OperatorHand::lose() {
   ++recoveries_;
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
-  const double nearest_m = nearest_along_m(newest.proxy_scene_m);
-  detour_.goal_along_m = std::min(place_.along_m() + kGoesOn_m, red_along_m_);
+  const double nearest_m = nearest_along_m(path_, lengths_m_, newest.proxy_scene_m);
+  detour_.goal_along_m = std::min(seen_along_m() + kGoesOn_m, red_along_m_);
   detour_.is_outside = saw_wrong_part_ || !is_following_ ||
                        std::abs(nearest_m - detour_.goal_along_m) > ContourPlace::kReach_m;
   detour_.outside_m = nearest_m;
@@ -301,14 +295,9 @@ OperatorHand::Aim OperatorHand::go_back(double dt_s) {
 void OperatorHand::resume() {
   is_following_ = true;
   correction_m_.setZero();
-  const double along_m = place_.along_m();
+  const double along_m = seen_along_m();
   leg_ = track_.leg_at(along_m);
-  const TargetTrack::Waypoint& from = track_.waypoints()[leg_];
-  const TargetTrack::Waypoint& to = track_.waypoints()[leg_ + 1];
-  const double walls_m = to.along_m - from.along_m;
-  const double part =
-      walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
-  travelled_m_ = from.track_m + part * (to.track_m - from.track_m);
+  travelled_m_ = track_.track_m(leg_, along_m);
 }
 
 }  // namespace palpate

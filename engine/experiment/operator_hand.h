@@ -18,19 +18,18 @@ namespace palpate {
 // The person aims at a point that is press_depth_m inside the wall and advances along the waypoints
 // of a TargetTrack. The person knows only the newest picture that is sight_delay_s old or older; a
 // picture is taken display_Hz times a second and shows the pose of the scene, the proxy, the device
-// point and whether there is contact.
+// point and whether there is contact. D: press_depth_m; v0: speed_m_per_s; k: gain_per_s.
 //
 // - Begin: the person touches the contour within the green sphere and then follows it.
 // - Pace: the target advances at v0 e0 / max(e0, e), e = max(0, seen |goal - proxy| - D), and at
-// most
-//   at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. That depth slows the hand
-//   is our reading of the paper's instruction to keep frame and ball close. The target waits when
-//   it is too far ahead of the seen place.
+//   most at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. That depth slows the
+//   hand is our reading of the paper's instruction to keep frame and ball close. The target waits
+//   when it is too far ahead of the seen place.
 // - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. Into the wall the
 //   hand yields.
-// - Recovery: if no contact is seen for 0.5 s that moves or keeps the place on the contour, the
-// hand
-//   goes back to the contour, 10 mm past that place.
+// - Recovery: the person is lost if no contact is seen for 0.5 s (1.5 s in a corner) that moves or
+//   keeps the place on the contour. The hand then goes to the contour again, 10 mm past that place.
+//   From a wrong part of the contour it first goes back along the contour, outside it.
 //
 // The paper describes no model of its people: all of this is ours.
 class OperatorHand final : public HandPlan {
@@ -77,7 +76,8 @@ class OperatorHand final : public HandPlan {
   ScenePose believed_pose(double time_s) const;
   bool is_in_corner() const;
   bool has_corner_between(double first_m, double last_m) const;
-  double target_along_m() const;
+  double seen_along_m() const;
+  double target_along_m() const { return track_.along_m(leg_, travelled_m_); }
   double pace_m_per_s() const;
   Aim follow(double dt_s);
   void advance(double step_m);
@@ -85,7 +85,6 @@ class OperatorHand final : public HandPlan {
   Aim go_back(double dt_s);
   void lose();
   void resume();
-  double nearest_along_m(const Vec3& p_m) const;
   bool go_towards(const Vec3& to_m, double step_m);
   Vec3 beside_m(double along_m, double inward_m) const;
   Vec3 inward_at(double along_m) const;
@@ -95,10 +94,12 @@ class OperatorHand final : public HandPlan {
   double picture_s_;
   double sphere_radius_m_;
   double proxy_radius_m_;
-  HandPath path_;  // simplified
+  ContourPlace place_;             // the place that the person has seen, along the trial's path
+  HandPath path_;                  // the trial's path without detail that a hand does not follow
+  std::vector<double> lengths_m_;  // of path_; every length below is along path_
+  std::vector<double> way_lengths_m_;  // of the trial's path, up to each point of path_
   TargetTrack track_;
-  ContourPlace place_;             // as the person has seen it
-  std::vector<double> corners_m_;  // along the path
+  std::vector<double> corners_m_;
   Vec3 green_m_;
   double red_along_m_;
   Vec3 start_m_;

@@ -1,6 +1,6 @@
 #include "engine/experiment/trial.h"
 
-#include <cmath>
+#include <limits>
 
 #include "engine/experiment/operator_hand.h"
 #include "engine/experiment/trial_clock.h"
@@ -18,6 +18,8 @@ class SinkObserver final : public TickObserver {
   const TickSink& sink_;
 };
 
+}  // namespace
+
 PlantSettings plant_of(const RunSetup& setup, const OperatorParameters& person,
                        std::uint64_t noise_seed) {
   PlantSettings plant;
@@ -31,8 +33,6 @@ PlantSettings plant_of(const RunSetup& setup, const OperatorParameters& person,
   plant.seed = noise_seed;
   return plant;
 }
-
-}  // namespace
 
 Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const RunSetup& setup,
                                const TrialSettings& settings, const OperatorParameters& person,
@@ -52,10 +52,10 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   const auto session =
       HandSession::create(scene, trial, plant, hand, hand.start_scene_m(), observers);
   if (!session) return session.error();
-  const auto most = static_cast<std::uint64_t>(std::llround(settings.limit_s / trial.dt_s));
+  constexpr auto kUntilTheClockStops = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t before_start = 0;
   TrialOutcome outcome;
-  outcome.ticks = (*session)->run_simulated(most, [&](std::uint64_t) {
+  outcome.ticks = (*session)->run_simulated(kUntilTheClockStops, [&](std::uint64_t) {
     if (!clock.has_started()) before_start = hand.recoveries();
     return clock.is_over();
   });

@@ -14,6 +14,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "engine/simulation/hand_path.h"
+#include "engine/simulation/simulated_device.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -41,6 +42,10 @@ struct TrialWay {
 Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
                                 const TrialSettings& settings);
 
+// The device of the setup in the hand of a person. noise_seed: seed of the hand's noise.
+PlantSettings plant_of(const RunSetup& setup, const OperatorParameters& person,
+                       std::uint64_t noise_seed);
+
 // The conditions of one trial.
 struct TrialConditions {
   ForceMode force = ForceMode::kActuated;
@@ -56,7 +61,8 @@ struct TrialOutcome {
   std::uint64_t ticks = 0;  // computed in this trial, before and after the start of the clock
 };
 
-// Called with the record of every tick of a trial.
+// Called with the record of every tick of a trial, in simulated time: it may do I/O, but must not
+// throw.
 using TickSink = std::function<void(const TickRecord&)>;
 
 // Runs one trial in simulated time. The same arguments give the same outcome to the bit: no trial

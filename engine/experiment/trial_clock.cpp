@@ -7,10 +7,6 @@
 namespace palpate {
 namespace {
 
-// The distance from the contour at which a contact still lies on it, as a share of the radius of
-// the spheres that mark its ends.
-constexpr double kOffContour = 1.0 / 8;
-
 std::uint64_t ticks_in(double time_s, double dt_s) {
   return static_cast<std::uint64_t>(std::llround(time_s / dt_s));
 }
@@ -23,7 +19,7 @@ TrialClock::TrialClock(const TrialWay& way, const TrialSettings& settings, doubl
       settings_(settings),
       proxy_radius_m_(proxy_radius_m),
       dt_s_(dt_s),
-      place_(way.path, way.green_along_m, kOffContour * settings.sphere_radius_m),
+      place_(way.path, way.green_along_m, settings.sphere_radius_m),
       long_loss_ticks_(ticks_in(kLongLoss_s, dt_s)),
       most_ticks_(ticks_in(settings.limit_s, dt_s)) {}
 

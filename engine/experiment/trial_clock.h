@@ -31,8 +31,8 @@ class TrialClock final : public TickObserver {
 
   bool has_started() const { return has_started_; }
   bool is_over() const { return status_.has_value(); }
-  // Of a trial that has ended; a trial without an end has reached its limit.
-  TrialStatus status() const { return status_.value_or(TrialStatus::kTimeout); }
+  // Requires is_over().
+  TrialStatus status() const { return *status_; }
   // The measures, without kRecoveries. A measure that is undefined has no value.
   std::array<std::optional<double>, kMeasureCount> measures() const;
 

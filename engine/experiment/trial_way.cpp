@@ -66,7 +66,7 @@ class ClosedCurve {
 
   Vec3 at(double along_m) const {
     const double at_m = wrapped(along_m);
-    const std::size_t i = leg_of(at_m);
+    const std::size_t i = leg_at(lengths_m_, at_m);
     return points_m_[i] + (at_m - lengths_m_[i]) * (next(i) - points_m_[i]).normalized();
   }
   double wrapped(double along_m) const {
@@ -78,9 +78,8 @@ class ClosedCurve {
     std::vector<Vec3> open{at(from_m)};
     const double first_m = wrapped(from_m);
     const std::size_t n = points_m_.size();
-    std::size_t i = leg_of(first_m);
     const double end_m = first_m + length_m() + more_m;
-    for (std::size_t k = i + 1;; ++k) {
+    for (std::size_t k = leg_at(lengths_m_, first_m) + 1;; ++k) {
       const double along_m = lengths_m_[k % n] + static_cast<double>(k / n) * length_m();
       if (along_m >= end_m) break;
       if (along_m > first_m) open.push_back(points_m_[k % n]);
@@ -91,11 +90,6 @@ class ClosedCurve {
 
  private:
   const Vec3& next(std::size_t i) const { return points_m_[(i + 1) % points_m_.size()]; }
-  std::size_t leg_of(double along_m) const {
-    const auto after = std::upper_bound(lengths_m_.begin() + 1, lengths_m_.end() - 1, along_m);
-    return static_cast<std::size_t>(after - lengths_m_.begin()) - 1;
-  }
-
   std::vector<Vec3> points_m_;
   std::vector<double> lengths_m_;
 };

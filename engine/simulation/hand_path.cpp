@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -106,6 +107,35 @@ std::vector<double> HandPath::lengths_m() const {
     lengths_m.push_back(lengths_m.back() + (points[i + 1].p_m - points[i].p_m).norm());
   }
   return lengths_m;
+}
+
+std::size_t leg_at(const std::vector<double>& lengths_m, double along_m) {
+  const auto after = std::upper_bound(lengths_m.begin() + 1, lengths_m.end() - 1, along_m);
+  return static_cast<std::size_t>(after - lengths_m.begin()) - 1;
+}
+
+Vec3 point_along(const HandPath& path, const std::vector<double>& lengths_m, double along_m) {
+  const std::size_t leg = leg_at(lengths_m, along_m);
+  const Vec3& from = path.points[leg].p_m;
+  return from + (along_m - lengths_m[leg]) * (path.points[leg + 1].p_m - from).normalized();
+}
+
+double nearest_along_m(const HandPath& path, const std::vector<double>& lengths_m,
+                       const Vec3& p_m) {
+  double nearest_m = 0.0;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
+    const double length_m = lengths_m[i + 1] - lengths_m[i];
+    if (length_m == 0.0) continue;
+    const Vec3& from = path.points[i].p_m;
+    const Vec3 tangent = (path.points[i + 1].p_m - from) / length_m;
+    const double at_m = std::clamp((p_m - from).dot(tangent), 0.0, length_m);
+    const double distance_m = (p_m - from - at_m * tangent).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest_m = lengths_m[i] + at_m;
+  }
+  return nearest_m;
 }
 
 HandPath other_side(HandPath path) {

@@ -2,6 +2,7 @@
 
 // The path over the surfaces of a scene that a simulated hand follows.
 
+#include <cstddef>
 #include <numbers>
 #include <vector>
 
@@ -29,6 +30,13 @@ struct HandPath {
   // The length of the path up to each point.
   std::vector<double> lengths_m() const;
 };
+
+// The leg of a path at a length along it; lengths_m: HandPath::lengths_m().
+std::size_t leg_at(const std::vector<double>& lengths_m, double along_m);
+// The point at this length along a path.
+Vec3 point_along(const HandPath& path, const std::vector<double>& lengths_m, double along_m);
+// The length along a path at which the path is nearest to p; the first of several. O(points).
+double nearest_along_m(const HandPath& path, const std::vector<double>& lengths_m, const Vec3& p_m);
 
 // Returns `path` with its walls touched from behind.
 HandPath other_side(HandPath path);

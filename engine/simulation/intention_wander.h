@@ -2,6 +2,7 @@
 
 // The slow wandering of the position that a hand intends.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

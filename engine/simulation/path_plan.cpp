@@ -56,7 +56,7 @@ PathPlan::PathPlan(HandPath path, const PathFacts& facts, const PathPlanSettings
   for (const HandPath& side : paths_) tracks_.emplace_back(side, depth);
   const double first_m =
       facts.slips_off_at_ends ? std::min(kFromEnd * depth, 0.25 * length_m_.back()) : 0.0;
-  const Vec3 first = place(first_m);
+  const Vec3 first = place_m(first_m);
   const Vec3 touched = first + depth * inward(first_m);
   start_m_ = first - facts.room_m * inward(first_m);
   detour_.from_m = start_m_;
@@ -64,18 +64,6 @@ PathPlan::PathPlan(HandPath path, const PathFacts& facts, const PathPlanSettings
   detour_.speed_m_per_s = (touched - start_m_).norm() / settings_.approach_s;
   detour_.ends_along_m = proxy_along_m_ = first_m;
   lift_step_m_ = depth;
-}
-
-std::size_t PathPlan::wall_at(double along_m) const {
-  const auto after = std::upper_bound(length_m_.begin() + 1, length_m_.end() - 1, along_m);
-  return static_cast<std::size_t>(after - length_m_.begin()) - 1;
-}
-
-Vec3 PathPlan::place(double along_m) const {
-  const std::size_t wall = wall_at(along_m);
-  const auto& points = path().points;
-  return points[wall].p_m +
-         (along_m - length_m_[wall]) * (points[wall + 1].p_m - points[wall].p_m).normalized();
 }
 
 // From the contact point of a sphere to its centre.
@@ -111,15 +99,6 @@ HandTarget PathPlan::touching_target(double time_s, const ScenePose& T_device_sc
   target.position_m = T_device_scene.point(aim.p_m + correction_m);
   target.velocity_m_per_s = T_device_scene.direction(aim.speed_m_per_s * aim.direction);
   return target;
-}
-
-// The length along the path that corresponds to the hand's target.
-double PathPlan::hand_along_m() const {
-  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
-  const TargetTrack::Waypoint& to = track().waypoints()[leg_ + 1];
-  const double leg_m = to.track_m - from.track_m;
-  const double part = leg_m > 0.0 ? (travelled_m_ - from.track_m) / leg_m : 1.0;
-  return from.along_m + part * (to.along_m - from.along_m);
 }
 
 // Whether the proxy is near enough for the hand to advance.
@@ -208,14 +187,9 @@ void PathPlan::end_detour(const TickRecord& last) {
 
 void PathPlan::go_on_from(double along_m) {
   proxy_along_m_ = along_m;
-  wall_ = wall_at(along_m);
+  wall_ = leg_at(length_m_, along_m);
   leg_ = track().leg_at(along_m);
-  const TargetTrack::Waypoint& from = track().waypoints()[leg_];
-  const TargetTrack::Waypoint& to = track().waypoints()[leg_ + 1];
-  const double walls_m = to.along_m - from.along_m;
-  const double part =
-      walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
-  travelled_m_ = from.track_m + part * (to.track_m - from.track_m);
+  travelled_m_ = track().track_m(leg_, along_m);
 }
 
 // Whether the hand has waited for too long without progress of the proxy.
@@ -237,7 +211,7 @@ bool PathPlan::is_out_of_patience(bool is_in_contact, double dt_s) {
 // has passed the wall's boundary.
 bool PathPlan::is_behind_wall(const TickRecord& last) const {
   if (last.contact) return false;
-  const Vec3 offset_m = vec3(last.proxy_scene_m) - place(proxy_along_m_);
+  const Vec3 offset_m = vec3(last.proxy_scene_m) - place_m(proxy_along_m_);
   const double behind_m = offset_m.dot(inward(proxy_along_m_));
   const double aside_m = (offset_m - behind_m * inward(proxy_along_m_)).norm();
   return behind_m > 0.0 && behind_m < kRestsInFront * settings_.press_depth_m &&
@@ -253,7 +227,7 @@ void PathPlan::lift(const TickRecord& last) {
   lift_step_m_ = std::min(2.0 * lift_step_m_, kFarthestOn * whole_m);
   if (facts_.sides == PathSides::kEither) {
     is_behind_ = false;
-    is_behind_ = (vec3(last.proxy_scene_m) - place(along_m)).dot(inward(along_m)) > 0.0;
+    is_behind_ = (vec3(last.proxy_scene_m) - place_m(along_m)).dot(inward(along_m)) > 0.0;
   } else if (facts_.sides == PathSides::kWhereFree && is_behind_wall(last)) {
     is_behind_ = !is_behind_;
   }
@@ -265,8 +239,8 @@ void PathPlan::lift(const TickRecord& last) {
   }
   detour_.ends_along_m = along_m;
   if (last.contact) detour_.add(vec3(last.proxy_scene_m) + facts_.room_m * vec3(last.normal_scene));
-  detour_.add(place(along_m) - facts_.room_m * inward(along_m));
-  detour_.add(place(along_m) + depth * inward(along_m));
+  detour_.add(place_m(along_m) - facts_.room_m * inward(along_m));
+  detour_.add(place_m(along_m) + depth * inward(along_m));
 }
 
 // Integrates the lag in the directions in which no wall resists the hand: along its motion, and

@@ -95,10 +95,12 @@ class PathPlan final : public HandPlan {
 
   const HandPath& path() const { return paths_[is_behind_ ? 1 : 0]; }
   const TargetTrack& track() const { return tracks_[is_behind_ ? 1 : 0]; }
-  std::size_t wall_at(double along_m) const;
-  Vec3 place(double along_m) const;
-  const Vec3& inward(double along_m) const { return path().points[wall_at(along_m)].inward; }
-  double hand_along_m() const;
+  Vec3 place_m(double along_m) const { return point_along(path(), length_m_, along_m); }
+  const Vec3& inward(double along_m) const {
+    return path().points[leg_at(length_m_, along_m)].inward;
+  }
+  // The length along the path that corresponds to the hand's target.
+  double hand_along_m() const { return track().along_m(leg_, travelled_m_); }
   bool locate_proxy(const TickRecord& last);
   bool find(const TickRecord& last, double first_m, double last_m);
   bool may_advance() const;

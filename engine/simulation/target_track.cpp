@@ -102,4 +102,21 @@ std::size_t TargetTrack::leg_at(double along_m) const {
   return static_cast<std::size_t>(after - waypoints_.begin()) - 1;
 }
 
+double TargetTrack::along_m(std::size_t leg, double track_m) const {
+  const Waypoint& from = waypoints_[leg];
+  const Waypoint& to = waypoints_[leg + 1];
+  const double leg_m = to.track_m - from.track_m;
+  const double part = leg_m > 0.0 ? (track_m - from.track_m) / leg_m : 1.0;
+  return from.along_m + part * (to.along_m - from.along_m);
+}
+
+double TargetTrack::track_m(std::size_t leg, double along_m) const {
+  const Waypoint& from = waypoints_[leg];
+  const Waypoint& to = waypoints_[leg + 1];
+  const double walls_m = to.along_m - from.along_m;
+  const double part =
+      walls_m > 0.0 ? std::clamp((along_m - from.along_m) / walls_m, 0.0, 1.0) : 0.0;
+  return from.track_m + part * (to.track_m - from.track_m);
+}
+
 }  // namespace palpate

@@ -38,6 +38,11 @@ class TargetTrack {
   // path.
   std::size_t leg_at(double along_m) const;
 
+  // Converts a length along the track to the corresponding length along the path, and back. leg:
+  // the leg of the track on which the place lies. Between the ends of a leg both grow evenly.
+  double along_m(std::size_t leg, double track_m) const;
+  double track_m(std::size_t leg, double along_m) const;
+
  private:
   struct Corner;
   void add(const Vec3& p_m, const Vec3& inward, double along_m, bool is_turn = false);

@@ -3,15 +3,15 @@
 #include <array>
 #include <cstdint>
 #include <iostream>
+#include <iterator>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "engine/experiment/operator_file.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trial_order.h"
-#include "engine/simulation/plane_height.h"
+#include "tests/engine/experiment/prepared_object.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -20,32 +20,6 @@ namespace {
 constexpr std::uint64_t kSeed = 2005;
 constexpr const char* kHaptic[] = {"NoH", "UaH", "H"};
 constexpr const char* kRotation[] = {"NoR", "R"};
-constexpr const char* kFiles[] = {"star", "labyrinth", "inverted_labyrinth", "lock"};
-
-struct Object {
-  Scene scene;
-  RunSetup setup;
-  TrialWay way;
-};
-
-const std::vector<Object>& objects() {
-  static const std::vector<Object> all = [] {
-    std::vector<Object> made;
-    for (const char* file : kFiles) {
-      auto scene = Scene::load(std::string(PALPATE_MODELS_DIR) + "/" + file + ".glb");
-      RunSettings settings;
-      settings.sensors = 2;
-      settings.actuators = 1;
-      settings.damping_Ns_per_m = 2.0;
-      auto setup = make_setup(settings);
-      setup->haptics.plane_height_m = *height_with_contour_m(*scene, setup->haptics.initial_pose);
-      auto way = find_trial_way(*scene, *setup, {});
-      made.push_back({std::move(*scene), std::move(*setup), std::move(*way)});
-    }
-    return made;
-  }();
-  return all;
-}
 
 // Sums over the trials that reached the red sphere, by rotation and haptic level.
 struct Sums {
@@ -69,7 +43,7 @@ struct Sums {
 
 void add_trial(const OperatorParameters& person, Following following, int participant, int block,
                std::size_t object, int rotation, int haptic, Sums& sums) {
-  const Object& o = objects()[object];
+  const test::PreparedObject& o = test::prepared_model(test::kPaperObjects[object]);
   const TrialConditions conditions{
       static_cast<ForceMode>(haptic), rotation == 1, following,
       noise_seed(kSeed, participant, block, kHaptic[haptic], kRotation[rotation],
@@ -80,7 +54,8 @@ void add_trial(const OperatorParameters& person, Following following, int partic
   if (outcome->status != TrialStatus::kDone) {
     ++sums.ended_otherwise;
     std::cout << "not done: participant " << participant << ", block " << block << ", "
-              << kFiles[object] << ", " << kHaptic[haptic] << ", " << kRotation[rotation] << "\n";
+              << test::kPaperObjects[object] << ", " << kHaptic[haptic] << ", "
+              << kRotation[rotation] << "\n";
     return;
   }
   sums.depth_m[rotation][haptic] += outcome->measures[kPenetration].value_or(0.0);
@@ -106,7 +81,7 @@ TEST_P(PersonsOf, ReachTheRedSphereAndFeelForceAndRotation) {
   for (int participant = 1; participant <= participants; ++participant) {
     const OperatorParameters person = draw_person(*file, kSeed, participant);
     for (int block = 1; block <= blocks; ++block) {
-      for (std::size_t object = 0; object < objects().size(); ++object) {
+      for (std::size_t object = 0; object < std::size(test::kPaperObjects); ++object) {
         for (int rotation = 0; rotation < 2; ++rotation) {
           for (int haptic = 0; haptic < 3; ++haptic) {
             add_trial(person, c.following, participant, block, object, rotation, haptic, sums);

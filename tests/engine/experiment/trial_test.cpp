@@ -14,36 +14,17 @@
 #include "engine/experiment/contour_place.h"
 #include "engine/experiment/operator_hand.h"
 #include "engine/simulation/intention_wander.h"
-#include "engine/simulation/plane_height.h"
 #include "haptics/record_vectors.h"
+#include "models/primitives.h"
+#include "tests/engine/experiment/prepared_object.h"
+#include "tests/helpers/compiled_scene.h"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kObjects[] = {"star", "labyrinth", "inverted_labyrinth", "lock"};
-
-struct Prepared {
-  Scene scene;
-  RunSetup setup;
-  TrialWay way;
-};
-
-const Prepared& prepared(const std::string& name) {
-  static std::map<std::string, Prepared> all;
-  const auto found = all.find(name);
-  if (found != all.end()) return found->second;
-  auto scene = Scene::load(std::string(PALPATE_MODELS_DIR) + "/" + name + ".glb");
-  RunSettings settings;
-  settings.sensors = 2;
-  settings.actuators = 1;
-  settings.damping_Ns_per_m = 2.0;
-  auto setup = make_setup(settings);
-  setup->haptics.plane_height_m = *height_with_contour_m(*scene, setup->haptics.initial_pose);
-  auto way = find_trial_way(*scene, *setup, {});
-  EXPECT_TRUE(way.ok()) << name;
-  return all.emplace(name, Prepared{std::move(*scene), std::move(*setup), std::move(*way)})
-      .first->second;
-}
+using test::kPaperObjects;
+using test::prepared_model;
+using test::PreparedObject;
 
 // A person whose hand does not shake.
 OperatorParameters steady_person() {
@@ -61,7 +42,7 @@ OperatorParameters shaking_person() {
 
 TrialOutcome run(const std::string& object, const OperatorParameters& person,
                  const TrialConditions& conditions) {
-  const Prepared& p = prepared(object);
+  const PreparedObject& p = prepared_model(object);
   auto outcome = run_trial(p.scene, p.way, p.setup, {}, person, conditions);
   EXPECT_TRUE(outcome.ok());
   return *outcome;
@@ -81,7 +62,7 @@ HandPath square(double side_m) {
 
 TEST(ContourPlace, MovesToContactsAheadAndNeverBack) {
   const HandPath path = square(0.2);
-  ContourPlace place(path, 0.05, 1e-4);
+  ContourPlace place(path, 0.05, 8e-4);
   const Vec3 down = -Vec3::UnitY();
   EXPECT_TRUE(place.see({0.07, 0.0, 0.0}, down));
   EXPECT_DOUBLE_EQ(place.along_m(), 0.07);
@@ -97,14 +78,14 @@ TEST(ContourPlace, MovesToContactsAheadAndNeverBack) {
 
 TEST(ContourPlace, PassesACorner) {
   const HandPath path = square(0.2);
-  ContourPlace place(path, 0.19, 1e-4);
+  ContourPlace place(path, 0.19, 8e-4);
   EXPECT_TRUE(place.see({0.2, 0.015, 0.0}, Vec3::UnitX()));
   EXPECT_DOUBLE_EQ(place.along_m(), 0.215);
 }
 
 TEST(TrialWay, IsWhatTheModelsState) {
-  for (const char* object : kObjects) {
-    const TrialWay& way = prepared(object).way;
+  for (const char* object : kPaperObjects) {
+    const TrialWay& way = prepared_model(object).way;
     // The spheres are 10 mm on either side of the middle of a wall. The coordinates of the files
     // are single precision.
     const double once_m = way.path.lengths_m().back() - way.green_along_m;
@@ -143,7 +124,7 @@ TEST(IntentionWander, HasTheVarianceAndTheCrossingsOfItsDefinition) {
 
 // Feeds a hand with records whose other fields are poison; it must behave as with clean ones.
 TEST(OperatorHand, KnowsNothingButItsPictures) {
-  const Prepared& p = prepared("star");
+  const PreparedObject& p = prepared_model("star");
   const OperatorParameters person = steady_person();
   OperatorHand clean(p.way, person, Following::kPredict, {}, 0.0);
   OperatorHand poisoned(p.way, person, Following::kPredict, {}, 0.0);
@@ -169,7 +150,7 @@ TEST(OperatorHand, KnowsNothingButItsPictures) {
 // The scene is displaced at once; the target moves when the first picture that shows it is as old
 // as the delay of sight.
 TEST(OperatorHand, SeesADisplacedSceneAfterItsDelay) {
-  const Prepared& p = prepared("star");
+  const PreparedObject& p = prepared_model("star");
   OperatorParameters person = steady_person();
   person.speed_m_per_s = 0.0;
   const TrialSettings settings;
@@ -215,9 +196,38 @@ TEST(Trial, OfAWeakHandWithoutNoiseGetsRoundEveryObject) {
   person.hand_stiffness_N_per_m = 135.0;
   person.gain_per_s = 4.0;
   person.speed_m_per_s = 0.03;
-  for (const char* object : kObjects) {
+  for (const char* object : kPaperObjects) {
     const TrialOutcome outcome = run(object, person, {});
     EXPECT_EQ(outcome.status, TrialStatus::kDone) << object;
+  }
+}
+
+// A square with two sides of fine saw teeth, which the hand ignores and which make half of the
+// contour longer: lengths along the contour and along the hand's path grow differently.
+TEST(Trial, GetsRoundAContourWhoseHalvesDifferInDetail) {
+  constexpr double kHalf_m = 0.06;
+  constexpr double kTooth_m = 4e-4;
+  constexpr int kTeeth = 80;
+  Contour contour{{-kHalf_m, -kHalf_m}, {kHalf_m, -kHalf_m}};
+  const auto at_m = [&](int i) { return kHalf_m * (i / double{kTeeth} - 1.0); };
+  for (int i = 1; i < 2 * kTeeth; ++i) contour.push_back({kHalf_m - i % 2 * kTooth_m, at_m(i)});
+  contour.push_back({kHalf_m, kHalf_m});
+  for (int i = 1; i < 2 * kTeeth; ++i) contour.push_back({-at_m(i), kHalf_m - i % 2 * kTooth_m});
+  contour.push_back({-kHalf_m, kHalf_m});
+  const auto mesh = prism(contour, -0.02, 0.02);
+  ASSERT_TRUE(mesh.ok());
+  SceneDescription description;
+  description.meshes.push_back({"", mesh->positions_m, mesh->triangles});
+  description.nodes.emplace_back();
+  description.tree.emplace_back();
+  const PreparedObject p = test::prepared(test::compiled(std::move(description)));
+  for (const ForceMode force : {ForceMode::kNone, ForceMode::kActuated, ForceMode::kFull}) {
+    for (const bool a4 : {false, true}) {
+      const auto outcome = run_trial(p.scene, p.way, p.setup, {}, shaking_person(),
+                                     {.force = force, .a4 = a4, .noise_seed = 3});
+      ASSERT_TRUE(outcome.ok());
+      EXPECT_EQ(outcome->status, TrialStatus::kDone);
+    }
   }
 }
 
@@ -227,7 +237,7 @@ TEST(Trial, ForceReducesTheDepthAndRotationReducesTheAngle) {
   std::map<bool, double> angle_deg;
   for (const bool a4 : {false, true}) {
     std::map<ForceMode, double> depth_m;
-    for (const char* object : kObjects) {
+    for (const char* object : kPaperObjects) {
       for (const ForceMode force : {ForceMode::kNone, ForceMode::kActuated, ForceMode::kFull}) {
         const TrialOutcome outcome =
             run(object, person, {.force = force, .a4 = a4, .noise_seed = 5});
@@ -242,7 +252,7 @@ TEST(Trial, ForceReducesTheDepthAndRotationReducesTheAngle) {
 }
 
 TEST(Trial, ReportsTheTimeLimitAsAStatusAndCoversOnlyClockedTicks) {
-  const Prepared& p = prepared("star");
+  const PreparedObject& p = prepared_model("star");
   TrialSettings settings;
   settings.limit_s = 3.0;
   std::uint64_t ticks = 0;
@@ -258,7 +268,7 @@ TEST(Trial, ReportsTheTimeLimitAsAStatusAndCoversOnlyClockedTicks) {
 
 // Without contact within the green sphere the clock does not start, and no measure is defined.
 TEST(Trial, LeavesMeasuresEmptyIfTheClockNeverStarts) {
-  const Prepared& p = prepared("star");
+  const PreparedObject& p = prepared_model("star");
   TrialSettings settings;
   settings.limit_s = 0.2;
   const auto outcome = run_trial(p.scene, p.way, p.setup, settings, steady_person(), {});
@@ -269,7 +279,7 @@ TEST(Trial, LeavesMeasuresEmptyIfTheClockNeverStarts) {
 
 TEST(TrialWay, RefusesThreeSensors) {
   const auto setup = make_setup(RunSettings{});
-  const auto way = find_trial_way(prepared("star").scene, *setup, {});
+  const auto way = find_trial_way(prepared_model("star").scene, *setup, {});
   ASSERT_FALSE(way.ok());
   EXPECT_EQ(way.error().element, "device.sensors");
 }
