@@ -78,7 +78,7 @@ def headline_block(machine):
     if slowest_ns:
         lines.append(f"- The longest proxy update on inputs built to be slow took "
                      f"{slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick at "
-                     "1 kHz. Magnets and media search without a bound and can take longer.")
+                     "1 kHz. The searches of magnets and media have no bound and can take longer.")
     return "\n".join(lines)
 
 
