@@ -45,7 +45,7 @@ struct PassCost {
 using OnContact = std::function<void(const TickRecord& record)>;
 
 // Runs one tick per element of dt_s. The first `lead_in` ticks move the device to the start of the
-// measurement. Of these ticks, only the faults count; on_contact is not called for them.
+// measurement. Only the faults of these ticks count; on_contact is not called for these ticks.
 PassCost run_pass(const ContactWorld& world, const PassSetup& setup, Device& device,
                   std::span<const double> dt_s, std::size_t lead_in, const OnContact& on_contact);
 

@@ -1,7 +1,8 @@
 #pragma once
 
-// The analysis of an experiment's trials, of people or of simulated operators: as the paper did it,
-// and by repeated measures, which is the primary one. Each following is analysed alone.
+// Analyses the trials of an experiment, by people or by simulated operators, in two ways: as the
+// paper did, and by repeated measures, which is the primary analysis. The trials of each following
+// (operator_parameters.h) are analysed separately.
 
 #include <optional>
 #include <string>
@@ -16,10 +17,10 @@
 
 namespace palpate {
 
-// Of the trials of one following, or of people.
+// The analysis of the trials of one following, or of the trials of people.
 struct OperatorAnalysis {
   TrialTable table;
-  std::optional<PaperAnalysis> paper;  // nothing: paper_problem says why, as a sentence
+  std::optional<PaperAnalysis> paper;  // no value: paper_problem states why
   std::string paper_problem;
   std::vector<PrimaryAnalysis> primary;         // all levels of Haptic, one for each outcome
   std::optional<PrimaryAnalysis> angle_of_uah;  // Figure 7
@@ -35,14 +36,15 @@ struct OperatorAnalysis {
 };
 
 struct ExperimentAnalysis {
-  std::vector<OperatorAnalysis> operators;  // at least one; the first one leads
+  std::vector<OperatorAnalysis> operators;  // at least one, in the order of trial_tables()
   bool has_simulated() const;
 };
 
-// rows: as read from trials.csv, in any order, which has no influence on the result.
+// rows: the rows of trials.csv. Their order has no influence on the result.
 //
-// Errors: those of trial_tables() and analyse_as_paper(), and a contact angle that is constant. A
-// condition without a completed trial is an error only if every following has one.
+// Errors: those of trial_tables() and analyse_as_paper(), and a contact angle that is the same in
+// all trials. A condition without a completed trial is an error only if every following has such a
+// condition.
 Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double limit_s);
 
 }  // namespace palpate

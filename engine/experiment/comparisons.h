@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// Two levels of a factor: the places of their means, first < second.
+// Two levels of a factor: the indices of their means, first < second.
 struct PlsdPair {
   std::size_t first = 0, second = 0;
   double difference = 0.0;         // mean of first - mean of second
@@ -23,8 +23,8 @@ struct LevelMean {
   double count = 0.0;
 };
 
-// Fisher's protected least significant difference, for all pairs. The protection is that the F of
-// the factor is significant, which the caller checks.
+// Fisher's protected least significant difference, for all pairs. The caller must check that the F
+// of the factor is significant; this check is the protection.
 std::vector<PlsdPair> fisher_plsd(std::span<const LevelMean> levels, double mean_square_error,
                                   double error_df);
 
@@ -41,8 +41,8 @@ struct PairedT {
 // Requires equal sizes.
 PairedT paired_t(std::span<const double> a, std::span<const double> b);
 
-// Holm's step-down adjustment (1979) of the p values of one family, in their order. A NaN stays NaN
-// and does not count.
+// Holm's step-down adjustment (1979) of the p values of one family. The result has the order of p.
+// A NaN stays NaN and does not count as a test.
 std::vector<double> holm_adjusted(std::span<const double> p);
 
 }  // namespace palpate

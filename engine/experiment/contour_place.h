@@ -11,24 +11,25 @@ namespace palpate {
 
 // Follows a contact along a path. The place moves to contacts at most kReach_m ahead of it; it
 // never moves back, and never to another part of the path. Scene frame. No allocation after
-// construction; one thread owns it. The path must outlive it.
+// construction; one thread owns an object of this class. The path must outlive the object.
 class ContourPlace {
  public:
-  // sphere_radius_m: of the spheres that mark the ends of a trial. A contact point lies on the path
-  // if its distance from the path is at most kOffPath times this radius.
+  // sphere_radius_m: the radius of the spheres that mark the ends of a trial. A contact point lies
+  // on the path if its distance from the path is at most kOffPath times this radius.
   ContourPlace(const HandPath& path, double along_m, double sphere_radius_m);
 
-  // A contact: its point, and the direction from the device point to the proxy, which leaves the
-  // wall. Returns whether the contact moves or keeps the place: whether it lies on the path, at
-  // most kReach_m ahead of the place and at most kKept_m behind it.
+  // Processes a contact, given by its point and by its outward direction, which is the direction
+  // from the device point to the proxy. Returns whether the contact lies on the path, at most
+  // kReach_m ahead of the place and at most kKept_m behind the place. Such a contact moves or keeps
+  // the place.
   bool see(const Vec3& contact_m, const Vec3& outward);
 
   double along_m() const { return along_m_; }
 
   static constexpr double kOffPath = 1.0 / 8;
-  // The farthest that a contact may be ahead of the place to move it.
+  // The largest distance ahead of the place at which a contact moves the place.
   static constexpr double kReach_m = 0.03;
-  // The farthest that a contact may be behind the place to keep it.
+  // The largest distance behind the place at which a contact keeps the place.
   static constexpr double kKept_m = 0.01;
 
  private:

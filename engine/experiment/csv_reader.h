@@ -19,11 +19,11 @@ class CsvReader {
   // The text must outlive the reader.
   explicit CsvReader(std::string_view text) : rest_(text) {}
 
-  // Reads the fields of the next line. False at the end of the text. The error's element is the
+  // Reads the fields of the next line. False at the end of the text. Errors, whose element is the
   // line: a quotation mark out of place, or a carriage return that does not end a line.
   Result<bool> next(std::vector<std::string>& fields);
 
-  // The number of the first line of the fields that were read last, 1 for the first.
+  // The number of the line in which the fields of the last next() begin, 1 for the first line.
   std::size_t line() const { return line_; }
 
  private:

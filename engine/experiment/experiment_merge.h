@@ -25,7 +25,7 @@ struct MergedExperiment {
 
 // Reads the parts in these folders, checks them, and writes trials.csv, columns.csv and run.json
 // into out_folder, together or not at all. The rows are in the order of participants and, for each
-// participant, in the order in which the trials ran. Any folder may be out_folder.
+// participant, in the order in which the trials ran. out_folder may be one of these folders.
 //
 // Errors, which name the file: a folder without parts; folders of different runs, with the entry
 // that differs (find_difference); a part with wrong hashes; a participant whose parts in two

@@ -30,7 +30,7 @@ struct ExperimentRunSettings {
   std::string out_folder;
   std::optional<Shard> shard;  // no value: all participants, and the results are merged
   int jobs = 1;                // threads; each runs one participant at a time
-  bool writes_traces = false;  // out_folder/traces, one file a trial (trace_name)
+  bool writes_traces = false;  // out_folder/traces, one file per trial (trace_name)
 };
 
 // Passed to the caller while trials run.
@@ -41,21 +41,22 @@ struct ExperimentProgress {
 
 struct ExperimentRunOutcome {
   std::vector<int> computed;               // participants, in ascending order
-  std::vector<int> kept;                   // participants whose parts were there
+  std::vector<int> kept;                   // participants whose parts existed before
   std::vector<int> not_done;               // participants that a stop left out
   std::optional<MergedExperiment> merged;  // no value: a shard, or stopped
 };
 
-// Runs the participants that have no part of this run in the folder yet. A part is written whole or
-// not at all after its participant's last trial, so that a killed run can be started again, and the
-// bytes of all results depend on the plan and its files only: not on shards, jobs and the number of
-// starts. Parts of another plan in the folder are replaced. Without a shard, merge_experiment()
-// follows when all parts are there. run.log in the folder receives times of day and of computing.
+// Runs the participants that have no part of this run in the folder yet. After the last trial of a
+// participant, its part is written, whole or not at all. A killed run can therefore be started
+// again. The bytes of all results depend only on the plan and its files, and not on shards, jobs or
+// the number of starts. Parts of another plan in the folder are replaced. Without a shard,
+// merge_experiment() follows when all parts exist. The file run.log in the folder records the
+// times of day and the computing times.
 //
 // progress: called on the calling thread. stop: may be null; if it is set, running participants end
 // after their present trial and leave no part. Errors: those of load_experiment_scenes(),
-// check_persons(), run_participant() and merge_experiment(), and of writing. The parts of the
-// participants that were complete by then stay.
+// check_persons(), run_participant() and merge_experiment(), and errors of writing. After an error,
+// the parts of all completed participants are kept.
 Result<ExperimentRunOutcome> run_experiment(
     const ExperimentPlan& plan, const ExperimentRunSettings& settings,
     const TrialFunctions& functions,

@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// find_trial_way() and run_trial() of trial.h. They are arguments, so that tests of everything
-// around a trial can replace it by a short computation.
+// find_trial_way() and run_trial() of trial.h. They are passed as arguments, so that tests of the
+// code around a trial can replace the trial with a short computation.
 struct TrialFunctions {
   std::function<Result<TrialWay>(const Scene&, const RunSetup&, const TrialSettings&)> find_way;
   std::function<Result<TrialOutcome>(const Scene&, const TrialWay&, const RunSetup&,
@@ -34,14 +34,14 @@ struct ExperimentScene {
   std::uint64_t geometry_hash;  // of the triangles in the scene frame, in metres
 };
 
-// Loads every object of the plan. Errors, with the path of the plan or the file: those of
-// Scene::load(), make_setup(), check_setup() and find_way, a scene that is larger than the
-// workspace, an effect that the rate is too low for, and a scene without a plane that cuts it.
+// Loads every object of the plan. Errors, with the path of the plan or of the object's file: those
+// of Scene::load(), make_setup(), check_setup() and find_way, a scene that is larger than the
+// workspace, an effect that the rate is too low for, and a scene that no plane cuts.
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions);
 
-// Returns an error if the hand of a person is unstable on this device: check_plant() for every
-// participant of the plan.
+// Returns an error if the hand of a person is unstable on this device. Calls check_plant() for
+// every participant of the plan.
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup);
 
 }  // namespace palpate

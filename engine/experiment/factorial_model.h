@@ -1,8 +1,8 @@
 #pragma once
 
 // Fixed effects of a factorial experiment, for any number of responses at once. Sums of squares are
-// of type III: with sum-to-zero contrasts, each term against the model without that term. On
-// balanced data they are the usual sums of squares.
+// of type III: with sum-to-zero contrasts, the full model is compared with the model without the
+// term. On balanced data they are the usual sums of squares.
 
 #include <cstddef>
 #include <string>
@@ -21,14 +21,14 @@ struct Factor {
   std::vector<int> level_of_row;
 };
 
-// A term of a model: the places of its factors in the list of factors, ascending.
+// A term of a model: the indices of its factors in the list of factors, ascending.
 using FactorSet = std::vector<std::size_t>;
 
 // All terms of a full model: main effects, then interactions of two factors, and so on.
 std::vector<FactorSet> all_terms(std::size_t factors);
 
-// A term of a fitted model. sscp: its sums of squares and cross products (H), one row and column a
-// response.
+// A term of a fitted model. sscp: its sums of squares and cross products (H), one row and one
+// column per response.
 struct TermFit {
   int df = 0;
   Eigen::MatrixXd sscp;
@@ -38,7 +38,7 @@ struct FactorialFit {
   std::vector<TermFit> terms;  // in the order of the terms of the design
   Eigen::MatrixXd error_sscp;  // E
   int error_df = 0;
-  // A diagonal element of error_sscp of at most this is rounding: the model leaves no error.
+  // The model leaves no error if a diagonal element of error_sscp is at most this rounding bound.
   Eigen::VectorXd rounding_ss;
 };
 
@@ -59,7 +59,7 @@ class FactorialDesign {
   static Result<FactorialDesign> create(const std::vector<Factor>& factors,
                                         const std::vector<FactorSet>& terms);
 
-  // responses: one row a row of the design, one column a response; finite.
+  // responses: one row per row of the design, one column per response; finite.
   FactorialFit fit(const Eigen::MatrixXd& responses) const;
 
  private:

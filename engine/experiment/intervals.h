@@ -9,17 +9,18 @@ namespace palpate {
 inline constexpr double kIntervalCoverage = 0.95;
 inline constexpr double kSignificance = 0.05;
 
-// Half widths of the 95 % intervals of the columns' means, within participants: of values without
-// the differences between participants (Cousineau, 2005), with Morey's correction (2008) of their
-// variance by k / (k - 1), k columns. table: one row a participant, one column a condition. NaN
-// with fewer than two rows or columns.
+// Half widths of the 95 % intervals of the means of the columns, within participants. The
+// differences between participants are removed from the values (Cousineau, 2005), and the variance
+// is multiplied by k / (k - 1), where k is the number of columns (Morey, 2008). table: one row per
+// participant, one column per condition. The result is NaN if there are fewer than two rows or
+// columns.
 Eigen::VectorXd cousineau_morey_half_widths(const Eigen::MatrixXd& table);
 
 struct Interval {
   double low = 0.0, high = 0.0;
 };
 
-// Wilson's 95 % interval (1927) of a share: `count` of `all`. From 0 to 1 if `all` is 0.
+// Wilson's 95 % interval (1927) of the share count / all. From 0 to 1 if `all` is 0.
 Interval wilson_interval(int count, int all);
 
 }  // namespace palpate

@@ -23,12 +23,12 @@ struct ParameterRange {
   std::string source;  // "choice" if there is none
 };
 
-// A parameter of OperatorParameters as operator files name it.
+// The name of a parameter of OperatorParameters in operator files, its unit and its valid values.
 struct PersonParameter {
   std::string_view name;  // the name of the field
   std::string_view unit;  // "1": dimensionless
   double OperatorParameters::*field;
-  double least;  // of a valid value, and a limit far beyond any hand
+  double least;  // the valid values lie from least to most, a limit far beyond any hand
   double most;
   bool is_least_out;  // the range excludes `least` itself
 };
@@ -41,7 +41,7 @@ const std::array<PersonParameter, kPersonParameterCount>& person_parameters();
 //                                     "draw": "x", "falls": true}, ...}}
 // All parameters of OperatorParameters are required. draw (the name of the parameter) and falls
 // (false) are optional. Ranges are finite and valid, and the largest gain times the largest delay
-// is below pi/2: beyond it the correction oscillates with growing amplitude.
+// is below pi/2: at and above pi/2 the correction oscillates with growing amplitude.
 struct OperatorFile {
   std::string name;
   int version = 1;
@@ -62,8 +62,8 @@ Result<OperatorFile> parse_operator(std::string_view text, const std::string& pa
 Result<OperatorFile> load_operator(const std::string& name_or_path);
 
 // The parameters of a person. The random number of a draw depends on the seed of the plan, the
-// participant, the name of the operator and the name of the draw, and on nothing else: a range that
-// is edited leaves the other parameters unchanged.
+// participant, the name of the operator and the name of the draw, and on nothing else: an edited
+// range does not change the other parameters.
 OperatorParameters draw_person(const OperatorFile& file, std::uint64_t seed, int participant);
 
 }  // namespace palpate

@@ -21,17 +21,18 @@ namespace palpate {
 // point and whether there is contact. D: press_depth_m; v0: speed_m_per_s; k: gain_per_s.
 //
 // - Begin: the person touches the contour within the green sphere and then follows it.
-// - Pace: the target advances at v0 e0 / max(e0, e), e = max(0, seen |goal - proxy| - D), and at
-//   most at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. That depth slows the
-//   hand is our reading of the paper's instruction to keep frame and ball close. The target waits
-//   when it is too far ahead of the seen place.
-// - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. Into the wall the
-//   hand yields.
-// - Recovery: the person is lost if no contact is seen for 0.5 s (1.5 s in a corner) that moves or
-//   keeps the place on the contour. The hand then goes to the contour again, 10 mm past that place.
-//   From a wrong part of the contour it first goes back along the contour, outside it.
+// - Pace: the target advances at v0 e0 / max(e0, e), e0 = 5 mm, e = max(0, seen |goal - proxy| -
+//   D), and at most at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. The paper
+//   instructs people to keep frame and ball close; we take this to mean that depth slows the hand.
+//   The target waits while it is too far ahead of the seen place.
+// - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. The direction into
+//   the wall is not corrected: there, the hand yields.
+// - Recovery: the person is lost if, for 0.5 s (1.5 s in a corner), the person sees no contact that
+//   moves or keeps the place on the contour. The hand then returns to the contour, 10 mm past that
+//   place. If it touches a wrong part of the contour, it first moves back beside the contour, on
+//   the outside.
 //
-// The paper describes no model of its people: all of this is ours.
+// The paper describes no model of its people: all rules above are ours.
 class OperatorHand final : public HandPlan {
  public:
   // proxy_radius_m: 0 for a point. `way` must outlive the hand.
@@ -41,10 +42,11 @@ class OperatorHand final : public HandPlan {
   HandTarget target(double time_s, const ScenePose& T_device_scene,
                     const TickRecord& last) noexcept override;
 
-  // Where the hand rests at time 0: 2 D outside the centre of the green sphere. Scene frame.
+  // The point where the hand rests at time 0, 2 D outside the centre of the green sphere. Scene
+  // frame.
   const Vec3& start_scene_m() const { return start_m_; }
 
-  // How often the person was lost so far.
+  // The number of times that the person has been lost so far.
   std::uint64_t recoveries() const { return recoveries_; }
 
  private:

@@ -11,9 +11,9 @@ namespace palpate {
 // What a simulated person believes about the pose of a scene that turns (operator_hand.h).
 enum class Following : std::uint8_t {
   kDelayed,  // the pose in the newest picture that the person has seen
-  kPredict,  // that pose, turned on about the seen proxy at the seen rate for the picture's age
+  kPredict,  // that pose, turned about the seen proxy by the seen rate times the picture's age
   kReplan,   // a seen pose, held for replan_s
-  kFrozen    // the pose seen at the last loss of contact or corner
+  kFrozen    // the pose seen when contact was last lost or a corner last passed
 };
 inline constexpr std::array<std::string_view, 4> kFollowingNames = {"delayed", "predict", "replan",
                                                                     "frozen"};

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the paper found (Lecuyer et al., 2005), and whether trials agree with it.
+// The findings of the paper (Lecuyer et al., 2005), and the test whether trials agree with them.
 
 #include <optional>
 #include <span>
@@ -21,13 +21,13 @@ struct PaperLambda {
 };
 std::span<const PaperLambda> paper_manova();
 
-// An F of the paper's ANOVAs, with 648 degrees of freedom of error, or of its test of the contact
-// angle, with 9.
+// An F of the paper's ANOVAs, which have 648 degrees of freedom of the error, or of its test of the
+// contact angle, which has 9.
 struct PaperF {
   Outcome outcome;
   FactorSet term;
   double f;
-  std::string_view p;  // as the paper states it; empty: significant
+  std::string_view p;  // as the paper states it; empty: it states only "significant"
 };
 std::span<const PaperF> paper_fs();
 const PaperF* paper_f(Outcome outcome, const FactorSet& term);
@@ -52,17 +52,19 @@ struct PaperFinding {
   std::string printed;    // "F(2, 648) = 12.141; H 25, UaH 27.5, NoH 29 s"
 };
 
-// Whether trials agree with a finding. An effect agrees if it is significant at 5 % and the means
-// have the paper's order; no effect agrees if it is not significant. The primary analysis decides,
-// and for the MANOVA, which it does not have, the analysis as the paper did it.
+// Whether trials agree with a finding. If the paper found an effect, trials agree if the effect is
+// significant at 5 % and the means have the paper's order. If the paper found no effect, trials
+// agree if the effect is not significant. The primary analysis decides. It has no MANOVA; for the
+// MANOVA, the analysis as the paper did it decides.
 struct FindingResult {
   Verdict verdict = Verdict::kNotTestable;
   std::string because;              // "F(2, 18) = 14.2, p = 0.001; H 27.1 < UaH 27.3 < NoH 29.1 s"
   std::optional<Verdict> as_paper;  // by the analysis as the paper did it
 };
 
-// All findings, and the results in their order. paper: nothing if it is not possible. primary: of
-// all levels of Haptic, and angle: of UaH alone, if the trials have it.
+// All findings. judge_findings() returns the results in the order of the findings. paper: no value
+// if that analysis is not possible. primary: the analyses of all levels of Haptic. angle: the
+// analysis of the contact angle of UaH alone; no value if the trials do not have it.
 std::span<const PaperFinding> paper_findings();
 std::vector<FindingResult> judge_findings(const TrialTable& table,
                                           const std::optional<PaperAnalysis>& paper,

@@ -14,11 +14,12 @@ inline constexpr const char* kPaperPlan = "paper";  // its name
 // the folder of the program, or in one of the four folders above that. An error if there is none.
 Result<std::string> models_folder();
 
-// The text of the plan with this folder before the names of the objects' files; empty: none.
+// The text of the plan, in which the names of the objects' files begin with this folder; empty:
+// without a folder.
 std::string paper_plan_text(const std::string& objects_folder);
 
 // The text of the plan for a file in this folder, with paths that lead from there to the models.
-// Relative paths if possible. folder: empty: the current one.
+// The paths are relative if possible. An empty folder stands for the current one.
 Result<std::string> paper_plan_for(const std::string& folder);
 
 }  // namespace palpate

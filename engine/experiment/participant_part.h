@@ -1,7 +1,7 @@
 #pragma once
 
-// The results of one participant, kept until all participants are complete: one file a participant
-// in the folder `parts` of an experiment.
+// The results of one participant, kept until all participants are complete: one file per
+// participant in the folder `parts` of an experiment.
 
 #include <cstdint>
 #include <optional>
@@ -18,7 +18,7 @@ std::string parts_folder(const std::string& folder);
 std::string part_identity_path(const std::string& folder);  // RunIdentity::json() of the run
 std::string part_path(const std::string& folder, int participant);
 
-// The participants of which the folder has a file, in ascending order.
+// The participants that have a file in the folder, in ascending order.
 std::vector<int> participants_with_parts(const std::string& folder);
 
 // Writes the part, whole or not at all. rows: the lines of trials.csv without the line of names.
@@ -26,8 +26,8 @@ std::vector<int> participants_with_parts(const std::string& folder);
 std::optional<Error> write_part(const std::string& path, std::uint64_t run, int participant,
                                 std::string_view rows);
 
-// The rows of a part. Errors: it is no part, it belongs to another run or participant, or its rows
-// do not have the hash that its first line states.
+// The rows of a part. Errors: the file is not a part, the part belongs to another run or
+// participant, or its rows do not have the hash that its first line states.
 Result<std::string> read_part(const std::string& path, std::uint64_t run, int participant);
 
 }  // namespace palpate

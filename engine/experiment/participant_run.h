@@ -34,10 +34,11 @@ struct ParticipantRun {
   std::uint64_t ticks = 0;  // of all trials
 };
 
-// Runs the trials. The result depends on plan, scenes and participant only. traces_folder: for a
-// trace of each trial (TraceWriter), empty for none; folders are created. after_trial: called after
-// each trial; if it returns false, the run ends without a result. Thread-safe for different
-// participants. Errors: those of TrialFunctions::run, and of writing a trace.
+// Runs the trials. The result depends on plan, scenes and participant only. traces_folder: the
+// folder for the traces of the trials (TraceWriter); missing folders are created; empty: no traces.
+// after_trial: called after each trial; if it returns false, the run ends without a result.
+// Thread-safe for different participants. Errors: those of TrialFunctions::run, and errors of
+// writing a trace.
 Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
                                                       const std::vector<ExperimentScene>& scenes,
                                                       const TrialFunctions& functions,

@@ -23,7 +23,7 @@ inline constexpr std::array<ForceMode, 3> kHapticForces = {ForceMode::kNone, For
                                                            ForceMode::kFull};
 inline constexpr std::array<std::string_view, 2> kRotationNames = {"NoR", "R"};  // without, with A4
 
-// Limits of a plan. 2^18 rows of trials.csv have about 100 MB.
+// Limits of a plan. 2^18 rows of trials.csv take about 100 MB.
 inline constexpr std::uint64_t kMostTrials = std::uint64_t{1} << 18;
 inline constexpr int kMostParticipants = 10'000;
 inline constexpr int kMostBlocks = 100;
@@ -38,7 +38,7 @@ struct PlanObject {
   SceneSettings scene;  // node, scale, fit_size_m and pose
 };
 
-// The conditions of a trial, apart from the following.
+// The conditions of a trial, apart from its Following.
 struct PlanCondition {
   std::size_t haptic = 0;    // index into kHapticNames
   std::size_t rotation = 0;  // index into kRotationNames
@@ -68,11 +68,12 @@ struct ExperimentPlan {
   TrialSettings trial;
   std::vector<std::size_t> haptic;    // indices into kHapticNames
   std::vector<std::size_t> rotation;  // indices into kRotationNames
-  std::vector<PlanObject> objects;    // by name
+  std::vector<PlanObject> objects;    // sorted by name
   OperatorFile person;
   std::vector<Following> followings;
-  // What the plan states, without what may differ between machines: the JSON with sorted keys,
-  // without blanks and paths of objects, and with the name of the operator. `hash` is its hash.
+  // The content of the plan without the parts that may differ between machines: the JSON with
+  // sorted keys and with the name of the operator, without blanks and without paths of objects.
+  // `hash` is its hash.
   std::string canonical;
   std::uint64_t hash = 0;
 
@@ -83,9 +84,9 @@ struct ExperimentPlan {
   std::uint64_t trials_per_participant() const;
 };
 
-// An error names the element, such as /device/rate_Hz. path: of the file, for messages. folder: to
-// which paths in the plan are relative; empty: the current one. Reads the operator file, but no
-// scene.
+// An error names the element, such as /device/rate_Hz. path: the path of the file, for messages.
+// folder: the folder to which paths in the plan are relative; empty: the current folder. Reads the
+// operator file, but no scene.
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
                                   const std::string& folder);
 

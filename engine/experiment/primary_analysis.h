@@ -1,9 +1,9 @@
 #pragma once
 
 // The primary analysis: repeated measures on participants' cell means. A cell is the mean of the
-// completed trials of a participant in a condition, over the blocks that are there. No missing
-// trial is replaced by a number: an effect, a comparison or a mean takes the participants who have
-// all cells that it needs, and states their number.
+// completed trials of a participant in a condition, over the blocks that have such a trial. No
+// missing trial is replaced by a number: an effect, a comparison or a mean takes the participants
+// who have all cells that it needs, and states their number.
 
 #include <optional>
 #include <string>
@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// test: of `participants` participants. Nothing if fewer than two have all cells, or if the effect
-// is the same for all of them to within rounding.
+// An effect, tested on `participants` participants. test: no value if fewer than two participants
+// have all cells, or if the effect is the same for all of them to within rounding.
 struct PrimaryEffect {
   FactorSet term;  // of ExperimentFactors
   int participants = 0;
@@ -34,8 +34,8 @@ struct PrimaryFamily {
   std::vector<PrimaryPair> pairs;
 };
 
-// A mean over participants at a level of Haptic and of Rotation, -1: over all levels, and the half
-// width of its Cousineau-Morey interval, which is NaN if it cannot be computed.
+// A mean over participants at a level of Haptic and a level of Rotation (-1: over all levels).
+// half_width: the half width of its Cousineau-Morey interval; NaN if it cannot be computed.
 struct PrimaryMean {
   int haptic = -1, rotation = -1;
   double mean = 0.0, half_width = 0.0;

@@ -1,7 +1,7 @@
 #pragma once
 
 // Analysis of variance with repeated measures: every participant has a value in every cell of a
-// factorial table, and each effect is tested over its own interaction with participants.
+// factorial table, and each effect is tested against its own interaction with participants.
 
 #include <cstddef>
 #include <vector>
@@ -22,11 +22,11 @@ struct RepeatedEffect {
   double df1 = 0.0, df2 = 0.0;
   double p = 0.0;  // assumes sphericity
   // Greenhouse and Geisser (1959): epsilon = (tr S)^2 / (k tr S^2), S the covariance of k
-  // orthonormal contrasts, from 1 / k to 1. p_gg: of F(epsilon df1, epsilon df2).
+  // orthonormal contrasts, from 1 / k to 1. p_gg: the p of F(epsilon df1, epsilon df2).
   double epsilon = 1.0;
   double p_gg = 0.0;
   // Olejnik and Algina (2003), all factors manipulated: SS / (SS + all sums of squares of the table
-  // that hold participants).
+  // that involve participants).
   double generalized_eta2 = 0.0;
 };
 
@@ -36,8 +36,8 @@ struct RepeatedMeasures {
   std::vector<RepeatedEffect> effects;  // in the order of all_terms()
 };
 
-// levels: of each factor, at least 2. table: one row a participant (at least 2), one column a cell,
-// the last factor varying fastest; finite.
+// levels: the number of levels of each factor, at least 2. table: one row per participant (at least
+// 2), one column per cell; the last factor varies fastest; finite.
 RepeatedMeasures repeated_measures(const std::vector<int>& levels, const Eigen::MatrixXd& table);
 
 // k x (k - 1): orthonormal columns, each of which has the sum 0 (Helmert contrasts).

@@ -1,6 +1,6 @@
 #pragma once
 
-// What identifies the results of an experiment: two runs with the same identity have the same rows.
+// The identity of the results of an experiment: two runs with the same identity have the same rows.
 
 #include <cstdint>
 #include <optional>
@@ -41,8 +41,9 @@ RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<Experiment
 // Reads the text of json(). path: for messages.
 Result<RunIdentity> parse_identity(const std::string& text, const std::string& path);
 
-// Nothing if the identities are equal. Otherwise the first difference: its element is the JSON path
-// in json(), its path is empty. other_path: of the second, for the message.
+// No value if the identities are equal. Otherwise the first difference, as an error: its element is
+// the JSON path in json(), and its path is empty. other_path: the path of the file of `other`, for
+// the message.
 std::optional<Error> find_difference(const RunIdentity& identity, const RunIdentity& other,
                                      const std::string& other_path);
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// A log of times: of the day and of computing. Results have none, so that they stay the same.
+// A log of times of day and of computing times. Results contain no times, so that repeated runs
+// give the same results.
 
 #include <cstdint>
 #include <mutex>
@@ -8,8 +9,8 @@
 
 namespace palpate {
 
-// Appends lines with the time (UTC) to a file. A log that cannot be written is given up in silence,
-// because no result depends on it. Thread-safe.
+// Appends lines with the time (UTC) to a file. Errors of writing are ignored, because no result
+// depends on the log. Thread-safe.
 class RunLog {
  public:
   explicit RunLog(std::string path) : path_(std::move(path)) {}

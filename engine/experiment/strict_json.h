@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads JSON files that users write: plans and operator files. Any key that is not expected is an
-// error, because a misspelt key would silently keep a default.
+// error, because otherwise a misspelt key would silently leave a default unchanged.
 
 #include <cstdint>
 #include <limits>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-// Such a file has some kilobytes. The limit bounds the memory of a hostile one.
+// The size of such a file is a few kilobytes. The limit bounds the memory of a hostile one.
 inline constexpr std::uint64_t kMostSettingsBytes = std::uint64_t{1} << 20;
 inline constexpr std::size_t kMostNameBytes = 100;
 inline constexpr std::size_t kMostProseBytes = 2000;
@@ -46,9 +46,9 @@ Error unexpected_value(const std::string& element, const nlohmann::json& found,
                        const std::string& expected, std::string hint = {});
 
 // The values of one JSON object. Each function sets its argument to the value of a key. After the
-// first error, further calls do nothing. finish() must be called at the end; it returns the first
-// error, but a key that no call has asked for comes first, since a misspelt key also is a missing
-// one.
+// first error, further calls do nothing. finish() must be called at the end. If the object has a
+// key that no call has asked for, finish() returns an error about this key, since a misspelt key
+// also causes the error of a missing key. Otherwise finish() returns the first error.
 class ObjectReader {
  public:
   enum class Key : std::uint8_t { kRequired, kOptional };
@@ -71,10 +71,10 @@ class ObjectReader {
   // A list of this many numbers.
   void numbers(const char* key, std::vector<double>& values, std::size_t count,
                Key need = Key::kRequired);
-  // One of a few words; value becomes its place.
+  // One of a few words; value becomes its index.
   void choice(const char* key, std::size_t& value, const std::vector<std::string_view>& words,
               Key need = Key::kRequired);
-  // A list of one or more of these words, none of them twice; values become their places.
+  // A list of one or more of these words, none of them twice; values become their indices.
   void choices(const char* key, std::vector<std::size_t>& values,
                const std::vector<std::string_view>& words);
 

@@ -19,7 +19,7 @@
 
 namespace palpate {
 
-// What all trials of a plan share.
+// The settings that all trials of a plan share.
 struct TrialSettings {
   double display_Hz = 40.0;        // pictures per second
   double sphere_radius_m = 0.006;  // of the green and the red sphere
@@ -37,8 +37,8 @@ struct TrialWay {
 };
 
 // Finds the way of trials on this scene. The node's palpate_contour states the centres of the
-// spheres; without it they are on the longest wall. setup: of a device with two sensors; its plane
-// height is the height of the contour. The error names the element of the scene.
+// spheres; without it the spheres are on the longest wall. setup: the setup of a device with two
+// sensors; its plane height is the height of the contour. The error names the element of the scene.
 Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
                                 const TrialSettings& settings);
 

@@ -14,16 +14,17 @@
 namespace palpate {
 
 // Starts at the first tick in contact within the green sphere, and stops at the first contact
-// within the red sphere with the place at kLeastWay of the way or more. All measures cover the
-// ticks from the one to the other. Runs on the haptic thread and does not allocate there.
+// within the red sphere after the place has passed the share kLeastWay of the way. All measures
+// cover the ticks from the start to the stop. Runs on the haptic thread and does not allocate
+// there.
 class TrialClock final : public TickObserver {
  public:
-  // A stopped trial has at least this share of the way behind it.
+  // The share of the way that the place must have passed before the clock stops.
   static constexpr double kLeastWay = 0.8;
   // An interval without contact of this length counts as a long loss.
   static constexpr double kLongLoss_s = 0.1;
 
-  // `way` must outlive the clock. limit_s: from the start of the trial.
+  // `way` must outlive the clock. settings.limit_s counts from the start of the trial.
   TrialClock(const TrialWay& way, const TrialSettings& settings, double proxy_radius_m,
              double dt_s);
 

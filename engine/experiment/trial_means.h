@@ -14,7 +14,8 @@ struct TrialLevels {
   int haptic = -1, rotation = -1, object = -1;
 };
 
-// Mean and standard deviation (n - 1) of the trials that have an outcome; NaN if they are too few.
+// Mean and standard deviation (n - 1) of the trials that have an outcome; NaN if there are too few
+// such trials.
 struct TrialMean {
   TrialLevels at;
   int trials = 0;
@@ -29,7 +30,8 @@ std::vector<TrialLevels> levels_of_means(const TrialTable& table);
 // "all trials", "UaH", "R", "UaH, R", "UaH, R, O2"
 std::string levels_name(const TrialTable& table, const TrialLevels& at);
 
-// How the trials at these levels ended. timeout_share: of the trials that took place.
+// How the trials at these levels ended. timeout_share: the share of timeouts among the trials that
+// took place.
 struct TrialCounts {
   TrialLevels at;
   int done = 0, timeouts = 0, faults = 0;
@@ -40,7 +42,7 @@ struct TrialCounts {
 };
 TrialCounts trial_counts(const TrialTable& table, const TrialLevels& at);
 
-// Of every condition.
+// The counts of every condition.
 std::vector<TrialCounts> counts_by_condition(const TrialTable& table);
 
 }  // namespace palpate

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-// Every seed is the KeyHash of the listed fields, with the purpose first. seed: of the plan.
-// participant: 1 for the first. block: 0 for practice.
+// Every seed is the KeyHash of the listed fields, with the purpose first. seed: the seed of the
+// plan. participant: 1 for the first. block: 0 for practice.
 
 // ("order", seed, participant, block)
 std::uint64_t order_seed(std::uint64_t seed, int participant, int block);
-// ("noise", seed, participant, block, haptic, rotation, object): the same for every following.
+// ("noise", seed, participant, block, haptic, rotation, object): the same for all Followings.
 std::uint64_t noise_seed(std::uint64_t seed, int participant, int block, const std::string& haptic,
                          const std::string& rotation, const std::string& object);
 // ("draw", seed, participant, operator name, draw name)

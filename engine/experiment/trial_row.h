@@ -29,8 +29,8 @@ struct TrialMeasure {
   std::string_view paper;  // the paper's name of the measure; empty: the paper does not have it
 };
 
-// The places of the measures in kTrialMeasures. A column for each fault (kFaultNames) follows
-// kFirstFaultMeasure, and kMissedDeadlines is last.
+// The indices of the measures in trial_measures(). The measures of the faults, one for each of
+// kFaultNames, begin at kFirstFaultMeasure, and kMissedDeadlines is last.
 enum MeasureIndex : std::size_t {
   kTotalTime,
   kContactTime,
@@ -59,7 +59,7 @@ enum MeasureIndex : std::size_t {
 const std::array<TrialMeasure, kMeasureCount>& trial_measures();
 
 struct TrialRow {
-  std::string following;    // of a simulated operator (following.h); empty for a person
+  std::string following;    // of a simulated operator (kFollowingNames); empty for a person
   std::string participant;  // "1", "2", ... for simulated operators
   int block = 0;            // 0: practice
   int trial = 0;            // place within the block, 1 for the first

@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 2> kRotationLevels = {"NoR", "R"};
 // ascending.
 std::string effect_name(const FactorSet& term);
 
-// What is analysed of a trial.
+// A quantity of a trial that is analysed.
 enum class Outcome : std::uint8_t {
   kTime,
   kLosses,
@@ -47,17 +47,17 @@ struct OutcomeText {
 };
 const OutcomeText& outcome_text(Outcome outcome);
 
-// The outcome of a row, if the row has it: a trial that was not completed has none but
-// kTimeToLimit.
+// The outcome of a row, if the row has it: a trial that was not completed has no outcome, except
+// kTimeToLimit after a timeout.
 std::optional<double> outcome_of(const TrialRow& row, Outcome outcome, double limit_s);
 
 // The trials of one kind of operator: of one following, or of people. Immutable.
 class TrialTable {
  public:
-  // rows: of one following; practice blocks (block 0) are left out. limit_s: the time limit of a
-  // trial. Of several attempts at a trial, the last one counts.
+  // rows: the rows of one following; practice blocks (block 0) are left out. limit_s: the time
+  // limit of a trial. If a trial has several attempts, the last attempt counts.
   //
-  // Errors: a level of Haptic or Rotation that is not known, a doubled row, a number that is not
+  // Errors: a level of Haptic or Rotation that is not known, a repeated row, a number that is not
   // finite in a completed trial, fewer than two participants, a condition without any row.
   static Result<TrialTable> create(std::vector<TrialRow> rows, double limit_s);
 
@@ -86,7 +86,7 @@ class TrialTable {
   // "UaH, R, O2"
   std::string condition_name(int condition) const;
 
-  // Null if the trial is absent. trial: the place of the block, from 0.
+  // Null if the trial is absent. trial: the index of the block, from 0.
   const TrialRow* row(int participant, int condition, int trial) const;
   std::optional<double> value(int participant, int condition, int trial, Outcome outcome) const;
   // Whether any trial has this outcome.
@@ -108,8 +108,8 @@ class TrialTable {
   int earlier_attempts_ = 0;
 };
 
-// A table for each following: `delayed`, which the analysis leads with, then the others in the
-// order of kFollowingNames, then people. Errors as for create(), and a file without trials.
+// A table for each following that occurs: first `delayed`, then the others in the order of
+// kFollowingNames, then people. Errors as for create(), and a file without trials.
 Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double limit_s);
 
 }  // namespace palpate

@@ -22,19 +22,20 @@ inline constexpr std::size_t kMostTrialRows = std::size_t{1} << 18;
 // then the measures.
 const std::string& trials_columns();
 
-// Appends a row. A measure without value is an empty field; a number has 17 digits.
+// Appends a row. A measure without a value is an empty field; a number has 17 digits.
 void add_row(CsvLines& lines, const TrialRow& row);
 
 // The text of columns.csv: name, unit, meaning and the paper's name of each column.
 std::string columns_csv();
 
-// Reads the rows of a file, of people or of simulated operators, in the order of the file. RFC 4180
-// with lines that end in LF or CRLF; a byte order mark and blank lines are ignored.
+// Reads the rows of a file, of people or of simulated operators, in the order of the file. The
+// format is RFC 4180 with lines that end in LF or CRLF; a byte order mark and blank lines are
+// ignored.
 //
 // The columns participant, block, haptic, rotation, object and status are required. following,
 // trial and attempt are optional, and so is each measure. Other columns are ignored. An empty field
-// or NA is a measure without value; a trial that is not done may also have nan or inf there, which
-// is read as no value.
+// or NA is a measure without a value; a trial that is not done may also have nan or inf there,
+// which is read as no value.
 //
 // Errors, with the line and the column: a zero byte, a quotation mark out of place, a missing or
 // repeated column, a line with too few or too many fields, an unknown level, a field that is not a

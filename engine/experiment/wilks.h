@@ -17,8 +17,9 @@ struct WilksTest {
 };
 
 // The first response that is constant within the cells of the design, or a linear combination of
-// the responses before it, to within rounding: the error matrix is singular. Nothing: it is
-// regular. rounding_ss: FactorialFit::rounding_ss. rows: of the design.
+// the responses before it, to within rounding; the error matrix is then singular. No value if the
+// error matrix is regular. rounding_ss: FactorialFit::rounding_ss. rows: the number of rows of the
+// design.
 std::optional<Eigen::Index> singular_response(const Eigen::MatrixXd& error_sscp,
                                               const Eigen::VectorXd& rounding_ss,
                                               Eigen::Index rows);

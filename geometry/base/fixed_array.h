@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// Unlike std::vector, the constructor does not initialise the elements. The pages of a large array
-// are therefore written once only, by the thread that fills the array.
+// Unlike the constructor of std::vector, this constructor does not initialise the elements. The
+// pages of a large array are therefore written once only, by the thread that fills the array.
 template <typename T>
 class FixedArray {
  public:

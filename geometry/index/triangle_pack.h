@@ -6,10 +6,10 @@
 
 namespace palpate {
 
-// A pack is a filter only. The triangles that it does not exclude are tested on their vertices in
-// double. The coordinates are relative to the pack's centre and in units of its size, so that float
-// has 24 bits of precision at the scale of the pack, for any size of the scene and any position of
-// the pack:
+// A pack is a filter only. The triangles that it does not exclude are tested in double, with their
+// vertices. The coordinates are relative to the pack's centre and in units of its size, so that
+// float has 24 bits of precision at the scale of the pack, for any size of the scene and any
+// position of the pack:
 //
 //     local = (p - centre_m) * per_metre,     every corner within [-1/2, 1/2]
 //
@@ -63,7 +63,7 @@ struct alignas(64) PackApproach {
   float squared_limit;  // larger squared distances are out of reach
   // squared: squared distances at the start of the step. fall: bound on the product of two numbers.
   // The first is the distance at the start; the second is the decrease of the distance over the
-  // whole step, if the rate of the start continued. Local units.
+  // whole step, if the rate at the start continued. Local units.
   alignas(64) float squared[TrianglePack::kLanes];
   float fall[TrianglePack::kLanes];
 

@@ -13,8 +13,8 @@
 
 namespace palpate {
 
-// Keeps a ball around the proxy, which is called the safe zone. Also keeps all packs of bodies at
-// rest that come within reach_m of the ball. A step with both ends inside the ball can meet only
+// Keeps a ball around the proxy; the ball is called the safe zone. Also keeps all packs of bodies
+// at rest that come within reach_m of the ball. A step with both ends inside the ball can meet only
 // triangles of these packs, so a tick needs no search of the index for such a step. The results are
 // the same as with a search.
 //
@@ -64,9 +64,9 @@ class CandidateCache {
     failed_at_.reset();
   }
 
-  // Of the cached packs of the n-th body, writes those whose boxes come within the reach of the
-  // segment p to p + d. Only the part of the segment inside the ball counts. p and d are in the
-  // index frame of the body. Returns the number of packs written.
+  // Writes those cached packs of the n-th body whose boxes come within the reach of the segment p
+  // to p + d. Only the part of the segment inside the ball counts. p and d are in the index frame
+  // of the body. Returns the number of packs written.
   std::size_t packs_along(std::size_t n, const Vec3& p_index, const Vec3& d_index,
                           std::array<std::uint32_t, kCapacity>& packs) const noexcept;
 

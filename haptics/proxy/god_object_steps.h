@@ -1,8 +1,8 @@
 #pragma once
 
-// The solver steps of one tick of the god-object, as templates over the friction policy. Two files
-// compile them, one with and one without friction, so that a world without friction runs no
-// friction code. Private to the files god_object*.cpp.
+// The solver steps of one tick of the god-object, as templates over the friction policy. Two source
+// files instantiate them, one with and one without friction, so that a world without friction runs
+// no friction code. Private to the files god_object*.cpp.
 
 #include <algorithm>
 #include <cmath>

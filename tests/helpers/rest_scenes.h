@@ -42,15 +42,15 @@ inline void PrintTo(const RestClass& rest_class, std::ostream* out) {
 // All classes of rest scenes. They include the hard scenes of the leak test.
 std::span<const RestClass> rest_classes();
 
-// The rest classes, and classes of meshes so fine that judging rests there would take long.
+// The rest classes, and classes of meshes so fine that judging rests there would take a long time.
 std::vector<RestClass> restless_classes();
 
 // The classes whose spheres are up to ten thousand times larger than the edges.
 std::vector<RestClass> large_sphere_classes();
 
-// A room with plane walls: the convex hull of random points in single precision. It is convex by
-// exact signs, and walls that share an edge meet at an angle of more than a degree. Faces look
-// inwards.
+// A room with plane walls: the convex hull of random points in single precision. Exact signs
+// confirm that it is convex, and walls that share an edge meet at an angle of more than a degree.
+// Faces look inwards.
 Soup convex_room(Random& random);
 
 // A hand that plunges, slides, arrives in the plane of a face, aims exactly at vertices and edges,
