@@ -26,8 +26,6 @@ class KeyHash {
   KeyHash& add(std::uint64_t number);
   // The bits of the number; -0.0 and 0.0 differ.
   KeyHash& add(double number);
-  // Without this overload, a literal would be converted to a number.
-  KeyHash& add(const char* text) { return add(std::string_view(text)); }
 
   std::uint64_t value() const;
 
