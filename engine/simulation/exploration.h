@@ -69,9 +69,9 @@ using Progress = std::function<void(double)>;
 // run ends after the current tick or a few ticks later; may be null. At the end of every run, zero
 // force is commanded.
 //
-// Errors: the scene has no section at the plane height; a setting is out of range or NaN, or check_setup()
-// rejects it; the run has more ticks than can be recorded; the run needs more memory than the
-// settings allow or the system has.
+// Errors: the scene has no section at the plane height; a setting is out of range or NaN, or
+// check_setup() rejects it; the run has more ticks than can be recorded; the run needs more memory
+// than the settings allow or the system has.
 Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const ExplorationSettings& settings, const Progress& progress,
                                const StopFlag* stop = nullptr);
