@@ -4,7 +4,7 @@
 
 namespace palpate::bench {
 
-// Keeps one value and rebuilds it when get() is called with another key than last time.
+// Keeps one value and rebuilds it when the key of get() differs from the key of the last call.
 template <typename Key, typename Value>
 class LastBuilt {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 
-// The medians measured so far in this process. With them, a row can report the ratio of its median
-// to that of a peer.
+// The medians measured so far in this process. With these medians, a benchmark can report the ratio
+// of its median to the median of a peer.
 
 #include <string>
 
@@ -12,8 +12,8 @@ namespace palpate::bench {
 // Stores the counter p50_ns under the name of the row.
 void remember_p50(const std::string& row, const benchmark::State& state);
 
-// Sets the counter to p50_ns of the row divided by p50_ns of the peer's row. Sets nothing if the
-// peer has not been measured before, for example because a filter excludes it.
+// Sets the counter to p50_ns of the row divided by p50_ns of the peer's row. Does not set the
+// counter if the peer has not been measured before, for example because a filter excludes the peer.
 void report_ratio(benchmark::State& state, const std::string& counter, const std::string& peer_row);
 
 }  // namespace palpate::bench

@@ -14,8 +14,9 @@ namespace palpate {
 // second document has the times there instead.
 //
 // The axes are logarithmic. A grey band beside an axis contains the points whose error, time or
-// level is 0. Points are medians, and whiskers extend over the quartiles; open points are at the
-// floor. A line is interrupted at a failed level, and the legend counts the failures.
+// level is 0. Points are medians, and whiskers extend from the first to the third quartile; open
+// points are at the floor. A line is interrupted at a failed level, and the legend counts the
+// failures.
 struct WorkPrecisionPanels {
   // Errors against times: one curve for each method, the Pareto front, the presets and the
   // recommended level.

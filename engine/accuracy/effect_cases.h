@@ -32,10 +32,11 @@ EffectCase effects_elsewhere();               // "elsewhere"
 // The geometry of a case without its effects.
 EffectCase without_effects(const EffectCase& effect_case);
 
-// A scene of an icosphere about the origin, like the scene of a file that declares the same. The
-// icosphere has 20 * 4^subdivisions triangles. The effects of the case are those of its surface, of
-// a medium and of a force field. Metres. Returns the error of Scene::compile() if the program was
-// built without one of the effects.
+// A scene of an icosphere about the origin, like the scene of a file with the same declarations.
+// The icosphere has 20 * 4^subdivisions triangles. The effects of the case are declared for the
+// surface of the icosphere, for a medium and for a force field, or for the second sphere
+// (is_elsewhere). Metres. Returns the error of Scene::compile() if the program was built without
+// one of the effects.
 Result<Scene> effect_scene(int subdivisions, double radius_m, const EffectCase& effect_case);
 
 }  // namespace palpate

@@ -65,8 +65,8 @@ struct KnobResult {
   // judge() in recommendation.h sets the following members. reconcile() may replace `recommended`
   // and sets decided_by_title.
   std::optional<LevelPlace> recommended;
-  // Some levels may be clearly better than the default. This is the factor, in time or in error, by
-  // which the best of them is better than the default; 1 if no level is clearly better.
+  // Some levels may be clearly better than the default. default_behind is the factor, in time or in
+  // error, by which the best of them is better than the default; 1 if no level is clearly better.
   double default_behind = 1.0;
   std::string better_than_default;  // name of the best of those levels
   // The title of the knob that Knob::decided_by names, if reconcile() used its recommendation.

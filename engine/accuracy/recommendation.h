@@ -13,8 +13,8 @@
 namespace palpate {
 
 // Medians that differ by no more than this factor count as equal. The times of one level in two
-// runs of the program on an idle machine differ by up to this factor, because code and data have
-// other addresses.
+// runs of the program on an idle machine differ by up to this factor, because the addresses of code
+// and data differ.
 inline constexpr double kAlikeFactor = 1.15;
 
 // Whether two spreads count as equal: the intervals between their quartiles overlap, or their
@@ -30,7 +30,7 @@ bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 //     are considered, and steps 2 and 3 are exchanged.
 //  2. Levels stay if their time is about the shortest.
 //  3. Levels stay if their error is about the smallest.
-//  4. The levels that are left are ties. The default is chosen, or else the level nearest to it.
+//  4. The levels that are left are tied. The default is chosen, or else the level nearest to it.
 // "About" means that the medians are within kAlikeFactor. For the default, "about" means
 // is_alike(). A wide spread thus favours the default, but does not decide between other levels.
 // `distance[i]` ranks level i for step 4: 0 for the default, more for levels farther from it.

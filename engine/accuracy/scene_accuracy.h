@@ -44,8 +44,8 @@ struct RateTrial {
   std::uint64_t missed = 0;   // missed deadlines, of all trials
   std::int64_t worst_ns = 0;  // longest tick of all trials
 
-  // A trial keeps the rate if its share of missed deadlines is at most this. At 1 kHz, one late
-  // tick in a thousand means that once a second a force is held for twice as long.
+  // A trial keeps the rate if its share of missed deadlines is at most this value. At 1 kHz, one
+  // late tick in a thousand means that once a second a force is held for twice as long.
   static constexpr double kMostMissed = 1e-3;
   bool passed() const { return 2 * kept > trials; }
 };
@@ -82,10 +82,10 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
                                     const MeasurementEffort& effort,
                                     const MeasuringProgress& progress);
 
-// A knob that simplifies the scene itself. Its scenes have all surfaces as one mesh without
-// effects; this mesh has a half of the triangles, a quarter and so on. Returns no value if the
-// scene has more triangles than kMostSimplified or too few, or if it does not compile as one mesh;
-// `why` then states the reason.
+// A knob whose levels are versions of the scene itself. In each version, all surfaces form one mesh
+// without effects; this mesh has all triangles, or about a half of them, a quarter and so on.
+// Returns no value if the scene has more triangles than kMostSimplified or too few, or if it does
+// not compile as one mesh; `why` then states the reason.
 std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
                                         const MeasurementEffort& effort, std::string& why);
 

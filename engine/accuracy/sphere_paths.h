@@ -23,13 +23,15 @@ struct HeightSwing {
   double period_s;
 };
 
-// The direction in which a path starts, as a unit vector. It is away from the planes of symmetry of
-// the icosphere, in which a path would run along edges.
+// The direction from the centre of the sphere to the start of a path, as a unit vector. The start
+// does not lie in a plane of symmetry of the icosphere, because a path in such a plane would run
+// along edges.
 Vec3 sphere_path_start();
 
 // A path that moves at kSpherePathSpeed_m_per_s along a gently weaving line over the sphere, so
 // that it always reaches new triangles. Its height swings and starts at the upper bound. The
-// distance of consecutive samples is kSpherePathStep_m, except for the curvature of a step.
+// distance between consecutive samples is kSpherePathStep_m, apart from the effect of the path's
+// curvature within a step.
 std::vector<Vec3> path_over_sphere(double radius_m, const HeightSwing& swing,
                                    std::size_t sample_count);
 

@@ -20,7 +20,7 @@ std::vector<std::string> with_options(std::vector<std::string> arguments,
                                       const std::vector<OptionSetting>& changes);
 
 // The first word of a command line that the user can type: the environment variable
-// PALPATE_COMMAND, which run.sh sets to itself, or "palpate".
+// PALPATE_COMMAND, which run.sh sets to the command with which it was started, or "palpate".
 std::string program_name();
 
 // program_name() and the arguments, quoted for a POSIX shell where necessary.
