@@ -11,7 +11,8 @@ namespace palpate {
 
 class PathDevice final : public Device {
  public:
-  // path_m: device frame, metres; must outlive the device. Samples beyond its end are invalid.
+  // path_m: device frame, metres; must outlive the device. Samples beyond the end of the path are
+  // invalid.
   explicit PathDevice(std::span<const Vec3> path_m) : path_m_(path_m) {
     description_.name = "recorded path";
   }

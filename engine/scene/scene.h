@@ -107,9 +107,9 @@ class Scene {
   const std::vector<HapticMaterialDescription>& haptic_materials() const {
     return haptic_materials_;
   }
-  // The contours that the file states (extras.palpate_contour), in the scene frame and scaled with
-  // the scene: those of the nodes in tree(), in its order. One with a problem has no points; the
-  // scene has a warning about it.
+  // The contours of the nodes in tree(), in the order of tree(), as the file states them
+  // (extras.palpate_contour). In the scene frame, scaled with the scene. A contour with a problem
+  // has no points; the scene has a warning about the problem.
   const std::vector<ContourDescription>& contours() const { return contours_; }
   // Reports how the declarations were applied.
   const SceneEffectsReport& effects() const { return effects_; }

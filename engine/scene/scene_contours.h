@@ -21,8 +21,8 @@ struct SceneContour {
   bool is_closed = false;  // whether the longest curve is closed
 };
 
-// The default limit on the number of faces examined, for all nodes and planes together. To examine
-// so many faces takes one or two seconds.
+// The default limit on the number of faces examined, for all nodes and planes together. The
+// examination of this many faces takes one or two seconds.
 inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 28;
 
 // For each axis, cuts all nodes by the plane perpendicular to this axis through the centre of the

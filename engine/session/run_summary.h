@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// Percentiles of the duration of a tick of the loop, in nanoseconds.
+// Percentiles of the durations of the loop's ticks, in nanoseconds.
 struct StepTimes {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;

@@ -15,12 +15,12 @@ namespace palpate {
 
 // A stationary Gaussian noise of second order along each axis, of variance 1:
 //   eta'' = -2 z w eta' - w^2 eta + sqrt(4 z w^3) xi,   w = 2 pi f, z = 0.7, xi white noise.
-// Its velocity has the standard deviation w, so that it crosses the level -a downwards at the rate
-// f exp(-a^2 / 2) (Rice 1945). A noise of first order has no finite rate of crossings.
+// Its velocity has the standard deviation w. The noise therefore crosses the level -a downwards at
+// the rate f exp(-a^2 / 2) (Rice 1945). A noise of first order has no finite rate of crossings.
 //
 // The steps are exact for every dt: the state is multiplied by the matrix exponential, and the
-// covariance of the added noise is what keeps the state stationary. One thread owns an object; safe
-// on the haptic thread.
+// covariance of the added noise keeps the state stationary. One thread owns an object; safe on the
+// haptic thread.
 class IntentionWander {
  public:
   // The noise after the next dt_s; in the first call, a draw from the stationary distribution. All

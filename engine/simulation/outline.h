@@ -1,6 +1,6 @@
 #pragma once
 
-// The parts of the curves of a plane section of a scene that a hand can reach.
+// The curves in which a plane cuts a scene, reduced to the parts that a hand can reach.
 
 #include <optional>
 #include <vector>
@@ -15,11 +15,11 @@ struct Outline {
   bool has_two_sides;  // true for a part of a sheet; a part of a closed curve has only a front
 };
 
-// The outlines of the union of the regions that the curves enclose, as free_chains() defines it.
-// Parts inside other solids are left out; where one curve enters the solid of another, the outline
-// continues along the other curve. A curve that meets no other is unchanged. Two open ends, for
-// example where parts do not quite meet, are joined if they are nearer to each other than small_m;
-// the nearest pairs are joined first.
+// The outlines of the union of the regions that the curves enclose, as free_chains() defines the
+// union. Parts inside other solids are left out; where one curve enters the solid of another, the
+// outline continues along the other curve. A curve that meets no other is unchanged. Two open ends,
+// for example where parts do not quite meet, are joined if they are nearer to each other than
+// small_m; the nearest pairs are joined first.
 //
 // The result is sorted, longest first, ties in the order of the curves. Returns no value if so many
 // curves cross each other that planar_pieces() gives up. All curves lie in one plane. Allocates;
