@@ -46,8 +46,8 @@ class SceneFaceReader {
   const Scene& scene_;
 };
 
-// A sampler draws from at most this many faces. If a scene has more faces, it draws only from every
-// n-th one.
+// A sampler draws from at most this many faces. If a scene has more faces, the sampler draws only
+// from every n-th face.
 inline constexpr std::size_t kMostWeighed = std::size_t{1} << 20;
 
 // Draws random faces, each with a probability proportional to its area.

@@ -26,13 +26,14 @@ struct HandTarget {
 class HandPlan {
  public:
   virtual ~HandPlan() = default;
-  // time_s: since the start. T_device_scene: the scene as displayed now. last: the last tick.
+  // time_s: the time since the start. T_device_scene: the scene as displayed now. last: the last
+  // tick.
   virtual HandTarget target(double time_s, const ScenePose& T_device_scene,
                             const TickRecord& last) noexcept = 0;
 };
 
 // A point mass with friction. Encoders measure its position; the hand is a spring and a damper
-// between it and the target.
+// between the mass and the target.
 struct PlantSettings {
   DeviceDescription device = light_device();
   HandImpedance hand;

@@ -36,14 +36,14 @@ struct SurfacePath {
 // - where a probe slightly above the surface would hit a surface of the scene;
 // - where the clearance is less than room_m.
 //
-// If no heading leads on, the path returns along its last leg. A path may therefore cover a place
-// twice.
+// If the path cannot continue along any heading, it returns along its last leg. A path may
+// therefore cover a place twice.
 //
-// Scene frame, in the rest pose of the nodes. Of 64 random points, at most the 8 best ones are
-// tried as the start. Returns no value if no path starts at any of them. Deterministic: the same
-// scene and settings give the same path. The time is O(n), where n is the number of faces of all
-// nodes; if there are more than kMostWeighed, n is the number of faces in a sample of them. Faces
-// beyond kMostWeighed need no additional memory.
+// Scene frame, in the rest pose of the nodes. At most the 8 best of 64 random points are tried as
+// the start. Returns no value if no path starts at any of them. Deterministic: the same scene and
+// settings give the same path. The time is O(n), where n is the number of faces of all nodes; if
+// there are more than kMostWeighed, n is the number of faces in a sample of them. Faces beyond
+// kMostWeighed need no additional memory.
 std::optional<SurfacePath> plan_surface_path(const Scene& scene,
                                              const SurfacePathSettings& settings);
 

@@ -21,8 +21,8 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 using Triangle = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise from the front
 
-// u . (v x w). Written out, because Eigen computes the cross product through memory: scalar stores,
-// then a vector load that waits for them.
+// u . (v x w). The formula is written out, because Eigen computes the cross product through memory:
+// scalar stores, then a vector load that waits for them.
 inline double triple_product(const Vec3& u, const Vec3& v, const Vec3& w) {
   return u.x() * (v.y() * w.z() - v.z() * w.y()) + u.y() * (v.z() * w.x() - v.x() * w.z()) +
          u.z() * (v.x() * w.y() - v.y() * w.x());
@@ -58,8 +58,8 @@ inline RigidTransform unit_pose(const RigidTransform& T) noexcept {
   return {T.rotation.normalized(), T.translation_m};
 }
 
-// Whether the direction has length 1 within 4 kUnitQuaternion. A unit axis has this error after it
-// was rotated by the matrix of a quaternion that is_pose() accepts.
+// Whether the direction has length 1 within 4 kUnitQuaternion. A unit axis can have this error
+// after it has been rotated by the matrix of a quaternion that is_pose() accepts.
 inline bool is_unit(const Vec3& direction) noexcept {
   return std::abs(direction.squaredNorm() - 1.0) <= 4 * kUnitQuaternion;
 }

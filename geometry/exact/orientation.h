@@ -35,7 +35,7 @@ inline int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& 
   return orientation(p, q, r, s, work);
 }
 
-// As orientation(), but without the first filter, for callers that have already evaluated this
+// Like orientation(), but without the first filter, for callers that have already evaluated this
 // filter.
 int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s,
                          SignWork& work) noexcept;
@@ -44,7 +44,7 @@ int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
 // Bound on the rounding of a triple product u . (v x w) of coordinate differences, relative to
-// |u|_1 |v|_1 |w|_1. Of the 12 round-offs, 3 are for the differences, 3 for the cross product and 3
+// |u|_1 |v|_1 |w|_1. The 12 round-offs include 3 for the differences, 3 for the cross product and 3
 // for the dot product; the rest is slack for second-order terms.
 inline constexpr double kTripleRoundoff = 12 * kUnitRoundoff;
 

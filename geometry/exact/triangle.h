@@ -49,9 +49,10 @@ inline bool is_far_beside(const TriangleGeometry& t, const Vec3& p, double dista
   return is_far(t.a, t.b) || is_far(t.b, t.c) || is_far(t.c, t.a);
 }
 
-// The point of the closed triangle nearest to p. The function finds the nearest feature from the
-// given unit normal and in-plane edge normals. Barycentric coordinates would lose all digits on a
-// sliver. Error: a few ulp of the largest coordinate difference. noexcept, no allocation.
+// The point of the closed triangle nearest to p. The function determines the nearest feature by
+// means of the given unit normal and in-plane edge normals. Barycentric coordinates would lose all
+// digits on a sliver. Error: a few ulp of the largest coordinate difference. noexcept, no
+// allocation.
 TrianglePoint closest_point_on_triangle(const TriangleGeometry& t, const Vec3& p) noexcept;
 
 }  // namespace palpate

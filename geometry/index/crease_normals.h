@@ -27,8 +27,8 @@ using CornerNormals = std::array<std::array<float, 3>, 3>;
 // An edge is a crease in three cases: if the angle between the mapped normals of its two faces
 // exceeds crease_angle_rad, if the edge is a boundary edge, or if three or more faces meet at the
 // edge. crease_angle_rad is clamped to 0 .. pi and is used as in OpenMesh's find_feature_edges(). A
-// face whose orientation is opposite to its neighbours does not cause a crease: the mean at a
-// neighbour's corner uses the reversed normal of this face, and vice versa.
+// face whose orientation is opposite to that of its neighbours does not cause a crease: the mean at
+// a neighbour's corner uses the reversed normal of this face, and vice versa.
 //
 // Load time only: allocates less than 100 bytes per face in addition to the result. O(n), except
 // for the search for neighbours across edges that SurfaceMesh::surface() cuts. Thread-safe.

@@ -17,7 +17,8 @@
 
 namespace palpate {
 
-// Returns a float of at least x. The function calls no library function, because queries use it.
+// Returns a float that is at least x. The function calls no library function, because queries use
+// round_up().
 inline float round_up(double x) {
   constexpr float kUlp = std::numeric_limits<float>::epsilon();
   const auto rounded = static_cast<float>(x);
@@ -63,7 +64,7 @@ struct SegmentQuery {
     tfar = std::min(tfar, round_up((fraction.value() - enter) * length_m));
   }
 
-  // For the callback: ends the search, including boxes that contain the origin.
+  // For the callback: ends the search, so that not even boxes that contain the origin are visited.
   static void end(const RTCIntersectFunctionNArguments* args) {
     RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0) =
         -std::numeric_limits<float>::infinity();

@@ -69,9 +69,9 @@ class Stretch {
   bool is_mirrored_;
 };
 
-// The nearest point of a stretched surface within radius_m of p_body. Of equally near faces, the
-// first one found is returned. Body frame. Like SurfaceIndex::closest_point(), but the search
-// covers a ball in the index frame that contains the ball in the body frame.
+// The nearest point of a stretched surface within radius_m of p_body. If several faces are equally
+// near, the first one found is returned. Body frame. Like SurfaceIndex::closest_point(), but the
+// search covers a ball in the index frame that contains the ball in the body frame.
 std::optional<SurfacePoint> closest_point(const SurfaceIndex& index, const Stretch& stretch,
                                           const Vec3& p_body, double radius_m) noexcept;
 

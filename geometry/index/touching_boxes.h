@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-// Returns for each box whether it may belong to a pair of boxes that meet and of which at least one
-// is marked. The function finds every box of such a pair; where many boxes overlap, it may also
-// report other boxes. O(n log n) if few boxes overlap. Deterministic.
+// Returns for each box whether it may belong to a pair of boxes that meet, at least one of which is
+// marked. The function finds every box of such a pair; where many boxes overlap, it may also report
+// other boxes. O(n log n) if few boxes overlap. Deterministic.
 std::vector<bool> may_touch_marked(std::span<const Box> boxes, const std::vector<bool>& marked);
 
 }  // namespace palpate

@@ -43,7 +43,7 @@ class SharedCells {
     return count < kCrowd;
   }
 
-  // Marks the cells within radius_m of p that contain points of other owners as shared. Returns
+  // Marks as shared all cells within radius_m of p that contain points of other owners. Returns
   // whether there are any such cells. radius_m: less than half a cell.
   bool share_near(const Vec3& p, double radius_m, std::uint32_t owner) {
     bool is_any = false;

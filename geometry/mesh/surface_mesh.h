@@ -97,8 +97,8 @@ class SurfaceMesh {
  private:
   std::vector<Vec3> points(std::vector<Vec3>& welded) const;
 
-  // Shared because OpenMesh has no move constructor, and this object is moved into results and
-  // scenes.
+  // The surface is shared, because OpenMesh has no move constructor and this object is moved into
+  // results and scenes.
   std::shared_ptr<const OpenMeshSurface> surface_ = std::make_shared<const OpenMeshSurface>();
   SourceTriangles sources_;
   // The welded vertex of each split vertex that is a copy.
