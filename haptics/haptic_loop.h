@@ -102,19 +102,19 @@ class HapticLoop {
   void refuse_body_pose() noexcept { next_faults_ |= kFaultBadBodyPose; }
 
   // The largest distance of a body from the scene's middle, in scene sizes. At this distance,
-  // positions round by 2^-53 of the distance, which is more than a thousand times less than the
-  // stand-off.
+  // positions are rounded by up to 2^-53 of the distance, which is more than a thousand times less
+  // than the stand-off.
   static constexpr double kFarthestBodyPerSize = 64.0;
 
   // Sets the axes of motors that turn with the device. The next tick projects forces on these axes
   // and aligns the contact normal with them. A model with other sensed axes changes nothing; the
   // next tick sets kFaultBadActuation. A call before the first tick has the same effect, to the
-  // bit, as constructing the loop with that model. Call on the haptic thread.
+  // bit, as constructing the loop with `actuation`. Call on the haptic thread.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
-  // Replaces the parameters of one call of the world's effect program. parameters: the bytes of the
-  // effect's Parameters, all of them, with values that the effect allows. Call on the haptic
-  // thread; other threads use the engine's material_tuner.h.
+  // Replaces the parameters of one call of the world's effect program. parameters: all bytes of the
+  // effect's Parameters, with values that the effect allows. Call on the haptic thread; other
+  // threads use the engine's material_tuner.h.
   void set_effect_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept {
     if (effects_) effects_->set_parameters(call, parameters);
   }

@@ -9,23 +9,24 @@
 
 namespace palpate {
 
-// A node with extras.palpate_contour, valid or not. Only a consumer of contours refuses one that is
-// not valid; for other consumers it is a warning.
+// A node with extras.palpate_contour, valid or not. Only a consumer of contours refuses an invalid
+// contour; for other consumers, an invalid contour causes a warning.
 struct ContourDescription {
   std::string node;  // the node's name
-  // Its JSON path, "/nodes/7/extras/palpate_contour". With a problem, the path of the wrong value,
-  // "/nodes/7/extras/palpate_contour/start_m".
+  // The JSON path of the contour, "/nodes/7/extras/palpate_contour". If there is a problem, the
+  // path of the wrong value, "/nodes/7/extras/palpate_contour/start_m".
   std::string element;
-  // In the scene frame, metres: finite and different from each other. Zero with a problem.
+  // In the scene frame, metres: finite and different from each other. Zero if there is a problem.
   Vec3 start_scene_m = Vec3::Zero();
   Vec3 end_scene_m = Vec3::Zero();
   std::uint32_t tree_node = 0;  // index into SceneDescription::tree
-  // As in Error; both are empty if the contour is valid.
+  // The problem and the hint, as in Error; both are empty if the contour is valid.
   std::string problem = {};
   std::string hint = {};
 };
 
-// Adds a problem to a contour without one if a point is not finite or if both points are equal.
+// Sets the problem of a contour that has none yet, if a point is not finite or if both points are
+// equal.
 void check_points(ContourDescription& contour);
 
 // The warning about the problem of a contour.

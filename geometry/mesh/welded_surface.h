@@ -44,7 +44,8 @@ class SourceTriangles {
 // A triangle surface made from any triangle soup. Positions are in metres in the caller's frame.
 //
 // Cleaning, in order: positions that compare equal are welded (-0 equals +0); triangles without
-// area are dropped; of triangles with the same three positions, in any order, the first is kept.
+// area are dropped; if several triangles have the same three positions, in any order, the first one
+// is kept.
 //
 // Load time only. A SurfaceMesh moves the data that only adjacency needs out of this object. Other
 // threads may read positions and faces at the same time. Positions and faces stay valid while both

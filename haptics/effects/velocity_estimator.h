@@ -18,19 +18,19 @@ enum class VelocityMethod : std::uint8_t {
   // First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000): the difference over the
   // longest window, of at most w ticks, in which the straight line between the end samples is
   // within half an encoder quantum of each sample between them. The window is long for slow, steady
-  // motion and short for a jerk. All three axes share one window, so that the velocity belongs to
-  // one pair of samples; the limit of half a quantum applies to each axis. The longest window that
-  // satisfies the condition is used, even if a shorter one violates it. Because the end samples are
-  // rounded, too, even a steady motion can be a whole quantum off the line. The method therefore
-  // prefers short windows. If encoder_quantum_m is set to twice the quantum, the window of a steady
-  // motion is rarely too short.
+  // motion and short for a sudden motion. All three axes share one window, so that the velocity
+  // belongs to one pair of samples; the limit of half a quantum applies to each axis. The longest
+  // window that satisfies the condition is used, even if a shorter one violates it. Because the end
+  // samples are rounded, too, even a steady motion can be a whole quantum off the line. The method
+  // therefore prefers short windows. If encoder_quantum_m is set to twice the quantum, the window
+  // of a steady motion is rarely too short.
   kAdaptive
 };
 
-// A window of w ticks of length T lags w T / 2 behind: under a constant acceleration a, the first
-// two methods have the error a w T / 2. If the rounding error of an encoder quantum q is random,
-// the noise (rms) is q / (sqrt(6) w T) in a difference and q / (T sqrt(w (w + 1) (w + 2))) in a
-// line fit.
+// The estimate over a window of w ticks of length T lags w T / 2 behind: under a constant
+// acceleration a, the first two methods have the error a w T / 2. If the rounding error of an
+// encoder quantum q is random, the noise (rms) is q / (sqrt(6) w T) in a difference and
+// q / (T sqrt(w (w + 1) (w + 2))) in a line fit.
 struct VelocitySettings {
   VelocityMethod method = VelocityMethod::kDifference;
   int window_ticks = 1;            // w, 1 to VelocityEstimator::kMostTicks; 1: all methods agree
@@ -49,9 +49,9 @@ class VelocityEstimator {
   // A window out of range is clamped to the range.
   explicit VelocityEstimator(const VelocitySettings& settings);
 
-  // Adds a sample and returns the velocity at it. dt_s: time since the last sample, > 0; ignored
-  // for the first sample, whose velocity is zero. While there are fewer samples than the window
-  // needs, the window is shortened to them.
+  // Adds a sample and returns the velocity at this sample. dt_s: time since the last sample, > 0;
+  // ignored for the first sample, whose velocity is zero. While there are fewer samples than the
+  // window needs, the window is shortened to the samples that exist.
   Vec3 add(const Vec3& position_m, double dt_s) noexcept;
 
   // Forgets all samples: the next one is the first.

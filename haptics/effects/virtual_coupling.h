@@ -35,7 +35,7 @@ struct CouplingSettings {
 // that F.N >= 0.
 //
 // lag_m: p - g. damped_m_per_s: u. normal: unit contact normal N, or zero if several normals
-// cancel. Of the settings, only K and B are used. No state; safe on any thread.
+// cancel. The function uses only K and B from the settings. No state; safe on any thread.
 inline Vec3 coupling_force_N(const CouplingSettings& settings, const Vec3& lag_m,
                              const Vec3& damped_m_per_s, const Vec3& normal) noexcept {
   Vec3 force = settings.stiffness_N_per_m * lag_m + settings.damping_Ns_per_m * damped_m_per_s;

@@ -27,7 +27,7 @@ struct Accuracy {
   double tolerance = 0.01;
   NarrowPhase narrow_phase = NarrowPhase::kDouble;
   // If true, candidate triangles are kept from tick to tick while the proxy stays in their safe
-  // zone. The results with and without this are the same bit for bit.
+  // zone. The results with and without this reuse are the same bit for bit.
   bool reuse_candidates = true;
   // If true, the committed part of a stopped step is traced again, up to its end point. The proxy
   // then ends each step at least SolverScale::clearance_m from every triangle. Without this check,

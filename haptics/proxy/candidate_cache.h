@@ -49,7 +49,8 @@ class CandidateCache {
     return !failed_at_ || (p - *failed_at_).squaredNorm() > 0.25 * usual_ball_m_ * usual_ball_m_;
   }
 
-  // Whether the cache holds no packs. With covers(), this means that nothing is near the ball.
+  // Whether the cache holds no packs. If covers() is true as well, no triangle of a resting body is
+  // near the ball.
   bool is_empty() const { return body_count_ == 0; }
 
   // Searches for the packs of a new ball, which contains p and extends from there in the direction

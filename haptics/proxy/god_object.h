@@ -135,10 +135,10 @@ class GodObject {
   ProxyState move_to(const Vec3& goal,
                      const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
-  // As move_to(), with Coulomb friction (Harwin and Melder 2002): the proxy takes only the part of
-  // each step along touched faces that the friction cone does not hold. Let s be the position that
-  // the proxy would reach without friction, d = |s - goal| the penetration depth and t = s - proxy
-  // the tangential lag. The contact sticks or slides:
+  // Like move_to(), but with Coulomb friction (Harwin and Melder 2002): the proxy takes only the
+  // part of each step along touched faces that the friction cone does not hold. Let s be the
+  // position that the proxy would reach without friction, d = |s - goal| the penetration depth and
+  // t = s - proxy the tangential lag. The contact sticks or slides:
   //
   //   sticking   |t| <= mu_s d: the proxy keeps its position and sticks
   //              |t| >  mu_s d: it moves along t until |t| = mu_k d, and slides
@@ -151,13 +151,13 @@ class GodObject {
   // body to body. It ends with the contact, with place() and move_to(), and with end_friction().
   // Therefore a hand that moves on at constant depth is subject to mu_k in every tick, at any
   // speed, and regardless of whether the hand or the touched body moves. If the hand reverses, or
-  // presses deeper faster than its lag grows, the contact sticks.
+  // if the penetration depth grows faster than the tangential lag, the contact sticks.
   //
   // Any part of a free step is free, too, and ends no farther from the goal than it began. The
   // certificates therefore hold as they do without friction.
   //
-  // Several faces together hold mu_1 d_1 + mu_2 d_2 + ..., where d_i is the part of the depth that
-  // face i bears (bearing_parts). A sphere moves round edges along tangents.
+  // Several faces together hold a tangential lag of mu_1 d_1 + mu_2 d_2 + ..., where d_i is the
+  // part of the depth that face i bears (bearing_parts). A sphere moves round edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 

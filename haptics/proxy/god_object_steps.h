@@ -21,7 +21,7 @@ struct NoFriction {
   static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
 };
 
-// The state of the solver at one position of the proxy, to return to.
+// The state of the solver at one position of the proxy, to which the solver can return.
 struct GodObject::ProxyPlace {
   Vec3 proxy;
   std::size_t corners;  // number of corners of the path
@@ -177,7 +177,8 @@ template <typename Friction>
   }
 }
 
-// Determines the active planes of a capped tick, including a face that the proxy met last.
+// Determines the active planes of a capped tick. The plane of the face that the proxy met last may
+// be one of them.
 template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
   if (projection_.active_count > 0) return;

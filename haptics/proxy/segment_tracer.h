@@ -82,8 +82,8 @@ class SegmentTracer {
   bool is_unfinished_among_moving() const {
     return memory_->progress && memory_->progress->cursor.is_among_moving;
   }
-  // Clears all logged and interrupted searches. To be called after a body or the proxy was placed
-  // elsewhere, because earlier queries will then not be repeated.
+  // Clears all logged and interrupted searches. To be called after a body or the proxy has been
+  // placed elsewhere, because earlier queries will then not be repeated.
   void forget_steps() noexcept;
   // Clears the logged searches and the part of an interrupted search that concerns moving bodies.
   // To be called after a body that is already among the moving ones has moved again.
@@ -94,7 +94,8 @@ class SegmentTracer {
   // The first obstacle of the proxy on the step from p to q, or nullopt if the step is free.
   std::optional<TraceHit> trace(const Vec3& p, const Vec3& q) noexcept;
 
-  // As trace(), for a step that is the first part, from p to q, of the last step given to trace().
+  // Like trace(), but for a step that is the first part, from p to q, of the last step given to
+  // trace().
   std::optional<TraceHit> trace_part(const Vec3& p, const Vec3& q) noexcept;
 
   // The first obstacle in one body, for a proxy that moves from p_body to q_body in the frame of
@@ -168,9 +169,9 @@ class SegmentTracer {
   std::size_t contacts_around(const Vec3& p, double reach_m,
                               std::span<FaceContact> contacts) noexcept;
 
-  // Of the faces that the last traced step came near to, considers those that the proxy at p
-  // already touches. Returns the contact with the face that a step along d approaches most steeply,
-  // or nullopt if d approaches none of them.
+  // Considers those faces near the last traced step that the proxy at p already touches. Returns
+  // the contact with the face that a step along d approaches most steeply, or nullopt if d
+  // approaches none of them.
   std::optional<FaceContact> steepest_contact(const Vec3& p, const Vec3& d) noexcept;
 
   const SolverScale& scale() const { return scale_; }

@@ -63,7 +63,7 @@ bool trace_point(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
 // along the step, so the iteration from the start never passes the first contact: each tangent lies
 // below the distance. A tangent that stays above the target distance until the end of the step
 // proves that there is no contact. Each tangent is made steeper by the largest slope that the
-// rounding of its direction can have hidden; for very small spheres this term decides.
+// rounding of its direction can hide; this addition matters for very small spheres.
 bool trace_sphere(const TriangleGeometry& t, const Vec3& p, const Vec3& q, double radius_m,
                   double stop_m, StepFraction limit, TriangleHit& hit, TriangleWork& work) noexcept;
 

@@ -65,8 +65,8 @@ class DracoPrimitive {
   std::shared_ptr<const draco::Mesh> mesh_;
 };
 
-// Decodes the primitive; nothing if it is not compressed. An uncompressed fallback of the primitive
-// is not read.
+// Decodes the primitive; no value if the primitive is not compressed. An uncompressed fallback of
+// the primitive is not read.
 //
 // If the numbers of vertices and triangles in the stream differ from those of its accessors, the
 // numbers of the stream are used, with a warning. The accessors must agree with each other.
@@ -74,9 +74,9 @@ class DracoPrimitive {
 // The counts in the stream that determine the decoder's allocations are checked beforehand. The
 // decoder's memory is proportional to the data that the accessors describe or, if the stream
 // contains more, to the length of the stream (see gltf/limits.h). The tables of the entropy coder
-// cannot be checked here. For each byte of the stream, the library limits them to 64 symbols, which
-// take about 750 bytes during decoding. A stream with more than max_vertices or max_triangles is an
-// error (kLimitExceeded).
+// cannot be checked here. For each byte of the stream, the library limits these tables to 64
+// symbols, which take about 750 bytes during decoding. A stream with more than max_vertices or
+// max_triangles is an error (kLimitExceeded).
 Result<std::optional<DracoPrimitive>> read_draco_primitive(const GltfAsset& asset, std::size_t mesh,
                                                            std::size_t primitive,
                                                            std::size_t max_vertices,
