@@ -20,7 +20,7 @@ struct ImageDescription {
   std::vector<std::uint16_t> rgb;
 };
 
-// How an image continues beyond its edges in one direction, as in a glTF sampler.
+// The continuation of an image beyond its edges in one direction, as in a glTF sampler.
 enum class TextureWrap { kRepeat, kClamp, kMirror };
 
 // A reference from a material to a texture. The image of the texture is decoded only if
@@ -63,14 +63,14 @@ inline constexpr const char* kDefaultMaterialName = "default";
 
 // A glTF material, or another element that has extras.palpate, together with these extras.
 struct MaterialDescription {
-  std::string name;                           // "material 3" if the file has no name
+  std::string name;                           // "material 3" if the file gives no name
   std::string element;                        // its JSON path, "/materials/3"
   std::vector<MaterialParameter> parameters;  // in the order of their keys
   std::optional<TextureReference> normal_texture;
 };
 
-// How the values of two bodies in contact are combined. The device has no material, so the mode is
-// not used in this engine.
+// The rule by which the values of two bodies in contact are combined. The device has no material,
+// so the mode is not used in this engine.
 enum class CombineMode { kAverage, kMinimum, kMaximum, kMultiply };
 
 // The default coefficient of friction of KHR_physics_rigid_bodies.
@@ -96,7 +96,7 @@ struct HapticMap {
 
 // An entry of materials of MPEG_haptic_material.
 struct HapticMaterialDescription {
-  std::string name;             // "haptic material 3" if the file has no name
+  std::string name;             // "haptic material 3" if the file gives no name
   std::vector<HapticMap> maps;  // grouped by property, each group in file order
 };
 
@@ -109,7 +109,7 @@ const TextureReference* texture_map(const MaterialDescription& material,
                                     const HapticMaterialDescription* haptic);
 
 // The map of the friction over a mesh with this haptic material: its first friction map. Returns
-// null if it has none or if haptic is null.
+// null if the haptic material has no friction map or if haptic is null.
 const TextureReference* friction_map(const HapticMaterialDescription* haptic);
 
 // True if the parameter "textureHeight" is the number 0, which disables the haptic texture.

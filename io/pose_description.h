@@ -10,7 +10,7 @@
 namespace palpate {
 
 struct AnimationDescription {
-  std::string name;                // "animation 7" if the file has no name
+  std::string name;                // "animation 7" if the file gives no name
   std::optional<double> length_s;  // the largest key time; absent if unreadable
 };
 

@@ -17,7 +17,7 @@ struct DracoIntegerType {
   std::size_t bytes = 0;
 };
 
-// Nothing for types that are not integers.
+// No value for types that are not integers.
 std::optional<DracoIntegerType> draco_integer_type(draco::DataType type);
 
 // Converts integers of one type to another. Returns false if any of them is out of range.

@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-// Not thread-safe; one per call of read_gltf(). The asset must outlive it.
+// Not thread-safe; one per call of read_gltf(). The asset must outlive this object.
 class GltfImages {
  public:
   explicit GltfImages(const GltfAsset& asset) : asset_(asset) {}

@@ -35,9 +35,9 @@ struct GltfNodeWalk {
   std::vector<std::optional<AffineTransform>> T_scene_nodes;
 };
 
-// Walks the nodes with the transforms of the pose. The ids in the model must be within range (see
-// gltf/schema.h). Errors: a node with two parents, a cycle, a node that the scene reaches twice,
-// nodes deeper than kMaxGltfNodeDepth, more contours than kMaxGltfContours, an invalid or
+// Traverses the nodes with the transforms of the pose. The ids in the model must be within range
+// (see gltf/schema.h). Errors: a node with two parents, a cycle, a node that the scene reaches
+// twice, nodes deeper than kMaxGltfNodeDepth, more contours than kMaxGltfContours, an invalid or
 // overflowing transform. If a root of the scene has a parent, the parent is ignored, with a
 // warning. Iterative; each node is visited once. Thread-safe.
 Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,

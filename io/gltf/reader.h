@@ -41,8 +41,8 @@ struct ReadOptions {
 // limits of gltf/limits.h is an Error. Not for the haptic thread. Thread-safe.
 Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& options = {});
 
-// As read_gltf(), for an asset in memory. folder: the folder of external buffers. name: the name of
-// the asset in errors. SceneDescription::parse_ms is not set.
+// Like read_gltf(), but for an asset in memory. folder: the folder of external buffers. name: the
+// name of the asset in errors. SceneDescription::parse_ms is not set.
 Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
                                          const std::string& folder, const std::string& name,
                                          const ReadOptions& options = {});

@@ -40,9 +40,9 @@ class DracoPrimitive;
 // Moves the positions of a primitive from the mesh frame to the scene frame: each vertex becomes
 // the weighted mean of its positions under its joints, over all sets JOINTS_n and WEIGHTS_n.
 // Weights are divided by their sum. If the sum differs from 1 by more than the rounding of the
-// weights' type, there is a warning. Errors: a missing set, sets of another length than the
-// positions, negative weights, a joint with non-zero weight that the skin does not have. Joints of
-// weight 0 are ignored. Vertices without any weight move with the first joint, and there is a
+// weights' type, there is a warning. Errors: a missing set, sets whose length differs from that of
+// the positions, negative weights, a joint with non-zero weight that the skin does not have. Joints
+// of weight 0 are ignored. Vertices without any weight move with the first joint, and there is a
 // warning. pose_work: a budget, from which the number of values of each set is subtracted. element:
 // JSON path of the primitive. compressed: the decoded primitive if it is compressed, else null.
 std::optional<Error> apply_skin(const GltfAsset& asset, const tinygltf::Primitive& primitive,

@@ -63,8 +63,9 @@ class SeamJudge {
   bool by_solid_angle(const Wide3& p) const;
 
   std::vector<Face> faces_;
-  // Bounds on the rounding errors of products of two and of three coordinates: sums of up to six
-  // products of coordinates up to 20 sizes from the origin of the scene, each accurate to 2^-64.
+  // Bounds on the rounding errors of sums of up to six products, each with two coordinates (m2) or
+  // three (m3). Coordinates are at most 20 sizes from the origin of the scene, and each product is
+  // accurate to 2^-64.
   long double doubt_m2_ = 0;
   long double doubt_m3_ = 0;
 };

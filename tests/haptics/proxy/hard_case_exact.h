@@ -81,9 +81,9 @@ inline int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return volume.sign();
 }
 
-// The sign of the volume (a - d) . ((b - d) x (c - d)). Its rounding in double is below 8 half-ulps
-// of the sum of the magnitudes of its products (Shewchuk: 7 + 56 eps). Volumes below twice that
-// bound are computed in exact arithmetic.
+// The sign of the volume (a - d) . ((b - d) x (c - d)). Its rounding error in double is below 8
+// half-ulps of the summed magnitudes of its products (Shewchuk: 7 + 56 eps). Volumes below twice
+// that bound are computed in exact arithmetic.
 inline int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = a - d;
   const Vec3 v = b - d;
