@@ -18,7 +18,7 @@ inline Accuracy with_budget(Accuracy accuracy, WorkUnits budget) {
   return accuracy;
 }
 
-// The accuracy for a scene. Of four scenes, one has a budget so small that most ticks exhaust it,
+// The accuracy for a scene. One of four scenes has a budget so small that most ticks exhaust it,
 // one has the budget of its preset, and two have no limit.
 inline Accuracy with_some_budget(const Accuracy& accuracy, std::uint64_t scene) {
   switch (scene % 4) {
