@@ -1,7 +1,7 @@
 #pragma once
 
-// CGAL is the second library to which Palpate is compared (peer). It answers the same queries with
-// its AABB_tree, in double, on its own copy of the triangles.
+// CGAL is the second peer, that is, the second library with which Palpate is compared. It answers
+// the same queries as Palpate with its AABB_tree, in double, on its own copy of the triangles.
 
 #include <memory>
 #include <optional>
@@ -20,8 +20,8 @@ class CgalSurface {
   CgalSurface(CgalSurface&&) noexcept;
   CgalSurface& operator=(CgalSurface&&) noexcept;
 
-  // The nearest surface point. hint: any point of the surface; the nearer it is to p, the faster is
-  // the query.
+  // The nearest surface point. hint: any point of the surface; the nearer it is to p, the faster
+  // the query is.
   Vec3 closest_point(const Vec3& p, const Vec3& hint) const;
 
   // The fraction of the segment p to p + d at which it meets some triangle, not necessarily

@@ -10,7 +10,7 @@
 
 namespace palpate::bench {
 
-// How the hand touches the surface.
+// The way in which the hand touches the surface.
 struct WalkStyle {
   double proxy_radius_m = 0.0;
   HeightSwing swing;  // height of the device over the centre of a proxy in contact

@@ -22,16 +22,16 @@ namespace palpate::bench {
 inline constexpr std::size_t kRepeats = 6;
 
 // The time since `start` by std::chrono::steady_clock, which is read before and after every sample.
-// On Linux this clock reads the same time stamp counter as rdtscp and also takes 20 ns, so rdtscp
-// would gain nothing. The counter may advance in coarser steps than a nanosecond (10 ns on AMD
-// processors).
+// On Linux this clock reads the same time stamp counter as rdtscp, and either reading takes 20 ns,
+// so rdtscp would gain nothing. The counter may advance in coarser steps than a nanosecond (10 ns
+// on AMD processors).
 inline std::int64_t nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
 }
 
-// The time that reading the clock takes: the median time of empty samples. As for every sample, the
-// time of an empty sample is the shortest of kRepeats. The median is subtracted from every time and
-// reported as clock_ns.
+// The time that reading the clock takes: the median time of empty samples. Like the time of every
+// sample, the time of an empty sample is the shortest of kRepeats times. The median is subtracted
+// from every time and reported as clock_ns.
 inline std::int64_t clock_overhead_ns() {
   static const std::int64_t median = [] {
     std::vector<std::int64_t> empty(10001, std::numeric_limits<std::int64_t>::max());

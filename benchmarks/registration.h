@@ -14,9 +14,9 @@ namespace palpate::bench {
 struct SampleCounts {
   std::size_t warm;
 
-  // The smaller number of samples that is used for evicted caches and for inputs that are slow on
-  // purpose. (Evicting takes a hundred times as long as the timed sample.) The path includes at
-  // least one tap.
+  // The smaller number of samples that is used for evicted caches and for inputs that are designed
+  // to be slow. (Evicting the caches takes a hundred times as long as the timed sample.) The path
+  // includes at least one tap.
   std::size_t fewer() const { return std::min(warm, std::max<std::size_t>(warm / 4, 250)); }
   std::size_t for_caches(Caches caches) const { return caches == Caches::kWarm ? warm : fewer(); }
 };
@@ -26,8 +26,8 @@ inline std::string row_name(const std::string& workload, int subdivisions) {
   return workload + "/" + std::to_string(sphere_triangles(subdivisions));
 }
 
-// Call these two functions in this order for each size, because the rows of ticks are compared with
-// those of the index's peers.
+// Call these two functions in this order for each size, because the tick benchmarks compare their
+// times with the times of Palpate's peers, which the index benchmarks measure.
 void register_index_benchmarks(int subdivisions, const SampleCounts& counts);
 void register_tick_benchmarks(int subdivisions, const SampleCounts& counts);
 // scan_<proxy>/<approximate triangles>, for sizes that have a scan.
@@ -44,11 +44,12 @@ void register_accuracy_benchmarks(const MeasurementEffort& effort);
 // Once for all sizes: load_instances/<count>x, instances_sliding/<count>x and
 // instances_sliding_searched/<count>x.
 void register_instance_benchmarks(const SampleCounts& counts);
-// Call this before the other benchmarks of the size, which keep their scenes in memory.
+// Call this function before those that register the other benchmarks of the size, because these
+// benchmarks keep their scenes in memory.
 void register_load_benchmarks(int subdivisions);
 
 // Once for all sizes: side_test_<method>/<class of inputs>. Registers nothing if the program was
-// built without CGAL, because CGAL has one of the compared methods.
+// built without CGAL, because CGAL provides one of the compared methods.
 void register_side_test_benchmarks();
 
 }  // namespace palpate::bench

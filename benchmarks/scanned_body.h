@@ -43,7 +43,7 @@ class ScannedBody {
   struct Part {
     Shape shape;
     Vec3 centre_m;
-    Vec3 half_m;     // half extents of a box; of others: radius, half height, tube radius
+    Vec3 half_m;     // half extents of a box; other shapes: radius, half height, tube radius
     int axis = 0;    // axis of a cylinder or ring
     double round_m;  // radius of its edges
   };

@@ -23,7 +23,7 @@ struct SideInput {
 // Whether the filter shared by the first two methods decides the sign.
 bool filter_decides(const SideInput& input);
 
-// 113-bit arithmetic in software. Returns 0 also if 113 bits do not decide the sign.
+// 113-bit arithmetic in software. Also returns 0 if 113 bits do not decide the sign.
 int side_float128(const SideInput& input);
 
 // The method of the engine (geometry/exact/orientation.h): pairs of doubles, then expansions. Exact

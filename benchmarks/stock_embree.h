@@ -1,8 +1,8 @@
 #pragma once
 
-// Embree without Palpate is the first library to which Palpate is compared (peer). It answers the
-// same queries in float, on its own triangle geometry, with the point query callback described in
-// Embree's tutorials.
+// Embree without Palpate is the first peer, that is, the first library with which Palpate is
+// compared. It answers the same queries as Palpate in float, on its own triangle geometry, with the
+// point query callback described in Embree's tutorials.
 
 #include <cstdint>
 #include <memory>

@@ -17,11 +17,11 @@ inline constexpr std::string_view kAccuracyColumns =
     "failure,on_front,recommended,is_default,preset";
 
 // The first line is kAccuracyColumns. One line follows for each level of each method, then one for
-// each preset. The line of a preset has the name of the preset and no method, level or value. Low
-// and high are quartiles. Numbers have 17 significant digits, so that reading them restores the
-// same doubles. Numbers are in the unit of their column; flags are 0 or 1. The numbers of a level
-// are empty if every repeat failed. Fields with commas, quotation marks or line breaks are quoted
-// (RFC 4180). Lines end with "\n".
+// each preset. The line of a preset has the name of the preset and no method, level or value. The
+// columns `*_low` and `*_high` contain quartiles. Numbers have 17 significant digits, so that
+// reading them restores the same doubles. Numbers are in the units that the columns `*_unit` state;
+// flags are 0 or 1. The numbers of a level are empty if every repeat failed. Fields with commas,
+// quotation marks or line breaks are quoted (RFC 4180). Lines end with "\n".
 std::string accuracy_csv(std::span<const KnobResult> results);
 
 // Writes the table to a file. Returns the path, or an error that names the path.

@@ -22,7 +22,7 @@ Result<std::shared_ptr<const Scene>> compile_mesh(TriangleMesh mesh, double prox
 std::shared_ptr<const Scene> mesh_scene(TriangleMesh mesh, double proxy_radius_m = 0.0,
                                         const Vec3& place_m = Vec3::Zero());
 
-// A scene that is compiled on first use and then kept. Copies share it.
+// A scene that is compiled on first use and then kept. Copies of this object share the scene.
 class LazyScene {
  public:
   explicit LazyScene(std::function<std::shared_ptr<const Scene>()> make)
@@ -42,10 +42,9 @@ class LazyScene {
   std::shared_ptr<Held> held_;
 };
 
-// The rounding of the numbers in the scene's file causes an error in positions on surfaces. This is
-// the size of that error in metres, in the scene frame. It is the float_floor_m() of the farthest
-// coordinate of a mesh in its own frame, at the scale of its node; the translations of nodes lose
-// no digits.
+// The error, in metres and in the scene frame, that the rounding of the numbers in the scene's file
+// causes in positions on surfaces. The result is the float_floor_m() of the farthest coordinate of
+// a mesh in its own frame, at the scale of its node; the translations of nodes lose no digits.
 double file_floor_m(const Scene& scene);
 
 // "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".

@@ -30,7 +30,7 @@ struct FrictionCircle {
   double discrete_radius_m(double step_s) const;
 };
 
-// In a random pose, moves the device by half a turn to let the proxy settle, and then by another
+// Moves the device, in a random pose, by half a turn to let the proxy settle, and then by another
 // half turn, which is measured. After the first half turn, exp(-pi r / L) of the initial deviation
 // is left. Sample::error: the error of the mean radius of the proxy's circle, m. Sample::time:
 // computing time for one second of contact, us.

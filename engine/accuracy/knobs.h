@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-// Each group is defined in its own file. A group takes a device description if its knobs simulate a
-// device or depend on the encoder of the device.
+// Each group is defined in its own file. The function of a group takes a device description if the
+// measurements of its knobs simulate a device or depend on the encoder of the device.
 std::vector<Knob> solver_knobs(
     const MeasurementEffort& effort);                     // iterations, tolerance, candidates
 Knob narrow_phase_knob(const MeasurementEffort& effort);  // single or double precision

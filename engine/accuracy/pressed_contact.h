@@ -1,7 +1,7 @@
 #pragma once
 
-// A hand presses a device on a virtual wall with a steady force, then with twice this force. The
-// path in continuous time is known in closed form; the path with a servo is compared with it.
+// A hand presses a device against a virtual wall with a steady force, then with twice this force.
+// The path in continuous time is known in closed form; the path with a servo is compared with it.
 
 #include <cstdint>
 

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// A section of the report that the caller provides. It stands before the knobs.
+// A section that the caller adds to the report. It precedes the knobs.
 struct ReportSection {
   std::string title;
   std::string html;  // inserted unchanged; html.h has html_escaped() and inline_svg()

@@ -17,8 +17,8 @@ struct SurfaceCoupling {
   std::string name;  // of the material, or "surfaces without their own"
   CouplingSettings coupling;
   // Largest curvature of the relief along the axes of the image, 1/m; 0 without a texture. A relief
-  // h(x) pressed to the depth d acts along the surface as a spring of K d h'', in addition to K.
-  // For a wave of amplitude a and length L, the curvature is a (2 pi / L)^2.
+  // h(x) pressed to the depth d acts along the surface like a spring of stiffness K d h'', in
+  // addition to K. For a wave of amplitude a and length L, the curvature is a (2 pi / L)^2.
   double relief_per_m = 0.0;
 
   // The largest stiffness rendered at this depth.

@@ -21,8 +21,8 @@ int refuse(const Error& error);
 void print(const nlohmann::ordered_json& json);
 
 // Flushes stdout and prints the warnings on stderr, one per line. Returns the exit code. Lost
-// output (for example because of a full disk) counts as an error. Call it last, because a command
-// that fails prints only one line on stderr, and this line is the error.
+// output (for example because of a full disk) counts as an error. Call this function last, because
+// a command that fails prints only one line on stderr, and this line is the error.
 int finish_output(const std::vector<std::string>& warnings = {});
 
 // Returns an error if stdout is closed, is open for reading only, or is a full device. A disk may

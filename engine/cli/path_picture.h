@@ -14,9 +14,9 @@ namespace palpate {
 inline constexpr std::size_t kLargestPicture = 300'000;
 
 // Draws an SVG file with gnuplot. It shows the device paths of one or two runs, the contour or path
-// that the hand followed, and the contact angle over time. The paths are in the device frame, seen
-// against A3, with A1 upwards and A2 to the left; both runs have the same scale. The title is the
-// scene's name; the legend names the actuated axis or plane.
+// that the hand followed, and the contact angle over time. The paths are in the device frame,
+// viewed in the direction of -A3, with A1 upwards and A2 to the left; both runs have the same
+// scale. The title is the scene's name; the legend names the actuated axis or plane.
 //
 // Curves are simplified. A drawn line deviates by at most 0.4 px from the recorded one. The curve
 // of the angle deviates by at most another 0.5 px along the time axis. The bound of 0.4 px is

@@ -19,13 +19,13 @@ enum class SignalPhase : std::uint8_t {
   kDeferred  // every signal sets signal_flag(), for steps that must not be interrupted
 };
 
-// Call it once, at the start of the program; the phase is then kAtOnce. SIGINT and SIGTERM are
-// handled even if they are ignored at the start, as in background jobs of shells. A SIGHUP that is
-// ignored at the start stays ignored, as nohup requires. After the call, a write beyond the file
-// size limit fails, but does not end the program.
+// Call this function once, at the start of the program; the phase is then kAtOnce. SIGINT and
+// SIGTERM are handled even if they are ignored at the start, as in background jobs of shells. A
+// SIGHUP that is ignored at the start stays ignored, as nohup requires. After the call, a write
+// beyond the file size limit fails, but does not end the program.
 void install_signal_handlers();
 
-// Sets the phase during its lifetime; the destructor restores the previous phase.
+// Sets the phase for the lifetime of this object; the destructor restores the previous phase.
 class SignalPhaseScope {
  public:
   explicit SignalPhaseScope(SignalPhase phase);

@@ -24,15 +24,15 @@ struct RunAdvice {
 // with parts that are small compared with the press depth), and last the removal of the user's
 // --place, --plane-height and --actuated-axes. Returns the first options whose runs are comparable.
 // Otherwise returns the options with which the proxy covered the largest share of the path, if this
-// share exceeds that of the original runs by 5 % of the path. A request to stop ends the search;
-// the result so far is returned. Not for the haptic thread.
+// share exceeds that of the original runs by more than 5 % of the path. A request to stop ends the
+// search; the result so far is returned. Not for the haptic thread.
 std::optional<RunAdvice> advise_run(const RunRequest& command, const PreparedRun& prepared,
                                     const std::vector<ExplorationRun>& runs,
                                     const Progress& progress, const StopFlag* stop = nullptr);
 
-// A text that states that the runs are not comparable, the reasons, and the advice. Empty if the
-// runs are comparable. Interrupted runs are not judged. is_search_cut: whether advise_run() was
-// stopped or not called.
+// A text that states that the runs are not comparable, and gives the reasons and the advice. Empty
+// if the runs are comparable. Interrupted runs are not judged. is_search_cut: whether advise_run()
+// was stopped or not called.
 std::string judgement_text(const std::vector<ExplorationRun>& runs,
                            const std::optional<RunAdvice>& advice, bool is_search_cut);
 
