@@ -33,7 +33,7 @@ void add_workspace(CLI::App& app, DeviceDescription& device);
 // no heading in the help yet; the caller sets it.
 std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
 void add_touch(CLI::App& app, RunSettings& settings);
-// Adds --table1 and --a4-step. Call it after --a4 has been added.
+// Adds --table1 and --a4-step. Call this function after --a4 has been added.
 void add_rotation(CLI::App& app, RunSettings& settings);
 void add_output(CLI::App& app, RunSettings& settings, bool& json);
 

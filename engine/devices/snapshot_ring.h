@@ -36,8 +36,8 @@ class SnapshotRing {
   }
 
   // Copies the newest value to `value` and returns true. Returns false and leaves `value` unchanged
-  // if no value was published yet or if the thread was suspended twice while the writer published
-  // kSlots values.
+  // if no value has been published yet or if the thread was suspended twice while the writer
+  // published kSlots values.
   bool read(T& value) const noexcept {
     for (int attempt = 0; attempt < 2; ++attempt) {
       const std::uint64_t stamp = latest_.load(std::memory_order_acquire);

@@ -30,9 +30,9 @@ struct PanelPlace {
   std::string screen(double x, double y) const;
 };
 
-// The colour, the point symbol and the complete gnuplot style of the n-th curve (n = 0, 1, ...).
-// The point symbol is a number of gnuplot. This number stands for the filled symbol, and the number
-// before it for the open symbol.
+// The colour, the point symbol and the complete gnuplot style of the n-th curve (n = 0, 1, ...). A
+// point symbol is given by its number in gnuplot. This number denotes the filled symbol, and the
+// number before it denotes the open symbol.
 const char* curve_colour(std::size_t curve);
 int curve_point(std::size_t curve);
 std::string curve_style(std::size_t curve);

@@ -21,8 +21,8 @@ class PlotAxis {
   };
 
   void see(double value);
-  // Sees a whisker. A whisker is the line from `low` to `high` through a point. The part of a
-  // whisker that lies far beyond all values is cut off.
+  // Takes a whisker into account. A whisker is the line from `low` to `high` through a point. The
+  // part of a whisker that lies far beyond all values is cut off.
   void see_whisker(double low, double high);
   // Chooses the range, the ticks and the displayed unit; `unit` is the unit of the values.
   void settle(const std::string& unit);

@@ -14,9 +14,9 @@ namespace palpate {
 // The file appears under its name when finish() succeeds, and replaces its predecessor. Until then,
 // the text is in memory and in a temporary file in the same folder. The name of the temporary file
 // ends with ".part"; the destructor removes this file. If a killed process has left a temporary
-// file, the next create() for the same path removes it. If the path is not a regular file but, for
-// example, a pipe or a terminal, the text is written to it directly. Not for the haptic thread,
-// because it does I/O. Only one thread may use an object.
+// file, the next create() for the same path removes it. If the path does not denote a regular file
+// but, for example, a pipe or a terminal, the text is written directly to this pipe or terminal.
+// Not for the haptic thread, because it does I/O. Only one thread may use an object.
 class WholeFile {
  public:
   // Returns an error if the file cannot be created.
@@ -29,8 +29,8 @@ class WholeFile {
   // Adds text to the file. finish() reports write errors. Text added after finish() is discarded.
   void add(std::string_view text);
 
-  // Returns an error if any byte could not be written; the previous file is then unchanged. Call it
-  // once.
+  // Returns an error if any byte could not be written; the previous file is then unchanged. Call
+  // this function once.
   std::optional<Error> finish();
 
  private:

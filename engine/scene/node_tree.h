@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-// Returns the index of the node with this name. Because names may repeat, `name` may also be a
-// number in the file, such as "#7". Error::element contains `name`. Thread-safe.
+// Returns the index of the node with this name. Because names may repeat, `name` may also be the
+// number of a node in the file, such as "#7". Error::element contains `name`. Thread-safe.
 Result<std::uint32_t> find_node(std::span<const TreeNode> tree, const std::string& name);
 
 // The tree is in depth-first order, so that [node, end_of_subtree) is the subtree of a node.

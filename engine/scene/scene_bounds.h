@@ -17,9 +17,9 @@ std::vector<Box> bounding_boxes(const std::vector<WeldedSurface>& meshes);
 
 // The bounding box of all nodes in the scene frame, in metres. The vertices of each node determine
 // the box, with two exceptions. First, a node is skipped if its own box lies inside the bounds
-// found so far; of ten thousand instances, most are skipped. Second, the box of a node is used
-// instead of its vertices if, with them, more than kMostExactVertices vertices would be examined in
-// total.
+// found so far; most of ten thousand instances, for example, are skipped. Second, the box of a node
+// is used instead of its vertices if the vertices would raise the number of all examined vertices
+// above kMostExactVertices.
 Box bounds_in_scene(const std::vector<WeldedSurface>& meshes, const std::vector<Box>& boxes,
                     const std::vector<NodeDescription>& nodes);
 

@@ -20,11 +20,11 @@ namespace palpate {
 // The input of an index: a mesh and the map to the index frame.
 //
 // The index frame is the mesh frame, moved to the middle of the mesh and scaled by a power of two
-// so that the mesh has size 1. Therefore the rounding to single precision does not depend on the
-// unit of length of the mesh, and the scaling itself rounds no coordinate. If all nodes deform a
-// mesh in the same way, apart from the size, the index contains the deformed mesh. If a body is
-// tiny relative to the scene, its index has a longer unit, because the scene, measured in the usual
-// unit, would exceed the range of single precision.
+// so that the largest extent of the mesh is between 1/2 and 1. Therefore the rounding to single
+// precision does not depend on the unit of length of the mesh, and the scaling itself rounds no
+// coordinate. If all nodes deform a mesh in the same way, apart from the size, the index contains
+// the deformed mesh. If a body is tiny relative to the scene, its index has a longer unit, because
+// the scene, measured in the usual unit, would exceed the range of single precision.
 struct IndexShape {
   std::uint32_t mesh;
   AffineMap map_index_mesh;
@@ -58,7 +58,7 @@ class IndexSharing {
                double sweep_radius_m, double size_m);
 
   void examine(std::uint32_t mesh, const NodePlacement& placement);
-  // Takes O(log n).
+  // Takes O(log n) time.
   IndexUse use(std::uint32_t mesh, const NodePlacement& placement);
 
   std::vector<IndexShape> take_shapes() { return std::move(shapes_); }

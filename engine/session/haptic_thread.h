@@ -42,7 +42,7 @@ class HapticThread {
   HapticThread& operator=(const HapticThread&) = delete;
 
   // Starts the session and the thread, and returns the real-time scheduling that the system
-  // granted. Call it once.
+  // granted. Call this function once.
   RealtimeStatus start();
   // Ends the thread after the current tick and waits for its end.
   void stop();

@@ -67,7 +67,7 @@ class NodeMotions final : public WorldMover {
 };
 
 // A motion with constant velocity and angular velocity. At time 0 the node has its pose in the
-// file; it rotates about its origin in that pose.
+// file; it rotates about the point where its origin lies in that pose.
 struct SteadyMotion {
   std::string node;
   Vec3 velocity_m_per_s = Vec3::Zero();

@@ -1,6 +1,7 @@
 #pragma once
 
-// The settings of a run, and the setup of haptic loop and simulated hand that results from them.
+// The settings of a run, and the setup of the haptic loop and the simulated hand that results from
+// these settings.
 
 #include <cstdint>
 #include <optional>
@@ -18,8 +19,8 @@ namespace palpate {
 // The settings of a run. make_setup() checks them.
 struct RunSettings {
   int sensors = 3;
-  // The number of actuators. If there is no value, it is the size of actuated_axes, or
-  // default_actuators if that list is empty; in both cases it is at most `sensors`.
+  // The number of actuators. If there is no value, the number is the size of actuated_axes or, if
+  // that list is empty, the smaller of default_actuators and `sensors`.
   std::optional<int> actuators;
   int default_actuators = 3;
   std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
@@ -41,8 +42,8 @@ struct RunSettings {
   ScenePose place;                       // T_device_scene at the start
   std::vector<SteadyMotion> moves;
   bool effect_times = false;
-  // The settings above replace the sensed axes, the motors and the rate of this description.
-  // encoder_quantum_m replaces its encoder quantum if it has a value.
+  // The settings above replace the sensed axes, the motors and the rate of this description. If
+  // encoder_quantum_m has a value, this value replaces the encoder quantum of the description.
   DeviceDescription device = light_device();
 };
 

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// Requests the orderly end of a long computation. Any thread or signal handler may set it.
+// Requests the orderly end of a long computation. Any thread or signal handler may set the flag.
 class StopFlag {
  public:
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }

@@ -28,7 +28,7 @@ struct FreeChain {
 
 struct FreeChains {
   std::vector<FreeChain> chains;
-  double merged_m;  // points nearer than this are merged, see planar_pieces()
+  double merged_m;  // points at most this far apart are merged, see planar_pieces()
   bool gave_up;     // planar_pieces() gave up, and chains is empty
 };
 

@@ -14,20 +14,20 @@
 
 namespace palpate {
 
-// One thread owns a session; its haptic thread may be another one (HapticThread).
+// One thread owns a session; the haptic thread of the session may be another thread (HapticThread).
 class HandSession {
  public:
-  // The caller has checked setup and plant (check_setup, check_plant). start_scene_m: where hand
-  // and device rest at time 0, scene frame. observers: called in every tick, before the hand sees
-  // its record. All references must outlive the session. An error if a node that setup.moves names
-  // does not exist.
+  // The caller must have checked setup and plant (check_setup, check_plant). start_scene_m: the
+  // point where the hand and the device rest at time 0, scene frame. observers: called in every
+  // tick, before the hand sees the record of the tick. All references must outlive the session.
+  // Returns an error if a node that setup.moves names does not exist.
   static Result<std::unique_ptr<HandSession>> create(const Scene& scene, const RunSetup& setup,
                                                      const PlantSettings& plant, HandPlan& plan,
                                                      const Vec3& start_scene_m,
                                                      std::vector<TickObserver*> observers);
 
   // Runs ticks in simulated time, as fast as possible, then commands zero force. Ends after `most`
-  // ticks, or when is_over(n) returns true, which is asked before the n-th tick (n = 0, 1, ...).
+  // ticks, or when is_over(n) returns true. is_over(n) is called before tick n (n = 0, 1, ...).
   // Returns the number of ticks.
   template <typename IsOver>
   std::uint64_t run_simulated(std::uint64_t most, const IsOver& is_over) {
