@@ -1,6 +1,6 @@
 #pragma once
 
-// The section curves of the surfaces of a scene with a plane.
+// The curves in which a plane cuts the surfaces of a scene.
 
 #include <cstdint>
 #include <vector>

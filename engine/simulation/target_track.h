@@ -39,8 +39,8 @@ class TargetTrack {
   std::size_t leg_at(double along_m) const;
 
   // Converts a length along the track to the corresponding length along the path, and back. leg:
-  // the leg of the track on which the place lies. Between the ends of a leg, one length is a linear
-  // function of the other.
+  // the leg of the track that contains the point at this length. Between the ends of a leg, one
+  // length is a linear function of the other.
   double along_m(std::size_t leg, double track_m) const;
   double track_m(std::size_t leg, double along_m) const;
 

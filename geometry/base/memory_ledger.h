@@ -43,9 +43,9 @@ class MemoryLedger {
   // Begins a step on an element, for example "building the index" on "mesh \"cup\"".
   void begin(const char* step, std::string element = {});
 
-  // Counts need.kept for the present step, before the step allocates it. If the step needs more
-  // than is left, returns an Error (kLimitExceeded) with limit, step and element, and counts
-  // nothing.
+  // Counts need.kept for the present step, before the step allocates it. Returns an Error
+  // (kLimitExceeded) with limit, step and element, and counts nothing, if the step needs more than
+  // is left.
   [[nodiscard]] std::optional<Error> take(const MemoryNeed& need);
   [[nodiscard]] std::optional<Error> take(std::uint64_t bytes) { return take({bytes, bytes}); }
   // Checks memory that the present step needs temporarily. Counts nothing.
@@ -76,10 +76,9 @@ inline bool is_memory_shortage(const std::system_error& error) {
          error.code() == std::errc::resource_unavailable_try_again;
 }
 
-// Calls work(), which returns a Result or an optional Error, and returns its value. If work()
-// throws because memory is short, returns the Error of the ledger's present step instead. The
-// ledger must be constructed before the objects of work(), so that their memory is free when the
-// Error is made.
+// Calls work(), which returns a Result or an optional Error, and returns its value. Instead returns
+// the Error of the ledger's present step if work() throws because memory is short. The ledger must
+// be constructed before the objects of work(), so that their memory is free when the Error is made.
 template <typename Work>
 std::invoke_result_t<const Work&> or_out_of_memory(const MemoryLedger& ledger, const Work& work) {
   try {

@@ -38,8 +38,8 @@ class SpareCore {
   bool is_taken_;
 };
 
-// Calls work() on a new thread. If the system lacks memory or threads, does not call work() and
-// returns an invalid future.
+// Calls work() on a new thread. Returns an invalid future, and does not call work(), if the system
+// lacks memory or threads.
 template <typename Work>
 std::future<void> start_thread(const Work& work) {
   try {
@@ -50,8 +50,9 @@ std::future<void> start_thread(const Work& work) {
   return {};
 }
 
-// Calls first() and second(), in parallel if a core is free. Returns when both have returned. If
-// one of them throws, rethrows its exception; if both throw, rethrows that of first().
+// Calls first() and second(), in parallel if a core is free. Returns when both have returned.
+// Rethrows the exception of the function that throws; if both throw, the exception of first() is
+// rethrown.
 template <typename First, typename Second>
 void run_both(const First& first, const Second& second) {
   SpareCore core;

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// The text, cut to 120 bytes and "..." if it is longer.
+// The text; if it is longer than 120 bytes, its first 120 bytes and "...".
 inline std::string shortened(const std::string& text) {
   constexpr std::size_t kMaxLength = 120;
   return text.size() > kMaxLength ? text.substr(0, kMaxLength) + "..." : text;

@@ -19,8 +19,8 @@ namespace palpate {
 // area.
 bool exactly_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
 
-// The unit normal of the triangle a, b, c, counter-clockwise from its front. However thin the
-// triangle is, each component has a relative error of a few ulp (unless it is below 1e-300).
+// The unit normal of the triangle a, b, c, counter-clockwise from its front. Each component has a
+// relative error of a few ulp (unless the component is below 1e-300), however thin the triangle is.
 // Requires !exactly_collinear(a, b, c).
 Vec3 accurate_unit_normal(const Vec3& a, const Vec3& b, const Vec3& c);
 

@@ -5,8 +5,8 @@
 namespace palpate {
 
 // A position on a straight segment as a fraction of its length: 0 at the start, 1 at the end.
-// `Segment` is a tag type that names the segment. The tag prevents mixing fractions of different
-// segments, for example of a query segment and of the part of it that a search is limited to.
+// `Segment` is a tag type that names the segment. The tag prevents the mixing of fractions of
+// different segments, for example of a query segment and of the part to which a search is limited.
 template <typename Segment>
 class FractionOf {
  public:

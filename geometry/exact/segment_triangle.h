@@ -8,17 +8,17 @@
 
 namespace palpate {
 
-// Bound on the rounding of a height normal . (p - a) as computed here, relative to |p - a|_1. Three
-// subtractions, three products and two sums give 6 roundings, and the unit normal has an error of
-// 4; the bound is twice their sum because of second-order terms.
+// Bound on the rounding error of a height, normal . (p - a), as computed here, relative to |p -
+// a|_1. Three subtractions, three products and two sums give 6 roundings, and the unit normal has
+// an error of 4 roundings; the bound is twice their sum because of second-order terms.
 inline constexpr double kHeightRoundoff = 20 * kUnitRoundoff;
 
-// The result of crossing the closed segment from p to q with a closed triangle.
+// The intersection of the closed segment from p to q with a closed triangle.
 struct SegmentCrossing {
   enum class Kind : std::uint8_t {
     kMiss,     // no common point
     kThrough,  // enters the triangle from one side of its plane
-    kEdgeOn,   // lies in its plane and enters across an edge
+    kEdgeOn,   // lies in the triangle's plane and enters across an edge
     kWithin    // starts on the triangle
   };
   Kind kind = Kind::kMiss;
@@ -31,9 +31,9 @@ struct SegmentCrossing {
   SignWork signs;
 };
 
-// Crosses the closed segment p q with the closed triangle t. Any frame, metres. Whether they meet,
-// and from which side, is decided exactly, for the plane through the three corners. Fraction, edge
-// and heights are rounded. noexcept, no allocation.
+// Intersects the closed segment p q with the closed triangle t. Any frame, metres. The function
+// decides exactly whether they meet and from which side, for the plane through the three corners.
+// Fraction, edge and heights are rounded. noexcept, no allocation.
 SegmentCrossing cross_segment(const TriangleGeometry& t, const Vec3& p, const Vec3& q) noexcept;
 
 }  // namespace palpate

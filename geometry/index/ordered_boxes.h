@@ -15,7 +15,8 @@ namespace palpate {
 inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // number of boxes in a BoxPack
 
 // The method of a search near a point. Embree is fast if few boxes are near, but its search cannot
-// be stopped while many boxes contain the point. A search in order of numbers can stop at any box.
+// be stopped before it has visited all boxes that contain the point. A search in order of numbers
+// can stop at any box.
 enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };
 
 // An immutable tree over groups of sixteen boxes (BoxPack). One BoxPack of the next level holds the

@@ -1,7 +1,7 @@
 #pragma once
 
 // Spatial queries on a surface: Embree finds clusters of triangles, and tests in double precision
-// decide.
+// determine the results.
 
 #include <cstddef>
 #include <cstdint>
@@ -50,13 +50,13 @@ struct StretchedBall {
 // are close to each other and form cluster n.
 struct PackedSurface {
   FixedArray<TrianglePack> packs;
-  FixedArray<Box> boxes;                   // of the packs; an index frees them
+  FixedArray<Box> boxes;                   // of the packs; an index frees these boxes
   FixedArray<TriangleGeometry> triangles;  // one per slot, in double: used for decisions
   FixedArray<std::uint32_t> faces;         // one per slot: face of the mesh
 };
 
-// A segment visitor returns kNothingMore to end the search completely. In that case, even further
-// packs at the start of the segment are not visited.
+// A segment visitor returns kNothingMore to end the search completely. In that case, no further
+// pack is visited, not even at the start of the segment.
 inline constexpr QueryFraction kNothingMore{-1.0};
 
 // Receives up to sixteen packs near a segment. Returns the fraction of the segment up to which the
@@ -68,8 +68,8 @@ using PackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t
 // ascending order, and all packs before them have been visited. Must not throw.
 using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::uint32_t> packs,
                                              bool in_order);
-// Receives a pack. Returns the bounds around the query point in which the search should continue.
-// Must not throw.
+// Receives a pack. Returns the bounds around the query point within which the search should
+// continue. Must not throw.
 using NearestPackVisitor = StretchedBall (*)(void* state, std::uint32_t pack);
 // Receives up to sixteen packs in ascending order. Returns whether the search should continue. Must
 // not throw.
@@ -97,8 +97,8 @@ class SurfaceIndex {
   SurfaceIndex(SurfaceIndex&&) noexcept;
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
 
-  // The nearest surface point within radius_m of p. Of equally near faces, the first one found is
-  // returned.
+  // The nearest surface point within radius_m of p. If several faces are equally near, the first
+  // one found is returned.
   std::optional<SurfacePoint> closest_point(const Vec3& p, double radius_m) const noexcept;
 
   // The first point where the closed segment from p to p + d meets a closed triangle.
@@ -110,7 +110,7 @@ class SurfaceIndex {
   std::size_t packs_near(const Vec3& p, double radius_m, std::span<std::uint32_t> packs,
                          NearSearch search = NearSearch::kWithEmbree) const noexcept;
 
-  // As packs_near() above, but for all packs whose boxes meet a stretched ball around p.
+  // Like packs_near() above, but for all packs whose boxes meet a stretched ball around p.
   std::size_t packs_near(const Vec3& p, const StretchedBall& ball, std::span<std::uint32_t> packs,
                          NearSearch search) const noexcept;
   // Visits the packs that meet a stretched ball around p, roughly nearest first. Each call of the
@@ -132,8 +132,8 @@ class SurfaceIndex {
   // for this order, it is used only for the packs near a first part of the segment. After them, all
   // packs are visited in ascending order.
   //
-  // Unlike the order of Embree's tree, the visited packs and their grouping do not depend on the
-  // instruction set. Returns the number of packs that a search found but did not visit because
+  // The visited packs and their grouping do not depend on the instruction set, whereas the order of
+  // Embree's tree does. Returns the number of packs that a search found but did not visit because
   // there were too many. This number is a measure of the additional work.
   std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
                                 std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
@@ -169,8 +169,8 @@ class SurfaceIndex {
   double sweep_radius_m() const { return sweep_radius_m_; }
   // Upper limit for every sweep radius, because Embree ignores boxes that extend beyond 1.8e18.
   static constexpr double kLargestSweep_m = 1e18;
-  // The memory needed for an index of this number of triangles. Its kept bytes are those that
-  // memory() reports.
+  // The memory needed for an index of this number of triangles. The kept bytes of the result are
+  // those that memory() reports.
   static MemoryNeed memory_need(std::uint64_t triangles);
   MemoryBreakdown memory() const;
   std::size_t memory_bytes() const { return memory().total(); }

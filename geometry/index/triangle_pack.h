@@ -19,9 +19,9 @@ struct alignas(64) TrianglePack {
 
   double centre_m[3];  // index frame
   double per_metre;    // a power of two
-  // Bound, in local units, on the part of the rounding of p - centre_m in double that the magnitude
-  // of the centre causes. It is significant only for a pack whose distance from the origin is more
-  // than 1e8 times its size.
+  // Bound, in local units, on the rounding error that the magnitude of the centre causes when p -
+  // centre_m is computed in double. It is significant only for a pack whose distance from the
+  // origin is more than 1e8 times its size.
   float centre_roundoff;
   std::int32_t count;
 
@@ -55,8 +55,8 @@ struct PackLanes {
   std::uint32_t lanes;
 };
 
-// The lanes of one pack that a moving sphere may reach during a step, and the earliest time of
-// each.
+// The lanes of one pack that a moving sphere may reach during a step, and bounds on the earliest
+// time at which it reaches each.
 struct alignas(64) PackApproach {
   std::uint32_t pack;
   std::uint32_t lanes;

@@ -2,8 +2,8 @@
 
 // Reconstructs the heights of a surface from its normal map.
 //
-// Rows count from the top and columns from the left, as in an image. Lengths are in texels, which
-// are assumed to be square. Load time only: the functions allocate. Thread-safe.
+// Rows are counted from the top and columns from the left, as in an image. Lengths are in texels,
+// which are assumed to be square. Load time only: the functions allocate. Thread-safe.
 
 #include <array>
 #include <cstdint>

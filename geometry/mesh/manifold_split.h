@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-// The copied vertices and the corners that use them. Both are rare.
+// The copies of vertices and the corners that use the copies. Both are rare.
 struct ManifoldSplit {
   struct Corner {
     std::uint32_t corner;  // 3 f + i: corner i of face f

@@ -40,13 +40,13 @@ struct PlanarPieces {
 // than merged_m apart. Segments that cross, touch or overlap within half of merged_m share
 // vertices; pieces that coincide share both vertices. A closed chain of segments stays closed.
 //
-// merged_m is 2^-20 of the extent. This is about sixteen times the rounding of coordinates in
-// single precision; parts of a model coincide only up to this rounding. merged_m is larger if the
-// rounding of largest_m requires it. largest_m: the largest coordinate from which the segments were
-// computed.
+// merged_m is 2^-20 of the largest extent of the segments. This is about sixteen times the rounding
+// of coordinates in single precision; parts of a model coincide only up to this rounding. merged_m
+// is larger if the rounding of largest_m requires it. largest_m: the largest coordinate from which
+// the segments were computed.
 //
-// Deterministic. O(n log n); for n segments, gives up if more than ten million + 32 n pairs of
-// bounding boxes overlap, or if more than one million + 32 n vertices arise.
+// Deterministic. O(n log n) for n segments. The function gives up if more than ten million + 32 n
+// pairs of bounding boxes overlap, or if more than one million + 32 n vertices arise.
 PlanarPieces planar_pieces(const std::vector<PlanarSegment>& segments, double largest_m);
 
 }  // namespace palpate

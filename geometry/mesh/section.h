@@ -18,7 +18,7 @@ struct Polyline {
 // closed polyline.
 double length_m(const Polyline& polyline);
 
-// Cuts triangles by the plane plane_normal . x = plane_offset_m.
+// Cuts triangles with the plane plane_normal . x = plane_offset_m.
 //
 // positions: finite, metres, welded, for example SurfaceMesh::welded_positions() with faces().
 // Welding is required because segments are chained through shared edges, which are identified by
