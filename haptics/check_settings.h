@@ -49,11 +49,11 @@ inline double farthest_sample_m(double world_extent_m,
 }
 
 // The largest lag that good samples can give. The goal is within farthest_sample_m() of the
-// device's origin, and the scene's middle is within a 2^26th of that distance; therefore, the goal
-// is less than two such distances from the middle. The proxy is at an earlier goal or touches a
-// surface; therefore, it is also less than two such distances from the middle. The lag is less than
-// the sum, four such distances. (A4 moves the scene by less than this, and kLargestForce_N leaves
-// half of the exponents in reserve.) In metres.
+// device's origin, and the scene's middle is at most 2^-26 times that distance from the same
+// origin; therefore, the goal is less than two such distances from the middle. The proxy is at an
+// earlier goal or touches a surface; therefore, it is also less than two such distances from the
+// middle. The lag is less than the sum, four such distances. (A4 moves the scene by less than this,
+// and kLargestForce_N leaves half of the exponents in reserve.) In metres.
 double largest_lag_m(const ContactWorld& world, const RigidTransform& T_device_scene) noexcept;
 
 // The limit of the coupling's force under valid settings. It uses half of the exponent range of

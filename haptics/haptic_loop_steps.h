@@ -1,8 +1,8 @@
 #pragma once
 
 // Actions 2 to 6 of a tick, as templates for the files that compile them with and without effects.
-// Each union of needs has its own instance: a world without effects executes no instruction that
-// serves an effect.
+// Each union of needs has its own instance: in a world without effects, no instruction that serves
+// an effect is executed.
 
 #include "haptics/effects/rendered_force.h"
 #include "haptics/haptic_loop.h"
@@ -52,8 +52,8 @@ void HapticLoop::run_actions(double dt_s) {
   apply_elementary_rotation(theoretical, dt_s);               // action 6
 }
 
-// Action 3: the god-object follows the device point and stops at surfaces. The first good sample
-// places it.
+// Action 3: the god-object follows the device point and stops at surfaces. At the first good
+// sample, the god-object is placed at the device point.
 template <std::uint32_t kNeeds>
 inline void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));

@@ -37,8 +37,8 @@ class ActuationModel {
   // an Error.
   static Result<ActuationModel> from_axes(int sensors, const std::vector<Vec3>& axes_device);
 
-  // As from_axes(), for motors that turn with the device. Safe in every tick on the haptic thread,
-  // because it does not allocate. Returns nullopt where from_axes() returns an Error.
+  // Like from_axes(), but for motors that turn with the device. Safe in every tick on the haptic
+  // thread, because it does not allocate. Returns nullopt where from_axes() returns an Error.
   static std::optional<ActuationModel> from_axes_at_pose(
       int sensors, std::span<const Vec3> axes_device) noexcept;
 
@@ -51,7 +51,8 @@ class ActuationModel {
   // direction of the first actuated axis.
   const Vec3& actuated_axis(int i) const { return basis_[static_cast<std::size_t>(i)]; }
 
-  // Orthogonal projection on the actuated span: the part of a force that the actuators can produce.
+  // Orthogonal projection onto the actuated span: the part of a force that the actuators can
+  // produce.
   Vec3 actuated_part(const Vec3& v_device) const;
 
   // Contact angle: the angle between a unit vector and the actuated line, plane or space, in [0,

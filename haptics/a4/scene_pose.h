@@ -10,9 +10,9 @@ namespace palpate {
 // T_device_scene: p_device = R(q) p_scene + o.
 using ScenePose = RigidTransform;
 
-// Turns the scene about the pivot, a point that stays in place in both frames to 2 ulp. The new
-// origin o' is solved from c = R(q') pivot + o', where c is the pivot in the device frame. The
-// pivot therefore keeps its place, regardless of the rounding of q'. The quaternion is
+// Turns the scene about the pivot, a point that stays in place in both frames to within 2 ulp. The
+// new origin o' is the solution of c = R(q') pivot + o', where c is the pivot in the device frame.
+// The pivot therefore keeps its place, regardless of the rounding of q'. The quaternion is
 // renormalised, so that its length stays within 4 ulp of 1 after any number of ticks.
 inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
                               const AxisAngle& turn) noexcept {

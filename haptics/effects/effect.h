@@ -47,8 +47,8 @@ enum class EffectStage : std::uint8_t {
 };
 inline constexpr std::size_t kEffectStageCount = 5;
 
-// The inputs that an effect needs. The union over all effects of a scene selects the step that its
-// ticks run, so that inputs that no effect uses are not computed.
+// The inputs that an effect needs. The union of these needs over all effects of a scene selects the
+// step that runs in every tick, so that inputs that no effect uses are not computed.
 enum EffectNeed : std::uint32_t {
   kNeedsNothing = 0,
   kNeedsContact = 1u << 0,       // runs the tables of the materials in contact
@@ -68,7 +68,7 @@ inline constexpr std::uint32_t kStepNeeds =
 // A face that the proxy touches: its body and its material.
 struct Touch {
   std::uint32_t body = 0;
-  std::uint32_t material = 0;  // of the effect program
+  std::uint32_t material = 0;  // number of the material in the effect program
   Vec3 normal = Vec3::Zero();  // unit, of the unshaded face; solver frame
 };
 

@@ -40,7 +40,7 @@ struct EffectCounters {
   std::array<std::int64_t, kMostEffects> time_ns{};
 };
 
-// Runs the effects of one haptic loop: it holds their current parameters and their states. A tick
+// Runs the effects of one haptic loop, and holds their current parameters and their states. A tick
 // runs the stages in order: friction_cone() as often as the solver needs it, then
 // evaluate_contact(), contact_force_N() and surroundings_force_N().
 //
@@ -53,15 +53,16 @@ class EffectRunner {
                bool measures_time);
 
   // True if, on the proxy's path to the goal, the proxy cannot meet a surface with effects or enter
-  // the range of an effect. In that case, the tick is the same as without effects. The answer uses
-  // the last update_far_reach() and is valid while the proxy stays near the place of that call.
+  // the range of an effect. In that case, the tick is the same as without effects. The result
+  // depends on the last update_far_reach() and is valid while the proxy stays near its position at
+  // that call.
   bool is_far_from_all(const LiveWorld& world, const Vec3& proxy, const Vec3& goal) const noexcept {
     const double reach_m2 = far_reach_m_ * far_reach_m_;
     return (goal - far_centre_).squaredNorm() < reach_m2 &&
            (proxy - goal).squaredNorm() < reach_m2 && world.moving().empty();
   }
-  // Call at the end of each tick for which is_far_from_all() was false. touch_m: the largest
-  // distance of a face that the proxy touches.
+  // Call this function at the end of each tick for which is_far_from_all() returned false. touch_m:
+  // the largest distance of a face that the proxy touches.
   void update_far_reach(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept {
     if (active_ != 0 || program_->everywhere.count != 0 || --ticks_to_search_ > 0) return;
     find_far_reach(world, proxy, touch_m);
@@ -83,13 +84,14 @@ class EffectRunner {
   // Runs stage kForceAdd for the contact of the last evaluate_contact().
   Vec3 contact_force_N(const ProxyState& state, const ContactResponse& response,
                        const EffectMotion& motion) noexcept;
-  // Runs stage kSurroundings. state: of this tick, in contact or not. normal: unit contact normal
-  // as rendered, zero without contact.
+  // Runs stage kSurroundings. state: the state in this tick, in contact or not. normal: unit
+  // contact normal as rendered, zero without contact.
   Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
                             const EffectMotion& motion) noexcept;
 
   // Replaces the parameters of one effect of a material. call: index into the program's calls.
-  // parameters: all bytes of the effect's Parameters. Call on the thread that owns the runner.
+  // parameters: all bytes of the effect's Parameters. Call this function on the thread that owns
+  // the runner.
   void set_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept;
 
   // Resets all effect states to their initial values.
@@ -130,7 +132,8 @@ class EffectRunner {
 
   EffectTick tick_;  // input and output of the effects, reused
 
-  // Boxes around bodies that have effects. If there are too many, the last box covers several.
+  // Boxes around bodies that have effects. If there are too many bodies, the last box covers
+  // several of them.
   std::vector<Box> boxes_;
   // No effect is within twice far_reach_m_ of far_centre_. If the goal is within far_reach_m_ of
   // far_centre_ and the proxy is within far_reach_m_ of the goal, the path does not leave the

@@ -8,8 +8,8 @@
 namespace palpate {
 
 // Returns the virtual coupling's force on the hand, solver frame, N. Its terms are computed in the
-// order of the stages. With d the penetration depth, h the height of the surface, N the contact
-// normal and t the proxy's tangential lag:
+// order of the stages. In these terms, d is the penetration depth, h is the height of the surface,
+// N is the contact normal and t is the proxy's tangential lag:
 //
 //     normal      K (d + h) + B u_n      stiffness, damping, texture
 //     tangential  K t + B u_t            friction limits it: to mu_k times the normal force while

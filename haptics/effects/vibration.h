@@ -14,8 +14,8 @@ namespace palpate {
 // contact or only while it slides. This is open-loop vibration feedback (Okamura, Dennerlein and
 // Howe 1998, "Vibration feedback models for virtual environments"). The amplitude rises over the
 // first period. It falls over one period when sliding ends, and at once when the contact ends. The
-// force may attract the hand by up to its amplitude. A frequency of half the tick rate or more is
-// not rendered, because it would alias to another one.
+// force may attract the hand with a strength of up to its amplitude. A frequency of half the tick
+// rate or more is not rendered, because it would alias to another one.
 struct VibrationEffect {
   static constexpr std::string_view kName = "vibration";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;

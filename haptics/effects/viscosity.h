@@ -30,12 +30,12 @@ struct MediumRegion {
 // Viscous drag in a medium: F = -b v, with v the velocity of the device point in the scene. This is
 // the virtual damper of Colgate and Brown 1994 ("Factors affecting the Z-width of a haptic
 // display") without a wall. The medium inside a closed surface acts on a proxy inside the surface,
-// and not on a proxy that is pressed against the surface from outside. Each tick dissipates
-// b |dx|^2 / T of the hand's work, where T is the length of the tick and dx the motion in it. A
-// device of mass m stays stable for about b < m / T.
+// and not on a proxy that is pressed against the surface from outside. In each tick, the drag
+// dissipates b |dx|^2 / T of the hand's work, where T is the length of the tick and dx the motion
+// in it. A device of mass m stays stable for about b < m / T.
 //
-// The search of a closed surface that is no obstacle has no work budget: it takes a millisecond
-// where 100,000 triangles meet in a point.
+// The search in a closed surface that is no obstacle has no work budget: it takes a millisecond
+// where 100,000 triangles meet at a point.
 struct ViscosityEffect {
   static constexpr std::string_view kName = "viscosity";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -92,8 +92,8 @@ struct ViscosityEffect {
     return false;
   }
 
-  // If the side of the last point is known, the crossings of the path from there give the side of
-  // p. If the path meets an edge, the crossings are undecided and the side is found anew.
+  // If the side of the last point is known, the crossings of the path from that point give the side
+  // of p. If the path meets an edge, the crossings are undecided and the side is found anew.
   static bool is_through(const MediumRegion& region, State& s, const Vec3& p,
                          EffectTick& tick) noexcept {
     const Box& box = region.index->box();

@@ -14,7 +14,7 @@ struct Push {
   std::uint32_t body = 0;
   RigidTransform T_solver_body;                  // target pose
   std::optional<Vec3> motion_plane_normal = {};  // as for GodObject::move_to()
-  bool carries = false;  // friction holds the proxy on the body, which carries it along if it can
+  bool carries = false;  // friction holds the proxy on the body: the proxy moves along if possible
 };
 
 // Moves a body from its present pose in the world to push.T_solver_body. If the body would hit the

@@ -33,17 +33,17 @@ struct EffectProgram;
 // exchanges the front and the back of a face. The factor -1 is therefore applied to directions as
 // well, so that the front of a face stays its front.
 //
-// The body frame of a stretched body has metres as its unit; its index then serves only to exclude
-// triangles that are too far away (Stretch).
+// The body frame of a stretched body has metres as its unit; the body's index then serves only to
+// exclude triangles that are too far away (Stretch).
 //
 // The member functions are safe on the haptic thread: no allocation, lock or exception.
 struct ContactBody {
   const SurfaceIndex* index;     // outlives the world
   RigidTransform T_solver_body;  // rotation and translation; the unit is separate
   bool is_identity;              // T_solver_body is exactly the identity
-  // The body's triangles in the solver frame, which decide whether a point crosses a triangle. Set
-  // only for a body that meets others along seams and has not moved since it was loaded; otherwise
-  // null. Outlives the world.
+  // The body's triangles in the solver frame, with which the solver decides whether a point crosses
+  // a triangle. Set only for a body that meets others along seams and has not moved since it was
+  // loaded; otherwise null. Outlives the world.
   const SolverCorners* corners = nullptr;
   double units_per_metre = 1.0;
   double metres_per_unit = 1.0;
@@ -141,18 +141,18 @@ struct ContactWorld {
 
 // The length thresholds of the solver. All derive from the scene's size and the format of double.
 struct SolverScale {
-  // A proxy touches a surface if it is nearer than this. The stand-off is so large that rounding
-  // can never put the proxy on the other side. The rounding of a height is at most 20 * 2^-53 * 3
-  // sizes = 7e-15 sizes (kHeightRoundoff). A stand-off of 1e-11 sizes leaves three orders of
-  // magnitude for the drift of heights over millions of ticks.
+  // A proxy touches a surface if it is nearer to the surface than the stand-off. The stand-off is
+  // so large that rounding can never put the proxy on the other side. The rounding of a height is
+  // at most 20 * 2^-53 * 3 sizes = 7e-15 sizes (kHeightRoundoff). A stand-off of 1e-11 sizes leaves
+  // three orders of magnitude for the drift of heights over millions of ticks.
   double stand_off_m;
   // A step is stopped this far from a surface. The distance is a little less than a stand-off. The
   // proxy therefore still touches the surface after a slide, even if rounding has turned the slide
   // away from the surface by a ten-thousandth of its length.
   double stop_m;
   // A point proxy ends a step at least this far from every triangle, crossed or not. If a proxy
-  // rested beside an edge at a smaller distance than rounding, rounding would hide on which side of
-  // the triangle it is.
+  // rested beside an edge at a distance smaller than the rounding error, rounding would hide on
+  // which side of the triangle the proxy is.
   double clearance_m;
 
   static constexpr double kStandOffPerSize = 1e-11;

@@ -27,12 +27,12 @@ constexpr std::size_t kMostCrossing = 32;
 
 // The largest number of planes that are intersected. Each face gives two: its own plane, and the
 // plane through its nearest point that is perpendicular to the direction from this point to the
-// proxy. Any two planes may cross.
+// proxy. Any two planes may intersect.
 constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
 constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes - 1) / 2;
 
-// The largest angle, rad, by which rounding may turn the line in which two planes cross: half the
-// digits of double.
+// The largest angle, rad, by which rounding may turn the line in which two planes intersect: half
+// the digits of double.
 constexpr double kLineRoundoff = 1e-8;
 
 // The largest number of faces near the proxy that are examined.
@@ -55,7 +55,7 @@ struct GodObject::Faces {
   std::span<const FaceContact> all() const { return std::span(contacts).first(count); }
 };
 
-// The component of the lag along the line in which two planes cross. Solver frame, m.
+// The component of the lag along the line in which two planes intersect. Solver frame, m.
 struct LineStep {
   Vec3 step;
   double length_m;
@@ -135,9 +135,9 @@ bool GodObject::leaves_wedge(Friction& friction) {
   return false;
 }
 
-// A contact beside a face is a contact with an edge or vertex of it. Tries three kinds of slides:
-// with each such contact replaced by the contact with the face's nearest point, then without one of
-// these contacts, and last without all of them.
+// A contact beside a face is a contact with an edge or vertex of the face. Tries three kinds of
+// slides: with each such contact replaced by the contact with the face's nearest point, then
+// without one of these contacts, and last without any of them.
 template <typename Friction>
 bool GodObject::slides_without_edges(const Faces& holding, Friction& friction) {
   Faces nearest = holding;
@@ -289,10 +289,10 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
   return false;
 }
 
-// Tries to slide along the lines in which any two planes around a vertex cross, whether or not the
-// proxy touches their faces. The planes are those of the faces and those of their nearest points.
-// The longest step is tried first, because it gains most, and because the free line around a hub of
-// hundreds of triangles may be late in the original order.
+// Tries to slide along the lines in which any two planes around a vertex intersect, whether or not
+// the proxy touches their faces. The planes are those of the faces and those of their nearest
+// points. The longest step is tried first, because it gains most, and because the free line around
+// a hub of hundreds of triangles may be late in the original order.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
   if (motion_plane_normal_) return false;
@@ -409,7 +409,7 @@ bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
   });
 }
 
-// Tries a step that only these contacts hold.
+// Tries a step in which only these contacts hold the proxy.
 template <typename Friction>
 bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
   plane_count_ = 0;

@@ -53,19 +53,19 @@ std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> nor
 // The parts of bearing_parts() divided by their sum.
 std::array<double, 3> bearing_shares(const Vec3& lag_m, std::span<const Vec3> normals) noexcept;
 
-// The unit direction of the line in which planes with these unit normals cross; zero if the planes
-// are parallel. If they are nearly parallel, rounding may turn the cross product in any direction.
-// Its component along `normal` is removed, so that the line leaves either plane by no more than
-// rounding.
+// The unit direction of the line in which planes with these unit normals intersect; zero if the
+// planes are parallel. If they are nearly parallel, rounding may turn the cross product in any
+// direction. The component of the product along `normal` is removed, so that the line deviates from
+// either plane by no more than rounding.
 inline Vec3 crossing_line(const Vec3& normal, const Vec3& other) noexcept {
   const Vec3 line = normal.cross(other);
   return (line - line.dot(normal) * normal).normalized();
 }
 
 // The constraint that a contact plane imposes on a proxy that keeps to a plane of motion with this
-// unit normal. The normal of the constraint lies in the plane of motion. Nullopt if the two planes
-// are parallel to within half the digits of double, because such a contact plane cannot push the
-// proxy within the plane of motion.
+// unit normal. The normal of the constraint lies in the plane of motion. Returns nullopt if the two
+// planes are parallel to within half the digits of double, because such a contact plane cannot push
+// the proxy within the plane of motion.
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,
                                          const Vec3& motion_plane_normal) noexcept;
 

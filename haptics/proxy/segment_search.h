@@ -34,10 +34,10 @@ struct SegmentTracer::Search {
   // The body being searched.
   std::uint32_t body = 0;
   const ContactBody* placed = nullptr;
-  const SolverCorners* corners = nullptr;  // set if they decide on crossings
+  const SolverCorners* corners = nullptr;  // set if crossings are decided with these corners
   Vec3 p_body, q_body;                     // the step in the body frame
   Vec3 p_index, d_index;  // the part of the step searched, index frame, rounded: for exclusion only
-  double sorted_within;   // triangles farther than this from that part are excluded, index frame
+  double sorted_within;   // index frame: triangles beyond this distance from that part are excluded
 
   bool is_resumed = false;
   bool has_begun = false;  // a batch of packs is complete, so the search may be cut short
@@ -76,7 +76,8 @@ struct SegmentTracer::Search {
 
   void enter_index(const Vec3& d_body) {
     double within_m = tracer.radius_m_ > 0.0 ? tracer.reach_m() : tracer.scale_.clearance_m;
-    // The search extends by the largest distance between the body's corners and those of its index.
+    // The search radius grows by the largest distance between the body's corners and those of its
+    // index.
     if (corners) within_m += kMostApartPerStandOff * tracer.scale_.stand_off_m;
     p_index = p_body;
     d_index = limit.value() * d_body;
@@ -115,7 +116,7 @@ struct SegmentTracer::Search {
     return true;
   }
 
-  // A resumed search tests single packs, so that it progresses with the smallest budget.
+  // A resumed search tests single packs, so that it progresses even with the smallest budget.
   std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
 
   bool consider_for_point(std::span<const std::uint32_t> packs) {

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// The meter counts every operation whose number depends on the scene, weighted by its cost. One
+// The meter counts the operations whose number depends on the scene, weighted by their cost. One
 // unit takes 10 to 20 ns on a processor at 2 to 3 GHz with no scene data in its first two cache
 // levels. The weights make this time about the same for all inputs of
 // benchmarks/worst_benchmark.cpp. The count is not a clock: processor load, other threads and the

@@ -50,9 +50,9 @@ void append_components(const tinygltf::Accessor& accessor, const std::uint8_t* e
                        std::vector<double>& values);
 
 // The elements of a VEC3 accessor. They are stored as 32-bit floats or, if integers are allowed, as
-// integers, which are converted to the values that they represent. All values are finite. An error
-// if the accessor has no element or more than max_count elements (kLimitExceeded); this is checked
-// before any allocation.
+// integers, which are converted to the values that they represent. All values are finite. Returns
+// an error if the accessor has no element or more than max_count elements (kLimitExceeded); this
+// condition is checked before any allocation.
 Result<std::vector<Vec3>> read_positions(const GltfAsset& asset, std::size_t accessor,
                                          std::size_t max_count);
 
@@ -69,21 +69,21 @@ struct GltfNumberFormat {
   const char* what;     // for messages: "weights of a skin"
 };
 
-// An error if the accessor has another format.
+// Returns an error if the accessor has another format.
 std::optional<Error> check_number_format(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format);
 
-// The components of the first count elements of an accessor, element by element. The components of
-// a matrix are in the order of its columns. All values are finite. An error if the accessor has
-// fewer elements or another format. All elements of the accessor must lie in the buffer, but only
-// count elements cost time and memory. If the accessor has no base view, its elements may be zeros.
-// The file does not store such zeros, and kMaxGltfUnstored does not count them. The caller must
-// therefore bound count by data that the file does store.
+// The components of the first `count` elements of an accessor, element by element. The components
+// of a matrix are in the order of its columns. All values are finite. Returns an error if the
+// accessor has fewer elements or another format. All elements of the accessor must lie in the
+// buffer, but only the first `count` elements cost time and memory. If the accessor has no base
+// view, its elements may be zeros. The file does not store such zeros, and kMaxGltfUnstored does
+// not count them. The caller must therefore bound `count` by data that the file does store.
 Result<std::vector<double>> read_numbers(const GltfAsset& asset, std::size_t accessor,
                                          const GltfNumberFormat& format, std::size_t count);
 
-// The number of elements of an accessor. An error if the elements are not unsigned integer scalars,
-// if they are normalised, or if there are more than max_count elements.
+// The number of elements of an accessor. Returns an error if the elements are not unsigned integer
+// scalars, if they are normalised, or if there are more than max_count elements.
 Result<std::size_t> index_count(const GltfAsset& asset, std::size_t accessor,
                                 std::size_t max_count);
 

@@ -18,15 +18,15 @@ struct Primitive;
 
 namespace palpate {
 
-// The accessor of an attribute. An error if the attribute is absent or has another length than the
-// positions. element: JSON path of the primitive. wanted_by: the reason why the attribute is
-// needed, for the message: "a node gives the mesh a skin".
+// The accessor of an attribute. Returns an error if the attribute is absent or if its length
+// differs from that of the positions. element: JSON path of the primitive. wanted_by: the reason
+// why the attribute is needed, for the message: "a node gives the mesh a skin".
 Result<std::size_t> attribute_accessor(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                        const DracoPrimitive* compressed, const std::string& element,
                                        const std::string& name, std::size_t vertex_count,
                                        const char* wanted_by);
 
-// The components of the attribute, vertex by vertex. All values are finite. An error if the
+// The components of the attribute, vertex by vertex. All values are finite. Returns an error if the
 // attribute has another format. compressed: null if the primitive is not compressed. As in
 // read_numbers(), kMaxGltfUnstored does not count zeros that the file does not store.
 Result<std::vector<double>> attribute_numbers(const GltfAsset& asset,
@@ -39,7 +39,7 @@ Result<std::vector<double>> attribute_numbers(const GltfAsset& asset,
 // from the left and of its height from the top. They are read from the attribute TEXCOORD_n; the
 // map selects the number n. KHR_texture_transform is applied to them. All values are finite. The
 // attribute contains floats or normalised unsigned integers or, with KHR_mesh_quantization, any
-// integers of 8 or 16 bits. Displacements by morph targets are not applied. An error if the
+// integers of 8 or 16 bits. Displacements by morph targets are not applied. Returns an error if the
 // primitive lacks the attribute. Thread-safe.
 Result<std::vector<std::array<double, 2>>> read_texture_coordinates(
     const GltfAsset& asset, const tinygltf::Primitive& primitive, const DracoPrimitive* compressed,

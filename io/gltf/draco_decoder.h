@@ -28,7 +28,7 @@ struct DracoDeclared {
   std::uint64_t index_bytes = 0;   // bytes of one index
 
   // No product overflows: a count is at most 2^53, an element has at most 64 bytes, and all
-  // elements together fit a buffer.
+  // elements together fit into a buffer.
   std::uint64_t bytes() const { return bytes_of(vertices, indices); }
   std::uint64_t bytes_of(std::uint64_t vertex_count, std::uint64_t index_count) const {
     return vertex_count * vertex_bytes + index_count * index_bytes;
