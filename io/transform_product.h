@@ -1,6 +1,6 @@
 #pragma once
 
-// The magnitudes of the factors of a product of transforms, for bounds on its rounding error.
+// The magnitudes of the factors in a product of transforms, for bounds on its rounding error.
 
 #include <cmath>
 #include <cstdint>

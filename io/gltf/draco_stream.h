@@ -32,13 +32,13 @@ Result<CheckedDracoStream> check_draco_stream(std::span<const std::uint8_t> byte
 // The numbers at the start of the connectivity.
 struct DracoConnectivity {
   std::uint32_t faces = 0;
-  // Includes the vertices of split symbols. This is the size of the decoder's table.
+  // Includes the vertices of split symbols. The number is the size of the decoder's table.
   std::uint32_t vertices = 0;
   std::uint32_t attribute_tables = 0;  // further connectivities, besides that of the positions
 };
 
 // Both functions read from a copy of a stream that is positioned at the connectivity. They return
-// nothing if the stream is too short or its numbers contradict each other.
+// no value if the stream is too short or its numbers contradict each other.
 std::optional<DracoConnectivity> peek_sequential_draco(draco::DecoderBuffer stream);
 std::optional<DracoConnectivity> peek_edgebreaker_draco(draco::DecoderBuffer stream);
 

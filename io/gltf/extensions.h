@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// An error if /asset/version is not 2.x, or /asset/minVersion is above 2.0. Thread-safe.
+// Returns an error if /asset/version is not 2.x, or /asset/minVersion is above 2.0. Thread-safe.
 std::optional<Error> check_asset_version(const nlohmann::json& root);
 
 struct GltfExtensions {
@@ -20,8 +20,8 @@ struct GltfExtensions {
   std::vector<std::string> warnings;  // one for each unknown extension in use
 };
 
-// An error if the asset requires an unsupported extension without which its triangles cannot be
-// read. Thread-safe.
+// Returns an error if the asset requires an unsupported extension without which its triangles
+// cannot be read. Thread-safe.
 Result<GltfExtensions> check_extensions(const nlohmann::json& root);
 
 }  // namespace palpate

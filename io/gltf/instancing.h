@@ -23,10 +23,10 @@ struct GltfInstances {
   AffineTransform T_node_instance(std::size_t index) const;
 };
 
-// The instances of a node; nothing if the node is not instanced. Attributes other than TRANSLATION,
-// ROTATION and SCALE are ignored. Errors: none of these three is present, their counts differ or
-// exceed max_count (kLimitExceeded), a list has no bufferView, or a rotation is not a unit
-// quaternion.
+// The instances of a node; no value if the node is not instanced. Attributes other than
+// TRANSLATION, ROTATION and SCALE are ignored. Errors: none of these three is present, their counts
+// differ or exceed max_count (kLimitExceeded), a list has no bufferView, or a rotation is not a
+// unit quaternion.
 Result<std::optional<GltfInstances>> read_instances(const GltfAsset& asset, std::size_t node,
                                                     std::size_t max_count);
 

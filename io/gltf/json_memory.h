@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// Counts over one text.
+// The counts for one text.
 struct JsonExtent {
   std::uint64_t values = 0;  // in arrays and objects, on all levels together
   std::uint64_t objects = 0;

@@ -49,10 +49,10 @@ class GltfKeyframes {
   // interpolation is STEP, LINEAR or CUBICSPLINE. LINEAR interpolates rotations along the shorter
   // arc on the sphere; after CUBICSPLINE, rotations are normalised.
   //
-  // Whatever the time, the whole sampler is checked, not only the keys that this time needs.
-  // Errors: ids, types and numbers of elements that violate glTF; non-finite numbers; a negative
-  // time; a key that is not a unit quaternion; a spline that passes through a zero quaternion at
-  // this time. Times that do not increase cause a warning.
+  // The whole sampler is always checked, not only the keys that the time requires. Errors: ids,
+  // types and numbers of elements that violate glTF; non-finite numbers; a negative time; a key
+  // that is not a unit quaternion; a spline that passes through a zero quaternion at this time.
+  // Times that do not increase cause a warning.
   Result<std::shared_ptr<const std::vector<double>>> value(std::size_t channel, GltfPath path,
                                                            std::size_t weights);
 

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-// The array `name` of a root extension; null if absent. An error (kLimitExceeded) if it has more
-// than kMaxGltfHapticMaterials elements.
+// The array `name` of a root extension; null if absent. Returns an error (kLimitExceeded) if the
+// array has more than kMaxGltfHapticMaterials elements.
 Result<const nlohmann::json*> extension_list(const nlohmann::json& root, const char* extension,
                                              const char* name);
 

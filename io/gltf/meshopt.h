@@ -29,10 +29,10 @@ class GltfMeshoptViews {
   GltfMeshoptViews(const nlohmann::json& root, GltfBuffers& buffers)
       : root_(root), buffers_(buffers) {}
 
-  // The decoded view; null if the view is not compressed. Valid for the lifetime of this object. An
-  // error if the view violates the extension or has more elements than the compressed bytes can
-  // encode; this is checked before any allocation. kMaxGltfBufferBytes limits the bytes of decoded
-  // views and buffers together.
+  // The decoded view; null if the view is not compressed. Valid for the lifetime of this object.
+  // Returns an error if the view violates the extension or has more elements than the compressed
+  // bytes can encode; both conditions are checked before any allocation. kMaxGltfBufferBytes limits
+  // the bytes of decoded views and buffers together.
   Result<const GltfDecodedView*> decoded(std::size_t view);
 
  private:

@@ -23,13 +23,14 @@ namespace palpate {
 // have the same number.
 std::size_t morph_target_count(const GltfAsset& asset, std::size_t mesh);
 
-// The morph weights of a node: the weights of the pose, else those of the node; nothing if neither
-// has weights. An error unless there is one weight for each target. The node must have a mesh.
+// The morph weights of a node: the weights of the pose, else those of the node; no value if neither
+// has weights. Returns an error unless there is one weight for each target. The node must have a
+// mesh.
 Result<std::optional<std::vector<double>>> own_morph_weights(const GltfAsset& asset,
                                                              std::size_t node,
                                                              const GltfPose& pose);
 
-// The weights that a mesh declares for nodes without weights of their own; nothing if it declares
+// The weights that a mesh declares for nodes without weights of their own; no value if it declares
 // none.
 Result<std::optional<std::vector<double>>> default_morph_weights(const GltfAsset& asset,
                                                                  std::size_t mesh);

@@ -17,8 +17,8 @@ namespace palpate {
 // material of a collider whose geometry names the node or an ancestor, because the geometry of a
 // node includes its children; the nearest of the named nodes counts. If several colliders name one
 // node and disagree, the first collider in depth-first order is used, with a note. Colliders
-// outside the scene and triggers are ignored. An error if a declaration violates the extension's
-// specification. root: the JSON after check_sections().
+// outside the scene and triggers are ignored. Returns an error if a declaration violates the
+// extension's specification. root: the JSON after check_sections().
 std::optional<Error> read_physics_materials(const nlohmann::json& root, SceneDescription& scene);
 
 }  // namespace palpate

@@ -32,7 +32,7 @@ struct GltfBudget {
   std::size_t pose_work = 0;  // see kMaxGltfPoseWork
 };
 
-// How a node changes the shape of its mesh.
+// The way in which a node changes the shape of its mesh.
 struct MeshPose {
   std::span<const double> morph_weights;  // empty: no morph target is applied
   const GltfSkin* skin = nullptr;         // applied after the morph targets

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// Reads a textureInfo of an asset; element is its JSON path. An error unless it refers to a
+// Reads a textureInfo of an asset; element is its JSON path. Returns an error unless it refers to a
 // texture. If the texture has a source, this source must refer to an image. Texture and image must
 // be objects. The content of the image is not read. TextureReference::scale and pixels keep their
 // defaults. Thread-safe.

@@ -37,18 +37,18 @@ struct AffineTransform {
   bool all_finite() const { return linear.allFinite() && translation_m.allFinite(); }
 };
 
-// The tolerance of the last row of a matrix; a row within it is replaced by 0 0 0 1. The tolerance
-// is needed because exporters invert and multiply matrices of floats, with four products per entry,
-// and write the computed row.
+// The tolerance for the last row of a matrix; a row within the tolerance is replaced by 0 0 0 1.
+// The tolerance is needed because exporters invert and multiply matrices of floats, with four
+// products per entry, and write the computed row.
 inline constexpr double kAffineRowTolerance = 16.0 * std::numeric_limits<float>::epsilon();
 
-// The tolerance of the length of a quaternion; a quaternion within it is normalised. The tolerance
-// is needed because files round quaternions to few digits, some of them to signed bytes with a half
-// step of 1/256 per component. A quaternion outside the tolerance is an error, because glTF
-// requires unit length.
+// The tolerance for the length of a quaternion; a quaternion within the tolerance is normalised.
+// The tolerance is needed because files round quaternions to few digits, some of them to signed
+// bytes with a half step of 1/256 per component. A quaternion outside the tolerance is an error,
+// because glTF requires unit length.
 inline constexpr double kRotationLengthTolerance = 1.0 / 128.0;
 
-// An error if rotation is not a unit quaternion. element: for the message.
+// Returns an error if rotation is not a unit quaternion. element: the JSON path for the message.
 std::optional<Error> check_rotation(const Eigen::Vector4d& rotation, const std::string& element);
 
 // The parts of a transform, each of which may be absent.
@@ -63,13 +63,13 @@ AffineTransform transform_of(const GltfTrs& trs);
 
 // The transform from the node frame to the frame of its parent (glTF 2.0, section 3.5.3). It is the
 // node's matrix or the product translation * rotation * scale; the pose may replace each of these
-// three factors. An error unless the matrix is affine within kAffineRowTolerance. node_id: for
-// messages.
+// three factors. Returns an error unless the matrix is affine within kAffineRowTolerance. node_id:
+// for messages.
 Result<AffineTransform> local_transform(const tinygltf::Node& node, std::size_t node_id,
                                         const GltfTrs& pose);
 
-// An error if a mesh is lengthened by more than kMaxGltfScale. element: JSON path of the node or
-// the joint. what: the name of the scaled object for the message, for example "\"lid\"".
+// Returns an error if a mesh is lengthened by more than kMaxGltfScale. element: JSON path of the
+// node or the joint. what: the name of the scaled object for the message, for example "\"lid\"".
 std::optional<Error> check_scale(const Mat3& linear_scene_mesh, const std::string& element,
                                  const std::string& what);
 

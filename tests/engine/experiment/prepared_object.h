@@ -22,7 +22,7 @@ struct PreparedObject {
   TrialWay way;
 };
 
-// The scene on the device of the paper's plan.
+// The scene, prepared for the device of the paper's plan.
 inline PreparedObject prepared(Scene scene) {
   RunSettings settings;
   settings.sensors = 2;

@@ -1,7 +1,7 @@
 #pragma once
 
 // A trial that only computes random numbers from everything that a trial may depend on, for tests
-// of what surrounds a trial.
+// of the code around a trial.
 
 #include <chrono>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace palpate::test {
 
-// duration: of a trial.
+// duration: the duration of a trial.
 inline TrialFunctions stand_in_trials(std::chrono::microseconds duration = {}) {
   TrialFunctions functions;
   functions.find_way = [](const Scene&, const RunSetup&, const TrialSettings&) {
@@ -26,7 +26,7 @@ inline TrialFunctions stand_in_trials(std::chrono::microseconds duration = {}) {
     KeyHash key;
     key.add(conditions.noise_seed).add(std::uint64_t{conditions.a4});
     key.add(static_cast<std::uint64_t>(conditions.force));
-    // Without rotation the following has no effect.
+    // Without rotation, the Following has no effect.
     key.add(static_cast<std::uint64_t>(conditions.a4 ? conditions.following : Following::kDelayed));
     key.add(person.speed_m_per_s).add(settings.limit_s).add(setup.haptics.plane_height_m);
     key.add(scene.statistics().extent_m.x());

@@ -54,8 +54,8 @@ inline Soup groove_side_soup(double half_m, double rise_rad, bool is_right) {
 // A hand and bodies that all have the same pose. That pose defines the local frame of the test.
 class BodyHand {
  public:
-  // The effects of the bodies, one entry for each. Fill it before begin(). Bodies without an entry
-  // have no effects.
+  // The effects of the bodies, one entry for each. Fill this member before begin(). Bodies without
+  // an entry have no effects.
   EffectBodies effects;
 
   BodyHand(const std::vector<Soup>& soups, const RigidTransform& pose) : pose_(pose) {
