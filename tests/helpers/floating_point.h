@@ -1,6 +1,6 @@
 #pragma once
 
-// The rounding of doubles and floats, and values that no measurement has.
+// The rounding of doubles and floats, and the values infinity and NaN.
 
 #include <limits>
 

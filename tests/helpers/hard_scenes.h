@@ -38,7 +38,7 @@ inline constexpr double kSheetDistance_m = 1e-4;
 
 struct HardScene {
   Soup soup;               // about 0.2 m in size
-  bool is_closed = false;  // the crossing of any face enters or leaves a body
+  bool is_closed = false;  // a path that crosses any face enters or leaves a body
   std::vector<Vec3> aims;  // further targets besides vertices, edges and faces: slits
 };
 

@@ -31,8 +31,8 @@ class ReferenceSurface {
                    Side side);
 
   const std::vector<Face>& faces() const { return faces_; }
-  // Lengths below this are within the rounding error of long double. The bound allows 2^-64 for
-  // each of about 30 operations, and planes that meet at more than 0.1 deg.
+  // Lengths below this bound are within the rounding error of long double. The bound allows 2^-64
+  // for each of about 30 operations, and planes that meet at more than 0.1 deg.
   Wide roundoff_m() const { return roundoff_m_; }
 
   Wide height_m(std::uint32_t face, const WideVec3& p) const;
@@ -74,9 +74,9 @@ std::optional<NearestFeasible> nearest_feasible(const std::vector<ReferencePlane
 
 // The point proxy of Zilles & Salisbury. Its path is a sequence of straight pieces. The proxy moves
 // on the planes of the faces that hold it. It moves straight to that point of these planes that is
-// nearest to the goal, also through free space beyond a convex edge. The plane of the first face on
-// this segment is added to those planes. If the faces are no longer under the proxy, the proxy
-// drops all planes and falls straight towards the goal.
+// nearest to the goal, even through free space beyond a convex edge. The plane of the first face
+// that the proxy meets on its way is added to those planes. If the faces are no longer under the
+// proxy, the proxy drops all planes and falls straight towards the goal.
 class ReferenceGodObject {
  public:
   ReferenceGodObject(const ReferenceSurface& surface, const WideVec3& start)
