@@ -22,8 +22,8 @@
 
 namespace palpate {
 
-// Limits of one scene. A magnet or a medium costs a query in every tick in
-// which the proxy is near it.
+// Limits of one scene. A magnet or a medium costs a query in every tick in which the proxy is near
+// it.
 inline constexpr std::size_t kMostMagnets = 256;
 inline constexpr std::size_t kMostMedia = 256;
 // Limit of one mesh. Each crease angle costs a pass over the surface while a scene is compiled.

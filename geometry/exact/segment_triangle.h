@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-// Bound on the rounding error of a height, normal . (p - a), as computed here, relative to |p -
-// a|_1. Three subtractions, three products and two sums give 6 roundings, and the unit normal has
-// an error of 4 roundings; the bound is twice their sum because of second-order terms.
+// Bound on the rounding error of a height, normal . (p - a), as computed here, relative to
+// |p - a|_1. Three subtractions, three products and two sums give 6 roundings, and the unit normal
+// has an error of 4 roundings; the bound is twice their sum because of second-order terms.
 inline constexpr double kHeightRoundoff = 20 * kUnitRoundoff;
 
 // The intersection of the closed segment from p to q with a closed triangle.

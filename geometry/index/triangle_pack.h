@@ -19,8 +19,8 @@ struct alignas(64) TrianglePack {
 
   double centre_m[3];  // index frame
   double per_metre;    // a power of two
-  // Bound, in local units, on the rounding error that the magnitude of the centre causes when p -
-  // centre_m is computed in double. It is significant only for a pack whose distance from the
+  // Bound, in local units, on the rounding error that the magnitude of the centre causes when
+  // p - centre_m is computed in double. It is significant only for a pack whose distance from the
   // origin is more than 1e8 times its size.
   float centre_roundoff;
   std::int32_t count;

@@ -14,8 +14,8 @@ namespace palpate {
 // barycentric weights of the proxy. The magnitude of the force remains that of the facets. Corners
 // at edges sharper than the crease angle have a normal for each side, so that creases remain.
 //
-// A turned force is not the gradient of a potential: a closed loop can gain an energy of about K
-// d^2 times the angle between the normals, at penetration depth d.
+// A turned force is not the gradient of a potential: a closed loop can gain an energy of about
+// K d^2 times the angle between the normals, at penetration depth d.
 struct ShadingEffect {
   static constexpr std::string_view kName = "shading";
   static constexpr EffectStage kStage = EffectStage::kSurface;

@@ -18,8 +18,8 @@ inline constexpr std::uint64_t kWholeFile = std::numeric_limits<std::uint64_t>::
 
 // The first wanted_bytes of a regular file, or all of its bytes if it has fewer. A file of more
 // than max_bytes causes an error. A folder, pipe, socket or device also causes an error; the
-// function never blocks. Error::path is the given path. memory: counts the bytes in its current
-// step before they are allocated; may be null. Thread-safe.
+// function never waits for data from it. Error::path is the given path. memory: counts the bytes in
+// its current step before they are allocated; may be null. Thread-safe.
 Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
                                     std::uint64_t wanted_bytes = kWholeFile,
                                     MemoryLedger* memory = nullptr);

@@ -79,12 +79,12 @@ inline Soup on_lattice(Soup soup) {
 
 // A proxy in the scene frame of its world that judges each of its ticks. verdict() is empty as long
 // as every tick satisfies these conditions:
-//   - The result is finite, with a normal of length 1 or 0. - The energy certificate holds. No
-//     corner of the path is farther from the goal than the previous corner. A sphere that moves
-//     round a feature along tangents may exceed this limit by a hundredth of the radius, but not at
-//     the end of the tick. - The committed path touches no triangle of the world, in exact
-//     arithmetic. At the corners of the path, the distance of a sphere's centre from each triangle
-//     is at least the radius.
+//   - The result is finite, with a normal of length 1 or 0.
+//   - The energy certificate holds. No corner of the path is farther from the goal than the
+//     previous corner. A sphere that moves round a feature along tangents may exceed this limit by
+//     a hundredth of the radius, but not at the end of the tick.
+//   - The committed path touches no triangle of the world, in exact arithmetic. At the corners of
+//     the path, the distance of a sphere's centre from each triangle is at least the radius.
 // Paths are judged only if the bodies need no transform; otherwise the geometry would be known only
 // up to rounding.
 class JudgedProxy {
