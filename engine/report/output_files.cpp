@@ -125,9 +125,10 @@ struct OutputFiles::State {
   std::optional<Error> make_folder();
   std::optional<Error> check_names() const;
   std::optional<Error> make_hidden_folder();
-  // Moves the existing files of these names from one folder to the other. Returns 0, or errno of
-  // the first failure; `moved` receives the names of the moved files.
-  int move_all(const fs::path& from, const fs::path& to, std::vector<std::string>& moved) const;
+  // Moves the existing files of these names from one folder to the other, in this order. Returns 0,
+  // or errno of the first failure; `moved` receives the names of the moved files.
+  static int move_all(const std::vector<std::string>& names, const fs::path& from,
+                      const fs::path& to, std::vector<std::string>& moved);
 };
 
 std::optional<Error> OutputFiles::State::make_folder() {
@@ -180,8 +181,8 @@ std::optional<Error> OutputFiles::State::make_hidden_folder() {
   return folder_error(folder, "other commands are writing there");
 }
 
-int OutputFiles::State::move_all(const fs::path& from, const fs::path& to,
-                                 std::vector<std::string>& moved) const {
+int OutputFiles::State::move_all(const std::vector<std::string>& names, const fs::path& from,
+                                 const fs::path& to, std::vector<std::string>& moved) {
   for (const std::string& name : names) {
     if (!is_there(from / name)) continue;
     if (::rename((from / name).c_str(), (to / name).c_str()) != 0) return errno;
@@ -220,14 +221,19 @@ Error OutputFiles::in_place(Error error) const {
 std::optional<Error> OutputFiles::move_into_place() {
   State& s = *state_;
   const fs::path old = s.hidden / kOld;
+  // The last name comes first and goes last: whenever the process is killed, the file of this name
+  // is there only beside all others.
+  const std::vector<std::string> last_first(s.names.rbegin(), s.names.rend());
   std::vector<std::string> aside;
   std::vector<std::string> placed;
-  int reason = s.move_all(s.folder, old, aside);
-  if (reason == 0) reason = s.move_all(s.hidden, s.folder, placed);
+  int reason = State::move_all(last_first, s.folder, old, aside);
+  if (reason == 0) reason = State::move_all(s.names, s.hidden, s.folder, placed);
   if (reason != 0) {
-    for (const std::string& name : placed) ::unlink(s.place_of(name).c_str());
-    for (const std::string& name : aside) {
-      ::rename((old / name).c_str(), s.place_of(name).c_str());
+    for (auto name = placed.rbegin(); name != placed.rend(); ++name) {
+      ::unlink(s.place_of(*name).c_str());
+    }
+    for (auto name = aside.rbegin(); name != aside.rend(); ++name) {
+      ::rename((old / *name).c_str(), s.place_of(*name).c_str());
     }
     return folder_error(s.folder, "results cannot be moved there: " + text_of(reason));
   }

@@ -11,12 +11,14 @@ namespace palpate {
 
 // The result files of one command in one folder. All files appear there together, or none does.
 //
-// The files are first written into a hidden folder inside this folder. If the command fails or is
-// killed, previous results remain unchanged; the next command removes a hidden folder that a killed
-// command has left. Moving the files into place also removes every file that has one of the
-// command's names and was not written this time, so that the folder never contains old results
-// beside new ones. Other files in the folder are not touched. A link with one of the names is
-// replaced; its target is unchanged.
+// The files are first written into a hidden folder inside this folder. If the command fails, or is
+// killed while it writes, previous results remain unchanged; the next command removes a hidden
+// folder that a killed command has left. Moving the files into place also removes every file that
+// has one of the command's names and was not written this time, so that the folder never contains
+// old results beside new ones. If the command is killed during this move, some files are missing,
+// those that are there are complete, and the last of the names is there only beside all others.
+// Other files in the folder are not touched. A link with one of the names is replaced; its target
+// is unchanged.
 //
 // Not for the haptic thread, because it does I/O. Only one thread may use an object.
 class OutputFiles {

@@ -3,12 +3,17 @@
 #include "engine/experiment/experiment_run.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <numeric>
 #include <set>
 #include <string>
@@ -100,24 +105,82 @@ const std::string& reference() {
   return results;
 }
 
-// Runs in a child process, which is killed after `life` unless it has ended. True if it ended.
-template <typename Work>
-bool run_in_child(std::chrono::microseconds life, const Work& work) {
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(work() ? 0 : 1);
-  EXPECT_GT(child, 0);
-  const auto end = std::chrono::steady_clock::now() + life;
+// Waits for a child process. True if it ended by itself, false if it was killed.
+bool has_ended(pid_t child) {
   int status = 0;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) ::kill(child, SIGKILL);
-    ::usleep(100);
-  }
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
   if (WIFEXITED(status)) {
     EXPECT_EQ(WEXITSTATUS(status), 0);
     return true;
   }
   EXPECT_EQ(WTERMSIG(status), SIGKILL);
   return false;
+}
+
+// Runs in a child process, which kills itself in some cases. True if it ended.
+template <typename Work>
+bool run_in_child(const Work& work) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(work() ? 0 : 1);
+  return has_ended(child);
+}
+
+// Runs in a child process, which is killed after `life` unless it has ended. True if it ended.
+template <typename Work>
+bool run_in_child(microseconds life, const Work& work) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(work() ? 0 : 1);
+  const auto end = std::chrono::steady_clock::now() + life;
+  siginfo_t ended{};
+  while (std::chrono::steady_clock::now() < end && ended.si_pid == 0) {
+    ::usleep(100);
+    ::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
+  }
+  ::kill(child, SIGKILL);
+  return has_ended(child);
+}
+
+// Trials of which the last one kills the process. trials: how many run, at least 1.
+TrialFunctions deadly_trials(std::size_t trials) {
+  TrialFunctions functions = stand_in_trials();
+  functions.run = [left = std::make_shared<std::atomic<std::size_t>>(trials),
+                   run = functions.run](auto&&... arguments) {
+    if (left->fetch_sub(1) == 1) ::kill(::getpid(), SIGKILL);
+    return run(arguments...);
+  };
+  return functions;
+}
+
+// What holds in the folder of an experiment whenever its process is killed: a result or a part is
+// whole or absent, and run.json is there only beside the other results.
+void expect_whole_files(const std::string& out) {
+  static const std::map<std::string, std::string> whole = [] {
+    const TemporaryFolder folder;
+    run_into(folder.path(), small_plan());
+    std::map<std::string, std::string> contents;
+    for (const std::string& name : files_below(folder.path())) {
+      if (name != "run.log") contents[name] = content(folder.path(name));
+    }
+    return contents;
+  }();
+  std::set<std::string> results;
+  for (const auto& [name, text] : whole) {
+    const std::string path = (fs::path(out) / name).string();
+    if (!fs::exists(path)) continue;
+    EXPECT_EQ(content(path), text) << name;
+    if (!name.starts_with("parts/")) results.insert(name);
+  }
+  EXPECT_TRUE(results.size() == 3 || !results.contains(kRunFile))
+      << "run.json without other results";
+}
+
+// The files of a complete experiment; the program leaves no others.
+std::set<std::string> expected_files() {
+  std::set<std::string> names{"trials.csv", "columns.csv", "run.json", "run.log", "parts/run.json"};
+  for (int p = 1; p <= kParticipants; ++p) {
+    names.insert("parts/participant-" + std::to_string(p) + ".csv");
+  }
+  return names;
 }
 
 TEST(ExperimentRun, WritesEveryPlannedTrialOnce) {
@@ -208,55 +271,65 @@ TEST(ExperimentRun, ShardsInAnyOrderGiveTheSameBytes) {
 }
 
 TEST(ExperimentRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
-  const std::uint64_t seed = 5;
-  std::cout << "seed " << seed << "\n";
-  SeededRandom random(seed);
+  constexpr std::uint64_t kSeed = 5;
+  constexpr std::size_t kTrialsEach = 2 * 2 * 8;
+  std::cout << "seed " << kSeed << "\n";
+  SeededRandom random(kSeed);
   const ExperimentPlan plan = small_plan();
-  const TrialFunctions slow = stand_in_trials(microseconds(100));
-  int kills = 0;
   for (int count = 1; count <= 7; ++count) {
     const TemporaryFolder folder;
     std::vector<std::string> folders;
     for (int number = 1; number <= count; ++number) {
       folders.push_back(folder.path(std::to_string(number)));
-      const auto run = [&] {
-        return run_experiment(plan, {folders.back(), Shard{number, count}, 1, false}, slow).ok();
-      };
-      while (!run_in_child(microseconds(5000 + random.index(20000)), run)) ++kills;
+      const Shard shard{number, count};
+      const std::size_t participants = participants_of(shard, kParticipants).size();
+      for (std::size_t complete = 0; complete < participants;) {
+        // A start kills itself in its first or second participant, unless it ends before.
+        const std::size_t trials = 1 + random.index(2 * kTrialsEach);
+        const std::size_t left = participants - complete;
+        const bool is_over = run_in_child([&] {
+          return run_experiment(plan, {folders.back(), shard, 1, false}, deadly_trials(trials))
+              .ok();
+        });
+        EXPECT_EQ(is_over, trials > left * kTrialsEach);
+        complete += is_over ? left : (trials - 1) / kTrialsEach;
+        EXPECT_EQ(participants_with_parts(folders.back()).size(), complete);
+        expect_whole_files(folders.back());
+      }
+      EXPECT_EQ(run_into(folders.back(), plan, shard).kept.size(), participants);
     }
     const auto merged = merge_experiment(folders, folder.path("out"));
     ASSERT_TRUE(merged.ok()) << merged.error().to_string();
     EXPECT_EQ(results_in(folder.path("out")), reference());
   }
-  std::cout << kills << " kills\n";
-  EXPECT_GE(kills, 5) << "the processes ended before they were killed";
 }
 
-TEST(ExperimentRun, AKilledRunWithTwoJobsResumes) {
+TEST(ExperimentRun, ARunWithTwoJobsThatIsKilledAtAnyInstantResumes) {
   const ExperimentPlan plan = small_plan();
   const TrialFunctions slow = stand_in_trials(microseconds(200));
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
+  EXPECT_FALSE(run_in_child([&] {
+    return run_experiment(plan, {out, {}, 2, false}, deadly_trials(100)).ok();
+  }));
+  const std::size_t complete = participants_with_parts(out).size();
+  EXPECT_GE(complete, 2u);  // 100 trials without 32 of each running participant
+  EXPECT_LE(complete, 3u);
+  expect_whole_files(out);
+  // Each start has more time than the last one, so that also a slow machine reaches the end.
   const auto run = [&] { return run_experiment(plan, {out, {}, 2, false}, slow).ok(); };
   int kills = 0;
-  while (!run_in_child(microseconds(20000), run)) {
+  for (microseconds life(1000); !run_in_child(life, run); life += life / 4) {
     ++kills;
-    EXPECT_FALSE(fs::exists(fs::path(out) / kTrialsFile)) << "the results are not complete yet";
+    expect_whole_files(out);
   }
-  std::cout << kills << " kills\n";
-  EXPECT_GE(kills, 1);
+  std::cout << kills << " kills by time\n";
   EXPECT_EQ(results_in(out), reference());
   const ExperimentRunOutcome again = run_into(out, plan);
   EXPECT_EQ(again.kept.size(), 9u);
   EXPECT_TRUE(again.computed.empty());
   EXPECT_EQ(results_in(out), reference());
-  // No temporary file is left.
-  std::set<std::string> expected{"trials.csv", "columns.csv", "run.json", "run.log",
-                                 "parts/run.json"};
-  for (int p = 1; p <= kParticipants; ++p) {
-    expected.insert("parts/participant-" + std::to_string(p) + ".csv");
-  }
-  EXPECT_EQ(files_below(out), expected);
+  EXPECT_EQ(files_below(out), expected_files());
 }
 
 TEST(ExperimentRun, AShardRunTwiceGivesTheSameBytes) {
@@ -303,7 +376,7 @@ TEST(ExperimentRun, AFullDiskIsRefusedAndALaterRunResumes) {
       SCOPED_TRACE(std::to_string(limit) + (shard ? " bytes, shard" : " bytes"));
       const TemporaryFolder folder;
       const std::string out = folder.path("out");
-      const bool has_ended = run_in_child(std::chrono::seconds(30), [&] {
+      const bool is_over = run_in_child([&] {
         std::signal(SIGXFSZ, SIG_IGN);
         const rlimit most{limit, limit};
         ::setrlimit(RLIMIT_FSIZE, &most);
@@ -312,7 +385,7 @@ TEST(ExperimentRun, AFullDiskIsRefusedAndALaterRunResumes) {
         return !outcome && outcome.error().code == ErrorCode::kFileUnwritable &&
                outcome.error().path.starts_with(out) && !fs::exists(fs::path(out) / kTrialsFile);
       });
-      EXPECT_TRUE(has_ended);
+      EXPECT_TRUE(is_over);
       for (const std::string& name : files_below(out)) {
         EXPECT_EQ(name.find(".part"), std::string::npos) << name;
       }
@@ -421,13 +494,32 @@ TEST(ExperimentRun, TracesHaveEveryTickOfEveryTrial) {
 
 TEST(ExperimentRun, ReportsProgressUpToTheEnd) {
   const TemporaryFolder folder;
+  std::mutex mutex;
+  std::condition_variable shown;
   std::vector<double> shares;
-  const auto outcome = run_experiment(
-      small_plan(), {folder.path(), {}, 2, false}, stand_in_trials(microseconds(1500)),
-      [&](const ExperimentProgress& progress) { shares.push_back(progress.share); });
+  TrialFunctions functions = stand_in_trials();
+  // All trials wait for the first report; the second half waits for one after a trial.
+  std::atomic<std::size_t> trials{0};
+  constexpr std::size_t kTrials = kParticipants * 2 * 2 * 8;
+  functions.run = [&, run = functions.run](auto&&... arguments) {
+    const bool is_late = trials.fetch_add(1) >= kTrials / 2;
+    std::unique_lock lock(mutex);
+    shown.wait(lock, [&] { return !shares.empty() && (!is_late || shares.back() > 0.0); });
+    lock.unlock();
+    return run(arguments...);
+  };
+  const auto outcome =
+      run_experiment(small_plan(), {folder.path(), {}, 2, false}, functions,
+                     [&](const ExperimentProgress& progress) {
+                       const std::lock_guard lock(mutex);
+                       shares.push_back(progress.share);
+                       EXPECT_EQ(progress.time_left_s.has_value(), progress.share > 0.0);
+                       shown.notify_all();
+                     });
   ASSERT_TRUE(outcome.ok());
-  EXPECT_FALSE(shares.empty());
+  EXPECT_EQ(shares.front(), 0.0);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GT(shares.back(), 0.0);
   EXPECT_LE(shares.back(), 1.0);
 }
 
@@ -517,6 +609,32 @@ TEST(ExperimentMerge, SucceedsWhileAnotherProcessMergesIntoTheSameFolder) {
   ::waitpid(child, &status, 0);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_EQ(results_in(out), reference());
+}
+
+TEST(ExperimentMerge, KilledAtAnyInstantLeavesWholeResultsAndNoUnfinishedSet) {
+  constexpr std::uint64_t kSeed = 3;
+  std::cout << "seed " << kSeed << "\n";
+  SeededRandom random(kSeed);
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  run_into(out, small_plan());
+  int unfinished = 0;
+  constexpr int kKills = 30;
+  for (int kill = 0; kill < kKills; ++kill) {
+    // The child does not end by itself, so that the kill comes at some instant of a merge.
+    const bool is_over = run_in_child(microseconds(1000 + random.index(15000)), [&] {
+      while (merge_experiment({out}, out).ok()) {
+      }
+      return false;
+    });
+    EXPECT_FALSE(is_over);
+    expect_whole_files(out);
+    unfinished += !fs::exists(fs::path(out) / kRunFile);
+  }
+  std::cout << unfinished << " of " << kKills << " kills while the results were moved\n";
+  ASSERT_TRUE(merge_experiment({out}, out).ok());
+  EXPECT_EQ(results_in(out), reference());
+  EXPECT_EQ(files_below(out), expected_files());
 }
 
 TEST(ExperimentMerge, NamesMissingParticipants) {

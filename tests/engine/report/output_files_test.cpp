@@ -2,12 +2,15 @@
 
 #include "engine/report/output_files.h"
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -224,6 +227,40 @@ TEST_F(OutputFilesTest, FromAKilledCommandAreRemovedByTheNext) {
   EXPECT_EQ(tree().at("out/a.csv"), "old");
   { const OutputFiles files = created("out"); }
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "old"}}));
+}
+
+// A process writes sets of files, one after the other, and is killed at some instant.
+TEST_F(OutputFilesTest, FromACommandThatIsKilledAreOfOneCommandAndTheLastNameIsBesideAllOthers) {
+  const fs::path out = folder.path("out");
+  int incomplete = 0;
+  constexpr int kKills = 200;
+  for (int kill = 0; kill < kKills; ++kill) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      for (int set = 0;; ++set) {
+        OutputFiles files = created("out");
+        for (const std::string& name : kNames) write(files.path(name), std::to_string(set));
+        if (files.move_into_place()) ::_exit(1);
+      }
+    }
+    ::usleep(static_cast<useconds_t>(1000 + 37 * kill));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    std::set<std::string> texts;
+    std::size_t count = 0;
+    for (const auto& [name, text] : fs::exists(out) ? tree_of(out) : Tree{}) {
+      if (std::find(kNames.begin(), kNames.end(), name) == kNames.end()) continue;
+      texts.insert(text);
+      ++count;
+    }
+    EXPECT_LE(texts.size(), 1u) << "files of two sets";
+    EXPECT_TRUE(count == kNames.size() || !fs::exists(out / kNames.back()));
+    incomplete += count > 0 && count < kNames.size();
+  }
+  std::cout << incomplete << " of " << kKills << " kills left some files\n";
 }
 
 }  // namespace
