@@ -29,6 +29,7 @@ namespace {
 
 using nlohmann::json;
 using test::content_of;
+using test::FileSizeLimit;
 using test::GltfBuilder;
 using test::Outcome;
 using test::TemporaryFolder;
@@ -182,6 +183,7 @@ TEST_F(CommandLine, BeginsEveryHelpWithAnExample) {
                                                   {"run", "--help"},
                                                   {"replay", "--help"},
                                                   {"accuracy", "--help"},
+                                                  {"experiment", "--help"},
                                                   {"info", "--help"}}) {
     EXPECT_TRUE(expect_done(command).out.starts_with("Example:\n  ./run.sh ")) << command.front();
   }
@@ -287,7 +289,8 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused({}, {"subcommand is required; expected run, replay, accuracy, experiment or info"});
+  expect_refused({},
+                 {"subcommand is required; expected run, replay, accuracy, experiment or info"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});
@@ -558,22 +561,6 @@ TEST_F(CommandLine, RefusesToWriteWhereItMayNot) {
   expect_refused({"run", kStar, "--virtual", "--out", "/proc/out"}, {"/proc/out"});
   expect_refused({"run", kStar, "--virtual", "--seconds", "2", "--out", "/proc"}, {"/proc"});
 }
-
-// While it lives, no file of a process that is started grows beyond this, as on a full disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limited{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limited);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 std::vector<std::string> files_in(const std::string& folder) {
   std::vector<std::string> names;
