@@ -30,6 +30,7 @@
 #include "engine/experiment/trials_file.h"
 #include "geometry/base/random.h"
 #include "tests/engine/experiment/stand_in_trial.h"
+#include "tests/helpers/deadly_rename.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -301,6 +302,25 @@ TEST(ExperimentRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
     const auto merged = merge_experiment(folders, folder.path("out"));
     ASSERT_TRUE(merged.ok()) << merged.error().to_string();
     EXPECT_EQ(results_in(folder.path("out")), reference());
+  }
+}
+
+TEST(ExperimentRun, KilledBetweenAnyTwoRenamesLeavesWholeFiles) {
+  constexpr int kRenames = 1 + kParticipants + 3;  // parts/run.json, the parts and the results
+  for (int last = 1; last <= kRenames; ++last) {
+    SCOPED_TRACE(last);
+    const TemporaryFolder folder;
+    const std::string out = folder.path("out");
+    EXPECT_FALSE(run_in_child([&] {
+      test::die_at_rename(last);
+      return run_experiment(small_plan(), {out, {}, 1, false}, stand_in_trials()).ok();
+    }));
+    expect_whole_files(out);
+    const std::size_t parts = static_cast<std::size_t>(std::clamp(last - 2, 0, kParticipants));
+    EXPECT_EQ(participants_with_parts(out).size(), parts);
+    EXPECT_EQ(run_into(out, small_plan()).kept.size(), parts);
+    EXPECT_EQ(results_in(out), reference());
+    EXPECT_EQ(files_below(out), expected_files());
   }
 }
 
@@ -611,30 +631,22 @@ TEST(ExperimentMerge, SucceedsWhileAnotherProcessMergesIntoTheSameFolder) {
   EXPECT_EQ(results_in(out), reference());
 }
 
-TEST(ExperimentMerge, KilledAtAnyInstantLeavesWholeResultsAndNoUnfinishedSet) {
-  constexpr std::uint64_t kSeed = 3;
-  std::cout << "seed " << kSeed << "\n";
-  SeededRandom random(kSeed);
+TEST(ExperimentMerge, KilledBetweenAnyTwoRenamesLeavesWholeFiles) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
-  run_into(out, small_plan());
-  int unfinished = 0;
-  constexpr int kKills = 30;
-  for (int kill = 0; kill < kKills; ++kill) {
-    // The child does not end by itself, so that the kill comes at some instant of a merge.
-    const bool is_over = run_in_child(microseconds(1000 + random.index(15000)), [&] {
-      while (merge_experiment({out}, out).ok()) {
-      }
-      return false;
-    });
-    EXPECT_FALSE(is_over);
+  constexpr int kRenames = 2 * 3;  // of the previous results and the new ones
+  for (int last = 1; last <= kRenames; ++last) {
+    SCOPED_TRACE(last);
+    run_into(out, small_plan());
+    EXPECT_FALSE(run_in_child([&] {
+      test::die_at_rename(last);
+      return merge_experiment({out}, out).ok();
+    }));
     expect_whole_files(out);
-    unfinished += !fs::exists(fs::path(out) / kRunFile);
+    ASSERT_TRUE(merge_experiment({out}, out).ok());
+    EXPECT_EQ(results_in(out), reference());
+    EXPECT_EQ(files_below(out), expected_files());
   }
-  std::cout << unfinished << " of " << kKills << " kills while the results were moved\n";
-  ASSERT_TRUE(merge_experiment({out}, out).ok());
-  EXPECT_EQ(results_in(out), reference());
-  EXPECT_EQ(files_below(out), expected_files());
 }
 
 TEST(ExperimentMerge, NamesMissingParticipants) {

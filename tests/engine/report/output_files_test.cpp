@@ -2,11 +2,9 @@
 
 #include "engine/report/output_files.h"
 
-#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -18,6 +16,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/helpers/deadly_rename.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -229,38 +228,43 @@ TEST_F(OutputFilesTest, FromAKilledCommandAreRemovedByTheNext) {
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "old"}}));
 }
 
-// A process writes sets of files, one after the other, and is killed at some instant.
-TEST_F(OutputFilesTest, FromACommandThatIsKilledAreOfOneCommandAndTheLastNameIsBesideAllOthers) {
+TEST_F(OutputFilesTest, FromACommandThatIsKilledWhileItMovesThemAreNotMixed) {
   const fs::path out = folder.path("out");
-  int incomplete = 0;
-  constexpr int kKills = 200;
-  for (int kill = 0; kill < kKills; ++kill) {
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
-      for (int set = 0;; ++set) {
-        OutputFiles files = created("out");
-        for (const std::string& name : kNames) write(files.path(name), std::to_string(set));
-        if (files.move_into_place()) ::_exit(1);
+  for (const char* const before : {"", "old"}) {
+    const int renames = *before ? 6 : 3;  // of the previous files and the new ones
+    for (int last = 1; last <= renames; ++last) {
+      SCOPED_TRACE(std::string(before) + ", rename " + std::to_string(last));
+      fs::remove_all(out);
+      fs::create_directory(out);
+      for (const std::string& name : kNames) {
+        if (*before) write(out / name, before);
       }
+      const pid_t child = ::fork();
+      ASSERT_GE(child, 0);
+      if (child == 0) {
+        OutputFiles files = created("out");
+        for (const std::string& name : kNames) write(files.path(name), "new");
+        test::die_at_rename(last);
+        ::_exit(files.move_into_place() ? 1 : 0);
+      }
+      int status = 0;
+      ASSERT_EQ(::waitpid(child, &status, 0), child);
+      EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+      std::set<std::string> texts;
+      std::size_t count = 0;
+      for (const std::string& name : kNames) {
+        if (!fs::exists(out / name)) continue;
+        texts.insert(tree_of(out).at(name));
+        ++count;
+      }
+      EXPECT_LE(texts.size(), 1u) << "files of two commands";
+      EXPECT_TRUE(count == kNames.size() || !fs::exists(out / kNames.back()));
+      OutputFiles files = created("out");
+      write(files.path("a.csv"), "newest");
+      ASSERT_FALSE(files.move_into_place());
+      EXPECT_EQ(tree_of(out), (Tree{{"a.csv", "newest"}}));
     }
-    ::usleep(static_cast<useconds_t>(1000 + 37 * kill));
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFSIGNALED(status));
-    std::set<std::string> texts;
-    std::size_t count = 0;
-    for (const auto& [name, text] : fs::exists(out) ? tree_of(out) : Tree{}) {
-      if (std::find(kNames.begin(), kNames.end(), name) == kNames.end()) continue;
-      texts.insert(text);
-      ++count;
-    }
-    EXPECT_LE(texts.size(), 1u) << "files of two sets";
-    EXPECT_TRUE(count == kNames.size() || !fs::exists(out / kNames.back()));
-    incomplete += count > 0 && count < kNames.size();
   }
-  std::cout << incomplete << " of " << kKills << " kills left some files\n";
 }
 
 }  // namespace
