@@ -71,9 +71,10 @@ std::vector<double> corners_of(const HandPath& path, const std::vector<double>& 
 
 OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person,
                            Following following, const TrialSettings& settings,
-                           double proxy_radius_m)
+                           double proxy_radius_m, Recovery recovery)
     : person_(person),
       following_(following),
+      recovery_(recovery),
       picture_s_(1.0 / settings.display_Hz),
       sphere_radius_m_(settings.sphere_radius_m),
       proxy_radius_m_(proxy_radius_m),
@@ -244,6 +245,7 @@ void OperatorHand::correct(const Vec3& direction, double dt_s) {
 
 // A hand that is far from the place, touches a wrong part or is lost again goes by the outside.
 void OperatorHand::lose() {
+  if (recovery_ == Recovery::kOff) return;
   ++recoveries_;
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
   const double nearest_m = nearest_along_m(path_, lengths_m_, newest.proxy_scene_m);

@@ -15,6 +15,10 @@
 
 namespace palpate {
 
+// Whether a person who is lost goes back to the contour. With kOff the person is never lost and
+// only follows the track: a person who stands still (speed_m_per_s 0) cannot go anywhere.
+enum class Recovery : std::uint8_t { kOn, kOff };
+
 // The person aims at a point that is press_depth_m inside the wall and advances along the waypoints
 // of a TargetTrack. The person knows only the newest picture that is sight_delay_s old or older; a
 // picture is taken display_Hz times a second and shows the pose of the scene, the proxy, the device
@@ -37,7 +41,8 @@ class OperatorHand final : public HandPlan {
  public:
   // proxy_radius_m: 0 for a point. `way` must outlive the hand.
   OperatorHand(const TrialWay& way, const OperatorParameters& person, Following following,
-               const TrialSettings& settings, double proxy_radius_m);
+               const TrialSettings& settings, double proxy_radius_m,
+               Recovery recovery = Recovery::kOn);
 
   HandTarget target(double time_s, const ScenePose& T_device_scene,
                     const TickRecord& last) noexcept override;
@@ -93,6 +98,7 @@ class OperatorHand final : public HandPlan {
 
   OperatorParameters person_;
   Following following_;
+  Recovery recovery_;
   double picture_s_;
   double sphere_radius_m_;
   double proxy_radius_m_;

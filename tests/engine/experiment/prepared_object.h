@@ -22,12 +22,17 @@ struct PreparedObject {
   TrialWay way;
 };
 
-// The scene, prepared for the device of the paper's plan.
-inline PreparedObject prepared(Scene scene) {
+// The device of the paper's plan.
+inline RunSettings paper_device() {
   RunSettings settings;
   settings.sensors = 2;
   settings.actuators = 1;
   settings.damping_Ns_per_m = 2.0;
+  return settings;
+}
+
+// The scene on a device with two sensors.
+inline PreparedObject prepared(Scene scene, const RunSettings& settings = paper_device()) {
   auto setup = make_setup(settings);
   setup->haptics.plane_height_m = *height_with_contour_m(scene, setup->haptics.initial_pose);
   auto way = find_trial_way(scene, *setup, {});
