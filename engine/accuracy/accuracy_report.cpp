@@ -14,15 +14,11 @@ namespace {
 
 // Elements
 
-std::string element(const std::string& tag, const std::string& content) {
-  return "<" + tag + ">" + content + "</" + tag.substr(0, tag.find(' ')) + ">";
-}
-
 std::string cell(const std::string& content) {
-  return element("td", content);
+  return html_element("td", content);
 }
 std::string number_cell(const std::string& content) {
-  return element("td class=\"number\"", content);
+  return html_element("td class=\"number\"", content);
 }
 
 // A text of the caller as the end of a sentence.
@@ -41,7 +37,7 @@ std::string whole_sentence(std::string text) {
 
 std::string paragraph(const std::string& label, const std::string& text) {
   if (text.empty()) return "";
-  return element("p", element("strong", label + ":") + " " + text) + "\n";
+  return html_element("p", html_element("strong", label + ":") + " " + text) + "\n";
 }
 
 // The id of a heading that links refer to.
@@ -109,21 +105,21 @@ std::string order_summary(const KnobResult& result) {
 
 std::string verdict_summary(const KnobResult& result) {
   if (!result.has_choice()) return "no choice";
-  if (result.default_is_on_front()) return element("span class=\"good\"", "on the front");
-  return element("span class=\"bad\"", factor_text(result.default_behind) + " behind " +
-                                           html_escaped(result.better_than_default)) +
+  if (result.default_is_on_front()) return html_element("span class=\"good\"", "on the front");
+  return html_element("span class=\"bad\"", factor_text(result.default_behind) + " behind " +
+                                                html_escaped(result.better_than_default)) +
          "<br>" + html_escaped(result.knob.default_because);
 }
 
 std::string preset_summary(const KnobResult& result, const LevelResult& preset) {
-  if (!preset.counts()) return element("span class=\"bad\"", "failed");
+  if (!preset.counts()) return html_element("span class=\"bad\"", "failed");
   return error_text(result.knob, preset) + "<br>" + time_text(result.knob, preset.time.median);
 }
 
 // The verdicts come first, so that they fit a narrow screen.
 std::string summary_row(const KnobResult& result, std::size_t chapter) {
   const auto verdict = [](const std::string& content) {
-    return element("td class=\"verdict\"", content);
+    return html_element("td class=\"verdict\"", content);
   };
   std::string row = "<tr>" +
                     verdict("<a href=\"#" + anchor_of(chapter) + "\">" +
@@ -136,7 +132,7 @@ std::string summary_row(const KnobResult& result, std::size_t chapter) {
   for (const LevelResult& preset : result.presets) {
     row += number_cell(preset_summary(result, preset));
   }
-  return row + element("td class=\"order\"", order_summary(result)) + "</tr>\n";
+  return row + html_element("td class=\"order\"", order_summary(result)) + "</tr>\n";
 }
 
 std::string summary(const AccuracyReport& report) {
@@ -157,26 +153,26 @@ std::string summary(const AccuracyReport& report) {
 // Advice
 
 std::string answer_html(const Answer& answer) {
-  return element("dt", html_escaped(answer.setting)) +
-         element("dd", element("strong", html_escaped(answer.value)) +
-                           element("span class=\"reason\"", html_escaped(answer.reason)) +
-                           element("span class=\"limit\"", html_escaped(answer.limit))) +
+  return html_element("dt", html_escaped(answer.setting)) +
+         html_element("dd", html_element("strong", html_escaped(answer.value)) +
+                                html_element("span class=\"reason\"", html_escaped(answer.reason)) +
+                                html_element("span class=\"limit\"", html_escaped(answer.limit))) +
          "\n";
 }
 
 std::string advice_html(const Advice& advice) {
-  std::string out = "<section class=\"advice\" id=\"advice\">\n" +
-                    element("h2", html_escaped(advice.subject)) + "\n" +
-                    element("p class=\"note\"", "Device: " + html_escaped(advice.device) + ".") +
-                    "\n<dl>\n";
+  std::string out =
+      "<section class=\"advice\" id=\"advice\">\n" +
+      html_element("h2", html_escaped(advice.subject)) + "\n" +
+      html_element("p class=\"note\"", "Device: " + html_escaped(advice.device) + ".") + "\n<dl>\n";
   for (const Answer& answer : advice.answers) out += answer_html(answer);
   // Lines break between words, never at a hyphen.
   std::string command;
   for (const std::string& word : command_words(advice)) {
-    command += (command.empty() ? "" : " ") + element("span", html_escaped(word));
+    command += (command.empty() ? "" : " ") + html_element("span", html_escaped(word));
   }
-  return out + "</dl>\n" + element("p", "To try these settings with a simulated device:") + "\n" +
-         element("pre", element("code", command)) + "\n</section>\n";
+  return out + "</dl>\n" + html_element("p", "To try these settings with a simulated device:") +
+         "\n" + html_element("pre", html_element("code", command)) + "\n</section>\n";
 }
 
 // A knob
@@ -233,8 +229,8 @@ std::string caption(const KnobResult& result) {
 
 std::string figure(const KnobChapter& chapter, std::size_t index) {
   if (!chapter.panels) {
-    return element("p class=\"bad\"",
-                   "No diagram: " + html_escaped(chapter.panels.error().to_string())) +
+    return html_element("p class=\"bad\"",
+                        "No diagram: " + html_escaped(chapter.panels.error().to_string())) +
            "\n";
   }
   const std::string prefix = anchor_of(index);
@@ -244,7 +240,7 @@ std::string figure(const KnobChapter& chapter, std::size_t index) {
                     figure_title(result, result.knob.time.name)) +
          inline_svg(chapter.panels->error_against_level, prefix + "-l-",
                     figure_title(result, result.knob.level.name)) +
-         "</div>\n" + element("figcaption", caption(result)) + "\n</figure>\n";
+         "</div>\n" + html_element("figcaption", caption(result)) + "\n</figure>\n";
 }
 
 std::string mark(const char* kind, const char* text) {
@@ -259,8 +255,8 @@ std::string marks(const KnobResult& result, const LevelPlace& place) {
   if (level.on_front && result.has_choice()) text += mark("front", "front");
   if (level.at_floor) text += mark("floor", "floor");
   if (!level.counts()) {
-    text += element("span class=\"mark bad\"", std::to_string(level.failures) + " of " +
-                                                   std::to_string(level.repeats) + " failed");
+    text += html_element("span class=\"mark bad\"", std::to_string(level.failures) + " of " +
+                                                        std::to_string(level.repeats) + " failed");
   }
   return text;
 }
@@ -277,8 +273,8 @@ std::string level_row(const KnobResult& result, const LevelPlace& place) {
   const LevelResult& level = level_at(result, place);
   const bool is_recommended = result.recommended == place && result.has_choice();
   return (is_recommended ? "<tr class=\"chosen\">" : "<tr>") +
-         element("td class=\"verdict\"", html_escaped(level.label)) +
-         element("td class=\"verdict\"", marks(result, place)) +
+         html_element("td class=\"verdict\"", html_escaped(level.label)) +
+         html_element("td class=\"verdict\"", marks(result, place)) +
          measured_cells(result.knob, level) +
          number_cell(html_escaped(human(level.value, result.knob.level.unit))) + "</tr>\n";
 }
@@ -305,15 +301,15 @@ std::string method_rows(const KnobResult& result, std::size_t m) {
 std::string preset_rows(const KnobResult& result) {
   std::string rows = method_heading("presets, at the default");
   for (const LevelResult& preset : result.presets) {
-    rows += "<tr>" + element("td class=\"verdict\"", html_escaped(preset.label)) +
-            element("td class=\"verdict\"", preset.counts() ? "" : mark("bad", "failed")) +
+    rows += "<tr>" + html_element("td class=\"verdict\"", html_escaped(preset.label)) +
+            html_element("td class=\"verdict\"", preset.counts() ? "" : mark("bad", "failed")) +
             measured_cells(result.knob, preset) + number_cell("") + "</tr>\n";
   }
   return rows;
 }
 
 std::string column(const std::string& name, const char* below) {
-  return element("th class=\"number\"", element("span", html_escaped(name)) + below);
+  return html_element("th class=\"number\"", html_element("span", html_escaped(name)) + below);
 }
 
 std::string level_table(const KnobResult& result) {
@@ -330,9 +326,9 @@ std::string level_table(const KnobResult& result) {
 }
 
 std::string failure_item(const std::string& name, const LevelResult& level) {
-  return element("li", html_escaped(name) + ": " + std::to_string(level.failures) + " of " +
-                           std::to_string(level.repeats) + " repeats, " +
-                           html_escaped(level.failure)) +
+  return html_element("li", html_escaped(name) + ": " + std::to_string(level.failures) + " of " +
+                                std::to_string(level.repeats) + " repeats, " +
+                                html_escaped(level.failure)) +
          "\n";
 }
 
@@ -404,8 +400,9 @@ std::string default_verdict(const KnobResult& result) {
 std::string chapter_html(const KnobChapter& chapter, std::size_t index) {
   const KnobResult& result = chapter.result;
   const Knob& knob = result.knob;
-  return "<section id=\"" + anchor_of(index) + "\">\n" + element("h2", html_escaped(knob.title)) +
-         "\n" + paragraph("Workload", whole_sentence(knob.workload)) +
+  return "<section id=\"" + anchor_of(index) + "\">\n" +
+         html_element("h2", html_escaped(knob.title)) + "\n" +
+         paragraph("Workload", whole_sentence(knob.workload)) +
          paragraph("Errors are against", whole_sentence(knob.reference)) +
          paragraph("Floor", whole_sentence(knob.floor_is)) + figure(chapter, index) +
          recommendation(result) + default_verdict(result) + failures(result) + level_table(result) +
@@ -416,7 +413,7 @@ std::string facts(const AccuracyReport& report) {
   if (report.facts.empty()) return "";
   std::string out = "<section id=\"facts\">\n<h2>How it was measured</h2>\n<dl class=\"facts\">\n";
   for (const auto& [name, value] : report.facts) {
-    out += element("dt", html_escaped(name)) + element("dd", html_escaped(value)) + "\n";
+    out += html_element("dt", html_escaped(name)) + html_element("dd", html_escaped(value)) + "\n";
   }
   return out + "</dl>\n</section>\n";
 }
@@ -454,29 +451,21 @@ std::string words() {
       {"rms", "Root mean square."}};
   std::string out = "<h2 id=\"words\">How to read it</h2>\n<dl class=\"facts\">\n";
   for (const auto& [name, meaning] : kWords) {
-    out += element("dt", name) + element("dd", meaning) + "\n";
+    out += html_element("dt", name) + html_element("dd", meaning) + "\n";
   }
   return out + "</dl>\n";
-}
-
-std::string head(const AccuracyReport& report) {
-  // An empty icon, because browsers request one otherwise.
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<link rel=\"icon\" href=\"data:,\">\n" +
-         element("title", html_escaped(report.title)) + "\n<style>" + std::string(kReportStyle) +
-         "</style>\n</head>\n";
 }
 
 }  // namespace
 
 std::string report_html(const AccuracyReport& report) {
-  std::string out = head(report) + "<body>\n<header>\n" +
-                    element("h1", html_escaped(report.title)) + "\n</header>\n<main>\n";
+  std::string out =
+      "<header>\n" + html_element("h1", html_escaped(report.title)) + "\n</header>\n<main>\n";
   if (report.advice) out += advice_html(*report.advice);
-  if (!report.introduction.empty()) out += element("p", html_escaped(report.introduction)) + "\n";
+  if (!report.introduction.empty())
+    out += html_element("p", html_escaped(report.introduction)) + "\n";
   for (const ReportSection& section : report.sections) {
-    out += "<section>\n" + element("h2", html_escaped(section.title)) + "\n" + section.html +
+    out += "<section>\n" + html_element("h2", html_escaped(section.title)) + "\n" + section.html +
            "\n</section>\n";
   }
   out += summary(report);
@@ -484,7 +473,7 @@ std::string report_html(const AccuracyReport& report) {
   for (std::size_t i = 0; i < report.chapters.size(); ++i) {
     out += chapter_html(report.chapters[i], i);
   }
-  return out + facts(report) + "</main>\n</body>\n</html>\n";
+  return html_page(report.title, kReportStyle, out + facts(report) + "</main>\n");
 }
 
 std::vector<KnobChapter> chapters_of(std::span<const KnobResult> results) {

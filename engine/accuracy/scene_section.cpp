@@ -6,38 +6,12 @@
 
 #include "engine/report/csv.h"
 #include "engine/report/html.h"
+#include "engine/report/html_table.h"
 #include "engine/report/human_units.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
 namespace {
-
-// HTML of a table, cell by cell. The first columns hold text and verdicts, the others numbers.
-class Table {
- public:
-  explicit Table(const std::vector<std::string>& heads, std::size_t text_columns = 1)
-      : text_columns_(text_columns) {
-    html_ << "<div class=\"wide\"><table><thead><tr>";
-    for (std::size_t i = 0; i < heads.size(); ++i) cell("th", i, html_escaped(heads[i]));
-    html_ << "</tr></thead><tbody>\n";
-  }
-  // Cells are HTML.
-  void row(const std::vector<std::string>& cells) {
-    html_ << "<tr>";
-    for (std::size_t i = 0; i < cells.size(); ++i) cell("td", i, cells[i]);
-    html_ << "</tr>\n";
-  }
-  std::string html() const { return html_.str() + "</tbody></table></div>\n"; }
-
- private:
-  void cell(const char* tag, std::size_t column, const std::string& content) {
-    const bool is_text = column < text_columns_;
-    html_ << "<" << tag << (is_text ? " class=\"verdict\"" : " class=\"number\"") << ">" << content
-          << "</" << tag << ">";
-  }
-  std::size_t text_columns_;
-  std::ostringstream html_;
-};
 
 std::string shown(double value, const char* unit) {
   return html_escaped(human(value, unit));
@@ -63,8 +37,8 @@ std::string percent(double share) {
 }
 
 std::string presets_html(const SceneAccuracy& measured) {
-  Table table({"preset", "tick, median", "99 %", "worst", "error (rms)", "99 %", "worst",
-               "force error, worst", "steps per tick", "capped"});
+  HtmlTable table({"preset", "tick, median", "99 %", "worst", "error (rms)", "99 %", "worst",
+                   "force error, worst", "steps per tick", "capped"});
   for (const PresetOnScene& p : measured.presets) {
     table.row({html_escaped(p.name), shown(p.p50_ns, "ns"), shown(p.p99_ns, "ns"),
                shown(p.worst_ns, "ns"), error_text(p.rms_error_m, measured.floor_m),
@@ -85,7 +59,8 @@ std::string presets_html(const SceneAccuracy& measured) {
 }
 
 std::string rate_html(const KeptRate& kept) {
-  Table table({"servo rate", "verdict", "trials", "ticks", "missed deadlines", "longest tick"}, 2);
+  HtmlTable table({"servo rate", "verdict", "trials", "ticks", "missed deadlines", "longest tick"},
+                  2);
   for (const RateTrial& trial : kept.trials) {
     const std::string trials = std::to_string(trial.kept) + " of " + std::to_string(trial.trials);
     table.row({shown(trial.rate_Hz, "Hz"), flag(trial.passed(), "kept", "not kept"), trials,
@@ -127,9 +102,9 @@ std::string stiffness_html(const SceneFindings& f) {
       << shown(f.measured.deepest_m, "m")
       << ", which the hands exceeded in one tick of a hundred. Force shading also adds to K and is "
          "not counted.</p>\n";
-  Table table({"surface", "passivity", "stability", "effective K", "passive up to", "limited by",
-               "stable below", "K", "B"},
-              3);
+  HtmlTable table({"surface", "passivity", "stability", "effective K", "passive up to",
+                   "limited by", "stable below", "K", "B"},
+                  3);
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), flag(v.is_passive, "passive", "not passive"),
@@ -139,7 +114,7 @@ std::string stiffness_html(const SceneFindings& f) {
                shown(c.damping_Ns_per_m, "N s/m")});
   }
   html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
-  Table rates({"servo rate", "passive up to", "stable below"});
+  HtmlTable rates({"servo rate", "passive up to", "stable below"});
   for (const LimitsAtRate& at : f.by_rate) {
     rates.row({shown(at.rate_Hz, "Hz"), shown(at.limits.passive_N_per_m, "N/m"),
                shown(at.limits.stable_N_per_m, "N/m")});

@@ -1,4 +1,4 @@
-// `experiment`: runs the paper's experiment with simulated operators.
+// `experiment`: runs the paper's experiment with simulated operators, and analyses its trials.
 
 #include <array>
 #include <filesystem>
@@ -18,6 +18,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/experiment/experiment_merge.h"
+#include "engine/experiment/experiment_report.h"
 #include "engine/experiment/experiment_run.h"
 #include "engine/experiment/paper_plan.h"
 #include "engine/experiment/plan.h"
@@ -227,17 +228,67 @@ void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
       ->capture_default_str();
 }
 
+struct ExperimentAnalyseRequest {
+  TrialSource source;
+  std::string out_dir = "analysis";
+};
+
+int analyse(const ExperimentAnalyseRequest& request) {
+  auto rows = read_trials(request.source.file);
+  if (!rows) return refuse(rows.error());
+  if (const auto error = check_output()) return refuse(*error);
+  // From here on a signal waits until the files are complete.
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  auto analysed = report_trials(std::move(*rows), request.source, request.out_dir);
+  if (!analysed) return refuse(analysed.error());
+  {
+    const SignalPhaseScope not_now(SignalPhase::kDeferred);
+    if (signal_flag().requested()) {
+      std::cerr << "palpate: interrupted; nothing is written\n";
+      return exit_code_after_signals(0);
+    }
+    if (const auto error = analysed->files.move_into_place()) return refuse(*error);
+  }
+  std::cout << analysed->text;
+  return exit_code_after_signals(finish_output(analysed->warnings));
+}
+
+void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
+  CLI::App& app = *experiment.add_subcommand(
+      "analyse", "compare trials, of people or simulated, with the paper's results");
+  set_help(app,
+           "  ./run.sh experiment plan paper --out plan.json\n"
+           "  ./run.sh experiment run plan.json --out experiment\n"
+           "  ./run.sh experiment analyse experiment/trials.csv --out analysis\n",
+           "report.html states what agrees with the paper and what does not, with figures and all "
+           "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
+           "comparisons.csv, means.csv,\nmissing_trials.csv and findings.csv have them as "
+           "tables.\n\n"
+           "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
+           "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
+           "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");
+  app.add_option("TRIALS", request.source.file,
+                 "file of trials, as `experiment run` writes it (trials.csv)")
+      ->required();
+  app.add_option("--out", request.out_dir, "folder of the results")->capture_default_str();
+  add_real(app, "--limit", request.source.limit_s, kAboveZero,
+           "time limit of a trial, s: the time of a trial with the status timeout");
+}
+
 class ExperimentCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override {
-    app_ =
-        program.add_subcommand("experiment", "run the paper's experiment with simulated operators");
+    app_ = program.add_subcommand(
+        "experiment", "run the paper's experiment with simulated operators, and analyse trials");
     app_->require_subcommand(1);
     set_help(*app_, "  ./run.sh experiment plan paper --out plan.json\n",
-             "Edit the plan, then run it: ./run.sh experiment run plan.json --out experiment\n"
+             "Edit the plan, run it, and compare the trials with the paper's results:\n"
+             "  ./run.sh experiment run plan.json --out experiment\n"
+             "  ./run.sh experiment analyse experiment/trials.csv\n"
              "The plan of the paper takes about five minutes on two cores.\n\n"
              "./run.sh experiment COMMAND --help lists the options of a command.\n");
     add_run(*app_, run_);
+    add_analyse(*app_, analyse_);
     add_plan(*app_, plan_);
     add_merge(*app_, merge_);
     return app_;
@@ -245,6 +296,7 @@ class ExperimentCommand final : public Command {
 
   int run(const std::vector<std::string>&) override {
     if (app_->got_subcommand("run")) return run_plan(run_);
+    if (app_->got_subcommand("analyse")) return analyse(analyse_);
     if (app_->got_subcommand("plan")) return write_plan(plan_);
     return merge(merge_);
   }
@@ -252,6 +304,7 @@ class ExperimentCommand final : public Command {
  private:
   CLI::App* app_ = nullptr;
   ExperimentRunRequest run_;
+  ExperimentAnalyseRequest analyse_;
   ExperimentPlanRequest plan_;
   ExperimentMergeRequest merge_;
 };

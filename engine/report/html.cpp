@@ -82,6 +82,23 @@ std::string html_escaped(std::string_view text) {
   return out;
 }
 
+std::string html_element(std::string_view tag, std::string_view content) {
+  std::string out = "<";
+  out.append(tag).append(">").append(content).append("</");
+  return out.append(tag.substr(0, tag.find(' '))).append(">");
+}
+
+std::string html_page(std::string_view title, std::string_view style, std::string_view body) {
+  // An empty icon, because browsers request one otherwise.
+  std::string out =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n" +
+      html_element("title", html_escaped(title)) + "\n<style>";
+  out.append(style).append("</style>\n</head>\n<body>\n").append(body);
+  return out + "</body>\n</html>\n";
+}
+
 std::string inline_svg(std::string_view svg, std::string_view id_prefix, std::string_view title) {
   const std::size_t root = svg.find("<svg");
   if (root == std::string_view::npos) return "";

@@ -1,0 +1,216 @@
+#include "engine/experiment/experiment_report.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "engine/experiment/report_explanations.h"
+#include "engine/experiment/report_operator.h"
+#include "engine/experiment/report_verdicts.h"
+#include "engine/experiment/statistics_text.h"
+#include "engine/report/html.h"
+#include "engine/report/report_style.h"
+#include "engine/report/text_file.h"
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kPage = "report.html";
+constexpr const char* kJson = "analysis.json";
+
+// Added to the style of all reports.
+constexpr std::string_view kExperimentStyle = R"css(
+.advice h3 { margin: .6rem 0 .2rem; }
+.advice ul { margin: .2rem 0; padding-left: 1.2rem; }
+.advice .wide { background: #fff; border: 1px solid var(--line); border-radius: 6px; }
+.lists { display: grid; grid-template-columns: repeat(auto-fit, minmax(16rem, 1fr)); gap: 0 2rem; }
+h4 { font-size: .95rem; margin: 1rem 0 .2rem; }
+td.finding { min-width: 12em; }
+td.found { min-width: 10.5em; }
+.mark.untested { color: var(--quiet); }
+.mark.flips { color: #7a4f00; }
+.figure7 .panels { align-items: center; }
+details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
+table { white-space: nowrap; }
+table.findings, td.finding { white-space: normal; }
+)css";
+
+std::string who(const ExperimentAnalysis& analysis) {
+  const bool has_people =
+      std::any_of(analysis.operators.begin(), analysis.operators.end(),
+                  [](const OperatorAnalysis& each) { return !each.is_simulated(); });
+  if (!analysis.has_simulated()) return "people";
+  return has_people ? "people and simulated operators" : "simulated operators";
+}
+
+std::string title_of(const ExperimentAnalysis& analysis) {
+  if (!analysis.has_simulated()) return "The paper\u2019s experiment: analysis of trials";
+  return "The paper\u2019s experiment with " + who(analysis);
+}
+
+int trials_in_file(const OperatorAnalysis& analysis) {
+  return analysis.counts.done + analysis.counts.timeouts + analysis.counts.faults;
+}
+
+// "57: 40 timeouts, 0 faults, 17 absent"; "none"
+std::string missing_text(const ExperimentAnalysis& analysis) {
+  int timeouts = 0, faults = 0, absent = 0;
+  for (const OperatorAnalysis& each : analysis.operators) {
+    timeouts += each.counts.timeouts;
+    faults += each.counts.faults;
+    absent += each.counts.absent;
+  }
+  if (timeouts + faults + absent == 0) return "none";
+  const auto counted = [](int n, const char* one, const char* many) {
+    return std::to_string(n) + " " + (n == 1 ? one : many);
+  };
+  return std::to_string(timeouts + faults + absent) + " (" +
+         counted(timeouts, "timeout", "timeouts") + ", " + counted(faults, "fault", "faults") +
+         ", " + std::to_string(absent) + " absent)";
+}
+
+// "delayed, predict"
+std::string names_of(const ExperimentAnalysis& analysis) {
+  std::string text;
+  for (const OperatorAnalysis& each : analysis.operators) {
+    text += (text.empty() ? "" : ", ") + each.name();
+  }
+  return text;
+}
+
+std::size_t most_participants(const ExperimentAnalysis& analysis) {
+  std::size_t most = 0;
+  for (const OperatorAnalysis& each : analysis.operators) {
+    most = std::max(most, each.table.participants().size());
+  }
+  return most;
+}
+
+int all_trials(const ExperimentAnalysis& analysis) {
+  int trials = 0;
+  for (const OperatorAnalysis& each : analysis.operators) trials += trials_in_file(each);
+  return trials;
+}
+
+std::string facts_html(const ExperimentAnalysis& analysis, const TrialSource& source) {
+  const TrialTable& table = analysis.operators[0].table;
+  const std::pair<std::string, std::string> facts[] = {
+      {"File", source.file},
+      {"Trials", std::to_string(all_trials(analysis)) + " (practice is left out)"},
+      {"Missing trials", missing_text(analysis)},
+      {analysis.has_simulated() ? "Operators" : "Participants",
+       std::to_string(most_participants(analysis))},
+      {"Followings", analysis.has_simulated() ? names_of(analysis) : ""},
+      {"Blocks", std::to_string(table.level_count(kTrialFactor))},
+      {"Time limit", number_or_dash(source.limit_s) + " s"}};
+  std::string out = "<section id=\"facts\">\n<h2>What was analysed</h2>\n<dl class=\"facts\">\n";
+  for (const auto& [name, value] : facts) {
+    if (value.empty()) continue;
+    out += html_element("dt", name) + html_element("dd", html_escaped(value)) + "\n";
+  }
+  return out + "</dl>\n</section>\n";
+}
+
+// The limit is wrong if a completed trial is longer, and matters if the file has timeouts.
+std::optional<Error> check_limit(const std::vector<TrialRow>& rows, double limit_s) {
+  const bool has_timeouts = std::any_of(rows.begin(), rows.end(), [](const TrialRow& row) {
+    return row.block > 0 && row.status == TrialStatus::kTimeout;
+  });
+  for (const TrialRow& row : rows) {
+    const double time_s = row.measures[kTotalTime].value_or(0.0);
+    if (!has_timeouts || row.block == 0 || row.status != TrialStatus::kDone) continue;
+    if (!(time_s > limit_s)) continue;
+    return invalid_argument("participant " + printable(row.participant) + ", block " +
+                                std::to_string(row.block) + ", " + row.haptic + ", " +
+                                row.rotation + ", " + printable(row.object) + ", total_time_s",
+                            "is " + number_or_dash(time_s) +
+                                " in a completed trial; expected at most the time limit, " +
+                                number_or_dash(limit_s) + " s, because the file has timeouts",
+                            "give the time limit of the trials with --limit");
+  }
+  return std::nullopt;
+}
+
+Error of_file(Error error, const std::string& file) {
+  if (error.path.empty()) error.path = file;
+  return error;
+}
+
+}  // namespace
+
+std::string experiment_report_html(const ExperimentAnalysis& analysis, const TrialSource& source,
+                                   std::vector<std::string>& warnings) {
+  const std::string title = title_of(analysis);
+  std::string out = "<header>\n" + html_element("h1", html_escaped(title)) + "\n" + levels_html() +
+                    "</header>\n<main>\n" + verdicts_html(analysis);
+  for (std::size_t i = 0; i < analysis.operators.size(); ++i) {
+    out += operator_html(analysis.operators[i], i == 0, warnings);
+  }
+  out += explanations_html(analysis) + facts_html(analysis, source) + "</main>\n";
+  return html_page(title, std::string(kReportStyle) + std::string(kExperimentStyle), out);
+}
+
+std::string experiment_text(const ExperimentAnalysis& analysis) {
+  const OperatorAnalysis& leading = analysis.operators[0];
+  std::string text = std::to_string(all_trials(analysis)) + " trials of " +
+                     std::to_string(most_participants(analysis)) + " " + who(analysis);
+  if (analysis.has_simulated()) text += " (" + names_of(analysis) + ")";
+  text += "; missing: " + missing_text(analysis) + "\n";
+  text += "the paper's " + std::to_string(paper_findings().size()) + " findings, " +
+          leading.name() + ": " + verdict_counts_text(leading) + "\n";
+  for (std::size_t i = 0; i < leading.findings.size(); ++i) {
+    const PaperFinding& finding = paper_findings()[i];
+    if (is_multivariate(finding)) continue;
+    std::string verdict(kVerdictNames[static_cast<std::size_t>(leading.findings[i].verdict)]);
+    verdict.resize(14, ' ');
+    text += "  " + verdict + finding.name + ": " + finding.statement + "\n";
+  }
+  if (const auto flips = differing_findings(analysis); !flips.empty()) {
+    text += std::to_string(flips.size()) + " verdicts differ between the followings\n";
+  }
+  return text;
+}
+
+std::vector<std::string> experiment_report_names() {
+  std::vector<std::string> names = {kPage, kJson};
+  for (const std::string_view name : kAnalysisTableNames) {
+    names.push_back(std::string(name) + ".csv");
+  }
+  return names;
+}
+
+Result<std::vector<std::string>> write_experiment_report(const ExperimentAnalysis& analysis,
+                                                         const TrialSource& source,
+                                                         const OutputFiles& files) {
+  std::vector<std::string> warnings;
+  std::vector<std::pair<std::string, std::string>> texts = {
+      {kPage, experiment_report_html(analysis, source, warnings)},
+      {kJson, analysis_json(analysis, source)}};
+  for (const ResultTable& table : analysis_tables(analysis)) {
+    texts.emplace_back(table.name + ".csv", csv_of(table));
+  }
+  for (const auto& [name, text] : texts) {
+    const auto written = write_text_file(files.path(name), text);
+    if (!written) return files.in_place(written.error());
+  }
+  return warnings;
+}
+
+Result<AnalysedTrials> report_trials(std::vector<TrialRow> rows, const TrialSource& source,
+                                     const std::string& folder) {
+  if (const auto error = check_limit(rows, source.limit_s)) return of_file(*error, source.file);
+  auto analysis = analyse_trials(std::move(rows), source.limit_s);
+  if (!analysis) return of_file(analysis.error(), source.file);
+  auto files = OutputFiles::create(folder, experiment_report_names());
+  if (!files) return files.error();
+  auto warnings = write_experiment_report(*analysis, source, *files);
+  if (!warnings) return warnings.error();
+  std::string text = experiment_text(*analysis);
+  text += "report.html, analysis.json and " + std::to_string(kAnalysisTableNames.size()) +
+          " tables are in " + folder + "/\n";
+  return AnalysedTrials{std::move(*analysis), std::move(*files), std::move(text),
+                        std::move(*warnings)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+#pragma once
+
+// The part of the report about one kind of operator: of one following, or of people.
+
+#include <string>
+#include <vector>
+
+#include "engine/experiment/analysis.h"
+
+namespace palpate {
+
+// Figures, means, effects, comparisons and missing trials. The tables are folded away unless the
+// operator leads. Appends to `warnings` a sentence if figures could not be drawn; the report shows
+// the reason in their place.
+std::string operator_html(const OperatorAnalysis& analysis, bool leads,
+                          std::vector<std::string>& warnings);
+
+}  // namespace palpate

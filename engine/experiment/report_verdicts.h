@@ -1,0 +1,30 @@
+#pragma once
+
+// What agrees with the paper's findings and what does not: counts, and the box that the report
+// begins with.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "engine/experiment/analysis.h"
+
+namespace palpate {
+
+// Findings by Verdict.
+std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& analysis);
+
+// "11 agree, 5 disagree, 1 is not testable"
+std::string verdict_counts_text(const OperatorAnalysis& analysis);
+
+// The places in paper_findings() of the findings about which the followings differ.
+std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis);
+
+// Whether a finding is one of the MANOVA.
+bool is_multivariate(const PaperFinding& finding);
+
+// The box: the counts, then a table with the paper's statement and figures, and a verdict for each
+// following.
+std::string verdicts_html(const ExperimentAnalysis& analysis);
+
+}  // namespace palpate

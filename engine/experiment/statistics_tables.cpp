@@ -1,0 +1,278 @@
+#include "engine/experiment/statistics_tables.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "engine/experiment/analysis_tables.h"
+#include "engine/experiment/intervals.h"
+#include "engine/experiment/statistics_text.h"
+#include "engine/report/html.h"
+#include "engine/report/html_table.h"
+#include "engine/report/human_units.h"
+
+namespace palpate {
+namespace {
+
+using TableCells = std::vector<std::string>;
+
+// A number of the paper, in the quiet colour.
+std::string of_paper(const std::string& text) {
+  return text.empty() ? "" : html_element("span class=\"spread\"", html_escaped(text));
+}
+
+// A p value, in bold if it is significant.
+std::string p_cell(double p) {
+  const std::string text = html_escaped(p_number(p));
+  return p < kSignificance ? html_element("strong", text) : text;
+}
+
+std::string df_pair(double df1, double df2) {
+  return df_text(df1) + ", " + df_text(df2);
+}
+
+std::string paper_f_text(const PaperF* paper) {
+  if (!paper) return "";
+  return number_or_dash(paper->f) + (paper->p.empty() ? "" : " (" + std::string(paper->p) + ")");
+}
+
+// Digits that suit an outcome: those that the paper prints, or two.
+int decimals_of(Outcome outcome) {
+  return outcome == Outcome::kPenetration ? 4 : 2;
+}
+
+// "27.12 (13.40)"
+std::string mean_sd(double mean, double sd, int decimals) {
+  return with_decimals(mean, decimals) + " (" + with_decimals(sd, decimals) + ")";
+}
+
+// "27.5 (15)"
+std::string paper_mean_text(const PaperMean* paper) {
+  if (!paper) return "";
+  return number_or_dash(paper->mean) + " (" + number_or_dash(paper->sd) + ")";
+}
+
+bool has_paper_mean(Outcome outcome) {
+  const auto means = paper_means();
+  return std::any_of(means.begin(), means.end(),
+                     [&](const PaperMean& mean) { return mean.outcome == outcome; });
+}
+
+// The six cells of repeated measures: F, df, p, epsilon, corrected p, generalized eta squared.
+void put_repeated(const PrimaryEffect& effect, TableCells& cells) {
+  if (!effect.test) {
+    cells.insert(cells.end(), {"-", "-", "-", "-", "-", "-"});
+  } else {
+    const RepeatedEffect& test = *effect.test;
+    cells.insert(cells.end(), {number_or_dash(test.f), df_pair(test.df1, test.df2),
+                               html_escaped(p_number(test.p)), with_decimals(test.epsilon, 3),
+                               p_cell(test.p_gg), with_decimals(test.generalized_eta2, 3)});
+  }
+  cells.push_back(std::to_string(effect.participants));
+}
+
+const TableCells kRepeatedHeads = {
+    "repeated measures: F", "df", "p", "GG \u03b5", "GG p", "generalized \u03b7\u00b2",
+    "n participants"};
+
+const PaperAnova* anova_with(const OperatorAnalysis& analysis, Outcome outcome) {
+  if (!analysis.paper) return nullptr;
+  for (const PaperAnova& anova : analysis.paper->anovas) {
+    if (anova.outcome == outcome) return &anova;
+  }
+  return nullptr;
+}
+
+// The test of an effect in the paper's analysis; null if the model does not have the effect.
+const FixedEffectTest* fixed_effect(const OperatorAnalysis& analysis, const PaperAnova* anova,
+                                    const FactorSet& term) {
+  if (!anova) return nullptr;
+  const auto& terms = analysis.paper->terms;
+  const auto found = std::find(terms.begin(), terms.end(), term);
+  return found == terms.end() ? nullptr : &anova->effects[found - terms.begin()];
+}
+
+void put_fixed(const OperatorAnalysis& analysis, const FixedEffectTest* test, TableCells& cells) {
+  if (!test) {
+    cells.insert(cells.end(), {"-", "-", "-", "-", "-"});
+    return;
+  }
+  cells.insert(cells.end(),
+               {number_or_dash(test->f), df_pair(test->df1, test->df2), p_cell(test->p),
+                with_decimals(test->partial_eta2, 3), std::to_string(analysis.paper->trials)});
+}
+
+std::string share_text(const TrialCounts& counts) {
+  const int held = counts.done + counts.timeouts + counts.faults;
+  if (held == 0) return "-";
+  const auto percent = [](double share) { return with_decimals(100.0 * share, 1); };
+  return percent(static_cast<double>(counts.timeouts) / held) + " % [" +
+         percent(counts.timeout_share.low) + ", " + percent(counts.timeout_share.high) + "]";
+}
+
+TableCells counts_row(const std::string& name, const TrialCounts& counts) {
+  return {name,
+          std::to_string(counts.done),
+          std::to_string(counts.timeouts),
+          share_text(counts),
+          std::to_string(counts.faults),
+          std::to_string(counts.absent)};
+}
+
+}  // namespace
+
+std::string outcome_heading(Outcome outcome) {
+  const OutcomeText& text = outcome_text(outcome);
+  std::string heading = with_unit(text.name, text.unit);
+  if (heading[0] >= 'a' && heading[0] <= 'z') heading[0] = static_cast<char>(heading[0] - 32);
+  return heading;
+}
+
+std::string trial_means_table(const OperatorAnalysis& analysis) {
+  const auto outcomes = reported_outcomes(analysis);
+  TableCells heads = {"level", "n trials"};
+  for (const Outcome outcome : outcomes) {
+    heads.push_back(with_unit(outcome_text(outcome).name, outcome_text(outcome).unit));
+    if (has_paper_mean(outcome)) heads.emplace_back("the paper");
+  }
+  HtmlTable table(heads);
+  for (const TrialLevels& at : levels_of_means(analysis.table)) {
+    TableCells cells = {html_escaped(levels_name(analysis.table, at)),
+                        std::to_string(trial_counts(analysis.table, at).done)};
+    for (const Outcome outcome : outcomes) {
+      const TrialMean mean = trial_mean(analysis.table, outcome, at);
+      cells.push_back(mean_sd(mean.mean, mean.sd, decimals_of(outcome)));
+      if (outcome == Outcome::kTimeToLimit) cells.back() += ", n " + std::to_string(mean.trials);
+      if (has_paper_mean(outcome)) {
+        cells.push_back(of_paper(paper_mean_text(paper_mean_at(analysis.table, outcome, at))));
+      }
+    }
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string participant_means_table(const OperatorAnalysis& analysis) {
+  TableCells heads = {"level"};
+  for (const PrimaryAnalysis& primary : analysis.primary) {
+    heads.push_back(
+        with_unit(outcome_text(primary.outcome).name, outcome_text(primary.outcome).unit));
+  }
+  HtmlTable table(heads);
+  std::vector<TrialLevels> rows = levels_of_means(analysis.table);
+  std::erase_if(rows, [](const TrialLevels& at) {
+    return at.object >= 0 || (at.haptic < 0 && at.rotation < 0);
+  });
+  for (const TrialLevels& at : rows) {
+    TableCells cells = {html_escaped(levels_name(analysis.table, at))};
+    for (const PrimaryAnalysis& primary : analysis.primary) {
+      const PrimaryMean* mean = primary.mean(at.haptic, at.rotation);
+      const int decimals = decimals_of(primary.outcome);
+      cells.push_back(mean ? with_decimals(mean->mean, decimals) + " \u00b1 " +
+                                 with_decimals(mean->half_width, decimals) + ", n " +
+                                 std::to_string(mean->participants)
+                           : "-");
+    }
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string manova_table(const OperatorAnalysis& analysis) {
+  if (!analysis.paper) return "";
+  HtmlTable table({"effect", "the paper: Wilks' \u03bb", "F", "df2", "this file: Wilks' \u03bb",
+                   "F", "df", "p", "n trials"});
+  for (std::size_t i = 0; i < analysis.paper->terms.size(); ++i) {
+    const WilksTest& test = analysis.paper->manova[i];
+    const PaperLambda* paper = paper_lambda(analysis.paper->terms[i]);
+    table.row({html_escaped(effect_name(analysis.paper->terms[i])),
+               of_paper(paper ? with_decimals(paper->lambda, 3) : ""),
+               of_paper(paper ? with_decimals(paper->f, 3) : ""),
+               of_paper(paper ? df_text(paper->df2) : ""), with_decimals(test.lambda, 3),
+               number_or_dash(test.f), df_pair(test.df1, test.df2), p_cell(test.p),
+               std::to_string(analysis.paper->trials)});
+  }
+  return table.html();
+}
+
+std::string effects_table(const OperatorAnalysis& analysis, const PrimaryAnalysis& primary) {
+  const PaperAnova* anova = anova_with(analysis, primary.outcome);
+  TableCells heads = {"effect"};
+  if (anova) {
+    heads.insert(heads.end(), {"the paper: F", "as the paper did it: F", "df", "p",
+                               "partial \u03b7\u00b2", "n trials"});
+  }
+  heads.insert(heads.end(), kRepeatedHeads.begin(), kRepeatedHeads.end());
+  HtmlTable table(heads);
+  for (const PrimaryEffect& effect : primary.effects) {
+    TableCells cells = {html_escaped(effect_name(effect.term))};
+    if (anova) {
+      cells.push_back(of_paper(paper_f_text(paper_f(primary.outcome, effect.term))));
+      put_fixed(analysis, fixed_effect(analysis, anova, effect.term), cells);
+    }
+    put_repeated(effect, cells);
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string angle_effects_table(const PrimaryAnalysis& angle) {
+  TableCells heads = {"effect", "the paper: F(1, 9)"};
+  heads.insert(heads.end(), kRepeatedHeads.begin(), kRepeatedHeads.end());
+  HtmlTable table(heads);
+  for (const PrimaryEffect& effect : angle.effects) {
+    TableCells cells = {html_escaped(effect_name(effect.term)),
+                        of_paper(paper_f_text(paper_f(angle.outcome, effect.term)))};
+    put_repeated(effect, cells);
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string plsd_table(const PaperAnova& anova) {
+  if (anova.comparisons.empty()) return "";
+  const int decimals = decimals_of(anova.outcome) + 1;
+  HtmlTable table({"pair", "difference", "least significant", "t", "p"});
+  for (const PlsdFamily& family : anova.comparisons) {
+    table.heading(html_escaped(family.factor));
+    for (const PlsdPair& pair : family.pairs) {
+      table.row({html_escaped(family.levels[pair.first] + " \u2212 " + family.levels[pair.second]),
+                 with_decimals(pair.difference, decimals),
+                 with_decimals(pair.least_significant, decimals), number_or_dash(pair.t),
+                 p_cell(pair.p)});
+    }
+  }
+  return table.html();
+}
+
+std::string paired_table(const PrimaryAnalysis& primary) {
+  if (primary.families.empty()) return "";
+  const int decimals = decimals_of(primary.outcome) + 1;
+  HtmlTable table(
+      {"pair", "difference, 95 % interval", "t", "df", "p", "Holm p", "n participants"});
+  for (const PrimaryFamily& family : primary.families) {
+    table.heading(html_escaped(family.name));
+    for (const PrimaryPair& pair : family.pairs) {
+      const PairedT& test = pair.test;
+      table.row({html_escaped(pair.name),
+                 with_decimals(test.difference, decimals) + " \u00b1 " +
+                     with_decimals(test.half_width, decimals),
+                 number_or_dash(test.t), df_text(test.df), html_escaped(p_number(test.p)),
+                 p_cell(pair.p_holm), std::to_string(test.pairs)});
+    }
+  }
+  return table.html();
+}
+
+std::string missing_table(const OperatorAnalysis& analysis) {
+  HtmlTable table({"condition", "completed", "timeouts", "share of timeouts, 95 % interval",
+                   "faults", "absent"});
+  table.row(counts_row("all trials", analysis.counts));
+  for (const TrialCounts& counts : analysis.by_condition) {
+    if (analysis.counts.missing() == 0) break;
+    table.row(counts_row(html_escaped(levels_name(analysis.table, counts.at)), counts));
+  }
+  return table.html();
+}
+
+}  // namespace palpate

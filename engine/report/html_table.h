@@ -1,0 +1,32 @@
+#pragma once
+
+// Tables of HTML documents.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+// A table, row by row, in a box of its own that scrolls if the table is wider. The first columns
+// hold text and verdicts, the others numbers.
+class HtmlTable {
+ public:
+  // heads: plain text; this class escapes it.
+  explicit HtmlTable(const std::vector<std::string>& heads, std::size_t text_columns = 1);
+
+  // Cells are HTML.
+  void row(const std::vector<std::string>& cells);
+  // A row with one text (HTML) that introduces the rows below it.
+  void heading(const std::string& text);
+  std::string html() const { return html_ + "</tbody></table></div>\n"; }
+
+ private:
+  void cell(const char* tag, std::size_t column, const std::string& content);
+
+  std::size_t columns_;
+  std::size_t text_columns_;
+  std::string html_;
+};
+
+}  // namespace palpate
