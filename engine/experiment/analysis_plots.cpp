@@ -17,7 +17,7 @@ namespace {
 // Pixels. The panel is so narrow that its texts stay readable on a phone.
 constexpr double kWidth = 460.0;
 constexpr PixelBox kArea = {80.0, 40.0, 448.0, 300.0};
-constexpr double kLegendTop = kArea.bottom + 68.0;
+constexpr double kLegendTop = kArea.bottom + 80.0;
 constexpr double kLegendRow = 22.0;
 constexpr int kFontPx = 14;
 
@@ -78,23 +78,39 @@ std::pair<double, double> range_of(const std::vector<PlotCurve>& curves) {
   return {is_from_zero ? 0.0 : low - margin, high + margin};
 }
 
+// A position in pixels from the upper left corner, in gnuplot's coordinates.
+std::string screen(double x, double y, double height) {
+  std::ostringstream out;
+  out << "screen " << x / kWidth << ", screen " << 1.0 - y / height;
+  return out.str();
+}
+
+// gnuplot itself would place the names of the axes beside the widest tick, or over the second line
+// of the ticks.
+void put_axis_names(const PlotPanel& panel, double height, std::ostringstream& out) {
+  out << "set label " << gnuplot_quoted(panel.across) << " at "
+      << screen(0.5 * (kArea.left + kArea.right), kArea.bottom + 64.0, height) << " center\n"
+      << "set label " << gnuplot_quoted(panel.up) << " at "
+      << screen(16.0, 0.5 * (kArea.top + kArea.bottom), height) << " center rotate\n";
+}
+
 void put_frame(const PlotPanel& panel, double height, std::ostringstream& out) {
   const auto [low, high] = range_of(panel.curves);
   out << "set lmargin at screen " << kArea.left / kWidth << "\nset rmargin at screen "
       << kArea.right / kWidth << "\nset tmargin at screen " << 1.0 - kArea.top / height
       << "\nset bmargin at screen " << 1.0 - kArea.bottom / height
       << "\nset grid ytics lc rgb '#E4E4E4' lw 1\nset border 3 lc rgb '#404040'\n"
-      << "set xtics nomirror scale 0\nset ytics nomirror scale 0.7\nset title "
-      << gnuplot_quoted(panel.title) << " offset 0,-0.2\nset xlabel "
-      << gnuplot_quoted(panel.across) << "\nset ylabel " << gnuplot_quoted(panel.up)
-      << "\nset xrange [-0.5:" << static_cast<double>(panel.ticks.size()) - 0.5 << "]\nset yrange ["
-      << low << ":" << high << "]\nset xtics (";
+      << "set xtics nomirror scale 0\nset ytics nomirror scale 0.7\nset pointintervalbox 0\n"
+      << "set title " << gnuplot_quoted(panel.title)
+      << " offset 0,-0.2\nset xrange [-0.5:" << static_cast<double>(panel.ticks.size()) - 0.5
+      << "]\nset yrange [" << low << ":" << high << "]\nset xtics (";
   for (std::size_t i = 0; i < panel.ticks.size(); ++i) {
     out << (i > 0 ? ", " : "") << panel.ticks[i] << " " << i;
   }
-  out << ")\nset key at screen " << kArea.left / kWidth - 0.12 << ", screen "
-      << 1.0 - kLegendTop / height << " left top Left reverse vertical maxrows "
-      << panel.curves.size() << " samplen 2.2 spacing 1.1\n";
+  out << ")\nset key at " << screen(kArea.left - 60.0, kLegendTop, height)
+      << " left top Left reverse vertical maxrows " << panel.curves.size()
+      << " samplen 2.2 spacing 1.1\n";
+  put_axis_names(panel, height, out);
 }
 
 Result<std::string> drawn(const PlotPanel& panel) {
@@ -102,7 +118,7 @@ Result<std::string> drawn(const PlotPanel& panel) {
   std::ostringstream out;
   out.precision(9);
   put_frame(panel, height, out);
-  std::string plots;
+  std::string points_plots, whisker_plots;
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const PlotCurve& curve = panel.curves[i];
     std::string points, whiskers;
@@ -114,14 +130,14 @@ Result<std::string> drawn(const PlotPanel& panel) {
     }
     const std::string number = std::to_string(i);
     out << "$points" << number << " << EOD\n" << points << "EOD\n";
-    plots += (i > 0 ? ", \\\n  $points" : "$points") + number + " with " + curve.style + " title " +
-             gnuplot_quoted(curve.title);
+    points_plots += ", \\\n  $points" + number + " with " + curve.style + " title " +
+                    gnuplot_quoted(curve.title);
     if (whiskers.empty()) continue;
     out << "$whiskers" << number << " << EOD\n" << whiskers << "EOD\n";
-    plots += ", \\\n  $whiskers" + number + " with yerrorbars pt 0 lw 1.5 lc rgb '" + curve.colour +
-             "' notitle";
+    whisker_plots += ", \\\n  $whiskers" + number + " with yerrorbars ps 0 lw 1.5 lc rgb '" +
+                     curve.colour + "' notitle";
   }
-  out << "plot " << plots << "\n";
+  out << "plot NaN notitle" << whisker_plots << points_plots << "\n";
   return gnuplot_svg(out.str(), static_cast<int>(kWidth), static_cast<int>(height), kFontPx);
 }
 

@@ -26,14 +26,23 @@ constexpr std::string_view kExperimentStyle = R"css(
 .advice .wide { background: #fff; border: 1px solid var(--line); border-radius: 6px; }
 .lists { display: grid; grid-template-columns: repeat(auto-fit, minmax(16rem, 1fr)); gap: 0 2rem; }
 h4 { font-size: .95rem; margin: 1rem 0 .2rem; }
-td.finding { min-width: 12em; }
-td.found { min-width: 10.5em; }
+td.finding { min-width: 11em; }
+td.found { min-width: 10em; }
 .mark.untested { color: var(--quiet); }
 .mark.flips { color: #7a4f00; }
 .figure7 .panels { align-items: center; }
 details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
-table { white-space: nowrap; }
-table.findings, td.finding { white-space: normal; }
+.operator td { white-space: nowrap; }
+.operator td:first-child { white-space: normal; min-width: 10em; }
+tr.groups th { border-bottom: 0; text-align: center; color: var(--quiet); }
+.operator th, .operator td { padding: .25rem .45rem; }
+.operator th.number { min-width: 3.6em; }
+@media (max-width: 800px) {
+  tr.groups th { text-align: left; }
+  .operator td:first-child { min-width: 6em; }
+  td.finding { min-width: 9em; }
+  td.found { min-width: 8.5em; }
+}
 )css";
 
 std::string who(const ExperimentAnalysis& analysis) {

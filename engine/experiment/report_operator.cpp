@@ -67,17 +67,19 @@ class Figures {
            "Diamonds are the paper\u2019s means by force over both rotations: the paper prints no "
            "number of its Figure 6. By rotation it prints " +
            paper_by_rotation(Outcome::kTime) + ", and " + paper_by_rotation(Outcome::kPenetration) +
-           ". The vertical axes need not begin at 0. 0.1 dm are 10 mm.";
+           ". Penetration is in decimetres, as in the paper: 0.1 dm are 10 mm. The axis of time "
+           "need not "
+           "begin at 0.";
   }
 
-  // "total time NoR 25.1 (12), R 29.1 (16) s"
+  // "total time NoR 25.14 (12.041), R 29.15 (15.972) s"
   static std::string paper_by_rotation(Outcome outcome) {
     std::string text(outcome_text(outcome).name);
     const char* separator = " ";
     for (const std::string_view level : kRotationLevels) {
       const PaperMean* mean = paper_mean(outcome, level);
-      text += separator + std::string(level) + " " + number_or_dash(mean->mean) + " (" +
-              number_or_dash(mean->sd) + ")";
+      text += separator + std::string(level) + " " + as_printed(mean->mean) + " (" +
+              as_printed(mean->sd) + ")";
       separator = ", ";
     }
     return html_escaped(text + " " + std::string(outcome_text(outcome).unit));
@@ -94,7 +96,7 @@ class Figures {
                  mean ? with_decimals(mean->mean, 1) + " \u00b1 " +
                             with_decimals(mean->half_width, 1) + " deg"
                       : "-",
-                 number_or_dash(paper->mean) + " (" + number_or_dash(paper->sd) + ") deg"});
+                 as_printed(paper->mean) + " (" + as_printed(paper->sd) + ") deg"});
     }
     return table.html();
   }

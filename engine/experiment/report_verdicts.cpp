@@ -15,10 +15,26 @@ std::string verdict_mark(Verdict verdict) {
                       kVerdictNames[place]);
 }
 
+// Statistics and means on a line each, without a line break within a p value.
+std::string in_lines(const std::string& text) {
+  std::string html = html_escaped(text);
+  const auto replace_all = [&](const std::string& found, const std::string& by) {
+    for (std::size_t i = html.find(found); i != std::string::npos; i = html.find(found, i)) {
+      html.replace(i, found.size(), by);
+      i += by.size();
+    }
+  };
+  replace_all("; ", "<br>");
+  replace_all("p = ", "p&nbsp;=&nbsp;");
+  replace_all("p &lt; ", "p&nbsp;&lt;&nbsp;");
+  return html;
+}
+
 std::string finding_cell(const ExperimentAnalysis& analysis, std::size_t i) {
   const PaperFinding& finding = paper_findings()[i];
-  std::string text =
-      html_element("strong", html_escaped(finding.name)) + "<br>" + html_escaped(finding.statement);
+  std::string text = html_element("strong", html_escaped(finding.name)) + "<br>" +
+                     html_escaped(finding.statement) + "<br>" +
+                     html_element("span class=\"spread\"", in_lines(finding.printed));
   if (verdicts_differ(analysis, i)) {
     text += "<br>" + html_element("span class=\"mark flips\"", "flips between followings");
   }
@@ -27,7 +43,7 @@ std::string finding_cell(const ExperimentAnalysis& analysis, std::size_t i) {
 
 // The verdict, its reason, and the other analysis if it disagrees.
 std::string result_cell(const FindingResult& result) {
-  std::string text = verdict_mark(result.verdict) + "<br>" + html_escaped(result.because);
+  std::string text = verdict_mark(result.verdict) + "<br>" + in_lines(result.because);
   if (result.as_paper && *result.as_paper != result.verdict) {
     text +=
         "<br>" +
@@ -44,10 +60,10 @@ std::string heading_row(const char* text, std::size_t columns) {
 }
 
 std::string findings_table(const ExperimentAnalysis& analysis) {
-  const std::size_t columns = 2 + analysis.operators.size();
+  const std::size_t columns = 1 + analysis.operators.size();
   std::string out =
-      "<div class=\"wide\"><table class=\"findings\">\n<thead><tr><th>finding of the paper</th>"
-      "<th>the paper\u2019s figures</th>";
+      "<div class=\"wide\"><table class=\"findings\">\n<thead><tr><th>finding of the paper, and "
+      "its figures</th>";
   for (const OperatorAnalysis& each : analysis.operators) {
     out += html_element(
         "th", html_escaped(each.name()) + (each.is_simulated() ? "<br>(simulated operators)" : ""));
@@ -58,8 +74,7 @@ std::string findings_table(const ExperimentAnalysis& analysis) {
     if (is_multivariate(findings[i]) && !is_multivariate(findings[i - 1])) {
       out += heading_row("MANOVA: time, losses and penetration together", columns);
     }
-    out += "<tr>" + finding_cell(analysis, i) +
-           html_element("td class=\"found\"", html_escaped(findings[i].printed));
+    out += "<tr>" + finding_cell(analysis, i);
     for (const OperatorAnalysis& each : analysis.operators) out += result_cell(each.findings[i]);
     out += "</tr>\n";
   }
@@ -107,6 +122,13 @@ std::string flips_sentence(const ExperimentAnalysis& analysis) {
          " findings: " + names + ".</p>\n";
 }
 
+std::string evidence_sentence(const ExperimentAnalysis& analysis) {
+  if (!analysis.has_simulated()) return "";
+  return "<p>Two agreements are no evidence, because they follow from how the simulation is built: "
+         "force reduces the penetration, and rotation reduces the contact angle. <a "
+         "href=\"#explanations\">What these numbers can state</a></p>\n";
+}
+
 }  // namespace
 
 std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& analysis) {
@@ -121,7 +143,7 @@ std::string verdict_counts_text(const OperatorAnalysis& analysis) {
   const auto [agree, disagree, untested] = verdict_counts(analysis);
   return std::to_string(agree) + (agree == 1 ? " agrees, " : " agree, ") +
          std::to_string(disagree) + (disagree == 1 ? " disagrees, " : " disagree, ") +
-         std::to_string(untested) + (untested == 1 ? " is" : " are") + " not testable";
+         std::to_string(untested) + " not testable";
 }
 
 std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis) {
@@ -140,12 +162,12 @@ std::string verdicts_html(const ExperimentAnalysis& analysis) {
   const OperatorAnalysis& leading = analysis.operators[0];
   std::string out =
       "<section class=\"advice\" id=\"answer\">\n<h2>What agrees with the paper</h2>\n";
-  out += html_element(
-             "p", html_element("strong", "Of the paper\u2019s " +
-                                             std::to_string(paper_findings().size()) +
-                                             " findings, " + verdict_counts_text(leading) + "") +
-                      " (" + html_escaped(whose_trials(leading)) + ").") +
-         "\n";
+  out +=
+      html_element("p", html_element("strong", "Of the paper\u2019s " +
+                                                   std::to_string(paper_findings().size()) +
+                                                   " findings, " + verdict_counts_text(leading)) +
+                            " (" + html_escaped(whose_trials(leading)) + ").") +
+      "\n";
   out += "<div class=\"lists\"><div><h3>Agrees</h3>\n" + statements(leading, Verdict::kAgrees) +
          "</div>\n<div><h3>Disagrees</h3>\n" + statements(leading, Verdict::kDisagrees) +
          "</div>\n";
@@ -153,7 +175,7 @@ std::string verdicts_html(const ExperimentAnalysis& analysis) {
     out += "<div><h3>Not testable</h3>\n" + statements(leading, Verdict::kNotTestable) + "</div>\n";
   }
   return out + "</div>\n" + manova_sentence(leading) + flips_sentence(analysis) +
-         findings_table(analysis) + "</section>\n";
+         evidence_sentence(analysis) + findings_table(analysis) + "</section>\n";
 }
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ namespace palpate {
 // Findings by Verdict.
 std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& analysis);
 
-// "11 agree, 5 disagree, 1 is not testable"
+// "11 agree, 5 disagree, 1 not testable"
 std::string verdict_counts_text(const OperatorAnalysis& analysis);
 
 // The places in paper_findings() of the findings about which the followings differ.
@@ -23,8 +23,8 @@ std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis);
 // Whether a finding is one of the MANOVA.
 bool is_multivariate(const PaperFinding& finding);
 
-// The box: the counts, then a table with the paper's statement and figures, and a verdict for each
-// following.
+// The box: the counts, then a table with the paper's statement and figures, and the verdict of each
+// following. The verdicts stand second, so that the leading one fits a narrow screen.
 std::string verdicts_html(const ExperimentAnalysis& analysis);
 
 }  // namespace palpate

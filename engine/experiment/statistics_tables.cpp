@@ -33,7 +33,7 @@ std::string df_pair(double df1, double df2) {
 
 std::string paper_f_text(const PaperF* paper) {
   if (!paper) return "";
-  return number_or_dash(paper->f) + (paper->p.empty() ? "" : " (" + std::string(paper->p) + ")");
+  return as_printed(paper->f) + (paper->p.empty() ? "" : " (" + std::string(paper->p) + ")");
 }
 
 // Digits that suit an outcome: those that the paper prints, or two.
@@ -49,7 +49,7 @@ std::string mean_sd(double mean, double sd, int decimals) {
 // "27.5 (15)"
 std::string paper_mean_text(const PaperMean* paper) {
   if (!paper) return "";
-  return number_or_dash(paper->mean) + " (" + number_or_dash(paper->sd) + ")";
+  return as_printed(paper->mean) + " (" + as_printed(paper->sd) + ")";
 }
 
 bool has_paper_mean(Outcome outcome) {
@@ -71,9 +71,9 @@ void put_repeated(const PrimaryEffect& effect, TableCells& cells) {
   cells.push_back(std::to_string(effect.participants));
 }
 
-const TableCells kRepeatedHeads = {
-    "repeated measures: F", "df", "p", "GG \u03b5", "GG p", "generalized \u03b7\u00b2",
-    "n participants"};
+const TableCells kFixedHeads = {"F", "df", "p", "partial \u03b7\u00b2", "n"};
+const TableCells kRepeatedHeads = {"F", "df", "p", "GG \u03b5", "GG p", "gen. \u03b7\u00b2", "n"};
+constexpr const char* kRepeatedGroup = "repeated measures (n participants)";
 
 const PaperAnova* anova_with(const OperatorAnalysis& analysis, Outcome outcome) {
   if (!analysis.paper) return nullptr;
@@ -180,8 +180,9 @@ std::string participant_means_table(const OperatorAnalysis& analysis) {
 
 std::string manova_table(const OperatorAnalysis& analysis) {
   if (!analysis.paper) return "";
-  HtmlTable table({"effect", "the paper: Wilks' \u03bb", "F", "df2", "this file: Wilks' \u03bb",
-                   "F", "df", "p", "n trials"});
+  HtmlTable table(
+      {"effect", "Wilks\u2019 \u03bb", "F", "df2", "Wilks\u2019 \u03bb", "F", "df", "p", "n"}, 1,
+      {{"", 1}, {"the paper", 3}, {"this file (n trials)", 5}});
   for (std::size_t i = 0; i < analysis.paper->terms.size(); ++i) {
     const WilksTest& test = analysis.paper->manova[i];
     const PaperLambda* paper = paper_lambda(analysis.paper->terms[i]);
@@ -198,12 +199,16 @@ std::string manova_table(const OperatorAnalysis& analysis) {
 std::string effects_table(const OperatorAnalysis& analysis, const PrimaryAnalysis& primary) {
   const PaperAnova* anova = anova_with(analysis, primary.outcome);
   TableCells heads = {"effect"};
+  std::vector<std::pair<std::string, std::size_t>> groups = {{"", 1}};
   if (anova) {
-    heads.insert(heads.end(), {"the paper: F", "as the paper did it: F", "df", "p",
-                               "partial \u03b7\u00b2", "n trials"});
+    heads.emplace_back("F");
+    heads.insert(heads.end(), kFixedHeads.begin(), kFixedHeads.end());
+    groups.emplace_back("the paper", 1);
+    groups.emplace_back("as the paper did it (n trials)", kFixedHeads.size());
   }
   heads.insert(heads.end(), kRepeatedHeads.begin(), kRepeatedHeads.end());
-  HtmlTable table(heads);
+  groups.emplace_back(kRepeatedGroup, kRepeatedHeads.size());
+  HtmlTable table(heads, 1, groups);
   for (const PrimaryEffect& effect : primary.effects) {
     TableCells cells = {html_escaped(effect_name(effect.term))};
     if (anova) {
@@ -217,9 +222,9 @@ std::string effects_table(const OperatorAnalysis& analysis, const PrimaryAnalysi
 }
 
 std::string angle_effects_table(const PrimaryAnalysis& angle) {
-  TableCells heads = {"effect", "the paper: F(1, 9)"};
+  TableCells heads = {"effect", "F(1, 9)"};
   heads.insert(heads.end(), kRepeatedHeads.begin(), kRepeatedHeads.end());
-  HtmlTable table(heads);
+  HtmlTable table(heads, 1, {{"", 1}, {"the paper", 1}, {kRepeatedGroup, kRepeatedHeads.size()}});
   for (const PrimaryEffect& effect : angle.effects) {
     TableCells cells = {html_escaped(effect_name(effect.term)),
                         of_paper(paper_f_text(paper_f(angle.outcome, effect.term)))};

@@ -4,9 +4,15 @@
 
 namespace palpate {
 
-HtmlTable::HtmlTable(const std::vector<std::string>& heads, std::size_t text_columns)
+HtmlTable::HtmlTable(const std::vector<std::string>& heads, std::size_t text_columns,
+                     const std::vector<std::pair<std::string, std::size_t>>& groups)
     : columns_(heads.size()), text_columns_(text_columns) {
-  html_ = "<div class=\"wide\"><table><thead><tr>";
+  html_ = "<div class=\"wide\"><table><thead>";
+  if (!groups.empty()) html_ += "<tr class=\"groups\">";
+  for (const auto& [title, columns] : groups) {
+    html_ += html_element("th colspan=\"" + std::to_string(columns) + "\"", html_escaped(title));
+  }
+  html_ += groups.empty() ? "<tr>" : "</tr><tr>";
   for (std::size_t i = 0; i < heads.size(); ++i) cell("th", i, html_escaped(heads[i]));
   html_ += "</tr></thead><tbody>\n";
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate {
@@ -13,7 +14,9 @@ namespace palpate {
 class HtmlTable {
  public:
   // heads: plain text; this class escapes it.
-  explicit HtmlTable(const std::vector<std::string>& heads, std::size_t text_columns = 1);
+  // groups: titles above the heads, and the number of columns of each.
+  explicit HtmlTable(const std::vector<std::string>& heads, std::size_t text_columns = 1,
+                     const std::vector<std::pair<std::string, std::size_t>>& groups = {});
 
   // Cells are HTML.
   void row(const std::vector<std::string>& cells);
