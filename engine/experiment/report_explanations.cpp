@@ -16,11 +16,12 @@ std::string statistics_items(bool is_simulated) {
   return item("Why two analyses?",
               "The paper\u2019s analysis takes its 720 trials for independent, although ten people "
               "made 72 each. We repeat it in order to compare our numbers with the paper\u2019s. "
-              "If there is no effect at all, it should reject 5 % of the time. In simulated data "
+              "If there is no effect at all, it should reject 5 % of the time. In random data "
               "in which people differ by one standard deviation of the residuals, it rejects the "
               "hypothesis of no effect of force in 0.4 % of the cases; if people also react "
               "differently to force, by 0.4 standard deviations, in 27 %. Repeated measures "
-              "compare each effect with its own scatter between participants, and reject as often "
+              "compare each effect with its own scatter between participants, and reject at most "
+              "as often "
               "as they should. They decide here whether a finding agrees.") +
          item("Counts and times are not normal.",
               "F and t tests assume normal residuals. Counts and times are skewed, so their small "
@@ -61,9 +62,12 @@ std::string simulation_items() {
              "and that rotation makes the contact angle smaller follows from A4. These two test "
              "the machinery and are no findings. The operator file people2005 also takes its hand "
              "from the paper\u2019s penetration in NoH and H.") +
-         item("Nothing was tuned until it agreed.",
-              "The operator files and the plan were written before this comparison. The following "
-              "that leads is chosen by the plan, not by its results.");
+         item(
+             "Nothing was tuned until it agreed.",
+             "The operator files and the plan do not follow these results; an earlier sketch of "
+             "the "
+             "operator had been seen before, as the operator files state. The following that leads "
+             "is chosen by the plan, not by its results.");
 }
 
 std::string words(bool is_simulated) {

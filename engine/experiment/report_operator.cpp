@@ -93,9 +93,7 @@ class Figures {
       const PrimaryMean* mean = analysis_.angle_of_uah->mean(-1, r);
       const PaperMean* paper = paper_mean(Outcome::kContactAngle, rotation[r]);
       table.row({html_escaped(rotation[r]),
-                 mean ? with_decimals(mean->mean, 1) + " \u00b1 " +
-                            with_decimals(mean->half_width, 1) + " deg"
-                      : "-",
+                 mean ? mean_with_interval(mean->mean, mean->half_width, 1) + " deg" : "-",
                  as_printed(paper->mean) + " (" + as_printed(paper->sd) + ") deg"});
     }
     return table.html();
@@ -186,6 +184,20 @@ std::string missing_html(const OperatorAnalysis& analysis) {
   return out;
 }
 
+// "675 of 720 trials were completed by 10 participants; timeouts: 45, faults: 0, absent: 0."
+std::string counts_sentence(const OperatorAnalysis& analysis) {
+  const TrialCounts& counts = analysis.counts;
+  std::string text = std::to_string(counts.done) + " of " +
+                     std::to_string(counts.done + counts.missing()) + " trials were completed by " +
+                     std::to_string(analysis.table.participants().size()) + " participants";
+  if (counts.missing() > 0) {
+    text += "; timeouts: " + std::to_string(counts.timeouts) +
+            ", faults: " + std::to_string(counts.faults) +
+            ", absent: " + std::to_string(counts.absent);
+  }
+  return note(text + ".");
+}
+
 std::string notes_html(const OperatorAnalysis& analysis) {
   if (analysis.notes.empty()) return "";
   std::string items;
@@ -203,8 +215,8 @@ std::string operator_html(const OperatorAnalysis& analysis, bool leads,
   std::string title = whose_trials(analysis);
   title[0] = static_cast<char>(title[0] - 'a' + 'A');
   std::string out = "<section class=\"operator\" id=\"" + analysis.name() + "\">\n" +
-                    html_element("h2", html_escaped(title)) + "\n" + notes_html(analysis) +
-                    figures.figure_6();
+                    html_element("h2", html_escaped(title)) + "\n" + counts_sentence(analysis) +
+                    notes_html(analysis) + figures.figure_6();
   if (analysis.angle_of_uah) {
     out += figures.figure_7();
   } else {
@@ -214,7 +226,8 @@ std::string operator_html(const OperatorAnalysis& analysis, bool leads,
                              comparisons_html(analysis) + manova_html(analysis) +
                              missing_html(analysis);
   if (leads) return out + tables + "</section>\n";
-  return out + "<details>\n" + html_element("summary", "Tables: " + html_escaped(title)) + "\n" +
+  return out + "<details>\n" +
+         html_element("summary", "All tables: " + html_escaped(whose_trials(analysis))) + "\n" +
          tables + "</details>\n</section>\n";
 }
 

@@ -1,5 +1,9 @@
 #include "engine/experiment/report_verdicts.h"
 
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include "engine/experiment/analysis_plots.h"
 #include "engine/experiment/analysis_tables.h"
 #include "engine/report/html.h"
@@ -17,16 +21,22 @@ std::string verdict_mark(Verdict verdict) {
 
 // Statistics and means on a line each, without a line break within a p value.
 std::string in_lines(const std::string& text) {
-  std::string html = html_escaped(text);
-  const auto replace_all = [&](const std::string& found, const std::string& by) {
-    for (std::size_t i = html.find(found); i != std::string::npos; i = html.find(found, i)) {
-      html.replace(i, found.size(), by);
-      i += by.size();
+  constexpr std::pair<std::string_view, std::string_view> kReplacements[] = {
+      {"; ", "<br>"}, {"p = ", "p&nbsp;=&nbsp;"}, {"p < ", "p&nbsp;&lt;&nbsp;"}};
+  std::string html;
+  for (std::string_view rest = text; !rest.empty();) {
+    std::size_t taken = 0;
+    for (const auto& [found, by] : kReplacements) {
+      if (!rest.starts_with(found)) continue;
+      html += by;
+      taken = found.size();
     }
-  };
-  replace_all("; ", "<br>");
-  replace_all("p = ", "p&nbsp;=&nbsp;");
-  replace_all("p &lt; ", "p&nbsp;&lt;&nbsp;");
+    if (taken == 0) {
+      html += html_escaped(rest.substr(0, rest.find_first_of(";p", 1)));
+      taken = std::min(rest.size(), rest.find_first_of(";p", 1));
+    }
+    rest.remove_prefix(taken);
+  }
   return html;
 }
 
@@ -124,8 +134,9 @@ std::string flips_sentence(const ExperimentAnalysis& analysis) {
 
 std::string evidence_sentence(const ExperimentAnalysis& analysis) {
   if (!analysis.has_simulated()) return "";
-  return "<p>Two agreements are no evidence, because they follow from how the simulation is built: "
-         "force reduces the penetration, and rotation reduces the contact angle. <a "
+  return "<p>Two of these findings are no evidence about people, because the simulation is built "
+         "so: "
+         "force reduces the penetration (springs), and rotation reduces the contact angle (A4). <a "
          "href=\"#explanations\">What these numbers can state</a></p>\n";
 }
 

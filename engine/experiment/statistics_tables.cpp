@@ -1,6 +1,7 @@
 #include "engine/experiment/statistics_tables.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -52,10 +53,12 @@ std::string paper_mean_text(const PaperMean* paper) {
   return as_printed(paper->mean) + " (" + as_printed(paper->sd) + ")";
 }
 
-bool has_paper_mean(Outcome outcome) {
-  const auto means = paper_means();
-  return std::any_of(means.begin(), means.end(),
-                     [&](const PaperMean& mean) { return mean.outcome == outcome; });
+// Whether the paper has a mean of the outcome at one of these levels.
+bool has_paper_mean(const TrialTable& table, Outcome outcome,
+                    const std::vector<TrialLevels>& levels) {
+  return std::any_of(levels.begin(), levels.end(), [&](const TrialLevels& at) {
+    return paper_mean_at(table, outcome, at) != nullptr;
+  });
 }
 
 // The six cells of repeated measures: F, df, p, epsilon, corrected p, generalized eta squared.
@@ -128,23 +131,30 @@ std::string outcome_heading(Outcome outcome) {
   return heading;
 }
 
+std::string mean_with_interval(double mean, double half_width, int decimals) {
+  const std::string text = with_decimals(mean, decimals);
+  return std::isnan(half_width) ? text : text + " \u00b1 " + with_decimals(half_width, decimals);
+}
+
 std::string trial_means_table(const OperatorAnalysis& analysis) {
+  const TrialTable& trials = analysis.table;
   const auto outcomes = reported_outcomes(analysis);
+  const auto levels = levels_of_means(trials);
   TableCells heads = {"level", "n trials"};
   for (const Outcome outcome : outcomes) {
     heads.push_back(with_unit(outcome_text(outcome).name, outcome_text(outcome).unit));
-    if (has_paper_mean(outcome)) heads.emplace_back("the paper");
+    if (has_paper_mean(trials, outcome, levels)) heads.emplace_back("the paper");
   }
   HtmlTable table(heads);
-  for (const TrialLevels& at : levels_of_means(analysis.table)) {
-    TableCells cells = {html_escaped(levels_name(analysis.table, at)),
-                        std::to_string(trial_counts(analysis.table, at).done)};
+  for (const TrialLevels& at : levels) {
+    TableCells cells = {html_escaped(levels_name(trials, at)),
+                        std::to_string(trial_counts(trials, at).done)};
     for (const Outcome outcome : outcomes) {
-      const TrialMean mean = trial_mean(analysis.table, outcome, at);
+      const TrialMean mean = trial_mean(trials, outcome, at);
       cells.push_back(mean_sd(mean.mean, mean.sd, decimals_of(outcome)));
       if (outcome == Outcome::kTimeToLimit) cells.back() += ", n " + std::to_string(mean.trials);
-      if (has_paper_mean(outcome)) {
-        cells.push_back(of_paper(paper_mean_text(paper_mean_at(analysis.table, outcome, at))));
+      if (has_paper_mean(trials, outcome, levels)) {
+        cells.push_back(of_paper(paper_mean_text(paper_mean_at(trials, outcome, at))));
       }
     }
     table.row(cells);
@@ -168,8 +178,7 @@ std::string participant_means_table(const OperatorAnalysis& analysis) {
     for (const PrimaryAnalysis& primary : analysis.primary) {
       const PrimaryMean* mean = primary.mean(at.haptic, at.rotation);
       const int decimals = decimals_of(primary.outcome);
-      cells.push_back(mean ? with_decimals(mean->mean, decimals) + " \u00b1 " +
-                                 with_decimals(mean->half_width, decimals) + ", n " +
+      cells.push_back(mean ? mean_with_interval(mean->mean, mean->half_width, decimals) + ", n " +
                                  std::to_string(mean->participants)
                            : "-");
     }
@@ -260,8 +269,7 @@ std::string paired_table(const PrimaryAnalysis& primary) {
     for (const PrimaryPair& pair : family.pairs) {
       const PairedT& test = pair.test;
       table.row({html_escaped(pair.name),
-                 with_decimals(test.difference, decimals) + " \u00b1 " +
-                     with_decimals(test.half_width, decimals),
+                 mean_with_interval(test.difference, test.half_width, decimals),
                  number_or_dash(test.t), df_text(test.df), html_escaped(p_number(test.p)),
                  p_cell(pair.p_holm), std::to_string(test.pairs)});
     }

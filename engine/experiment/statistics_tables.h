@@ -11,6 +11,9 @@ namespace palpate {
 // "Total time (s)"
 std::string outcome_heading(Outcome outcome);
 
+// "27.1 \u00b1 0.5"; without the half width of the interval if it is NaN.
+std::string mean_with_interval(double mean, double half_width, int decimals);
+
 // Means and standard deviations of all trials at each level.
 std::string trial_means_table(const OperatorAnalysis& analysis);
 
