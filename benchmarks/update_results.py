@@ -18,6 +18,7 @@ import sys
 sys.dont_write_bytecode = True  # no folder beside the sources
 import a4_figure  # noqa: E402
 import accuracy_results  # noqa: E402
+import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
 from result_tables import BadInput  # noqa: E402
@@ -79,7 +80,7 @@ def headline_block(machine):
         lines.append(f"- The longest proxy update on inputs built to be slow took "
                      f"{slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick at "
                      "1 kHz. The searches of magnets and media have no bound and can take longer.")
-    return "\n".join(lines)
+    return "\n".join(lines) + "\n\n" + machine_line(machine)
 
 
 def slowest(runs):
@@ -89,7 +90,7 @@ def slowest(runs):
                default=0.0)
 
 
-def machine_block(machine):
+def machine_line(machine):
     return (f"Measured on {machine.description()}; commit {machine.context['commit']}, "
             f"{machine.context['date'][:10]}.")
 
@@ -143,10 +144,11 @@ def machine_blocks(machines, root):
 def blocks_of(root, machines):
     """{document: {block: text}}."""
     objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
+    experiment = experiment_results.read(root / "benchmarks/results/experiment")
     newest = max(machines, key=lambda machine: machine.context["date"])
     return {
         README: {"a4": a4_block(objects), "headline": headline_block(newest),
-                 "machine": machine_block(newest)},
+                 "experiment": experiment_results.block(experiment)},
         RESULTS: {"objects": tables.objects_table(objects), **machine_blocks(machines, root)},
     }
 

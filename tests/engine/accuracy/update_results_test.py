@@ -172,6 +172,31 @@ def check_pictures(copy):
     copy.objects.write_text(committed)
 
 
+def check_experiment(copy):
+    path = copy.root / "benchmarks/results/experiment/people2005.json"
+    committed = path.read_text()
+    result = json.loads(committed)
+    for row in result["means"]:
+        row["mean"] *= 10
+    for row in result["findings"]:
+        row["verdict"] = "disagrees" if row["finding"] == "MANOVA, Object" else "agrees"
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "--check reports another result of the experiment", "README.md")
+    expect(copy.run()[0] == 0, "another result of the experiment is accepted")
+    text = copy.readme.read_text()
+    mean_s = next(row["mean"] for row in result["means"]
+                  if (row["following"], row["outcome"], row["haptic"], row["rotation"]) ==
+                  ("delayed", "total time", "NoH", "all"))
+    expect(f"25.1 -> 29.1 s | {mean_s:.1f}, " in text, "the README has the mean of NoH")
+    expect("MANOVA, Object (an effect), only `people2005`" in text,
+           "the README names a finding with which one simulation disagrees")
+    result["means"] = [row for row in result["means"] if row["outcome"] != "losses of contact"]
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "an incomplete result is named", "people2005.json")
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed experiment is accepted")
+
+
 def check_two_machines(copy):
     other = copy.path.with_name("other.json")
     document = json.loads(copy.committed)
@@ -209,6 +234,7 @@ def main():
         expect(copy.run()[0] == 0, "the committed results are accepted")
         check_markers(copy)
         check_pictures(copy)
+        check_experiment(copy)
         check_two_machines(copy)
     print("the documents follow their results")
     return 0
