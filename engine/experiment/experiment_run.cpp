@@ -30,11 +30,47 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::string log_path(const std::string& folder) {
+  return (fs::path(folder) / "run.log").string();
+}
+
+// The paths of the files that a run of these participants writes, without the folder's traces.
+std::vector<std::string> written_paths(const ExperimentRunSettings& settings,
+                                       const std::vector<int>& participants) {
+  const std::string& folder = settings.out_folder;
+  std::vector<std::string> paths{log_path(folder), part_identity_path(folder)};
+  for (const int participant : participants) paths.push_back(part_path(folder, participant));
+  if (settings.shard) return paths;
+  for (const char* const name : {kTrialsFile, kColumnsFile, kRunFile}) {
+    paths.push_back((fs::path(folder) / name).string());
+  }
+  return paths;
+}
+
+// An error if something other than a file has one of these paths, such as a folder or a pipe. It
+// would be found when the trials have run, and opening a pipe waits for a reader.
+std::optional<Error> check_paths(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    std::error_code failed;
+    const fs::file_status status = fs::status(path, failed);
+    if (!fs::exists(status) || fs::is_regular_file(status)) continue;
+    return Error{ErrorCode::kFileUnwritable, path, "",
+                 "is not a file, but a result needs this name",
+                 "move it, or choose another folder"};
+  }
+  return std::nullopt;
+}
+
 // Creates out_folder/parts and states there which run the parts belong to. Parts of another run are
 // removed.
 std::optional<Error> prepare_folder(const std::string& folder, const RunIdentity& identity) {
   std::error_code failed;
   fs::create_directories(parts_folder(folder), failed);
+  if (failed && fs::is_directory(folder)) {
+    return Error{ErrorCode::kFileUnwritable, parts_folder(folder), "",
+                 "cannot be created: " + failed.message(),
+                 "move what has this name, or choose another folder"};
+  }
   if (failed) {
     return Error{ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`",
                  "cannot be created: " + failed.message(), "name a folder that can be written to"};
@@ -75,7 +111,7 @@ class ExperimentJobs {
         run_(run),
         traces_folder_(std::move(traces_folder)),
         stop_(stop),
-        log_((fs::path(folder) / "run.log").string()) {}
+        log_(log_path(folder)) {}
 
   // Runs the participants and returns those that are complete, in ascending order.
   Result<std::vector<int>> run(std::vector<int> participants, int jobs,
@@ -196,14 +232,16 @@ Result<ExperimentRunOutcome> run_experiment(
   if (auto error = check_persons(plan, scenes->front().setup)) return *error;
   const RunIdentity identity = identity_of(plan, *scenes);
   const std::string& folder = settings.out_folder;
+  const std::vector<int> participants =
+      participants_of(settings.shard.value_or(Shard{}), plan.participants);
+  if (auto error = check_paths(written_paths(settings, participants))) return *error;
   if (auto error = prepare_folder(folder, identity)) return *error;
   const std::string traces =
       settings.writes_traces ? (fs::path(folder) / "traces").string() : std::string();
 
   ExperimentRunOutcome outcome;
   std::vector<int> to_compute;
-  for (const int participant :
-       participants_of(settings.shard.value_or(Shard{}), plan.participants)) {
+  for (const int participant : participants) {
     const bool is_there =
         read_part(part_path(folder, participant), identity.hash(), participant).ok() &&
         (traces.empty() || has_traces(plan, traces, participant));

@@ -1,6 +1,7 @@
 #include "engine/experiment/experiment_scene.h"
 
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "engine/experiment/key_hash.h"
@@ -81,6 +82,19 @@ std::optional<Error> choose_plane(const ExperimentPlan& plan, const PlanObject& 
   return std::nullopt;
 }
 
+// An error of finding the way of the trials. The height of the plane is a setting of the plan.
+Error way_error(const Error& error, const ExperimentPlan& plan, const PlanObject& object,
+                const Scene& scene, const RunSetup& setup) {
+  if (error.element != "plane_height_m") return scene_error(error, object);
+  const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
+  std::ostringstream text;
+  text << "is " << setup.haptics.plane_height_m << " m; expected a height at which object "
+       << object.name << " has a contour; it spans " << bounds.low.z() << " to " << bounds.high.z()
+       << " m along A3";
+  return {ErrorCode::kInvalidContent, plan.path, std::string(kDeviceElement) + "/plane_height_m",
+          text.str(), "choose another height, or leave it out: each object then has its own"};
+}
+
 Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const PlanObject& object,
                                               const TrialFunctions& functions) {
   auto setup = make_setup(plan.device);
@@ -102,7 +116,7 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
   if (auto error = choose_plane(plan, object, *scene, *setup)) return *error;
   if (auto error = check_setup(*scene, *setup)) return device_error(*error, plan);
   auto way = functions.find_way(*scene, *setup, plan.trial);
-  if (!way) return scene_error(way.error(), object);
+  if (!way) return way_error(way.error(), plan, object, *scene, *setup);
   const std::uint64_t geometry_hash = hash_of_geometry(*scene);
   return ExperimentScene{std::move(*scene), std::move(*setup), std::move(*way), *file_hash,
                          geometry_hash};

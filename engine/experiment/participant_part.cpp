@@ -61,7 +61,8 @@ std::vector<int> participants_with_parts(const std::string& folder) {
     const char* const stop = name.data() + name.size() - kNameEnd.size();
     int participant = 0;
     const auto [rest, problem] = std::from_chars(begin, stop, participant);
-    if (problem == std::errc() && rest == stop && participant > 0) {
+    const bool is_number = problem == std::errc() && rest == stop && participant > 0;
+    if (is_number && fs::path(part_path(folder, participant)).filename() == name) {  // not 007
       participants.push_back(participant);
     }
   }

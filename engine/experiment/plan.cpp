@@ -22,6 +22,11 @@ namespace fs = std::filesystem;
 
 constexpr NumberRange kLengthRange_m{0.0, 1.0, true};
 constexpr NumberRange kLimitRange_s{0.0, 3600.0, true};
+// Faster than any display. Together with the longest delay of an operator file, the limit bounds
+// the pictures that a simulated person has not seen yet.
+constexpr NumberRange kDisplayRange_Hz{0.0, 1e4, true};
+// Of a trial, as of `run`: an hour at 1000 Hz. The limit bounds the time until a trial ends.
+constexpr double kMostTrialTicks = 4e6;
 
 Error plan_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
@@ -130,13 +135,29 @@ void read_protocol(ObjectReader& reader, ExperimentPlan& plan) {
   reader.number("limit_s", plan.trial.limit_s, kLimitRange_s);
 }
 
-void read_display(ObjectReader& reader, ExperimentPlan& plan) {
-  constexpr NumberRange kDisplayRange_Hz{0.0, 1e6, true};
-  reader.number("display_Hz", plan.trial.display_Hz, kDisplayRange_Hz);
-  if (!reader.ok() || plan.trial.display_Hz <= plan.device.rate_Hz) return;
+// A trial has a tick or more, and not too many.
+void check_limit(ObjectReader& reader, const ExperimentPlan& plan) {
+  const double ticks = plan.trial.limit_s * plan.device.rate_Hz;
+  if (!reader.ok() || (ticks >= 1.0 && ticks <= kMostTrialTicks)) return;
   std::ostringstream text;
-  text << "is " << plan.trial.display_Hz << "; expected at most the rate of the device, "
-       << plan.device.rate_Hz << " Hz";
+  text << "is " << plan.trial.limit_s << " s, or " << ticks << " ticks at the rate of the device, "
+       << plan.device.rate_Hz << " Hz; expected 1 to " << kMostTrialTicks << " ticks";
+  reader.fail(
+      plan_error(reader.element_of("limit_s"), text.str(), "change limit_s or /device/rate_Hz"));
+}
+
+void read_display(ObjectReader& reader, ExperimentPlan& plan) {
+  reader.number("display_Hz", plan.trial.display_Hz, kDisplayRange_Hz);
+  if (!reader.ok()) return;
+  std::ostringstream text;
+  text << "is " << plan.trial.display_Hz << "; expected ";
+  if (plan.trial.display_Hz > plan.device.rate_Hz) {
+    text << "at most the rate of the device, " << plan.device.rate_Hz << " Hz";
+  } else if (plan.trial.display_Hz * plan.trial.limit_s < 1.0) {
+    text << "at least " << 1.0 / plan.trial.limit_s << " Hz, one picture within limit_s";
+  } else {
+    return;
+  }
   reader.fail(plan_error(reader.element_of("display_Hz"), text.str()));
 }
 
@@ -205,6 +226,7 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   ObjectReader reader(*json, "");
   read_protocol(reader, plan);
   read_device(reader, plan);
+  check_limit(reader, plan);
   read_display(reader, plan);
   read_factors(reader, plan);
   read_objects(reader, folder, plan);

@@ -40,11 +40,17 @@ void read_axes(ObjectReader& reader, RunSettings& settings) {
            axis[2].is_number();
   };
   constexpr const char* kExpected = "a list of one or two directions, each a list of three numbers";
-  if (!found->is_array() || found->empty() || found->size() > 2) {
-    return reader.fail(unexpected_value(element, *found, kExpected));
+  if (!found->is_array()) return reader.fail(unexpected_value(element, *found, kExpected));
+  if (found->empty() || found->size() > 2) {
+    return reader.fail(device_error(
+        element, "is a list of " + std::to_string(found->size()) + "; expected " + kExpected));
   }
-  for (const nlohmann::json& axis : *found) {
-    if (!is_axis(axis)) return reader.fail(unexpected_value(element, axis, kExpected));
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const nlohmann::json& axis = (*found)[i];
+    if (!is_axis(axis)) {
+      return reader.fail(unexpected_value(element + "/" + std::to_string(i), axis,
+                                          "a direction, a list of three numbers"));
+    }
     settings.actuated_axes.emplace_back(axis[0], axis[1], axis[2]);
   }
 }

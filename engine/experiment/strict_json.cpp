@@ -158,9 +158,10 @@ void ObjectReader::whole(const char* key, std::uint64_t& value, std::uint64_t le
   if (!found) return;
   const auto number = whole_number(*found);
   if (!number || *number < least || *number > most) {
-    return fail(unexpected_value(
-        element_of(key), *found,
-        "a whole number from " + std::to_string(least) + " to " + std::to_string(most)));
+    const std::string range = least == most ? std::to_string(least)
+                                            : "a whole number from " + std::to_string(least) +
+                                                  " to " + std::to_string(most);
+    return fail(unexpected_value(element_of(key), *found, range));
   }
   value = *number;
 }
@@ -175,14 +176,16 @@ void ObjectReader::numbers(const char* key, std::vector<double>& values, std::si
                            Key need) {
   const Json* const found = find(key, need);
   if (!found) return;
-  const auto is_number = [](const Json& item) { return item.is_number(); };
-  if (!found->is_array() || found->size() != count ||
-      !std::all_of(found->begin(), found->end(), is_number)) {
-    const std::string size = found->is_array() && found->size() != count
-                                 ? "a list of " + std::to_string(found->size())
-                                 : shown(*found);
-    return fail(settings_error(element_of(key), "is " + size + "; expected a list of " +
-                                                    std::to_string(count) + " numbers"));
+  const std::string expected = "a list of " + std::to_string(count) + " numbers";
+  if (!found->is_array()) return fail(unexpected_value(element_of(key), *found, expected));
+  if (found->size() != count) {
+    return fail(settings_error(element_of(key), "is a list of " + std::to_string(found->size()) +
+                                                    "; expected " + expected));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((*found)[i].is_number()) continue;
+    return fail(
+        unexpected_value(element_of(key) + "/" + std::to_string(i), (*found)[i], "a number"));
   }
   values = found->get<std::vector<double>>();
 }

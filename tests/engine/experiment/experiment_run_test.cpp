@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <map>
@@ -18,6 +19,7 @@
 #include <set>
 #include <string>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -578,12 +580,47 @@ TEST(ExperimentRun, IsRefusedBeforeTheFirstTrial) {
   expect_refused(with("/objects/O2/scale", 1e-4), good, "plan.json", "/objects/O2", "spans");
   expect_refused(with("/device/workspace_m", 1e-3), good, "plan.json", "/device/workspace_m",
                  "expected at least");
+  TrialFunctions real = good;
+  real.find_way = find_trial_way;
+  expect_refused(with("/device/plane_height_m", 1.5), real, "plan.json", "/device/plane_height_m",
+                 "is 1.5 m; expected a height at which object O1 has a contour; it spans -0.0");
   expect_refused(with("/device/place", {1e9, 0, 0, 1, 0, 0, 0}), good, "plan.json", "/device/place",
                  "");
   expect_refused(with("/device/stiffness_N_per_m", 1e300), good, "plan.json",
                  "/device/stiffness_N_per_m", "");
   expect_refused(with("/device/device_damping_Ns_per_m", 1e6), good, "plan.json",
                  "/device/device_damping_Ns_per_m", "unstable");
+}
+
+// Something other than a file at a path that the run would write, or at `parts`.
+TEST(ExperimentRun, IsRefusedBeforeTheFirstTrialIfAFileCannotHaveItsName) {
+  TrialFunctions never = stand_in_trials();
+  never.run = [](auto&&...) -> Result<TrialOutcome> {
+    return invalid_argument("trial", "a trial ran");
+  };
+  const std::vector<std::function<void(const std::string&)>> takers = {
+      [](const std::string& path) { fs::create_directories(path); },
+      [](const std::string& path) { ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0); },
+      [](const std::string& path) { fs::create_symlink("/dev/null", path); },
+  };
+  for (const char* const name :
+       {"trials.csv", "columns.csv", "run.json", "run.log", "parts/run.json",
+        "parts/participant-1.csv", "parts/participant-9.csv", "parts"}) {
+    for (std::size_t i = 0; i < takers.size(); ++i) {
+      SCOPED_TRACE(name + std::string(", taker ") + std::to_string(i));
+      if (i == 0 && name == std::string("parts")) continue;  // a folder is right
+      const TemporaryFolder folder;
+      const std::string path = folder.path("out/") + name;
+      fs::create_directories(fs::path(path).parent_path());
+      takers[i](path);
+      const auto before = files_below(folder.path());
+      const auto outcome = run_experiment(small_plan(), {folder.path("out"), {}, 1, false}, never);
+      ASSERT_FALSE(outcome.ok());
+      EXPECT_EQ(outcome.error().path, path);
+      EXPECT_FALSE(outcome.error().hint.empty());
+      EXPECT_EQ(files_below(folder.path()), before);
+    }
+  }
 }
 
 // Folders of an experiment with two shards, one of them changed.
@@ -689,6 +726,17 @@ TEST(ExperimentMerge, NamesAPartThatWasChanged) {
   test.expect_refused(path, "line 1", "does not have the hash");
   std::ofstream(path, std::ios::binary) << "participant,block\n";
   test.expect_refused(path, "line 1", "expected \"palpate part 1, run ");
+}
+
+TEST(ExperimentMerge, IgnoresFilesWhoseNamesAreNotThoseOfParts) {
+  const TemporaryFolder folder;
+  run_into(folder.path("out"), small_plan());
+  for (const char* const name : {"participant-01.csv", "participant-+1.csv", "participant-1.csv~",
+                                 "participant-.csv", "participant-99999999999.csv"}) {
+    folder.write(std::string("out/parts/") + name, "mine");
+  }
+  ASSERT_TRUE(merge_experiment({folder.path("out")}, folder.path("all")).ok());
+  EXPECT_EQ(results_in(folder.path("all")), reference());
 }
 
 TEST(ExperimentMerge, NamesAnIdentityThatWasChanged) {
