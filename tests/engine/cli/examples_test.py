@@ -4,13 +4,15 @@
 examples_test.py PALPATE PROJECT_DIR
 
 Collects the command lines below "Example:" of `palpate --help` and of the help of each subcommand,
-and the lines in fenced blocks of README.md and MANUAL.md that begin with `./run.sh` or `palpate`.
-Runs each one by bash in a temporary copy of the project's folder, whose run.sh starts the built
-program instead of installing and building. Expects exit code 0, or 3 from a line whose comment names
-exit code 3. The lines of one help or document run in one folder, in order: a later line may read the
-files of an earlier one.
+also of subcommands of subcommands, and the lines in fenced blocks of README.md and MANUAL.md that
+begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's folder,
+whose run.sh starts the built program instead of installing and building. Expects exit code 0, or 3 from
+a line whose comment names exit code 3. The lines of one help or document run in one folder, in order: a
+later line may read the files of an earlier one. The plan of an experiment that a line has written is
+made smaller before the next line.
 """
 
+import json
 import pathlib
 import re
 import shutil
@@ -56,8 +58,18 @@ def help_of(palpate, command):
 
 def subcommands(text):
     """Names in the section of subcommands, one to a line that is indented by two spaces."""
-    section = re.split(r"\nsubcommands:\s*\n", text, flags=re.IGNORECASE)[1]
-    return re.findall(r"^  (\w+)\s", section, flags=re.MULTILINE)
+    section = re.split(r"\nsubcommands:\s*\n", text, flags=re.IGNORECASE)
+    if len(section) < 2:
+        return []
+    return re.findall(r"^  (\w+)\s", section[1].split("\n\n")[0], flags=re.MULTILINE)
+
+
+def all_commands(palpate, command=()):
+    """The command and its subcommands, each as a list of words."""
+    commands = [list(command)]
+    for name in subcommands(help_of(palpate, command)):
+        commands += all_commands(palpate, (*command, name))
+    return commands
 
 
 def help_lines(text, name):
@@ -89,6 +101,17 @@ def copy_project(palpate, project, folder):
     return programs
 
 
+def shrink_plans(folder):
+    """Two participants, one block and one following: the plan that ships takes minutes."""
+    for path in folder.glob("*.json"):
+        if path.is_symlink():
+            continue
+        plan = json.loads(path.read_text())
+        if "palpate_plan" in plan:
+            plan.update(participants=2, blocks=1, practice_blocks=0, followings=["delayed"])
+            path.write_text(json.dumps(plan))
+
+
 def run_lines(palpate, project, source, lines):
     failures = []
     with tempfile.TemporaryDirectory() as name:
@@ -106,6 +129,7 @@ def run_lines(palpate, project, source, lines):
                                   timeout=SECONDS)
             print(f"{source}: exit code {done.returncode}, {time.monotonic() - start:.1f} s: {line}",
                   flush=True)
+            shrink_plans(folder)
             if done.returncode not in allowed:
                 failures.append(f"{source}: {line}: exit code {done.returncode}\n"
                                 f"{done.stdout[:1000]}{done.stderr}")
@@ -114,16 +138,17 @@ def run_lines(palpate, project, source, lines):
 
 def main():
     palpate, project = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
-    text = help_of(palpate, [])
-    commands = subcommands(text)
-    if not {"run", "replay", "info", "accuracy"} <= set(commands):
+    commands = all_commands(palpate)
+    if not {"run", "replay", "info", "accuracy", "experiment", "experiment plan", "experiment run",
+            "experiment merge"} <= {" ".join(command) for command in commands}:
         sys.exit(f"subcommands in the help: {commands}")
-    sources = [("palpate --help", help_lines(text, "palpate"))]
+    sources = []
     for command in commands:
-        lines = help_lines(help_of(palpate, [command]), command)
-        if not any(f" {command} " in line for line in lines):
-            sys.exit(f"the example of {command} does not use the command: {lines}")
-        sources.append((f"palpate {command} --help", lines))
+        name = " ".join(command)
+        lines = help_lines(help_of(palpate, command), name or "palpate")
+        if not any(f"{name} " in line for line in lines):
+            sys.exit(f"the example of {name} does not use the command: {lines}")
+        sources.append((" ".join(["palpate", *command, "--help"]), lines))
     for name in DOCUMENTS:
         if (project / name).is_file():
             sources.append((name, document_lines((project / name).read_text())))

@@ -7,6 +7,7 @@ Runs the program on terminals of several widths and kinds, reads their content, 
 """
 
 import fcntl
+import json
 import os
 import pathlib
 import pty
@@ -76,6 +77,47 @@ def check_progress(text, columns, seconds):
         check(re.search(rf"\d\.\d of {seconds:.1f} s", text), f"no seconds: {text!r}")
 
 
+def write_plan(path, models, participants):
+    """A plan of an experiment; a participant takes a tenth of a second or more."""
+    path.write_text(json.dumps({
+        "palpate_plan": 1, "name": "terminal", "seed": 1, "participants": participants, "blocks": 1,
+        "practice_blocks": 0,
+        "device": {"sensors": 2, "actuators": 1, "rate_Hz": 1000, "stiffness_N_per_m": 1000,
+                   "damping_Ns_per_m": 2},
+        "display_Hz": 40, "sphere_radius_m": 0.006, "limit_s": 120, "haptic": ["NoH", "H"],
+        "rotation": ["NoR", "R"], "objects": {"O1": str(models / "star.glb")},
+        "operator": "literature", "followings": ["delayed"]}))
+
+
+def check_experiments(palpate, models, folder):
+    """The line of an experiment states the time left; Ctrl-C ends it between two trials."""
+    write_plan(pathlib.Path(folder) / "plan.json", models, participants=6)
+    run = ["experiment", "run", "plan.json", "--jobs", "1", "--out"]
+    for columns in (80, 24, 8):
+        terminal = Terminal(palpate, models, folder, columns, "xterm", [*run, f"out-{columns}"])
+        code, out = terminal.finish()
+        text = terminal.text
+        check(code == 0 and "24 trials of 6 participants: " in out, f"{code}: {text!r} {out!r}")
+        check("\x1b" not in text and "\n" not in text, f"not one line: {text!r}")
+        lines = [line for line in text.split("\r") if line.strip()]
+        check(len(lines) >= 2 and all(len(line) < columns for line in lines), f"lines: {lines}")
+        shares = [int(share) for share in re.findall(r"(\d+) %", text)]
+        check(shares == sorted(shares) and shares[-1] <= 100, f"shares {shares}")
+        if columns == 80:
+            check(re.search(r"experiment, \d+ s left \[#+ *\] +\d+ %", text), f"no time: {text!r}")
+    quiet = subprocess.run([str(palpate), *run, "quiet"], cwd=folder, capture_output=True, text=True)
+    check(quiet.returncode == 0 and quiet.stderr == "", f"without a terminal: {quiet.stderr!r}")
+    write_plan(pathlib.Path(folder) / "plan.json", models, participants=1000)
+    terminal = Terminal(palpate, models, folder, 80, "xterm", [*run, "cut"])
+    terminal.read(until=r"experiment, .* left")
+    os.write(terminal.end, b"\x03")
+    code, out = terminal.finish()
+    check(code == 130 and out == "", f"exit code {code}: {terminal.text!r} {out!r}")
+    check(re.search(r"palpate: interrupted; \d+ of 1000 participants are complete in cut/parts, "
+                    "and the same command goes on from there", terminal.text), f"{terminal.text!r}")
+    check(not (pathlib.Path(folder) / "cut" / "trials.csv").exists(), "results of half a plan")
+
+
 def main():
     palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -100,6 +142,7 @@ def main():
         check(code == 130, f"exit code {code}: {terminal.text!r}")
         check(re.search(r"interrupted +after [1-9]\d*\.\d\d s", out), out)
         check("palpate: interrupted;" in terminal.text, f"{terminal.text!r}")
+        check_experiments(palpate, models, folder)
         # Without a terminal on stderr.
         quiet = subprocess.run([str(palpate), "run", str(models / "star.glb"), "--virtual",
                                 "--seconds", "4"], cwd=folder, capture_output=True, text=True)
