@@ -12,6 +12,7 @@
 #include "engine/experiment/operator_parameters.h"
 #include "engine/experiment/plan.h"
 #include "engine/experiment/strict_json.h"
+#include "geometry/base/printable.h"
 #include "geometry/base/quoted.h"
 #include "io/gltf/file.h"
 
@@ -113,6 +114,13 @@ Result<Columns> find_columns(const std::vector<std::string>& header) {
   return columns;
 }
 
+// Works, whose sign is their direction; the missing force, a difference; and the share of the way,
+// as the place may go back.
+bool may_be_negative(std::size_t measure) {
+  return measure == kPortWork || measure == kWorkLost || measure == kMissingForce ||
+         measure == kTrackedShare;
+}
+
 // The fields of one line, by column.
 class Line {
  public:
@@ -160,9 +168,14 @@ std::optional<Error> Line::read_level(Leading::Index index,
 
 std::optional<Error> Line::read_name(Leading::Index index, std::string& name) const {
   name = *find(columns_.leading[index]);
-  if (!name.empty() && name.size() <= kMostNameBytes) return std::nullopt;
+  // "Ann" and "Ann " would be two persons.
+  const bool has_blanks = name.starts_with(' ') || name.ends_with(' ');
+  if (!name.empty() && name.size() <= kMostNameBytes && !has_blanks && printable(name) == name) {
+    return std::nullopt;
+  }
   return refused(kLeadingColumns[index].name, name,
-                 "a name of 1 to " + std::to_string(kMostNameBytes) + " bytes");
+                 "a name of 1 to " + std::to_string(kMostNameBytes) +
+                     " bytes in UTF-8, without blanks around it and control characters");
 }
 
 std::optional<Error> Line::read_whole(Leading::Index index, int least, int& value) const {
@@ -185,6 +198,9 @@ std::optional<Error> Line::read_measure(std::size_t i, TrialRow& row) const {
   const auto [stop, failed] = std::from_chars(field->data(), end, value);
   if (failed != std::errc() || stop != end) {
     return refused(name, *field, "a number, such as 0.25, or an empty field");
+  }
+  if (value < 0.0 && !may_be_negative(i)) {
+    return refused(name, *field, "a number of at least 0, or an empty field");
   }
   if (std::isfinite(value)) {
     row.measures[i] = value;

@@ -143,12 +143,16 @@ bool run_in_child(microseconds life, const Work& work) {
   return has_ended(child);
 }
 
-// Trials of which the last one kills the process. trials: how many run, at least 1.
+// Trials of which the last one kills the process. trials: how many begin, at least 1. Other threads
+// begin no trial after it: they may run for some time before the kill reaches them.
 TrialFunctions deadly_trials(std::size_t trials) {
   TrialFunctions functions = stand_in_trials();
-  functions.run = [left = std::make_shared<std::atomic<std::size_t>>(trials),
+  functions.run = [left = std::make_shared<std::atomic<long>>(static_cast<long>(trials)),
                    run = functions.run](auto&&... arguments) {
-    if (left->fetch_sub(1) == 1) ::kill(::getpid(), SIGKILL);
+    if (left->fetch_sub(1) <= 1) {
+      ::kill(::getpid(), SIGKILL);
+      ::pause();
+    }
     return run(arguments...);
   };
   return functions;

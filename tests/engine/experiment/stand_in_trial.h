@@ -4,6 +4,7 @@
 // of the code around a trial.
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <thread>
 
@@ -37,7 +38,7 @@ inline TrialFunctions stand_in_trials(std::chrono::microseconds duration = {}) {
                      : draw < 0.95 ? TrialStatus::kTimeout
                                    : TrialStatus::kFault;
     for (auto& measure : outcome.measures) {
-      if (random.uniform(0.0, 1.0) < 0.95) measure = random.normal();
+      if (random.uniform(0.0, 1.0) < 0.95) measure = std::abs(random.normal());
     }
     outcome.ticks = 10;
     TickRecord record{};
