@@ -80,7 +80,9 @@ std::array<std::optional<double>, kMeasureCount> TrialClock::measures() const {
   // The first tick starts the clock; each further tick is dt later.
   const double total_s = count(s.ticks > 0 ? s.ticks - 1 : 0) * dt_s_;
   m[kTotalTime] = total_s;
-  m[kContactTime] = count(s.contact_ticks) * dt_s_;
+  // The clock stops as the last tick begins: a contact found in it is no part of the total time.
+  const bool ends_in_contact = s.contact_ticks > 0 && gap_ticks_ == 0;
+  m[kContactTime] = count(s.contact_ticks - (ends_in_contact ? 1 : 0)) * dt_s_;
   m[kLosses] = count(s.losses_of_contact);
   m[kLosses100ms] = count(long_losses_);
   if (total_s > 0.0) {
