@@ -8,6 +8,7 @@
 #include <future>
 #include <mutex>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -61,8 +62,27 @@ std::optional<Error> check_paths(const std::vector<std::string>& paths) {
   return std::nullopt;
 }
 
-// Creates out_folder/parts and states there which run the parts belong to. Parts of another run are
-// removed.
+std::string traces_folder_of(const std::string& folder) {
+  return (fs::path(folder) / "traces").string();
+}
+
+// Removes the traces of another run, but no other files. A trace does not state its run, so that a
+// later run would take it for its own.
+void remove_traces(const std::string& folder) {
+  std::vector<fs::path> traces;
+  std::error_code failed;
+  for (const std::string_view following : kFollowingNames) {
+    const fs::path persons = fs::path(traces_folder_of(folder)) / following;
+    for (fs::recursive_directory_iterator file(persons, failed), end; !failed && file != end;
+         file.increment(failed)) {
+      if (is_trace_name(file->path().filename().string())) traces.push_back(file->path());
+    }
+  }
+  for (const fs::path& trace : traces) fs::remove(trace, failed);
+}
+
+// Creates out_folder/parts and states there which run the parts belong to. Parts and traces of
+// another run are removed.
 std::optional<Error> prepare_folder(const std::string& folder, const RunIdentity& identity) {
   std::error_code failed;
   fs::create_directories(parts_folder(folder), failed);
@@ -79,6 +99,7 @@ std::optional<Error> prepare_folder(const std::string& folder, const RunIdentity
   const auto found = read_settings_text(path);
   if (found && *found == identity.json()) return std::nullopt;
   if (found) {
+    remove_traces(folder);
     for (const int participant : participants_with_parts(folder)) {
       const std::string part = part_path(folder, participant);
       if (!read_part(part, identity.hash(), participant)) fs::remove(part, failed);
@@ -236,8 +257,7 @@ Result<ExperimentRunOutcome> run_experiment(
       participants_of(settings.shard.value_or(Shard{}), plan.participants);
   if (auto error = check_paths(written_paths(settings, participants))) return *error;
   if (auto error = prepare_folder(folder, identity)) return *error;
-  const std::string traces =
-      settings.writes_traces ? (fs::path(folder) / "traces").string() : std::string();
+  const std::string traces = settings.writes_traces ? traces_folder_of(folder) : std::string();
 
   ExperimentRunOutcome outcome;
   std::vector<int> to_compute;

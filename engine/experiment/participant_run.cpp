@@ -99,6 +99,10 @@ std::string trace_name(const ExperimentPlan& plan, int participant, const Planne
       .string();
 }
 
+bool is_trace_name(std::string_view file_name) {
+  return file_name.starts_with("block-") && file_name.ends_with(".csv");
+}
+
 Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
                                                       const std::vector<ExperimentScene>& scenes,
                                                       const TrialFunctions& functions,

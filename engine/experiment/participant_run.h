@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/experiment/experiment_scene.h"
@@ -28,6 +29,9 @@ std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int partici
 // The path of the trace of a trial below the folder of the traces:
 // "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv".
 std::string trace_name(const ExperimentPlan& plan, int participant, const PlannedTrial& trial);
+
+// Whether a file of this name, without its folder, may be a trace.
+bool is_trace_name(std::string_view file_name);
 
 struct ParticipantRun {
   std::string rows;         // lines of trials.csv

@@ -518,6 +518,21 @@ TEST(ExperimentRun, TracesHaveEveryTickOfEveryTrial) {
   EXPECT_EQ(run_experiment(plan, with_traces, stand_in_trials())->kept.size(), 2u);
 }
 
+// A later run of a plan keeps the traces of that plan, not those of another one with equal names.
+TEST(ExperimentRun, TracesOfAnotherPlanAreReplaced) {
+  nlohmann::json json = small_plan_json();
+  json["participants"] = 2;
+  const TemporaryFolder folder;
+  const ExperimentRunSettings with_traces{folder.path(), {}, 2, true};
+  ASSERT_EQ(run_experiment(plan_of(json), with_traces, stand_in_trials())->computed.size(), 2u);
+  const std::string notes = folder.path("traces/delayed/participant-1/notes.txt");
+  std::ofstream(notes) << "mine\n";
+  json["limit_s"] = 60;
+  EXPECT_EQ(run_into(folder.path(), plan_of(json)).computed.size(), 2u);
+  EXPECT_EQ(run_experiment(plan_of(json), with_traces, stand_in_trials())->computed.size(), 2u);
+  EXPECT_EQ(content(notes), "mine\n");
+}
+
 TEST(ExperimentRun, ReportsProgressUpToTheEnd) {
   const TemporaryFolder folder;
   std::mutex mutex;
