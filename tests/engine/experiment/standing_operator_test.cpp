@@ -172,11 +172,13 @@ TEST_P(StandingOperator, HasTheDepthAndTheLossesOfSlowNoise) {
   const double losses = free.losses_per_s / expected.losses_per_s;
   const double depth_by_force = felt.depth_m / (springs * free.depth_m);
   const double losses_by_force = felt.losses_per_s / free.losses_per_s;
+  const double losses_bound = kLossesBound + deviations * expected.losses_scatter;
   std::cout << "seed " << random.seed() << ", " << duration_s
             << " s; shares of the expected: depth " << depth << ", losses " << losses
             << "; with force: depth " << depth_by_force << ", losses " << losses_by_force << "\n";
   EXPECT_NEAR(depth, 1.0, kDepthBound + deviations * expected.depth_scatter);
-  EXPECT_NEAR(losses, 1.0, kLossesBound + deviations * expected.losses_scatter);
+  EXPECT_NEAR(losses, 1.0, losses_bound);
+  EXPECT_NEAR(losses * losses_by_force, 1.0, losses_bound);
   EXPECT_NEAR(depth_by_force, 1.0, kDepthBound);
   EXPECT_NEAR(losses_by_force, 1.0, kLossesBound);
 }

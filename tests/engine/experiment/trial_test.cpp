@@ -2,10 +2,12 @@
 
 #include "engine/experiment/trial.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "models/primitives.h"
 #include "tests/engine/experiment/prepared_object.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
@@ -121,6 +124,39 @@ TEST(IntentionWander, HasTheVarianceAndTheCrossingsOfItsDefinition) {
     const double per_s = crossings / (3.0 * steps * dt_s);
     EXPECT_NEAR(per_s, natural_Hz * std::exp(-0.5 * level * level), 0.03 * natural_Hz);
   }
+}
+
+// The correlation of eta'' = -2 z w eta' - w^2 eta + q xi with itself, tau later, is the solution
+// of the equation without noise that begins at rest at 1; with w' = w sqrt(1 - z^2): exp(-z w tau)
+// (cos w' tau + z / sqrt(1 - z^2) sin w' tau).
+TEST(IntentionWander, ForgetsAsItsDampingStates) {
+  constexpr double kDampingRatio = 0.7;
+  constexpr double kNatural_Hz = 2.0;
+  constexpr double kStep_s = 5e-3;
+  constexpr double kDuration_s = 4000.0;
+  constexpr std::size_t kLag = 24;  // w tau = 1.5, where the correlation depends most on z
+  const double w = 2.0 * std::numbers::pi * kNatural_Hz;
+  const double root = std::sqrt(1.0 - kDampingRatio * kDampingRatio);
+  const double turn = root * w * kStep_s * kLag;
+  const double expected = std::exp(-kDampingRatio * w * kStep_s * kLag) *
+                          (std::cos(turn) + kDampingRatio / root * std::sin(turn));
+  const test::Random seeded(11);
+  std::mt19937_64 random(seeded.seed());
+  IntentionWander wander;
+  std::array<Vec3, kLag> before;
+  for (Vec3& noise : before) noise = wander.advance(kNatural_Hz, kStep_s, random);
+  const auto steps = static_cast<std::size_t>(kDuration_s / kStep_s);
+  double sum = 0.0;
+  for (std::size_t n = 0; n < steps; ++n) {
+    const Vec3 now = wander.advance(kNatural_Hz, kStep_s, random);
+    sum += before[n % kLag].dot(now);
+    before[n % kLag] = now;
+  }
+  // A product of two normal numbers has a variance of at most 2. Three axes of this duration have
+  // the scatter of independent products every 4 z / w, the integral of the correlation.
+  const double independent = 3.0 * kDuration_s / (4.0 * kDampingRatio / w);
+  const double deviation = std::sqrt(2.0 / independent);
+  EXPECT_NEAR(sum / (3.0 * static_cast<double>(steps)), expected, 4.0 * deviation);
 }
 
 // Feeds a hand with records whose other fields are poison; it must behave as with clean ones.
@@ -237,10 +273,10 @@ TEST(Trial, GivesTheSameRowAgainAndForEachFollowingIfTheSceneDoesNotTurn) {
   };
   for (const Case& c : {Case{"star", ForceMode::kActuated}, Case{"labyrinth", ForceMode::kFull},
                         Case{"lock", ForceMode::kNone}}) {
-    SCOPED_TRACE(c.object);
     TrialConditions conditions;
     conditions.force = c.force;
     conditions.noise_seed = 42;
+    SCOPED_TRACE(std::string(c.object) + ", seed " + std::to_string(conditions.noise_seed));
     const TrialOutcome first = run(c.object, shaking_person(), conditions);
     for (const Following following :
          {Following::kDelayed, Following::kPredict, Following::kReplan, Following::kFrozen}) {
