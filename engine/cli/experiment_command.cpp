@@ -235,7 +235,15 @@ struct ExperimentAnalyseRequest {
 
 int analyse(const ExperimentAnalyseRequest& request) {
   auto rows = read_trials(request.source.file);
-  if (!rows) return refuse(rows.error());
+  if (!rows) {
+    Error error = rows.error();
+    std::error_code failed;
+    if (fs::is_directory(request.source.file, failed)) {
+      error.hint = "name the file of trials in it, such as " +
+                   (fs::path(request.source.file) / "trials.csv").string();
+    }
+    return refuse(error);
+  }
   if (const auto error = check_output()) return refuse(*error);
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);

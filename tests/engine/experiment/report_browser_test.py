@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""The report of an experiment, in a browser.
+
+report_browser_test.py people|simulated --make PROGRAM ARGUMENT...
+                                         PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
+report_browser_test.py people|simulated REPORT.html
+
+Opens the page in headless Chromium; its console must stay empty. Then measures the page in frames as
+wide as a screen and as a phone, with all parts unfolded: the page is no wider than the frame and
+requests nothing; Figures 6 and 7 have all their texts, none of which is cut, covers another or is
+tiny; the verdicts of the leading following are within the frame; the answer comes first. Simulated
+operators are named in the title and in each figure, and the report of people does not name them.
+Exits with 77 if no Chromium is installed.
+"""
+
+import argparse
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from browser import measured_in_frames, open_page, run_test
+
+CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
+LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
+FIGURE_6 = ["NoR: the scene stands still", "R: the scene turns",
+            "the paper's people, mean of NoR and R", "NoH", "UaH", "H", "commanded force (Haptic)"]
+# The texts of each panel.
+PANELS = [FIGURE_6 + ["total time (s)"], FIGURE_6 + ["mean penetration (dm)"],
+          ["NoR", "R", "the paper's people, standard deviation", "mean contact angle (deg)",
+           "rotation of the scene"]]
+WHO = {"people": ["people"], "simulated": ["delayed", "predict", "replan", "frozen"]}
+
+MEASURE = """
+function measure_frame(frame) {
+  const page = frame.contentDocument;
+  page.querySelectorAll('details').forEach(part => part.open = true);
+  const diagrams = [...page.querySelectorAll('.figure6 svg, .figure7 svg')].map(svg => {
+    const box = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
+    const boxes = texts.map(text => text.getBoundingClientRect());
+    const cut = texts.filter((text, i) => {
+      const b = boxes[i];
+      return b.left < box.left - CUT || b.right > box.right + CUT ||
+             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
+    });
+    const covering = [];
+    for (let i = 0; i < boxes.length; ++i) {
+      for (let j = 0; j < i; ++j) {
+        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
+        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
+        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
+          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
+        }
+      }
+    }
+    return {width: box.width, height: box.height, name: svg.getAttribute('aria-label'),
+            texts: texts.map(text => text.textContent.trim()), covering: covering,
+            least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
+                Math.min(b.width, b.height) : b.height)),
+            cut: cut.map(text => text.textContent)};
+  });
+  const leading = [...page.querySelectorAll('.findings tr')].map(row => row.children[1]);
+  const requests = frame.contentWindow.performance.getEntriesByType('resource')
+      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, diagrams: diagrams,
+          beyond: leading.filter(cell => cell.className == 'found' &&
+              cell.getBoundingClientRect().right > frame.clientWidth).map(cell => cell.textContent),
+          verdicts: leading.filter(cell => cell.className == 'found').length,
+          requests: requests, title: page.title,
+          first: page.querySelector('main > section').id, text: page.body.textContent,
+          figures: [...page.querySelectorAll('figcaption')].map(text => text.textContent)};
+}
+"""
+
+
+def diagram_problems(diagram, i, who, frame_width):
+    texts = " | ".join(diagram["texts"])
+    problems = [f"has no text \"{text}\": {texts}" for text in PANELS[i % len(PANELS)]
+                if not any(text == found or text in found.split("\n") for found in diagram["texts"])]
+    if not any(who in text for text in diagram["texts"]):
+        problems.append(f"does not say {who}: {texts}")
+    if diagram["width"] < 0.25 * frame_width or diagram["height"] < 0.5 * diagram["width"]:
+        problems.append(f"is {diagram['width']} x {diagram['height']}")
+    if diagram["least"] < LEAST_TEXT_PX:
+        problems.append(f"has a text {diagram['least']} px high")
+    problems += [f"cut: {text}" for text in diagram["cut"]]
+    problems += [f"texts cover each other: {text}" for text in diagram["covering"]]
+    return [f"{diagram['name']}: {problem}" for problem in problems]
+
+
+def frame_problems(frame, kind):
+    problems = []
+    names = WHO[kind]
+    if frame["content"] > frame["width"]:
+        problems.append(f"the page is {frame['content']} px wide")
+    problems += [f"requests {name}" for name in frame["requests"]]
+    problems += [f"beyond the frame: {text}" for text in frame["beyond"]]
+    if frame["verdicts"] < 17:
+        problems.append(f"{frame['verdicts']} verdicts of the leading following")
+    if frame["first"] != "answer":
+        problems.append(f"begins with {frame['first']}")
+    if len(frame["diagrams"]) != len(PANELS) * len(names):
+        problems.append(f"{len(frame['diagrams'])} diagrams")
+    for i, diagram in enumerate(frame["diagrams"]):
+        who = names[i // len(PANELS)] if i // len(PANELS) < len(names) else "nobody"
+        if kind == "simulated":
+            who = "simulated operators, " + who
+        problems += diagram_problems(diagram, i, who, frame["width"])
+    simulated = ["simulated operators" in text for text in [frame["title"]] + frame["figures"]]
+    if kind == "simulated" and not all(simulated):
+        problems.append("a title or caption does not say simulated operators")
+    if kind == "people" and "imulated" in frame["title"] + frame["text"]:
+        problems.append("people are called simulated")
+    return [f"{frame['width']} px: {problem}" for problem in problems]
+
+
+def check_requests_are_noticed(browser, folder):
+    """Ends the test if it would not notice a request."""
+    frames = measured_in_frames(browser, '<!DOCTYPE html><main><section id="answer"></section></main>'
+                                '<img src="http://127.0.0.1:9/picture.png">',
+                                folder, MEASURE.replace("CUT", str(CUT_PX)))
+    if not all(frame["requests"] for frame in frames):
+        sys.exit("a request was not noticed")
+
+
+def problems_of(kind, browser, page, folder):
+    path = folder / "page.html"
+    path.write_text(page, encoding="utf-8")
+    _, console = open_page(browser, path, folder / "profile")
+    problems = [f"on the console: {line}" for line in console]
+    check_requests_are_noticed(browser, folder)
+    for frame in measured_in_frames(browser, page, folder, MEASURE.replace("CUT", str(CUT_PX))):
+        problems += frame_problems(frame, kind)
+    return problems
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("kind", choices=sorted(WHO))
+    parser.add_argument("report", nargs="?", type=pathlib.Path)
+    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
+    options = parser.parse_args()
+    if (options.report is None) == (options.make is None):
+        parser.error("either a report or a program that makes one")
+    return run_test(options.report, options.make,
+                    lambda *given: problems_of(options.kind, *given))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

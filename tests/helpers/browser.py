@@ -1,0 +1,80 @@
+"""Opens pages of reports in headless Chromium, for tests."""
+
+import html
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77  # exit code if no Chromium is installed
+BROWSERS = ["chromium", "chromium-browser", "google-chrome"]
+TIMEOUT_S = 120
+WIDTHS_PX = [1200, 400]
+
+# measure_frame(frame) is a function of the test.
+FRAMES = """
+addEventListener('load', () => {
+  const measured = [...document.querySelectorAll('iframe')].map(measure_frame);
+  document.getElementById('measured').textContent = JSON.stringify(measured);
+});
+"""
+
+
+def find_browser():
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def open_page(browser, path, profile):
+    """The document after loading, and the lines on its console."""
+    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
+               "--v=0", "--virtual-time-budget=10000", "--window-size=1300,1000",
+               f"--user-data-dir={profile}", "--dump-dom", path.resolve().as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8",
+                          timeout=TIMEOUT_S)
+    if done.returncode != 0:
+        sys.exit(f"{browser} ended with {done.returncode}\n{done.stderr}")
+    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+
+def check_console_is_heard(browser, folder):
+    """Ends the test if it would not notice an error on the console."""
+    noisy = folder / "noisy.html"
+    noisy.write_text("<!DOCTYPE html><script>console.error('heard')</script>")
+    if not open_page(browser, noisy, folder / "profile")[1]:
+        sys.exit("an error on the console was not noticed")
+
+
+def measured_in_frames(browser, page, folder, script):
+    """What measure_frame() of the script returns for the page in a frame of each of WIDTHS_PX."""
+    frames = "".join(f'<iframe style="width:{width}px;height:900px;border:0" '
+                     f'srcdoc="{html.escape(page)}"></iframe>' for width in WIDTHS_PX)
+    path = folder / "measure.html"
+    path.write_text('<!DOCTYPE html><meta charset="utf-8"><link rel="icon" href="data:,">'
+                    f'<script>{script}{FRAMES}</script>{frames}<pre id="measured"></pre>',
+                    encoding="utf-8")
+    document, console = open_page(browser, path, folder / "profile")
+    found = re.search(r'<pre id="measured">([^<]+)</pre>', document)
+    if not found:
+        sys.exit("the page was not measured\n" + "\n".join(console))
+    return json.loads(html.unescape(found.group(1)))
+
+
+def run_test(report, make, problems_of):
+    """The exit code of a test. report: a page, or None; make: a command, to which a folder is added, that
+    writes report.html there. problems_of(browser, page, folder): lines."""
+    browser = find_browser()
+    if browser is None:
+        print("skipped: no Chromium is installed")
+        return SKIPPED
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        if make:
+            subprocess.run(make + [name], check=True, timeout=TIMEOUT_S)
+        page = (report or folder / "report.html").read_text(encoding="utf-8")
+        check_console_is_heard(browser, folder)
+        problems = problems_of(browser, page, folder)
+    print("\n".join(problems) if problems else "opened without an error")
+    return 1 if problems else 0
