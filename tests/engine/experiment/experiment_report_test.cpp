@@ -16,6 +16,7 @@
 
 #include "engine/experiment/csv_reader.h"
 #include "engine/experiment/report_verdicts.h"
+#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/text_file.h"
 #include "tests/engine/cli/run_program.h"
@@ -140,8 +141,6 @@ TEST(ExperimentReport, HasEveryF) {
       EXPECT_EQ(number(row.at("gg_epsilon")), effect.test->epsilon);
       EXPECT_EQ(number(row.at("generalized_eta2")), effect.test->generalized_eta2);
       EXPECT_EQ(row.at("participants"), "10");
-      // The table of the page has the same F.
-      EXPECT_TRUE(has(report.files.at("report.html"), ">" + effect_name(effect.term) + "</td>"));
     }
   }
   const CsvRow anova = row_with(
@@ -153,6 +152,120 @@ TEST(ExperimentReport, HasEveryF) {
   EXPECT_EQ(anova.at("df2"), "648");
   EXPECT_EQ(anova.at("trials"), "720");
   EXPECT_EQ(number(anova.at("paper_f")), 22.859);
+}
+
+// The cells of the rows of the first table after a heading, without tags.
+std::vector<std::vector<std::string>> page_rows(const std::string& page,
+                                                const std::string& heading) {
+  const auto plain = [](const std::string& html) {
+    std::string text;
+    bool is_tag = false;
+    for (const char c : html) {
+      if (c == '<') is_tag = true;
+      if (!is_tag) text += c;
+      if (c == '>') is_tag = false;
+    }
+    return text;
+  };
+  std::vector<std::vector<std::string>> rows;
+  const std::size_t start = page.find("<tbody>", page.find(heading));
+  const std::string body = page.substr(start, page.find("</tbody>", start) - start);
+  for (std::size_t i = body.find("<tr>"); i != std::string::npos; i = body.find("<tr>", i + 1)) {
+    const std::string row = body.substr(i, body.find("</tr>", i) - i);
+    rows.emplace_back();
+    for (std::size_t c = row.find("<td"); c != std::string::npos; c = row.find("<td", c + 1)) {
+      rows.back().push_back(plain(row.substr(c, row.find("</td>", c) - c)));
+    }
+  }
+  return rows;
+}
+
+TEST(ExperimentReport, PageHasEachFBesideThePapers) {
+  const Written report = written(sample_trials({}));
+  const OperatorAnalysis& analysis = report.analysis.operators[0];
+  const auto& terms = analysis.paper->terms;
+  for (std::size_t outcome = 0; outcome < 3; ++outcome) {
+    const PrimaryAnalysis& primary = *analysis.primary_of(kPaperOutcomes[outcome]);
+    const std::string heading[] = {"Total time (s)", "Losses of contact", "Mean penetration (dm)"};
+    const auto rows =
+        page_rows(report.files.at("report.html"), "<h4>" + heading[outcome] + "</h4>");
+    ASSERT_EQ(rows.size(), 15u);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const PrimaryEffect& effect = primary.effects[i];
+      const auto place = std::find(terms.begin(), terms.end(), effect.term) - terms.begin();
+      const FixedEffectTest& fixed = analysis.paper->anovas[outcome].effects[place];
+      ASSERT_EQ(rows[i].size(), 14u);
+      EXPECT_EQ(rows[i][0], effect_name(effect.term));
+      EXPECT_EQ(rows[i][2], number_or_dash(fixed.f));
+      EXPECT_EQ(rows[i][5], with_decimals(fixed.partial_eta2, 3));
+      EXPECT_EQ(rows[i][6], "720");
+      EXPECT_EQ(rows[i][7], number_or_dash(effect.test->f));
+      EXPECT_EQ(rows[i][8], df_text(effect.test->df1) + ", " + df_text(effect.test->df2));
+      EXPECT_EQ(rows[i][10], with_decimals(effect.test->epsilon, 3));
+      EXPECT_EQ(rows[i][12], with_decimals(effect.test->generalized_eta2, 3));
+      EXPECT_EQ(rows[i][13], "10");
+    }
+    const std::string printed[][3] = {{"12.141", "29.674", "0.433 (n.s.)"},
+                                      {"19.139", "22.389", "2.608 (p &lt; .07)"},
+                                      {"836.377", "0.845 (n.s.)", "22.859"}};
+    EXPECT_EQ(rows[0][1], printed[outcome][0]);
+    EXPECT_EQ(rows[1][1], printed[outcome][1]);
+    EXPECT_EQ(rows[3][0], "Rotation x Haptic");
+    EXPECT_EQ(rows[3][1], printed[outcome][2]);
+  }
+}
+
+TEST(ExperimentReport, PageHasMeansBesideThePapers) {
+  const Written report = written(sample_trials({}));
+  const auto means = csv_rows(report.files.at("means.csv"));
+  const auto rows =
+      page_rows(report.files.at("report.html"), "<h3>Means and standard deviations of trials</h3>");
+  ASSERT_EQ(rows.size(), 1u + 3 + 2 + 4 + 6);
+  const auto mean_at = [&](const char* outcome, const char* haptic, int decimals) {
+    const CsvRow row = row_with(means, {{"of", "trials"},
+                                        {"outcome", outcome},
+                                        {"haptic", haptic},
+                                        {"rotation", "all"},
+                                        {"object", "all"}});
+    return with_decimals(number(row.at("mean")), decimals) + " (" +
+           with_decimals(number(row.at("sd")), decimals) + ")";
+  };
+  const char* const levels[] = {"NoH", "UaH", "H"};
+  const char* const printed[][3] = {{"29 (15)", "24 (11)", "0.101 (0.031)"},
+                                    {"27.5 (15)", "22 (11)", "0.068 (0.023)"},
+                                    {"25 (13)", "21 (10)", "0.031 (0.008)"}};
+  for (std::size_t h = 0; h < 3; ++h) {
+    const auto& row = rows[1 + h];
+    EXPECT_EQ(row[0], levels[h]);
+    EXPECT_EQ(row[1], "240");
+    EXPECT_EQ(row[2], mean_at("total time", levels[h], 2));
+    EXPECT_EQ(row[4], mean_at("losses of contact", levels[h], 2));
+    EXPECT_EQ(row[6], mean_at("mean penetration", levels[h], 4));
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(row[3 + 2 * i], printed[h][i]);
+  }
+  EXPECT_EQ(rows[4][3], "25.14 (12.041)");  // NoR
+  EXPECT_EQ(rows[5][3], "29.15 (15.972)");  // R
+}
+
+TEST(ExperimentReport, PageHasTheManovaBesideThePapers) {
+  const Written report = written(sample_trials({}));
+  const PaperAnalysis& paper = *report.analysis.operators[0].paper;
+  const auto rows = page_rows(report.files.at("report.html"), "<h3>MANOVA");
+  ASSERT_EQ(rows.size(), 15u);
+  std::map<std::string, std::string> lambdas;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i][0], effect_name(paper.terms[i]));
+    EXPECT_EQ(rows[i][4], with_decimals(paper.manova[i].lambda, 3));
+    EXPECT_EQ(rows[i][5], number_or_dash(paper.manova[i].f));
+    if (!rows[i][1].empty()) lambdas[rows[i][0]] = rows[i][1];
+  }
+  EXPECT_EQ(lambdas, (std::map<std::string, std::string>{{"Haptic", "0.236"},
+                                                         {"Rotation", "0.925"},
+                                                         {"Object", "0.110"},
+                                                         {"Trial", "0.925"},
+                                                         {"Rotation x Haptic", "0.911"},
+                                                         {"Object x Haptic", "0.868"},
+                                                         {"Object x Rotation", "0.934"}}));
 }
 
 // The paper's contact angles are those of UaH: no other angle stands beside them.
