@@ -52,7 +52,7 @@ std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
     if (outcome == Outcome::kTimeToLimit && analysis.counts.timeouts == 0) continue;
     if (!table.has(outcome)) {
       analysis.notes.push_back("The file does not have the column " + std::string(text.column) +
-                               "; the " + std::string(text.name) + " is not analysed.");
+                               ", so that there is no analysis of " + std::string(text.name) + ".");
       continue;
     }
     if (const auto value = constant_value(table, outcome)) {

@@ -168,12 +168,12 @@ std::string experiment_text(const ExperimentAnalysis& analysis) {
   text += "; missing: " + missing_text(analysis) + "\n";
   text += "the paper's " + std::to_string(paper_findings().size()) + " findings, " +
           leading.name() + ": " + verdict_counts_text(leading) + "\n";
-  for (std::size_t i = 0; i < leading.findings.size(); ++i) {
-    const PaperFinding& finding = paper_findings()[i];
-    if (is_multivariate(finding)) continue;
-    std::string verdict(kVerdictNames[static_cast<std::size_t>(leading.findings[i].verdict)]);
-    verdict.resize(14, ' ');
-    text += "  " + verdict + finding.name + ": " + finding.statement + "\n";
+  for (const Verdict verdict : {Verdict::kAgrees, Verdict::kDisagrees, Verdict::kNotTestable}) {
+    std::string label(kVerdictNames[static_cast<std::size_t>(verdict)]);
+    label.resize(14, ' ');
+    for (const auto& [name, statement] : findings_with(leading, verdict)) {
+      text += "  " + label + name + ": " + statement + "\n";
+    }
   }
   if (const auto flips = differing_findings(analysis); !flips.empty()) {
     text += std::to_string(flips.size()) + " verdicts differ between the followings\n";

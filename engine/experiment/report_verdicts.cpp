@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::array<const char*, kVerdictNames.size()> kVerdictMarks = {"good", "bad", "untested"};
 
+constexpr std::string_view kManova = "MANOVA, ";  // begins the names of its findings
+
 std::string verdict_mark(Verdict verdict) {
   const auto place = static_cast<std::size_t>(verdict);
   return html_element(std::string("span class=\"mark ") + kVerdictMarks[place] + "\"",
@@ -91,31 +93,15 @@ std::string findings_table(const ExperimentAnalysis& analysis) {
   return out + "</tbody></table></div>\n";
 }
 
-// The statements with a verdict, of the findings outside the MANOVA.
+// The statements with a verdict.
 std::string statements(const OperatorAnalysis& analysis, Verdict verdict) {
   std::string items;
-  for (std::size_t i = 0; i < analysis.findings.size(); ++i) {
-    const PaperFinding& finding = paper_findings()[i];
-    if (analysis.findings[i].verdict != verdict || is_multivariate(finding)) continue;
-    items += html_element("li", html_element("strong", html_escaped(finding.name)) + ": " +
-                                    html_escaped(finding.statement)) +
+  for (const auto& [name, statement] : findings_with(analysis, verdict)) {
+    items += html_element("li", html_element("strong", html_escaped(name)) + ": " +
+                                    html_escaped(statement)) +
              "\n";
   }
   return items.empty() ? "<p>None.</p>\n" : "<ul>\n" + items + "</ul>\n";
-}
-
-std::string manova_sentence(const OperatorAnalysis& analysis) {
-  int agree = 0, all = 0;
-  for (std::size_t i = 0; i < analysis.findings.size(); ++i) {
-    if (!is_multivariate(paper_findings()[i])) continue;
-    ++all;
-    agree += analysis.findings[i].verdict == Verdict::kAgrees ? 1 : 0;
-  }
-  return html_element("p", "Of the " + std::to_string(all) +
-                               " effects that are significant in the paper\u2019s MANOVA, " +
-                               std::to_string(agree) + (agree == 1 ? " is" : " are") +
-                               " significant here.") +
-         "\n";
 }
 
 std::string flips_sentence(const ExperimentAnalysis& analysis) {
@@ -165,8 +151,25 @@ std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis) 
   return found;
 }
 
+std::vector<std::pair<std::string, std::string>> findings_with(const OperatorAnalysis& analysis,
+                                                               Verdict verdict) {
+  std::vector<std::pair<std::string, std::string>> found;
+  std::string multivariate;
+  for (std::size_t i = 0; i < analysis.findings.size(); ++i) {
+    if (analysis.findings[i].verdict != verdict) continue;
+    const PaperFinding& finding = paper_findings()[i];
+    if (is_multivariate(finding)) {
+      multivariate += (multivariate.empty() ? "" : ", ") + finding.name.substr(kManova.size());
+    } else {
+      found.emplace_back(finding.name, finding.statement);
+    }
+  }
+  if (!multivariate.empty()) found.emplace_back("MANOVA", "effects of " + multivariate);
+  return found;
+}
+
 bool is_multivariate(const PaperFinding& finding) {
-  return finding.name.starts_with("MANOVA");
+  return finding.name.starts_with(kManova);
 }
 
 std::string verdicts_html(const ExperimentAnalysis& analysis) {
@@ -185,8 +188,8 @@ std::string verdicts_html(const ExperimentAnalysis& analysis) {
   if (verdict_counts(leading)[2] > 0) {
     out += "<div><h3>Not testable</h3>\n" + statements(leading, Verdict::kNotTestable) + "</div>\n";
   }
-  return out + "</div>\n" + manova_sentence(leading) + flips_sentence(analysis) +
-         evidence_sentence(analysis) + findings_table(analysis) + "</section>\n";
+  return out + "</div>\n" + flips_sentence(analysis) + evidence_sentence(analysis) +
+         findings_table(analysis) + "</section>\n";
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/experiment/analysis.h"
@@ -19,6 +20,11 @@ std::string verdict_counts_text(const OperatorAnalysis& analysis);
 
 // The places in paper_findings() of the findings about which the followings differ.
 std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis);
+
+// Name and statement of the findings with a verdict. Those of the MANOVA are one: "effects of
+// Haptic, Rotation".
+std::vector<std::pair<std::string, std::string>> findings_with(const OperatorAnalysis& analysis,
+                                                               Verdict verdict);
 
 // Whether a finding is one of the MANOVA.
 bool is_multivariate(const PaperFinding& finding);

@@ -332,9 +332,9 @@ TEST(Analysis, TakesFilesOfPeople) {
   const std::set<std::string> notes(analysis.notes.begin(), analysis.notes.end());
   EXPECT_TRUE(notes.contains("Rotation is left out, because the file has one level of it: NoR."));
   EXPECT_TRUE(notes.contains("Trial is left out, because the file has one level of it: 1."));
-  EXPECT_TRUE(
-      notes.contains("The file does not have the column mean_contact_angle_deg; the mean "
-                     "contact angle is not analysed."));
+  EXPECT_TRUE(notes.contains(
+      "The file does not have the column mean_contact_angle_deg, so that there is no "
+      "analysis of mean contact angle."));
   EXPECT_EQ(analysis.findings[1].verdict, Verdict::kNotTestable);  // Rotation
 }
 
