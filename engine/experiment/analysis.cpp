@@ -134,6 +134,11 @@ bool ExperimentAnalysis::has_simulated() const {
                      [](const OperatorAnalysis& analysis) { return analysis.is_simulated(); });
 }
 
+bool ExperimentAnalysis::has_people() const {
+  return !std::all_of(operators.begin(), operators.end(),
+                      [](const OperatorAnalysis& analysis) { return analysis.is_simulated(); });
+}
+
 Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double limit_s) {
   auto tables = trial_tables(std::move(rows), limit_s);
   if (!tables) return tables.error();

@@ -38,6 +38,7 @@ struct OperatorAnalysis {
 struct ExperimentAnalysis {
   std::vector<OperatorAnalysis> operators;  // at least one, in the order of trial_tables()
   bool has_simulated() const;
+  bool has_people() const;
 };
 
 // rows: the rows of trials.csv. Their order has no influence on the result.

@@ -46,11 +46,8 @@ tr.groups th { border-bottom: 0; text-align: center; color: var(--quiet); }
 )css";
 
 std::string who(const ExperimentAnalysis& analysis) {
-  const bool has_people =
-      std::any_of(analysis.operators.begin(), analysis.operators.end(),
-                  [](const OperatorAnalysis& each) { return !each.is_simulated(); });
   if (!analysis.has_simulated()) return "people";
-  return has_people ? "people and simulated operators" : "simulated operators";
+  return analysis.has_people() ? "people and simulated operators" : "simulated operators";
 }
 
 std::string title_of(const ExperimentAnalysis& analysis) {
@@ -176,7 +173,9 @@ std::string experiment_text(const ExperimentAnalysis& analysis) {
     }
   }
   if (const auto flips = differing_findings(analysis); !flips.empty()) {
-    text += std::to_string(flips.size()) + " verdicts differ between the followings\n";
+    text += std::to_string(flips.size()) +
+            (flips.size() == 1 ? " verdict flips" : " verdicts flip") + std::string(" between ") +
+            columns_text(analysis) + "\n";
   }
   return text;
 }

@@ -48,7 +48,8 @@ std::string finding_cell(const ExperimentAnalysis& analysis, std::size_t i) {
                      html_escaped(finding.statement) + "<br>" +
                      html_element("span class=\"spread\"", in_lines(finding.printed));
   if (verdicts_differ(analysis, i)) {
-    text += "<br>" + html_element("span class=\"mark flips\"", "flips between followings");
+    text += "<br>" +
+            html_element("span class=\"mark flips\"", "flips between " + columns_text(analysis));
   }
   return html_element("td class=\"finding\"", text);
 }
@@ -107,13 +108,16 @@ std::string statements(const OperatorAnalysis& analysis, Verdict verdict) {
 std::string flips_sentence(const ExperimentAnalysis& analysis) {
   if (analysis.operators.size() == 1) return "";
   const auto flips = differing_findings(analysis);
-  if (flips.empty()) return "<p>All followings have the same verdicts.</p>\n";
+  if (flips.empty()) return "<p>All columns of the table have the same verdicts.</p>\n";
   std::string names;
   for (const std::size_t i : flips) {
     names += (names.empty() ? "" : "; ") + html_escaped(paper_findings()[i].name);
   }
-  return "<p>The verdict depends on the following (how a simulated operator takes the turning of "
-         "the scene into account) for " +
+  const std::string why = analysis.has_people()
+                              ? ""
+                              : " (how a simulated operator takes the turning of the scene into "
+                                "account)";
+  return "<p>Verdicts flip between " + columns_text(analysis) + why + " for " +
          std::to_string(flips.size()) + " of " + std::to_string(paper_findings().size()) +
          " findings: " + names + ".</p>\n";
 }
@@ -127,6 +131,10 @@ std::string evidence_sentence(const ExperimentAnalysis& analysis) {
 }
 
 }  // namespace
+
+std::string columns_text(const ExperimentAnalysis& analysis) {
+  return analysis.has_people() ? "people and simulated operators" : "followings";
+}
 
 std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& analysis) {
   std::array<int, kVerdictNames.size()> counts{};

@@ -18,7 +18,10 @@ std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& ana
 // "11 agree, 5 disagree, 1 not testable"
 std::string verdict_counts_text(const OperatorAnalysis& analysis);
 
-// The places in paper_findings() of the findings about which the followings differ.
+// What the columns of the table are: "followings", or "people and simulated operators".
+std::string columns_text(const ExperimentAnalysis& analysis);
+
+// The places in paper_findings() of the findings about which the columns differ.
 std::vector<std::size_t> differing_findings(const ExperimentAnalysis& analysis);
 
 // Name and statement of the findings with a verdict. Those of the MANOVA are one: "effects of

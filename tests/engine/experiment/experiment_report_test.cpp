@@ -412,7 +412,7 @@ TEST(ExperimentReport, MarksVerdictsThatFlip) {
   EXPECT_GT(flips, 3);
   EXPECT_EQ(count_of(report.files.at("report.html"), ">flips between followings<"), flips);
   EXPECT_EQ(static_cast<int>(differing_findings(report.analysis).size()), flips);
-  EXPECT_TRUE(has(report.text, std::to_string(flips) + " verdicts differ between the followings"));
+  EXPECT_TRUE(has(report.text, std::to_string(flips) + " verdicts flip between followings\n"));
   for (const CsvRow& row : csv_rows(report.files.at("findings.csv"))) {
     flips -= row.at("differs_between_followings") == "1" && row.at("following") == "predict";
   }
@@ -435,7 +435,9 @@ TEST(ExperimentReport, NamesSimulatedOperatorsAndNotPeople) {
   auto both = sample_trials({.followings = {"delayed"}});
   const auto rows = sample_trials({});
   both.insert(both.end(), rows.begin(), rows.end());
-  EXPECT_TRUE(has(written(both).text, "1440 trials of 10 people and simulated operators"));
+  const Written mixed = written(both);
+  EXPECT_TRUE(has(mixed.text, "1440 trials of 10 people and simulated operators"));
+  EXPECT_FALSE(has(mixed.files.at("report.html"), "between followings"));
 }
 
 TEST(ExperimentReport, TextForTheTerminalIsShortAndStatesTheVerdicts) {
