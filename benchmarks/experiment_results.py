@@ -73,7 +73,7 @@ def not_shared(results):
     """[(finding, the operators whose trials disagree with it)], and the number of all findings."""
     by_operator = {name: findings_of(result) for name, result in results.items()}
     first = next(iter(by_operator.values()))
-    disagreeing = [(f"{finding} ({statement})",
+    disagreeing = [(f"{finding} (paper: {statement})",
                     [name for name, findings in by_operator.items()
                      if findings[finding][1] == "disagrees"])
                    for finding, (statement, _) in first.items()]

@@ -188,7 +188,7 @@ def check_experiment(copy):
                   if (row["following"], row["outcome"], row["haptic"], row["rotation"]) ==
                   ("delayed", "total time", "NoH", "all"))
     expect(f"25.1 -> 29.1 s | {mean_s:.1f}, " in text, "the README has the mean of NoH")
-    expect("MANOVA, Object (an effect), only `people2005`" in text,
+    expect("MANOVA, Object (paper: an effect), only `people2005`" in text,
            "the README names a finding with which one simulation disagrees")
     result["means"] = [row for row in result["means"] if row["outcome"] != "losses of contact"]
     path.write_text(json.dumps(result))
