@@ -43,8 +43,9 @@ class LazyScene {
 };
 
 // The error, in metres and in the scene frame, that the rounding of the numbers in the scene's file
-// causes in positions on surfaces. The result is the float_floor_m() of the farthest coordinate of
-// a mesh in its own frame, at the scale of its node; the translations of nodes lose no digits.
+// causes in positions on surfaces. The result is float_floor_m() of the largest absolute coordinate
+// of any mesh, in the frame of the mesh and at the scale of its node; the translations of nodes
+// lose no digits.
 double file_floor_m(const Scene& scene);
 
 // "320 triangles", "1.3k triangles", "82k triangles", "1.3M triangles".

@@ -27,7 +27,7 @@ struct PresetOnScene {
   double iterations = 0.0;
   std::uint64_t ticks = 0;  // ticks in contact, of all repeats
   std::uint64_t capped_ticks = 0;
-  // The distance between the proxy of this preset and the proxy of the preset exact in the same
+  // The distance between the proxy of this preset and the proxy of the preset `exact` in the same
   // tick, evaluated over all hands.
   double rms_error_m = 0.0;
   double p99_error_m = 0.0;
@@ -69,12 +69,12 @@ struct SceneAccuracy {
   int repeats = 0;                       // number of repeats of each preset
   double seconds = 0.0;                  // duration of the path of each hand
   double contact_share = 0.0;            // share of the ticks in contact, over all hands
-  double deepest_m = 0.0;  // lag that one tick in a hundred exceeds, under the preset exact
+  double deepest_m = 0.0;  // lag that one tick in a hundred exceeds, under the preset `exact`
   double floor_m = 0.0;    // errors below it are meaningless: file_floor_m() of the scene
   KeptRate kept_rate;
 };
 
-// Simulated hands explore the scene with the settings of `setup` and the preset exact, and their
+// Simulated hands explore the scene with the settings of `setup` and the preset `exact`, and their
 // paths are recorded. Then each preset in turn replays these paths. Returns an error if no hand
 // touches the scene or if the rate of `setup` is not from 20 Hz to 20 kHz. Also returns the errors
 // of explore(). Takes many seconds and starts haptic threads.

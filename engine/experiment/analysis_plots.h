@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-// Whose trials, for titles: "simulated operators, delayed"; "people".
+// Names the people or operators who did the trials, for titles: "simulated operators, delayed";
+// "people".
 std::string whose_trials(const OperatorAnalysis& analysis);
 
 // A panel of Figure 6: the participants' means of an outcome at each level of Haptic, one curve for

@@ -26,15 +26,15 @@ inline constexpr std::array<std::string_view, 5> kAnalysisTableNames = {
 // Every F, every comparison, every mean, the missing trials by condition, and the verdicts.
 std::vector<ResultTable> analysis_tables(const ExperimentAnalysis& analysis);
 
-// The tables as one JSON document, with what was analysed before them.
+// The tables as one JSON document, which begins with the file, the time limit and the operators.
 std::string analysis_json(const ExperimentAnalysis& analysis, const TrialSource& source);
 
-// The analysed outcomes, in the order of the reports: those that the trials have. The time with
-// timeouts as the limit is among them only if there are timeouts.
+// The analysed outcomes, in the order of the reports: those that the trials have. kTimeToLimit is
+// among them only if there are timeouts.
 std::vector<Outcome> reported_outcomes(const OperatorAnalysis& analysis);
 
-// The paper's mean of an outcome at these levels, if it has one. Its contact angles are those of
-// UaH.
+// The paper's mean of an outcome at these levels, if it has one. The paper's contact angles are
+// those of UaH.
 const PaperMean* paper_mean_at(const TrialTable& table, Outcome outcome, const TrialLevels& at);
 
 // The paper's line of an effect in the MANOVA, if it has one.

@@ -20,8 +20,8 @@ class ContourPlace {
 
   // Processes a contact, given by its point and by its outward direction, which is the direction
   // from the device point to the proxy. Returns whether the contact lies on the path, at most
-  // kReach_m ahead of the place and at most kKept_m behind the place. Such a contact moves or keeps
-  // the place.
+  // kReach_m ahead of the place and at most kKept_m behind the place. Such a contact moves the
+  // place or confirms it.
   bool see(const Vec3& contact_m, const Vec3& outward);
 
   double along_m() const { return along_m_; }
@@ -29,7 +29,7 @@ class ContourPlace {
   static constexpr double kOffPath = 1.0 / 8;
   // The largest distance ahead of the place at which a contact moves the place.
   static constexpr double kReach_m = 0.03;
-  // The largest distance behind the place at which a contact keeps the place.
+  // The largest distance behind the place at which a contact confirms the place.
   static constexpr double kKept_m = 0.01;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Joins the parts of all participants to the results of an experiment.
+// Joins the parts of all participants into the results of an experiment.
 
 #include <array>
 #include <cstdint>

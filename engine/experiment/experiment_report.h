@@ -14,20 +14,21 @@
 
 namespace palpate {
 
-// An HTML5 document (UTF-8) that needs no other file, no network and no script: what agrees with
-// the paper and what does not, then for each following the figures and all statistics beside the
-// paper's, then how to read it. Appends to `warnings` if figures could not be drawn.
+// An HTML5 document (UTF-8) that needs no other file, no network and no script. It lists what
+// agrees with the paper and what does not, then shows the figures and all statistics of each
+// following beside those of the paper, and then explains how to read them. Appends to `warnings` if
+// figures could not be drawn.
 std::string experiment_report_html(const ExperimentAnalysis& analysis, const TrialSource& source,
                                    std::vector<std::string>& warnings);
 
-// A few lines for a terminal: what was analysed, and the verdicts of the leading following.
+// A few lines for a terminal: what was analysed, and the verdicts of the first following.
 std::string experiment_text(const ExperimentAnalysis& analysis);
 
 // The names of the files that write_experiment_report() writes.
 std::vector<std::string> experiment_report_names();
 
-// Writes report.html, analysis.json and a CSV file for each of kAnalysisTableNames. files: of
-// experiment_report_names(). Returns the warnings.
+// Writes report.html, analysis.json and a CSV file for each of kAnalysisTableNames. files: created
+// with the names of experiment_report_names(). Returns the warnings.
 Result<std::vector<std::string>> write_experiment_report(const ExperimentAnalysis& analysis,
                                                          const TrialSource& source,
                                                          const OutputFiles& files);

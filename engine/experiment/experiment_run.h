@@ -46,12 +46,12 @@ struct ExperimentRunOutcome {
   std::optional<MergedExperiment> merged;  // no value: a shard, or stopped
 };
 
-// Runs the participants that have no part of this run in the folder yet. After the last trial of a
-// participant, its part is written, whole or not at all. A killed run can therefore be started
-// again. The bytes of all results depend only on the plan and its files, and not on shards, jobs or
-// the number of starts. Parts of another plan in the folder are replaced. Without a shard,
-// merge_experiment() follows when all parts exist. The file run.log in the folder records the
-// times of day and the computing times.
+// Runs the participants for which the folder does not contain a part of this run yet. After the
+// last trial of a participant, its part is written, whole or not at all. A killed run can therefore
+// be started again. The bytes of all results depend only on the plan and its files, and not on
+// shards, jobs or the number of starts. Parts of another plan in the folder are replaced. Without a
+// shard, merge_experiment() follows when all parts exist. The file run.log in the folder records
+// the times of day and the computing times.
 //
 // progress: called on the calling thread. stop: may be null; if it is set, running participants end
 // after their present trial and leave no part. Errors: those of load_experiment_scenes(),

@@ -13,8 +13,8 @@
 
 namespace palpate {
 
-// The range of one parameter. The value of a person is low + (high - low) x with a random number x,
-// uniform in [0, 1), or high - (high - low) x if the parameter falls.
+// The range of one parameter. The value for a person is low + (high - low) x with a random number
+// x, uniform in [0, 1), or high - (high - low) x if the parameter falls.
 struct ParameterRange {
   double low = 0.0;
   double high = 0.0;  // >= low; equal: all persons have this value
@@ -28,7 +28,7 @@ struct PersonParameter {
   std::string_view name;  // the name of the field
   std::string_view unit;  // "1": dimensionless
   double OperatorParameters::*field;
-  double least;  // the valid values lie from least to most, a limit far beyond any hand
+  double least;  // valid: from least to most; most is far beyond the value of any hand
   double most;
   bool is_least_out;  // the range excludes `least` itself
 };

@@ -15,8 +15,9 @@
 
 namespace palpate {
 
-// Whether a person who is lost goes back to the contour. With kOff the person is never lost and
-// only follows the track: a person who stands still (speed_m_per_s 0) cannot go anywhere.
+// Whether a person who is lost goes back to the contour. With kOff, the person is never lost and
+// only follows the track. This suits a person who stands still (speed_m_per_s 0) and therefore
+// could not go back.
 enum class Recovery : std::uint8_t { kOn, kOff };
 
 // The person aims at a point that is press_depth_m inside the wall and advances along the waypoints
@@ -27,14 +28,15 @@ enum class Recovery : std::uint8_t { kOn, kOff };
 // - Begin: the person touches the contour within the green sphere and then follows it.
 // - Pace: the target advances at v0 e0 / max(e0, e), e0 = 5 mm, e = max(0, seen |goal - proxy| -
 //   D), and at most at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. The paper
-//   instructs people to keep frame and ball close; we take this to mean that depth slows the hand.
-//   The target waits while it is too far ahead of the seen place.
-// - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. The direction into
-//   the wall is not corrected: there, the hand yields.
+//   instructs people to keep frame and ball (the displayed device and proxy) close together; we
+//   take this to mean that depth slows the hand. The target waits while it is too far ahead of the
+//   seen place.
+// - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. The lag into the
+//   wall is not corrected: in this direction, the hand yields.
 // - Recovery: the person is lost if, for 0.5 s (1.5 s in a corner), the person sees no contact that
-//   moves or keeps the place on the contour. The hand then returns to the contour, 10 mm past that
-//   place. If it touches a wrong part of the contour, it first moves back beside the contour, on
-//   the outside.
+//   moves or confirms the place on the contour. The hand then returns to the contour, 10 mm past
+//   that place. If it touches a wrong part of the contour, it first moves back beside the contour,
+//   on the outside.
 //
 // The paper describes no model of its people: all rules above are ours.
 class OperatorHand final : public HandPlan {

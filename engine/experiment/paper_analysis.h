@@ -42,7 +42,7 @@ struct PaperAnalysis {
   std::vector<std::string> left_out;  // factors that the model does not have, and why: sentences
 };
 
-// An error if a measure is missing, if its error matrix is singular, or if the trials do not
+// An error if a measure is missing, if the error matrix is singular, or if the trials do not
 // determine the model.
 Result<PaperAnalysis> analyse_as_paper(const TrialTable& table);
 

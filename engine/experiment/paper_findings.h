@@ -1,6 +1,6 @@
 #pragma once
 
-// The findings of the paper (Lecuyer et al., 2005), and the test whether trials agree with them.
+// The findings of the paper (Lecuyer et al., 2005), and the test of whether trials agree with them.
 
 #include <optional>
 #include <span>
@@ -21,8 +21,8 @@ struct PaperLambda {
 };
 std::span<const PaperLambda> paper_manova();
 
-// An F of the paper's ANOVAs, which have 648 degrees of freedom of the error, or of its test of the
-// contact angle, which has 9.
+// An F of the paper's ANOVAs (648 error degrees of freedom), or of its test of the contact angle
+// (9).
 struct PaperF {
   Outcome outcome;
   FactorSet term;
@@ -55,7 +55,7 @@ struct PaperFinding {
 // Whether trials agree with a finding. If the paper found an effect, trials agree if the effect is
 // significant at 5 % and the means have the paper's order. If the paper found no effect, trials
 // agree if the effect is not significant. The primary analysis decides. It has no MANOVA; for the
-// MANOVA, the analysis as the paper did it decides.
+// MANOVA, PaperAnalysis decides.
 struct FindingResult {
   Verdict verdict = Verdict::kNotTestable;
   std::string because;              // "F(2, 18) = 14.2, p = 0.001; H 27.1 < UaH 27.3 < NoH 29.1 s"

@@ -11,10 +11,10 @@
 
 namespace palpate {
 
-// Reads the object and checks it by make_setup(). The keys sensors (2), rate_Hz, stiffness_N_per_m,
-// damping_Ns_per_m, and actuators or actuated_axes are required: a plan states them, whatever the
-// defaults of `run` are. The force mode and A4 are not settings here, because they are conditions
-// of a trial. element: the JSON path of the object.
+// Reads the object and checks it with make_setup(). The keys sensors (2), rate_Hz,
+// stiffness_N_per_m, damping_Ns_per_m, and actuators or actuated_axes are required: a plan states
+// them, whatever the defaults of `run` are. The force mode and A4 are not settings here, because
+// they are conditions of a trial. element: the JSON path of the object.
 Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::string& element);
 
 // The error of make_setup(), check_setup() or check_plant() as an error of the plan: its element

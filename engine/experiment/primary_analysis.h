@@ -1,9 +1,9 @@
 #pragma once
 
-// The primary analysis: repeated measures on participants' cell means. A cell is the mean of the
-// completed trials of a participant in a condition, over the blocks that have such a trial. No
-// missing trial is replaced by a number: an effect, a comparison or a mean takes the participants
-// who have all cells that it needs, and states their number.
+// The primary analysis: repeated measures on the cell means of participants. A cell is one
+// participant in one condition. Its mean is the mean of this participant's completed trials in this
+// condition. No missing trial is replaced by a number: an effect, a comparison or a mean is
+// computed from the participants who have all cells that it needs, and states their number.
 
 #include <optional>
 #include <string>
@@ -48,7 +48,7 @@ struct PrimaryAnalysis {
   std::vector<PrimaryEffect> effects;
   std::vector<PrimaryFamily> families;
   // The levels of Haptic, then those of Rotation, then their combinations; with only_haptic those
-  // of Rotation alone. Each group has one set of participants.
+  // of Rotation alone. All means of a group are computed from the same participants.
   std::vector<PrimaryMean> means;
 
   const PrimaryEffect* effect(const FactorSet& term) const;

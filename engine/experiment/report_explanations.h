@@ -1,6 +1,6 @@
 #pragma once
 
-// What a reader of the report must know: the words, and what the statistics can state.
+// Explanations for a reader of the report: the terms, and what the statistics can state.
 
 #include <string>
 
@@ -11,7 +11,8 @@ namespace palpate {
 // The levels of force and rotation, in one paragraph.
 std::string levels_html();
 
-// Why there are two analyses, what p values are about, what is our choice, and a list of words.
+// Explains why there are two analyses, what the p values mean and which choices are ours, and lists
+// the terms.
 std::string explanations_html(const ExperimentAnalysis& analysis);
 
 }  // namespace palpate

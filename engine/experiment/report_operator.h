@@ -1,6 +1,6 @@
 #pragma once
 
-// The part of the report about one kind of operator: of one following, or of people.
+// The part of the report about one kind of operator: one following, or people.
 
 #include <string>
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-// Figures, means, effects, comparisons and missing trials. The tables are folded away unless the
-// operator leads. Appends to `warnings` a sentence if figures could not be drawn; the report shows
-// the reason in their place.
+// Figures, means, effects, comparisons and missing trials. leads: the operator is the first in the
+// report; the tables of the others are folded away. Appends to `warnings` a sentence if figures
+// could not be drawn; the report shows the reason in their place.
 std::string operator_html(const OperatorAnalysis& analysis, bool leads,
                           std::vector<std::string>& warnings);
 

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// Nothing: the value is undefined, or does not apply. A number that is not finite is undefined too.
+// monostate: the value is undefined, or does not apply. A number that is not finite is undefined
+// too.
 using ResultCell = std::variant<std::monostate, std::string, int, double>;
 
 struct ResultTable {
@@ -17,11 +18,12 @@ struct ResultTable {
   std::vector<std::vector<ResultCell>> rows;  // one cell a column
 };
 
-// With one line a row; undefined: an empty field.
+// CSV with one line per row. An undefined value is an empty field.
 std::string csv_of(const ResultTable& table);
 
-// A JSON array with one object a row, whose keys are the columns; undefined: null. A number has as
-// many digits as reading the same double back takes. indent: the spaces before each line.
+// A JSON array with one object per row. The keys of an object are the columns; an undefined value
+// is null. A number has as many digits as are needed to read the same double back. indent: the
+// spaces before each line.
 std::string json_rows_of(const ResultTable& table, int indent);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ namespace palpate {
 // "Total time (s)"
 std::string outcome_heading(Outcome outcome);
 
-// "27.1 \u00b1 0.5"; without the half width of the interval if it is NaN.
+// "27.1 ± 0.5"; without the half width of the interval if it is NaN.
 std::string mean_with_interval(double mean, double half_width, int decimals);
 
 // Means and standard deviations of all trials at each level.
@@ -35,8 +35,7 @@ std::string plsd_table(const PaperAnova& anova);
 // Paired t tests with Holm's adjustment.
 std::string paired_table(const PrimaryAnalysis& primary);
 
-// How the trials ended, by condition. If no trial is missing, of all
-// conditions together.
+// How the trials ended, for all conditions together and, if any trial is missing, by condition.
 std::string missing_table(const OperatorAnalysis& analysis);
 
 }  // namespace palpate

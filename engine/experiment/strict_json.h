@@ -17,7 +17,8 @@
 
 namespace palpate {
 
-// The size of such a file is a few kilobytes. The limit bounds the memory of a hostile one.
+// The size of such a file is a few kilobytes. The limit bounds the memory that a hostile file can
+// take.
 inline constexpr std::uint64_t kMostSettingsBytes = std::uint64_t{1} << 20;
 inline constexpr std::size_t kMostNameBytes = 100;
 inline constexpr std::size_t kMostProseBytes = 2000;
@@ -47,8 +48,9 @@ Error unexpected_value(const std::string& element, const nlohmann::json& found,
 
 // The values of one JSON object. Each function sets its argument to the value of a key. After the
 // first error, further calls do nothing. finish() must be called at the end. If the object has a
-// key that no call has asked for, finish() returns an error about this key, since a misspelt key
-// also causes the error of a missing key. Otherwise finish() returns the first error.
+// key that no call has asked for, finish() returns an error about this key even after another
+// error, because a misspelt key also causes the error of a missing key. Otherwise finish() returns
+// the first error.
 class ObjectReader {
  public:
   enum class Key : std::uint8_t { kRequired, kOptional };

@@ -21,7 +21,7 @@ class TrialClock final : public TickObserver {
  public:
   // The share of the way that the place must have passed before the clock stops.
   static constexpr double kLeastWay = 0.8;
-  // An interval without contact of this length counts as a long loss.
+  // An interval of at least this length without contact counts as a long loss.
   static constexpr double kLongLoss_s = 0.1;
 
   // `way` must outlive the clock. settings.limit_s counts from the start of the trial.
@@ -58,7 +58,7 @@ class TrialClock final : public TickObserver {
   SummaryAccumulator summary_;
   std::uint64_t long_losses_ = 0;
   std::uint64_t gap_ticks_ = 0;
-  bool was_good_ = false;  // the last tick moved or kept the place
+  bool was_good_ = false;  // the last tick moved or confirmed the place
   double tracked_m_ = 0.0;
   double device_path_m_ = 0.0;
   double proxy_path_m_ = 0.0;

@@ -10,8 +10,8 @@ namespace palpate {
 // The text escaped for an element or a quoted attribute.
 std::string html_escaped(std::string_view text);
 
-// "<tag>content</tag>". tag: the name, and after a space attributes, as in `td class="number"`; the
-// caller escapes the content.
+// "<tag>content</tag>". tag: the name, optionally followed by a space and attributes, as in
+// `td class="number"`; the caller escapes the content.
 std::string html_element(std::string_view tag, std::string_view content);
 
 // An HTML5 document (UTF-8) that needs no other file and no network. This function escapes the

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// A table, row by row, in a box of its own that scrolls if the table is wider. The first columns
-// hold text and verdicts, the others numbers.
+// Builds a table row by row. The table is in a separate box, which scrolls if the table is wider
+// than the box. The first columns hold text and verdicts, the others numbers.
 class HtmlTable {
  public:
   // heads: plain text; this class escapes it.

@@ -15,10 +15,10 @@ namespace palpate {
 // killed while it writes, previous results remain unchanged; the next command removes a hidden
 // folder that a killed command has left. Moving the files into place also removes every file that
 // has one of the command's names and was not written this time, so that the folder never contains
-// old results beside new ones. If the command is killed during this move, some files are missing,
-// those that are there are complete, and the last of the names is there only beside all others.
-// Other files in the folder are not touched. A link with one of the names is replaced; its target
-// is unchanged.
+// old results beside new ones. If the command is killed during this move, some files may be
+// missing. Those that are present are complete, and the file with the last of the names is present
+// only if all others are. Other files in the folder are not touched. A link with one of the names
+// is replaced; its target is unchanged.
 //
 // Not for the haptic thread, because it does I/O. Only one thread may use an object.
 class OutputFiles {

@@ -37,7 +37,7 @@ enum class PathSides : std::uint8_t { kFront, kEither, kWhereFree };
 
 // Properties of a path that the hand must know.
 struct PathFacts {
-  double room_m = 0.0;  // clearance in front of the path, where the hand rests and lifts to
+  double room_m = 0.0;  // clearance in front of the path, for a hand that rests or lifts
   // True for an open contour, which the hand first touches a little after its start.
   bool slips_off_at_ends = false;
   PathSides sides = PathSides::kFront;
@@ -51,9 +51,9 @@ struct PathFacts {
 //
 // The hand observes the proxy. The hand waits if it gets too far ahead of the proxy. At a sharp
 // edge or a new heading, it turns only when the proxy has arrived. If the proxy does not arrive
-// within patience_s, the hand lifts and touches the path again a little farther on. Otherwise the
-// hand moves at the speed with which it reaches the end in time; this speed is constant as long as
-// the hand does not have to wait.
+// within patience_s, the hand lifts and touches the path again a little farther on. While the hand
+// neither waits nor lifts, it moves at the speed that brings it to the end on time; this speed is
+// constant as long as the hand does not have to wait.
 class PathPlan final : public HandPlan {
  public:
   // path: two points or more, simplified (kSmallForHand).

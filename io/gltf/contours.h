@@ -12,8 +12,9 @@
 namespace palpate {
 
 // The contour of a node that has this member; its points are transformed by the node's transform
-// and those of its ancestors, in double. The instances of a node do not repeat the contour. Content
-// of another form gives a contour with a problem. name: the name of the node. Thread-safe.
+// and those of its ancestors, in double. The instances of a node do not repeat the contour. If the
+// member has another form, the result states this in ContourDescription::problem. name: the name of
+// the node. Thread-safe.
 ContourDescription read_contour(const GltfAsset& asset, const PlacedNode& placed,
                                 const std::string& name);
 

@@ -23,8 +23,8 @@ struct GltfContainer {
 };
 
 // Splits the content of a file. A GLB (glTF 2.0, section 4.4) is recognised by its magic number;
-// its unknown chunks are ignored. Any other content is JSON text as a whole. If this text is in
-// UTF-16 or UTF-32, the error says so. Thread-safe.
+// its unknown chunks are ignored. Any other content is taken as JSON text as a whole. If this text
+// is in UTF-16 or UTF-32, the error says so. Thread-safe.
 Result<GltfContainer> split_container(std::span<const std::uint8_t> bytes);
 
 // An error if the text nests deeper than kMaxGltfJsonDepth, holds more than kMaxGltfJsonValues

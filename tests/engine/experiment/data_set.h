@@ -27,7 +27,7 @@ class DataSet {
   }
 
   std::size_t size() const { return rows_.size(); }
-  // The text in a row of a column.
+  // The text in this row and column.
   const std::string& at(std::size_t row, const std::string& column) const {
     return rows_[row][column_place(column)];
   }
