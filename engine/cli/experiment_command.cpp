@@ -295,10 +295,10 @@ class ExperimentCommand final : public Command {
              "  ./run.sh experiment analyse experiment/trials.csv\n"
              "The plan of the paper takes about five minutes on two cores.\n\n"
              "./run.sh experiment COMMAND --help lists the options of a command.\n");
-    add_run(*app_, run_);
-    add_analyse(*app_, analyse_);
     add_plan(*app_, plan_);
+    add_run(*app_, run_);
     add_merge(*app_, merge_);
+    add_analyse(*app_, analyse_);
     return app_;
   }
 

@@ -145,9 +145,12 @@ TEST_F(ExperimentCommandTest, BeginsTheHelpOfEverySubcommandWithExamples) {
 
 TEST_F(ExperimentCommandTest, RefusesUnknownSubcommandsAndBadArguments) {
   const Contents before = contents_of(path(""));
-  expect_refused({}, {"subcommand is required; expected run, plan", "merge", "experiment --help"});
-  expect_refused({"walk"}, {"walk: is not a subcommand of experiment; expected run, plan"});
-  expect_refused({"--out", "x"}, {"--out: is not an option of experiment; expected run, plan"});
+  expect_refused(
+      {}, {"subcommand is required; expected plan, run, merge or analyse", "experiment --help"});
+  expect_refused({"walk"},
+                 {"walk: is not a subcommand of experiment; expected plan, run, merge or analyse"});
+  expect_refused({"--out", "x"},
+                 {"--out: is not an option of experiment; expected plan, run, merge or analyse"});
   expect_refused({"run"}, {"PLAN", "experiment run --help"});
   expect_refused({"run", "plan.json", "other.json"},
                  {"other.json: is an unexpected argument of run"});
