@@ -170,6 +170,7 @@ def check_pictures(copy):
     for document in (copy.readme, copy.tables, copy.a4_figure):
         expect("4321" in document.read_text(), f"{document.name} shows the other result")
     copy.objects.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed results are accepted again")
 
 
 def check_experiment(copy):
