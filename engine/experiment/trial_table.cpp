@@ -164,8 +164,19 @@ std::optional<Error> TrialTable::find_levels() {
   levels_[kRotationFactor] = std::move(*rotation_levels);
   levels_[kObjectFactor].assign(objects.begin(), objects.end());
   for (const int block : blocks) levels_[kTrialFactor].push_back(std::to_string(block));
-  if (participants_.size() >= 2) return std::nullopt;
   const std::string whose = following_.empty() ? "" : "following " + following_ + ", ";
+  // The products cannot overflow: the number of rows is limited (kMostTrialRows).
+  const std::size_t cells = levels_[kHapticFactor].size() * levels_[kRotationFactor].size() *
+                            objects.size() * blocks.size();
+  if (cells > kMostCells) {
+    return invalid_argument(
+        whose + "object and block",
+        "have " + std::to_string(objects.size()) + " and " + std::to_string(blocks.size()) +
+            " levels, which gives " + std::to_string(cells) + " cells; expected at most " +
+            std::to_string(kMostCells) + " combinations of haptic, rotation, object and block",
+        "check the columns, or analyse fewer objects or blocks");
+  }
+  if (participants_.size() >= 2) return std::nullopt;
   return invalid_argument(whose + "participant",
                           "has " + std::to_string(participants_.size()) +
                               (participants_.size() == 1 ? " level" : " levels") +

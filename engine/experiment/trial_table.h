@@ -28,6 +28,10 @@ inline constexpr std::array<std::string_view, 2> kRotationLevels = {"NoR", "R"};
 // ascending.
 std::string effect_name(const FactorSet& term);
 
+// The largest number of combinations of Haptic, Rotation, Object and Trial. The time of the paper's
+// analysis grows with the third power of this number: 600 combinations take about a second.
+inline constexpr std::size_t kMostCells = 600;
+
 // A quantity of a trial that is analysed.
 enum class Outcome : std::uint8_t {
   kTime,

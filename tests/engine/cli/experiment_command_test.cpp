@@ -134,7 +134,7 @@ class ExperimentCommandTest : public testing::Test {
 };
 
 TEST_F(ExperimentCommandTest, BeginsTheHelpOfEverySubcommandWithExamples) {
-  for (const char* const name : {"plan", "run", "merge"}) {
+  for (const char* const name : {"plan", "run", "merge", "analyse"}) {
     const Outcome o = expect_done({name, "--help"});
     EXPECT_TRUE(o.out.starts_with("Example:\n  ./run.sh experiment ")) << o.out;
     const std::string own = std::string("  ./run.sh experiment ") + name + " ";

@@ -411,6 +411,11 @@ TEST(Refusals, NameWhatToChange) {
        "following: is \"Delayed\"; expected one of delayed, predict, replan, frozen, or nothing "
        "for "
        "people"},
+      {"a column of numbers taken for objects",
+       [](auto& rows) {
+         for (std::size_t i = 0; i < rows.size(); ++i) rows[i].object = std::to_string(i);
+       },
+       "object and block: have "},
       {"doubled row", [](auto& rows) { rows.push_back(rows[30]); },
        "participant 1, block 1, NoH, R, O3: is there twice; expected one row"},
       {"not a number", [](auto& rows) { rows[30].measures[kContactAngle] = std::nan(""); },
