@@ -185,7 +185,7 @@ void ExperimentJobs::run_one(int participant) {
     return fail(*error);
   }
   log_.add("participant " + std::to_string(participant) + ": " +
-           computing_text(trials, done.ticks, seconds_since(start)));
+           computing_text(trials, done.ticks, seconds_since(start), done.loop_ns));
   const std::lock_guard lock(mutex_);
   complete_.push_back(participant);
 }

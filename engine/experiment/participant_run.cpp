@@ -123,6 +123,7 @@ Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan
     if (!outcome) return outcome.error();
     add_row(lines, row_of(plan, participant, trial, *outcome));
     run.ticks += outcome->ticks;
+    run.loop_ns += outcome->loop_ns;
     if (!after_trial()) return std::optional<ParticipantRun>();
   }
   run.rows = lines.text();

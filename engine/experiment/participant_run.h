@@ -34,8 +34,9 @@ std::string trace_name(const ExperimentPlan& plan, int participant, const Planne
 bool is_trace_name(std::string_view file_name);
 
 struct ParticipantRun {
-  std::string rows;         // lines of trials.csv
-  std::uint64_t ticks = 0;  // of all trials
+  std::string rows;          // lines of trials.csv
+  std::uint64_t ticks = 0;   // of all trials
+  std::int64_t loop_ns = 0;  // computing time of the haptic loop in these ticks
 };
 
 // Runs the trials. The result depends on plan, scenes and participant only. traces_folder: the

@@ -20,11 +20,16 @@ void RunLog::add(const std::string& line) {
   std::fclose(file);
 }
 
-std::string computing_text(std::uint64_t trials, std::uint64_t ticks, double seconds) {
+std::string computing_text(std::uint64_t trials, std::uint64_t ticks, double seconds,
+                           std::int64_t loop_ns) {
   std::string text = std::to_string(trials) + " trials, " + std::to_string(ticks) + " ticks in " +
                      short_number(seconds) + " s";
   if (ticks == 0) return text;
-  return text + ": " + short_number(1e6 * seconds / static_cast<double>(ticks)) + " us a tick";
+  const auto per_tick = [&](double time_s) {
+    return short_number(1e6 * time_s / static_cast<double>(ticks)) + " us";
+  };
+  return text + ": " + per_tick(seconds) + " a tick, " +
+         per_tick(1e-9 * static_cast<double>(loop_ns)) + " of them in the haptic loop";
 }
 
 }  // namespace palpate

@@ -20,6 +20,12 @@ class SinkObserver final : public TickObserver {
 
 }  // namespace
 
+class LoopTime final : public TickObserver {
+ public:
+  void on_tick(const TickRecord& record) noexcept override { sum_ns += record.step_ns; }
+  std::int64_t sum_ns = 0;
+};
+
 PlantSettings plant_of(const RunSetup& setup, const OperatorParameters& person,
                        std::uint64_t noise_seed) {
   PlantSettings plant;
@@ -47,7 +53,8 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   OperatorHand hand(way, person, conditions.following, settings, radius_m);
   TrialClock clock(way, settings, radius_m, trial.dt_s);
   SinkObserver to_sink(sink);
-  std::vector<TickObserver*> observers{&clock};
+  LoopTime loop_time;
+  std::vector<TickObserver*> observers{&clock, &loop_time};
   if (sink) observers.push_back(&to_sink);
   const auto session =
       HandSession::create(scene, trial, plant, hand, hand.start_scene_m(), observers);
@@ -59,6 +66,7 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
     if (!clock.has_started()) before_start = hand.recoveries();
     return clock.is_over();
   });
+  outcome.loop_ns = loop_time.sum_ns;
   outcome.status = clock.status();
   outcome.measures = clock.measures();
   if (clock.has_started()) {

@@ -58,17 +58,18 @@ struct TrialConditions {
 struct TrialOutcome {
   TrialStatus status = TrialStatus::kDone;
   std::array<std::optional<double>, kMeasureCount> measures;
-  std::uint64_t ticks = 0;  // computed in this trial, before and after the start of the clock
+  std::uint64_t ticks = 0;   // computed in this trial, before and after the start of the clock
+  std::int64_t loop_ns = 0;  // computing time of the haptic loop in these ticks; measured
 };
 
 // Called with the record of every tick of a trial, in simulated time: it may do I/O, but must not
 // throw.
 using TickSink = std::function<void(const TickRecord&)>;
 
-// Runs one trial in simulated time. The same arguments give the same outcome to the bit: no trial
-// depends on trials before it. setup: as for find_trial_way(); its force mode and A4 are replaced
-// by the conditions. sink: may be empty. Thread-safe: any number of threads may run trials on one
-// scene.
+// Runs one trial in simulated time. The same arguments give the same outcome to the bit, except
+// loop_ns: no trial depends on trials before it. setup: as for find_trial_way(); its force mode and
+// A4 are replaced by the conditions. sink: may be empty. Thread-safe: any number of threads may run
+// trials on one scene.
 //
 // Errors: those of check_setup() and check_plant(), which depend neither on the seed nor on the
 // conditions.
