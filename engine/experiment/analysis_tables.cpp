@@ -175,7 +175,7 @@ void put_paired(const OperatorAnalysis& analysis, const PrimaryAnalysis& primary
   for (const PrimaryFamily& family : primary.families) {
     for (const PrimaryPair& pair : family.pairs) {
       table.rows.push_back({analysis.name(),
-                            text_cell("paired t"),
+                            text_cell(primary.only_haptic ? "paired t, UaH" : "paired t"),
                             text_cell(outcome.name),
                             text_cell(outcome.unit),
                             family.name,
@@ -227,7 +227,9 @@ void put_participant_means(const OperatorAnalysis& analysis, const PrimaryAnalys
                            ResultTable& table) {
   for (const PrimaryMean& mean : primary.means) {
     const TrialLevels at = {primary.only_haptic.value_or(mean.haptic), mean.rotation, -1};
-    Row row = mean_row(analysis, "participants", primary.outcome, at);
+    // The analysis of UaH alone can have more participants.
+    Row row = mean_row(analysis, primary.only_haptic ? "participants, UaH" : "participants",
+                       primary.outcome, at);
     row[7] = mean.participants;
     row[8] = mean.mean;
     row[10] = mean.half_width;
@@ -364,11 +366,12 @@ const PaperLambda* paper_lambda(const FactorSet& term) {
 }
 
 bool verdicts_differ(const ExperimentAnalysis& analysis, std::size_t finding) {
-  const auto verdict = [&](const OperatorAnalysis& each) { return each.findings[finding].verdict; };
-  return std::any_of(analysis.operators.begin(), analysis.operators.end(),
-                     [&](const OperatorAnalysis& each) {
-                       return verdict(each) != verdict(analysis.operators[0]);
-                     });
+  const auto has = [&](Verdict verdict) {
+    return std::any_of(
+        analysis.operators.begin(), analysis.operators.end(),
+        [&](const OperatorAnalysis& each) { return each.findings[finding].verdict == verdict; });
+  };
+  return has(Verdict::kAgrees) && has(Verdict::kDisagrees);
 }
 
 std::vector<ResultTable> analysis_tables(const ExperimentAnalysis& analysis) {

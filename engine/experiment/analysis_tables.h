@@ -40,7 +40,7 @@ const PaperMean* paper_mean_at(const TrialTable& table, Outcome outcome, const T
 // The paper's line of an effect in the MANOVA, if it has one.
 const PaperLambda* paper_lambda(const FactorSet& term);
 
-// Whether the followings differ in their verdicts about a finding.
+// Whether one following agrees with a finding and another one disagrees.
 bool verdicts_differ(const ExperimentAnalysis& analysis, std::size_t finding);
 
 }  // namespace palpate

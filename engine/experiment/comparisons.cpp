@@ -38,7 +38,7 @@ PairedT paired_t(std::span<const double> a, std::span<const double> b) {
     largest = std::max({largest, std::abs(a[i]), std::abs(b[i])});
   }
   test.difference = n > 0.0 ? sum / n : kNone;
-  test.df = n - 1.0;
+  test.df = n > 0.0 ? n - 1.0 : kNone;
   double squares = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     squares += (a[i] - b[i] - test.difference) * (a[i] - b[i] - test.difference);

@@ -75,7 +75,7 @@ std::string printed_means(const ClaimedFinding& finding) {
   std::string text;
   for (const std::string_view level : finding.ascending) {
     const PaperMean* mean = paper_mean(finding.outcome, level);
-    text += (text.empty() ? "; " : ", ") + std::string(level) + " " + number_or_dash(mean->mean);
+    text += (text.empty() ? "; " : ", ") + std::string(level) + " " + as_printed(mean->mean);
   }
   const std::string_view unit = outcome_text(finding.outcome).unit;
   return text.empty() || unit.empty() ? text : text + " " + std::string(unit);
@@ -126,8 +126,17 @@ std::vector<double> ordered_means(const TrialTable& table, const ClaimedFinding&
   return means;
 }
 
+// The paper's effects of Haptic are about all three levels.
+bool has_levels(const TrialTable& table, const ClaimedFinding& finding) {
+  const bool is_of_haptic =
+      std::find(finding.term.begin(), finding.term.end(), kHapticFactor) != finding.term.end();
+  return !is_of_haptic ||
+         table.level_count(kHapticFactor) == static_cast<int>(kHapticLevels.size());
+}
+
 std::optional<Evidence> primary_evidence(const TrialTable& table, const PrimaryAnalysis* analysis,
                                          const ClaimedFinding& finding) {
+  if (!has_levels(table, finding)) return std::nullopt;
   const PrimaryEffect* effect = analysis ? analysis->effect(finding.term) : nullptr;
   if (!effect || !effect->test) return std::nullopt;
   const auto mean_at = [&](int haptic, int rotation) {
@@ -141,7 +150,7 @@ std::optional<Evidence> primary_evidence(const TrialTable& table, const PrimaryA
 std::optional<Evidence> paper_evidence(const TrialTable& table,
                                        const std::optional<PaperAnalysis>& analysis,
                                        const ClaimedFinding& finding) {
-  if (!analysis) return std::nullopt;
+  if (!analysis || !has_levels(table, finding)) return std::nullopt;
   const auto term = std::find(analysis->terms.begin(), analysis->terms.end(), finding.term);
   if (term == analysis->terms.end()) return std::nullopt;
   const auto place = static_cast<std::size_t>(term - analysis->terms.begin());
@@ -189,7 +198,10 @@ std::string found_order(const ClaimedFinding& finding, const Evidence& evidence)
 }
 
 std::string reason(const ClaimedFinding& finding, const std::optional<Evidence>& evidence) {
-  if (!evidence) return "the trials do not have the effect, or too few participants are complete";
+  if (!evidence) {
+    return "the trials do not have all levels of the effect, too few participants are complete, or "
+           "the effect is equal in all participants";
+  }
   std::string text = f_text(evidence->f, evidence->df1, evidence->df2) + ", " + p_text(evidence->p);
   return finding.claim == Claim::kOrder ? text + found_order(finding, *evidence) : text;
 }

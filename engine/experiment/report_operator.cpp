@@ -107,11 +107,13 @@ std::string means_html(const OperatorAnalysis& analysis) {
   return subheading("Means and standard deviations of trials") +
          note(
              "Mean (standard deviation) of completed trials; the paper\u2019s beside them, in "
-             "grey. The paper\u2019s contact angles are those of UaH.") +
+             "grey. The paper\u2019s contact angles are those of UaH. If fewer trials have the "
+             "measure, their number n follows.") +
          trial_means_table(analysis) + subheading("Means of participants") +
          note(
              "Mean \u00b1 half of the 95 % interval (Cousineau and Morey) and the number n of "
-             "participants who have all conditions of the mean.") +
+             "participants who have every condition that is compared: of all levels of the factor "
+             "in a row of means, so that the means of these levels are of the same people.") +
          participant_means_table(analysis);
 }
 

@@ -147,12 +147,12 @@ std::string trial_means_table(const OperatorAnalysis& analysis) {
   }
   HtmlTable table(heads);
   for (const TrialLevels& at : levels) {
-    TableCells cells = {html_escaped(levels_name(trials, at)),
-                        std::to_string(trial_counts(trials, at).done)};
+    const int done = trial_counts(trials, at).done;
+    TableCells cells = {html_escaped(levels_name(trials, at)), std::to_string(done)};
     for (const Outcome outcome : outcomes) {
       const TrialMean mean = trial_mean(trials, outcome, at);
       cells.push_back(mean_sd(mean.mean, mean.sd, decimals_of(outcome)));
-      if (outcome == Outcome::kTimeToLimit) cells.back() += ", n " + std::to_string(mean.trials);
+      if (mean.trials != done) cells.back() += ", n " + std::to_string(mean.trials);
       if (has_paper_mean(trials, outcome, levels)) {
         cells.push_back(of_paper(paper_mean_text(paper_mean_at(trials, outcome, at))));
       }

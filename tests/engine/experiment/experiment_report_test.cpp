@@ -122,6 +122,44 @@ TEST(ExperimentReport, HasAllFiles) {
                                    "means.csv", "missing_trials.csv", "findings.csv"}));
 }
 
+// The columns that name a row differ between any two rows of a table.
+TEST(ExperimentReport, NamesEachRowOfATableOnce) {
+  const std::map<std::string, std::vector<std::string>> names = {
+      {"effects.csv", {"following", "analysis", "outcome", "effect"}},
+      {"comparisons.csv", {"following", "analysis", "outcome", "family", "pair"}},
+      {"means.csv", {"following", "of", "outcome", "haptic", "rotation", "object"}},
+      {"missing_trials.csv", {"following", "haptic", "rotation", "object"}},
+      {"findings.csv", {"following", "finding"}}};
+  for (const bool is_simulated : {false, true}) {
+    SampleTrials settings;
+    if (is_simulated) settings.followings = {"delayed", "frozen"};
+    const Written report = written(sample_trials(settings));
+    for (const auto& [file, columns] : names) {
+      std::set<std::vector<std::string>> seen;
+      for (const CsvRow& row : csv_rows(report.files.at(file))) {
+        std::vector<std::string> name;
+        for (const std::string& column : columns) name.push_back(row.at(column));
+        EXPECT_TRUE(seen.insert(name).second) << file << ": " << testing::PrintToString(name);
+      }
+    }
+  }
+}
+
+// A following whose effects cannot be tested agrees or disagrees with nobody.
+TEST(ExperimentReport, DoesNotCallAMissingTestAFlip) {
+  auto rows = sample_trials({.followings = {"delayed"}});
+  auto incomplete = sample_trials({.followings = {"frozen"}});
+  for (TrialRow& row : incomplete) {
+    if (row.haptic == "UaH" && row.object == "O2") row.status = TrialStatus::kTimeout;
+  }
+  rows.insert(rows.end(), incomplete.begin(), incomplete.end());
+  const auto analysis = analyse_trials(rows, 120.0);
+  ASSERT_TRUE(analysis.ok()) << analysis.error().to_string();
+  for (std::size_t i = 0; i < paper_findings().size(); ++i) {
+    EXPECT_FALSE(verdicts_differ(*analysis, i)) << paper_findings()[i].name;
+  }
+}
+
 // 15 effects of four factors: in the MANOVA, in three ANOVAs and in the repeated measures of six
 // outcomes; 7 effects of UaH alone.
 TEST(ExperimentReport, HasEveryF) {
@@ -277,8 +315,9 @@ TEST(ExperimentReport, HasThePapersAnglesBesideUaHAlone) {
     beside.insert(row.at("of") + " " + row.at("haptic") + " " + row.at("rotation") + " " +
                   row.at("paper_mean"));
   }
-  EXPECT_EQ(beside.size(), 4u);
+  EXPECT_EQ(beside.size(), 6u) << "of trials, of participants, and of participants in UaH alone";
   EXPECT_TRUE(beside.contains("trials UaH R 32.100000000000001"));
+  EXPECT_TRUE(beside.contains("participants, UaH UaH R 32.100000000000001"));
   EXPECT_TRUE(beside.contains("participants UaH NoR 49.399999999999999"));
 }
 
