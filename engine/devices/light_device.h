@@ -25,11 +25,13 @@ inline void set_workspace_extent(DeviceDescription& device, double extent_m) {
 }
 
 // A light desktop device: a pantograph or a small parallel arm, driven by cables, with optical
-// encoders. The description contains no motors, because the user chooses the actuated axes and the
-// force limits of the motors are unknown.
+// encoders. It is simulated and moves no motors. The description contains no motors either, because
+// the user chooses the actuated axes.
 inline DeviceDescription light_device() {
   DeviceDescription device;
   device.name = "light desktop device";
+  device.moves_motors = false;
+  device.peak_force_N = 20.0;
   set_workspace_extent(device, 0.4);
   device.mass_kg = 0.1;
   device.damping_Ns_per_m = 0.5;

@@ -15,6 +15,7 @@ class PathDevice final : public Device {
   // invalid.
   explicit PathDevice(std::span<const Vec3> path_m) : path_m_(path_m) {
     description_.name = "recorded path";
+    description_.moves_motors = false;
   }
   const DeviceDescription& description() const noexcept override { return description_; }
   DeviceSample read(double) noexcept override {

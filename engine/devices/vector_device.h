@@ -12,7 +12,7 @@ namespace palpate {
 
 class VectorDevice : public Device {
  public:
-  explicit VectorDevice(DeviceDescription description = {})
+  explicit VectorDevice(DeviceDescription description = {.moves_motors = false})
       : description_(std::move(description)) {}
 
   // Position in the device frame, metres. dt_s: nominal time since the previous call.

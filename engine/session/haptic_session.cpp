@@ -1,19 +1,12 @@
 #include "engine/session/haptic_session.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <cmath>
+#include <span>
 #include <utility>
 
 namespace palpate {
-namespace {
-
-bool is_finite(const double (&force_N)[3]) {
-  return std::isfinite(force_N[0]) && std::isfinite(force_N[1]) && std::isfinite(force_N[2]);
-}
-
-}  // namespace
-
 HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
     : loop_(loop), device_(device), parts_(std::move(parts)) {}
 
@@ -25,8 +18,13 @@ std::optional<std::string> HapticSession::start() {
   if (is_running_.exchange(true)) return std::nullopt;
   // is_running_ is already set, so that stop() runs even if device_.start() throws.
   auto problem = device_.start();
-  if (problem) stop();
-  return problem;
+  if (problem) {
+    stop();
+    return problem;
+  }
+  const DeviceDescription& device = device_.description();
+  governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N));
+  return std::nullopt;
 }
 
 void HapticSession::stop() noexcept {
@@ -35,9 +33,10 @@ void HapticSession::stop() noexcept {
   device_.stop();
 }
 
-void HapticSession::tick(double dt_s, std::int64_t late_ns) noexcept {
+void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns) noexcept {
   if (!is_running_.load(std::memory_order_relaxed)) return;
-  const DeviceSample sample = device_.read(dt_s);
+  const DeviceSample& sample = governor_->begin_tick(device_.read(dt_s), {dt_s, late_ns, now_ns});
+  take_motors();
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
   if (is_time_step(dt_s)) time_s_ += dt_s;
   if (!sample.is_valid) loop_.refuse_sample();
@@ -46,18 +45,33 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns) noexcept {
   const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
   record.step_ns = step.count();
   record.late_ns = late_ns;
-  if (parts_.governor) parts_.governor->govern(record);
+  const std::uint64_t trips = governor_->status().trips;
+  governor_->govern(record);
   command(record);
   published_.publish(record);
-  for (TickObserver* observer : parts_.observers) observer->on_tick(record);
+  published_status_.publish(governor_->status());
+  const bool has_tripped = governor_->status().trips > trips;
+  for (TickObserver* observer : parts_.observers) {
+    if (has_tripped) observer->on_trip(governor_->status().trip);
+    observer->on_tick(record);
+  }
 }
 
-// The last check before the motors, for forces of the loop and of the governor.
-void HapticSession::command(TickRecord& record) noexcept {
-  if (!is_finite(record.force_device_N)) {
-    std::fill_n(record.force_device_N, 3, 0.0);
-    record.faults |= kFaultNonFiniteForce;
-  }
+// Takes the motors of a device whose motors turn.
+void HapticSession::take_motors() noexcept {
+  const std::span<const MotorDescription> motors = device_.motors_now();
+  if (motors.empty()) return;
+  governor_->set_motors(motors);
+  if (!parts_.takes_motors) return;
+  std::array<Vec3, 3> axes_device;
+  const std::size_t count = std::min(motors.size(), axes_device.size());
+  for (std::size_t i = 0; i < count; ++i) axes_device[i] = Vec3(motors[i].direction_device.data());
+  const auto actuation = ActuationModel::from_axes_at_pose(device_.description().sensed_axes,
+                                                           std::span(axes_device).first(count));
+  if (actuation) loop_.set_actuation(*actuation);  // else: the last motors count
+}
+
+void HapticSession::command(const TickRecord& record) noexcept {
   DeviceCommand command;
   std::copy_n(record.force_device_N, 3, command.force_N.begin());
   device_.command(command);

@@ -11,6 +11,7 @@
 
 #include "engine/devices/snapshot_ring.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/safety_governor.h"
 #include "palpate/device.h"
 #include "palpate/record.h"
 
@@ -33,34 +34,31 @@ class WorldMover : public BeforeTick {
   virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
 };
 
-// Limits the force between loop and device. govern() may reduce the record's commanded force. If it
-// does, it reports the reason in the upper 16 bits of the record's faults. Called on the haptic
-// thread in every tick; must not block, allocate or throw.
-class ForceGovernor {
- public:
-  virtual ~ForceGovernor() = default;
-  virtual void govern(TickRecord& record) noexcept = 0;
-};
-
 // Receives the record of each tick, after the force was commanded. Called on the haptic thread;
 // must not block, allocate or throw.
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
   virtual void on_tick(const TickRecord& record) noexcept = 0;
+  // The governor has cut the force in the tick whose record follows.
+  virtual void on_trip(const GovernorTrip&) noexcept {}
 };
 
-// The objects that take part in a tick besides loop and device. The objects of a list are called in
-// the order of the list. Only the governor may be null. All objects must outlive the session.
+// The objects that take part in a tick besides loop and device, none of them null. The objects of a
+// list are called in the order of the list. All objects must outlive the session.
 struct SessionParts {
   std::vector<BeforeTick*> changes = {};
-  ForceGovernor* governor = nullptr;
   std::vector<TickObserver*> observers = {};
+  // The largest force, N, > 0. It can only lower the clamp of the device (SafetyGovernor::clamp_of).
+  std::optional<double> max_force_N = {};
+  // The loop takes the motors of a device whose motors turn (Device::motors_now) as its actuated
+  // axes. False: it keeps its own axes.
+  bool takes_motors = true;
 };
 
-// Runs ticks. Each tick reads the device, calls SessionParts::changes, runs the loop, calls the
-// governor, commands the force, publishes the record and calls the observers. tick() itself does
-// not allocate, lock, do I/O or throw.
+// Runs ticks. Each tick reads the device, calls SessionParts::changes, runs the loop, limits the
+// force (SafetyGovernor), commands it, publishes the record and calls the observers. tick() itself
+// does not allocate, lock, do I/O or throw.
 //
 // The device can exert forces only between start() and stop(). A session ends when stop() or the
 // destructor is called, also during stack unwinding after an exception. In each case the session
@@ -80,9 +78,9 @@ class HapticSession {
   std::optional<std::string> start();
 
   // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
-  // last tick. late_ns: how long ago this tick was due; it is stored in the record. If the force is
-  // not finite, commands zero force and sets kFaultNonFiniteForce.
-  void tick(double dt_s, std::int64_t late_ns = 0) noexcept;
+  // last tick. late_ns: how long ago this tick was due; it is stored in the record. now_ns: the time
+  // on the monotonic clock; 0: simulated time, in which a tick takes dt_s.
+  void tick(double dt_s, std::int64_t late_ns = 0, std::int64_t now_ns = 0) noexcept;
 
   // Commands zero force and stops the device. Does nothing if the session is not running.
   void stop() noexcept;
@@ -91,15 +89,25 @@ class HapticSession {
   // SnapshotRing::read(). Any thread may call it.
   bool latest(TickRecord& record) const noexcept { return published_.read(record); }
 
+  // The same for the governor.
+  bool latest(GovernorStatus& status) const noexcept { return published_status_.read(status); }
+  // Ends a trip of the governor. Any thread may call it between start() and stop().
+  void rearm() noexcept {
+    if (governor_) governor_->rearm();
+  }
+
  private:
-  void command(TickRecord& record) noexcept;
+  void command(const TickRecord& record) noexcept;
+  void take_motors() noexcept;
 
   HapticLoop& loop_;
   Device& device_;
   SessionParts parts_;
   double time_s_ = 0.0;
   std::atomic<bool> is_running_{false};
+  std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;
+  SnapshotRing<GovernorStatus> published_status_;
 };
 
 }  // namespace palpate

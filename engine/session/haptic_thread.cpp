@@ -97,7 +97,8 @@ void HapticThread::run() {
       return start_ns + std::llround(static_cast<double>(k) * period_ns);
     };
     sleep_until(due(period));
-    session_.tick(dt_s, std::max<std::int64_t>(0, monotonic_ns() - due(period)));
+    const std::int64_t now_ns = monotonic_ns();
+    session_.tick(dt_s, std::max<std::int64_t>(0, now_ns - due(period)), now_ns);
     ticks_.store(n + 1, std::memory_order_release);
     const std::int64_t now = monotonic_ns();
     ++period;

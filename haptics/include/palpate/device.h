@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace palpate {
@@ -32,7 +33,10 @@ struct DeviceDescription {
   int sensed_axes = 3;  // 2: A1 = x and A2 = y; 3: also A3 = z
   int motor_count = 0;
   std::array<MotorDescription, 3> motors = {};  // the first motor_count are used
-  bool moves_motors = false;                    // false: simulated or recorded device
+  // False for a simulated or recorded device. The governor applies more rules to a device that
+  // moves motors, and such a device without described motors gets no force.
+  bool moves_motors = true;
+  double peak_force_N = 0.0;  // the largest length of a force; 0: unknown
   // Two opposite corners of the workspace, a box along the axes.
   std::array<double, 3> workspace_low_m = {};
   std::array<double, 3> workspace_high_m = {};
@@ -48,9 +52,13 @@ struct DeviceDescription {
 struct DeviceSample {
   std::array<double, 3> position_m = {};  // device frame; z is ignored with 2 sensed axes
   std::uint32_t buttons = 0;              // one bit per button, 1 while pressed
-  std::uint64_t sequence = 0;             // increases by one with each sample of the device
-  std::int64_t time_ns = 0;               // sampling time on a monotonic clock; 0: unknown
-  bool is_valid = true;  // false: the device sensed nothing; the tick commands zero force
+  // Increases with each sample of the device. A number that stays the same means that there is no
+  // newer sample; the governor stops the motors if that lasts.
+  std::uint64_t sequence = 0;
+  std::int64_t time_ns = 0;  // sampling time on a monotonic clock; 0: unknown
+  bool is_valid = true;      // false: the device sensed nothing; the tick commands zero force
+  // The device asks the governor to trip, because it cannot obey any more. health() has the reason.
+  bool asks_for_trip = false;
 };
 
 // The force that the motors must exert on the hand. Device frame. The device holds this force until
@@ -83,6 +91,9 @@ class Device {
   // Returns the latest sample. dt_s: the nominal time since the last call, s.
   virtual DeviceSample read(double dt_s) noexcept = 0;
   virtual void command(const DeviceCommand& command) noexcept = 0;
+  // The motors at the position of the last read(), at most three. Empty: those of description(),
+  // which do not turn. Called on the haptic thread; must not block, lock, allocate or throw.
+  virtual std::span<const MotorDescription> motors_now() const noexcept { return {}; }
   // Ends a session. stop() is the last call of a session, after command() with zero force. The
   // device stays idle until the next start().
   virtual void stop() noexcept {}

@@ -23,8 +23,7 @@ enum class FrictionState : std::uint16_t {
 };
 
 // Fault bits of a tick. A fault never stops the loop: rendering continues with the next good
-// sample. The upper 16 bits are reserved for a ForceGovernor, which limits the force between loop
-// and device.
+// sample. The upper 16 bits are GovernorRule bits.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
   kFaultNonFiniteSample = 1u << 0,  // the position is NaN or infinite: zero force
@@ -51,6 +50,29 @@ inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
     "bad_settings",      "invalid_sample", "bad_actuation"};
 inline constexpr int kFirstGovernorFault = 16;
 static_assert(kFaultCount <= kFirstGovernorFault);
+
+// The rules of the safety governor that acted on the force of a tick, as bits of
+// TickRecord::faults. haptics/safety_governor.h defines each rule.
+enum GovernorRule : std::uint32_t {
+  kRuleBadSample = 1u << 16,  // a motor's force is zero because the sample is bad
+  kRuleMotors = 1u << 17,     // the motors cannot push a part of the force, which was dropped
+  kRulePeak = 1u << 18,       // a motor would have exceeded its peak force
+  kRuleClamp = 1u << 19,      // the force would have exceeded the largest force
+  kRuleSlew = 1u << 20,       // the force would have grown too fast
+  kRuleSpeed = 1u << 21,      // the device moved too fast: a trip
+  kRuleStale = 1u << 22,      // the newest sample is too old: zero force
+  kRuleOrder = 1u << 23,      // a sample older than the last one was ignored
+  kRuleLate = 1u << 24,       // the tick came too late: zero force
+  kRuleWorkspace = 1u << 25,  // the device is outside its workspace
+  kRuleEase = 1u << 26,       // the force returns after an interruption
+  kRuleStart = 1u << 27,      // the force waits for a calm hand, or begins to grow
+  kRuleTripped = 1u << 28     // zero force until rearm()
+};
+inline constexpr int kGovernorRuleCount = 13;
+inline constexpr std::array<std::string_view, kGovernorRuleCount> kGovernorRuleNames = {
+    "bad_sample", "motors", "peak",      "clamp", "slew",  "speed",  "stale",
+    "order",      "late",   "workspace", "ease",  "start", "tripped"};
+static_assert(kFirstGovernorFault + kGovernorRuleCount <= 32);
 
 // Each of these faults means that a tick has no usable position or time step. The sample of such a
 // tick must not be evaluated.

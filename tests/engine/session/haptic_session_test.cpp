@@ -67,7 +67,10 @@ class SharedLog {
 // A hand that keeps pressing into the top of a box: every command of a tick is some newtons.
 class LoggingDevice final : public Device {
  public:
-  explicit LoggingDevice(Log& log) : log_(log) { description_.name = "logging"; }
+  explicit LoggingDevice(Log& log) : log_(log) {
+    description_.name = "logging";
+    description_.moves_motors = false;
+  }
   const DeviceDescription& description() const noexcept override { return description_; }
   std::optional<std::string> start() override {
     ++log_.starts;
@@ -148,22 +151,6 @@ class Changer final : public BeforeTick {
   std::vector<std::string>& calls_;
 };
 
-// Lets through what `make` makes of a force.
-class Governor final : public ForceGovernor {
- public:
-  using Make = std::function<double(double)>;
-  explicit Governor(Make make) : make_(std::move(make)) {}
-  void govern(TickRecord& record) noexcept override {
-    full_N = record.force_device_N[2];
-    record.force_device_N[2] = make_(record.force_device_N[2]);
-    record.faults |= 1u << kFirstGovernorFault;
-  }
-  double full_N = 0.0;
-
- private:
-  Make make_;
-};
-
 TEST(HapticSession, GoesTheRoadInItsOrder) {
   std::vector<std::string> calls;
   Changer change(calls);
@@ -187,41 +174,6 @@ TEST(HapticSession, GoesTheRoadInItsOrder) {
   EXPECT_EQ(std::memcmp(&latest, &second.last, sizeof latest), 0);
   EXPECT_EQ(log->last_N, vec3(latest.force_device_N).norm());
   EXPECT_GT(log->last_N, 1.0);
-}
-
-TEST(HapticSession, CommandsWhatTheGovernorLeaves) {
-  for (const double left : {0.25, 0.0}) {
-    Governor governor([=](double force_N) { return left * force_N; });
-    SharedLog log;
-    SessionRig rig(*log, {.governor = &governor});
-    rig.session.start();
-    rig.run(2);
-    TickRecord record;
-    ASSERT_TRUE(rig.session.latest(record));
-    EXPECT_GT(governor.full_N, 1.0);
-    EXPECT_EQ(log->last_N, left * governor.full_N);
-    EXPECT_EQ(record.force_device_N[2], left * governor.full_N);
-    EXPECT_EQ(record.full_force_device_N[2], governor.full_N) << "what the scene asked for";
-    EXPECT_EQ(record.faults, 1u << kFirstGovernorFault);
-  }
-}
-
-// Whoever makes the force, the last gate is the session's.
-TEST(HapticSession, CommandsNoForceThatIsNotFinite) {
-  for (const double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-        -std::numeric_limits<double>::infinity()}) {
-    Governor governor([=](double) { return bad; });
-    SharedLog log;
-    SessionRig rig(*log, {.governor = &governor});
-    rig.session.start();
-    rig.run(2);
-    TickRecord record;
-    ASSERT_TRUE(rig.session.latest(record));
-    EXPECT_EQ(log->largest_N, 0.0);
-    EXPECT_EQ(vec3(record.force_device_N), Vec3(Vec3::Zero()));
-    EXPECT_NE(record.faults & kFaultNonFiniteForce, 0u);
-  }
 }
 
 TEST(HapticSession, GivesNoForceForASampleThatTheDeviceCallsInvalid) {

@@ -1,0 +1,39 @@
+#pragma once
+
+// The forces that a device's motors can push.
+
+#include <array>
+#include <span>
+
+#include "geometry/base/types.h"
+#include "palpate/device.h"
+
+namespace palpate {
+
+// The span of the motors' directions, and the force of each motor that adds up to a given force.
+//
+// Thread-safety: immutable. No function allocates or throws, so that a device whose motors turn can
+// create one in every tick.
+class MotorLimits {
+ public:
+  // At most three motors, each with a finite direction; the first three are used. A motor whose
+  // direction depends linearly on those before it gets no share of a force. A peak force of 0 is
+  // unknown, and no limit.
+  explicit MotorLimits(std::span<const MotorDescription> motors) noexcept;
+
+  // The part of a force in the span of the motors, device frame. Equals the force to the bit if
+  // the force lies in the span, up to rounding.
+  Vec3 part(const Vec3& force_N) const noexcept;
+
+  // The largest factor, at most 1, by which a force in the span may be multiplied so that no motor
+  // exceeds its peak force.
+  double scale(const Vec3& force_N) const noexcept;
+
+ private:
+  int count_ = 0;
+  std::array<Vec3, 3> basis_;  // orthonormal, by Gram and Schmidt
+  std::array<double, 3> peak_N_{};
+  Mat3 to_basis_ = Mat3::Identity();  // upper triangular: motor j is sum_i to_basis_(i, j) basis_i
+};
+
+}  // namespace palpate

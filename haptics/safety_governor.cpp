@@ -1,0 +1,279 @@
+#include "haptics/safety_governor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptics/haptic_loop.h"  // is_time_step
+#include "haptics/record_vectors.h"
+
+namespace palpate {
+namespace {
+
+using Limits = GovernorLimits;
+
+constexpr double kNanosecond_s = 1e-9;
+
+std::int64_t nanoseconds(double time_s) {
+  return std::llround(time_s / kNanosecond_s);
+}
+
+// The longer one of a time and a number of periods.
+std::int64_t longer_ns(double time_s, double periods, std::int64_t period_ns) {
+  return std::max<std::int64_t>(nanoseconds(time_s),
+                                std::llround(periods * static_cast<double>(period_ns)));
+}
+
+// A scaled force must not exceed its limit by rounding. Its length rounds in three products, two
+// sums, a root, a quotient and the scaling, each of them by half an epsilon at most.
+constexpr double kBelow = 1.0 - 8 * std::numeric_limits<double>::epsilon();
+
+double seconds(std::int64_t ns) {
+  return kNanosecond_s * static_cast<double>(ns);
+}
+
+std::span<const MotorDescription> motors_of(const DeviceDescription& device) {
+  return std::span(device.motors)
+      .first(static_cast<std::size_t>(
+          std::clamp(device.motor_count, 0, static_cast<int>(device.motors.size()))));
+}
+
+// The factor that shortens a force of this length to a limit, at most 1.
+double factor_to(double limit_N, double length_N) {
+  return length_N > limit_N ? kBelow * limit_N / length_N : 1.0;
+}
+
+// Sets a rule's bit if its factor reduces the force.
+double marked(double factor, GovernorRule rule, TickRecord& record) {
+  if (factor < 1.0) record.faults |= rule;
+  return factor;
+}
+
+}  // namespace
+
+double SafetyGovernor::clamp_of(const DeviceDescription& device,
+                                const std::optional<double>& max_force_N) noexcept {
+  double clamp_N = std::numeric_limits<double>::infinity();
+  if (device.moves_motors) clamp_N = Limits::kUnknownPeak_N;
+  if (device.peak_force_N > 0.0) clamp_N = device.peak_force_N;
+  return std::min(clamp_N, max_force_N.value_or(clamp_N));
+}
+
+SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept
+    : moves_motors_(device.moves_motors),
+      limits_motors_(device.moves_motors || device.motor_count > 0),
+      clamp_N_(clamp_N),
+      workspace_low_m_(device.workspace_low_m),
+      workspace_high_m_(device.workspace_high_m),
+      sensed_axes_(device.sensed_axes),
+      motors_(motors_of(device)) {
+  if (moves_motors_) begin_start();
+}
+
+const DeviceSample& SafetyGovernor::begin_tick(const DeviceSample& sample,
+                                               const TickTime& time) noexcept {
+  find_times(time);
+  is_out_of_order_ = moves_motors_ && has_sample_ && sample.sequence < sample_.sequence;
+  is_new_ = !has_sample_ || sample.sequence > sample_.sequence;
+  const bool is_newest_good = is_new_ && sample.is_valid;
+  sample_age_ns_ = is_newest_good ? 0 : sample_age_ns_ + step_ns_;
+  if (is_newest_good && sample.time_ns != 0 && time.now_ns != 0) {
+    sample_age_ns_ = std::max<std::int64_t>(0, time.now_ns - sample.time_ns);
+  }
+  if (is_out_of_order_) {
+    sample_.asks_for_trip = sample.asks_for_trip;
+    return sample_;
+  }
+  has_sample_ = true;
+  sample_ = sample;
+  return sample_;
+}
+
+void SafetyGovernor::find_times(const TickTime& time) noexcept {
+  if (is_time_step(time.dt_s)) period_ns_ = nanoseconds(time.dt_s);
+  const bool is_measured = time.now_ns != 0 && last_now_ns_ != 0;
+  step_ns_ = is_measured ? std::max<std::int64_t>(0, time.now_ns - last_now_ns_) : period_ns_;
+  last_now_ns_ = time.now_ns;
+  late_ns_ = std::max(time.late_ns, step_ns_ - period_ns_);
+  now_ns_ += step_ns_;
+  ramp_step_ns_ = std::min(step_ns_, longer_ns(0.0, Limits::kLongestStepPeriods, period_ns_));
+}
+
+void SafetyGovernor::govern(TickRecord& record) noexcept {
+  Vec3 wanted_N = vec3(record.force_device_N);
+  const bool has_bad_force = !wanted_N.allFinite() || (record.faults & kFaultNonFiniteForce) != 0;
+  if (has_bad_force) {
+    wanted_N.setZero();
+    record.faults |= kFaultNonFiniteForce;
+  }
+  pushed_N_ = limits_motors_ ? motors_.part(wanted_N) : wanted_N;
+  if (pushed_N_ != wanted_N) record.faults |= kRuleMotors;
+  add_work(record);
+  if (moves_motors_) {
+    if (rearm_.exchange(false, std::memory_order_acq_rel) && is_tripped()) begin_start();
+    watch_interruptions(record);
+    watch_speed(record);
+    if (has_bad_force) trip(TripReason::kBadForce, 0.0, 0.0, record);
+    if (sample_.asks_for_trip) trip(TripReason::kDevice, 0.0, 0.0, record);
+    watch_start(record);
+  }
+  const double factor = find_factor(record);
+  Vec3 force_N = factor < 1.0 ? Vec3(factor * pushed_N_) : pushed_N_;
+  if (moves_motors_) limit_slew(force_N, record);
+  last_force_N_ = force_N;
+  put(force_N, record.force_device_N);
+}
+
+// The rules bad sample, stale, order and late.
+void SafetyGovernor::watch_interruptions(TickRecord& record) noexcept {
+  is_interrupted_ = false;
+  if (has_bad_sample(record)) {
+    is_interrupted_ = true;
+    record.faults |= kRuleBadSample;
+  }
+  const std::int64_t stale_ns = longer_ns(Limits::kStale_s, Limits::kStalePeriods, period_ns_);
+  if (sample_age_ns_ > stale_ns) {
+    is_interrupted_ = true;
+    record.faults |= kRuleStale;
+    const std::int64_t longest_ns = std::max(nanoseconds(Limits::kStaleTrip_s), stale_ns);
+    if (sample_age_ns_ > longest_ns) {
+      trip(TripReason::kStale, seconds(sample_age_ns_), seconds(longest_ns), record);
+    }
+  }
+  if (is_out_of_order_) record.faults |= kRuleOrder;
+  const std::int64_t late_ns = longer_ns(Limits::kLate_s, Limits::kLatePeriods, period_ns_);
+  if (late_ns_ > late_ns) {
+    is_interrupted_ = true;
+    record.faults |= kRuleLate;
+    const bool is_very_late = late_ns_ > std::max(nanoseconds(Limits::kLateRestart_s), late_ns);
+    if (is_very_late && !is_tripped()) begin_start();
+  }
+  is_eased_ = is_interrupted_ || (is_eased_ && ease_ns_ < nanoseconds(Limits::kEase_s));
+  ease_ns_ = is_interrupted_ ? 0 : ease_ns_ + ramp_step_ns_;
+}
+
+// Counts the bad samples of the last kBadSamples_s, and trips if they are too many.
+bool SafetyGovernor::has_bad_sample(TickRecord& record) noexcept {
+  if ((record.faults & kFaultsWithoutForce) == 0) return false;
+  // A ring: the next entry is the oldest of the last kMostBadSamples bad samples.
+  bad_ns_[bad_samples_ % bad_ns_.size()] = now_ns_;
+  ++bad_samples_;
+  const std::int64_t first_ns = bad_ns_[bad_samples_ % bad_ns_.size()];
+  if (bad_samples_ >= bad_ns_.size() && now_ns_ - first_ns <= nanoseconds(Limits::kBadSamples_s)) {
+    trip(TripReason::kBadSamples, Limits::kMostBadSamples, Limits::kMostBadSamples - 1, record);
+  }
+  return true;
+}
+
+void SafetyGovernor::watch_speed(TickRecord& record) noexcept {
+  speed_.set_window(
+      seconds(longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)));
+  const bool is_usable = is_new_ && (record.faults & kFaultsWithoutForce) == 0;
+  if (is_usable) speed_.add(seconds(now_ns_ - sample_age_ns_), vec3(record.device_m));
+  const auto speed = speed_.speed_m_per_s();
+  if (!speed || *speed <= Limits::kTopSpeed_m_per_s) return;
+  if (last_force_N_.norm() <= Limits::kMovingShare * clamp_N_) return;
+  record.faults |= kRuleSpeed;
+  trip(TripReason::kSpeed, *speed, Limits::kTopSpeed_m_per_s, record);
+}
+
+void SafetyGovernor::watch_start(const TickRecord& record) noexcept {
+  if (status_.state == GovernorState::kWaits) {
+    const auto speed = speed_.speed_m_per_s();
+    const bool is_light = record.contact == 0 || pushed_N_.norm() < Limits::kStartForce_N;
+    const bool is_calm =
+        !is_interrupted_ && is_light && speed && *speed < Limits::kStartSpeed_m_per_s;
+    calm_ns_ = is_calm ? calm_ns_ + ramp_step_ns_ : 0;
+    if (calm_ns_ < nanoseconds(Limits::kCalm_s)) return;
+    status_.state = GovernorState::kStarts;
+    start_ns_ = 0;
+  } else if (status_.state == GovernorState::kStarts) {
+    start_ns_ += ramp_step_ns_;
+    if (start_ns_ >= nanoseconds(Limits::kStart_s)) status_.state = GovernorState::kRuns;
+  }
+}
+
+void SafetyGovernor::begin_start() noexcept {
+  status_.state = GovernorState::kWaits;
+  calm_ns_ = 0;
+}
+
+void SafetyGovernor::trip(TripReason reason, double value, double limit,
+                          TickRecord& record) noexcept {
+  if (is_tripped()) return;
+  status_.state = GovernorState::kTripped;
+  ++status_.trips;
+  GovernorTrip& trip = status_.trip;
+  trip = {reason, record.tick, record.time_s, value, limit, {}, {}};
+  std::copy_n(record.device_m, 3, trip.device_m.begin());
+  std::copy_n(record.force_device_N, 3, trip.wanted_N.begin());
+}
+
+// The smallest factor of all rules but the slew.
+double SafetyGovernor::find_factor(TickRecord& record) const noexcept {
+  double factor = marked(factor_to(clamp_N_, pushed_N_.norm()), kRuleClamp, record);
+  if (limits_motors_) {
+    const double peaks = motors_.scale(pushed_N_);
+    factor = std::min(factor, marked(peaks < 1.0 ? kBelow * peaks : 1.0, kRulePeak, record));
+  }
+  if (!moves_motors_) return factor;
+  factor = std::min(factor, marked(workspace_factor(record), kRuleWorkspace, record));
+  if (is_eased_) {
+    factor = std::min(factor, marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record));
+  }
+  switch (status_.state) {
+    case GovernorState::kRuns:
+      return factor;
+    case GovernorState::kStarts:
+      return std::min(factor, marked(seconds(start_ns_) / Limits::kStart_s, kRuleStart, record));
+    case GovernorState::kWaits:
+      return marked(0.0, kRuleStart, record);
+    case GovernorState::kTripped:
+      return marked(0.0, kRuleTripped, record);
+  }
+  return 0.0;
+}
+
+// 1 in the workspace, 0 outside a box of 1 + kFadeShare times its size. An axis along which the
+// workspace has no extent is not limited.
+double SafetyGovernor::workspace_factor(const TickRecord& record) const noexcept {
+  double factor = 1.0;
+  for (int k = 0; k < sensed_axes_; ++k) {
+    const auto n = static_cast<std::size_t>(k);
+    const double half_m = 0.5 * (workspace_high_m_[n] - workspace_low_m_[n]);
+    if (!(half_m > 0.0)) continue;
+    const double middle_m = workspace_low_m_[n] + half_m;
+    const double beyond = std::abs(record.device_m[k] - middle_m) / half_m - 1.0;
+    factor = std::min(factor, std::max(0.0, 1.0 - beyond / Limits::kFadeShare));
+  }
+  return factor;
+}
+
+void SafetyGovernor::limit_slew(Vec3& force_N, TickRecord& record) const noexcept {
+  const double length_N = force_N.norm();
+  if (length_N == 0.0) return;
+  const double before_N = std::max(0.0, last_force_N_.dot(force_N) / length_N);
+  const double factor =
+      factor_to(before_N + Limits::kSlew_N_per_s * seconds(ramp_step_ns_), length_N);
+  if (factor < 1.0) force_N *= marked(factor, kRuleSlew, record);
+}
+
+// The device holds a force until the next tick: the work is that of the last force along the way
+// that followed.
+void SafetyGovernor::add_work(const TickRecord& record) noexcept {
+  if ((record.faults & kFaultsWithoutForce) != 0) {
+    has_work_ = false;
+    return;
+  }
+  const Vec3 device_m = vec3(record.device_m);
+  if (has_work_) {
+    const Vec3 way_m = device_m - work_device_m_;
+    status_.given_J += last_force_N_.dot(way_m);
+    status_.given_by_design_J += work_masked_N_.dot(way_m);
+  }
+  has_work_ = true;
+  work_device_m_ = device_m;
+  work_masked_N_ = pushed_N_ - vec3(record.full_force_device_N);
+}
+
+}  // namespace palpate

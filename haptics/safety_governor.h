@@ -1,0 +1,198 @@
+#pragma once
+
+// The safety governor: the last step between the computed force and the motors.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "geometry/base/types.h"
+#include "haptics/motor_limits.h"
+#include "haptics/speed_window.h"
+#include "palpate/device.h"
+#include "palpate/record.h"
+
+namespace palpate {
+
+// The limits of the governor. They are constants of the program: nobody can switch a rule off. Each
+// period is the nominal time step of a tick.
+struct GovernorLimits {
+  static constexpr double kUnknownPeak_N = 3.0;  // clamp of motors whose peak force is unknown
+  static constexpr double kSlew_N_per_s = 5000.0;
+  static constexpr double kLongestStepPeriods = 2.0;  // of the slew rule
+  static constexpr double kTopSpeed_m_per_s = 1.5;
+  static constexpr double kSpeedWindow_s = 5e-3;  // or kSpeedWindowPeriods, whichever is longer
+  static constexpr double kSpeedWindowPeriods = 2.0;
+  static constexpr double kMovingShare = 0.1;  // of the clamp: less force cannot drive the device
+  static constexpr double kStale_s = 10e-3;    // or kStalePeriods
+  static constexpr double kStalePeriods = 5.0;
+  static constexpr double kStaleTrip_s = 100e-3;
+  static constexpr double kLate_s = 20e-3;  // or kLatePeriods
+  static constexpr double kLatePeriods = 5.0;
+  static constexpr double kLateRestart_s = 50e-3;  // a longer delay is a new start
+  static constexpr double kFadeShare = 0.2;        // of the workspace, beyond its border
+  static constexpr int kMostBadSamples = 3;        // within kBadSamples_s
+  static constexpr double kBadSamples_s = 100e-3;
+  static constexpr double kEase_s = 100e-3;
+  static constexpr double kStartForce_N = 0.3;
+  static constexpr double kStartSpeed_m_per_s = 0.2;
+  static constexpr double kCalm_s = 100e-3;
+  static constexpr double kStart_s = 0.5;
+};
+
+enum class TripReason : std::uint8_t { kNone, kBadSamples, kBadForce, kSpeed, kStale, kDevice };
+inline constexpr std::array<std::string_view, 6> kTripReasonNames = {
+    "none", "bad_samples", "non_finite_force", "speed", "stale", "device"};
+
+// Why the governor cut the force. The unit of value and limit is that of the reason: kBadSamples:
+// 1, kSpeed: m/s, kStale: s, otherwise both are 0.
+struct GovernorTrip {
+  TripReason reason = TripReason::kNone;
+  std::uint64_t tick = 0;
+  double time_s = 0.0;
+  double value = 0.0, limit = 0.0;
+  std::array<double, 3> device_m = {};  // device frame
+  std::array<double, 3> wanted_N = {};  // the force of the loop, device frame
+};
+
+enum class GovernorState : std::uint8_t {
+  kWaits,   // for a calm hand: zero force
+  kStarts,  // the force grows to its full size
+  kRuns,
+  kTripped  // zero force until rearm()
+};
+
+struct GovernorStatus {
+  GovernorState state = GovernorState::kRuns;
+  GovernorTrip trip;        // the last one
+  std::uint64_t trips = 0;  // since the beginning
+  // The work of the commanded forces on the hand: positive, if the motors gave energy.
+  double given_J = 0.0;
+  // The part of given_J that missing motors and A4 give by design: the work of the force that the
+  // motors can push, less the work of the full force, which A4 and the missing motors do not
+  // change (numbers in ARCHITECTURE.md).
+  double given_by_design_J = 0.0;
+};
+
+// The times of a tick.
+struct TickTime {
+  double dt_s = 0.0;         // nominal time since the last tick
+  std::int64_t late_ns = 0;  // start minus due time
+  std::int64_t now_ns = 0;   // start of the tick, monotonic clock; 0: simulated time
+};
+
+// Limits the force of every tick. Each rule that acts sets its bit in the record's faults. Rules
+// marked M apply only to a device that moves motors.
+//
+// - bad sample (M): a tick without a usable sample is followed by *ease*; the third one within
+//   100 ms trips, and so does a force that is not finite. Without motors, only the tick itself has
+//   zero force.
+// - motors: what the motors cannot push is dropped. If a motor would exceed its peak, the whole
+//   force is scaled, so that its direction stays.
+// - clamp: the force is scaled to the device's peak force, or to 3 N if a device that moves motors
+//   states none, or to GovernorSettings::max_force_N.
+// - slew (M): the force grows by at most 5,000 N/s, counted along its new direction; so a reversal
+//   grows from zero. A fall is never delayed.
+// - speed (M): a device faster than 1.5 m/s over 5 ms trips while more than 10 % of the clamp is
+//   commanded.
+// - stale (M): the force is zero while the newest sample is older than 10 ms, then *ease*; 100 ms
+//   trip. A sample that is older than the one before it is ignored.
+// - late (M): a tick that is more than 20 ms late has zero force, then *ease*, or after more than
+//   50 ms *start*.
+// - workspace (M): the force falls linearly from full on the border of the workspace to zero on a
+//   box of 1.2 times its size.
+// - ease (M): the force grows linearly from zero to full in 100 ms.
+// - start (M), after start and rearm: zero force until for 100 ms the wanted force is below 0.3 N
+//   or there is no contact, and the speed is below 0.2 m/s; then the force grows linearly to full
+//   in 0.5 s.
+//
+// Factors are not multiplied: the smallest one counts. The slew rule is the last one. A trip
+// latches zero force until rearm().
+//
+// Thread-safety: any thread may call rearm(); one thread calls all other functions. No function
+// allocates, locks or throws.
+class SafetyGovernor {
+ public:
+  // clamp_N: see clamp_of().
+  SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept;
+
+  // The largest force of a device, N; infinite if no rule limits it. max_force_N: a user's limit.
+  static double clamp_of(const DeviceDescription& device,
+                         const std::optional<double>& max_force_N) noexcept;
+
+  // Begins a tick. Returns the sample to use: a sample that is out of order is replaced by the one
+  // before it.
+  const DeviceSample& begin_tick(const DeviceSample& sample, const TickTime& time) noexcept;
+  // Sets motors that turn with the device, at the pose of this tick's sample.
+  void set_motors(std::span<const MotorDescription> motors) noexcept {
+    motors_ = MotorLimits(motors);
+  }
+  // Limits the record's commanded force. Ends a tick.
+  void govern(TickRecord& record) noexcept;
+
+  // Ends a trip: the rule *start* begins in the next tick. Does nothing if there is no trip.
+  void rearm() noexcept { rearm_.store(true, std::memory_order_release); }
+
+  const GovernorStatus& status() const noexcept { return status_; }
+  double clamp_N() const noexcept { return clamp_N_; }
+
+ private:
+  bool is_tripped() const { return status_.state == GovernorState::kTripped; }
+  void find_times(const TickTime& time) noexcept;
+  bool has_bad_sample(TickRecord& record) noexcept;
+  void watch_interruptions(TickRecord& record) noexcept;
+  void watch_speed(TickRecord& record) noexcept;
+  void watch_start(const TickRecord& record) noexcept;
+  double find_factor(TickRecord& record) const noexcept;
+  double workspace_factor(const TickRecord& record) const noexcept;
+  void limit_slew(Vec3& force_N, TickRecord& record) const noexcept;
+  void add_work(const TickRecord& record) noexcept;
+  void trip(TripReason reason, double value, double limit, TickRecord& record) noexcept;
+  void begin_start() noexcept;
+
+  bool moves_motors_;
+  bool limits_motors_;
+  double clamp_N_;
+  std::array<double, 3> workspace_low_m_, workspace_high_m_;
+  int sensed_axes_;
+  MotorLimits motors_;
+
+  // The times of this tick.
+  // Times are whole nanoseconds, so that their sums have no rounding.
+  std::int64_t period_ns_ = 0;
+  std::int64_t step_ns_ = 0;       // measured time since the last tick
+  std::int64_t ramp_step_ns_ = 0;  // step_ns_, at most kLongestStepPeriods periods
+  std::int64_t late_ns_ = 0;
+  std::int64_t now_ns_ = 0;  // sum of step_ns_
+  std::int64_t last_now_ns_ = 0;
+
+  DeviceSample sample_;      // the newest one
+  bool has_sample_ = false;  // sample_ is set
+  bool is_new_ = false;      // this tick's sample is newer than the one before
+  bool is_out_of_order_ = false;
+  std::int64_t sample_age_ns_ = 0;
+
+  GovernorStatus status_;
+  std::atomic<bool> rearm_{false};
+  bool is_interrupted_ = false;  // zero force in this tick
+  bool is_eased_ = false;
+  std::int64_t ease_ns_ = 0;   // since the end of the last interruption
+  std::int64_t start_ns_ = 0;  // since the force began to grow
+  std::int64_t calm_ns_ = 0;   // how long the hand has been calm
+  std::array<std::int64_t, GovernorLimits::kMostBadSamples>
+      bad_ns_{};  // times of the last bad samples
+  std::uint64_t bad_samples_ = 0;
+  SpeedWindow speed_;
+  Vec3 last_force_N_ = Vec3::Zero();
+
+  bool has_work_ = false;  // the fields below are of the last tick with a good sample
+  Vec3 work_device_m_ = Vec3::Zero();
+  Vec3 work_masked_N_ = Vec3::Zero();  // what the motors could push, less the full force
+
+  Vec3 pushed_N_ = Vec3::Zero();  // the part of this tick's force that the motors can push
+};
+
+}  // namespace palpate

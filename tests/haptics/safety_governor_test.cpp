@@ -1,0 +1,605 @@
+// The rules of the safety governor, one by one and under random schedules.
+
+#include "haptics/safety_governor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "haptics/record_vectors.h"
+#include "tests/helpers/random.h"
+
+namespace palpate {
+namespace {
+
+using test::Random;
+using Limits = GovernorLimits;
+
+constexpr double kTick_s = 1e-3;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Three orthogonal motors of 10 N in a workspace of 0.2 m.
+DeviceDescription motor_device() {
+  DeviceDescription device;
+  device.name = "three motors";
+  device.motor_count = 3;
+  for (std::size_t i = 0; i < 3; ++i) {
+    device.motors[i].direction_device = {};
+    device.motors[i].direction_device[i] = 1.0;
+    device.motors[i].peak_force_N = 10.0;
+  }
+  device.peak_force_N = 8.0;
+  device.workspace_low_m.fill(-0.1);
+  device.workspace_high_m.fill(0.1);
+  return device;
+}
+
+// A governor with a clock: each tick gives it a sample and a wanted force.
+class Rig {
+ public:
+  explicit Rig(const DeviceDescription& device = motor_device(),
+               std::optional<double> max_force_N = {}, double dt_s = kTick_s)
+      : governor(device, SafetyGovernor::clamp_of(device, max_force_N)), dt_s(dt_s) {}
+
+  // Runs a tick and returns the commanded force.
+  Vec3 tick(const Vec3& wanted_N) {
+    if (is_new) ++sequence;
+    is_new = true;
+    DeviceSample sample;
+    sample.position_m = {position_m.x(), position_m.y(), position_m.z()};
+    sample.sequence = sequence;
+    sample.is_valid = (next_faults & kFaultInvalidSample) == 0;
+    sample.asks_for_trip = asks_for_trip;
+    now_ns += std::llround((dt_s + late_s) * 1e9);
+    used = governor.begin_tick(sample, {dt_s, std::llround(late_s * 1e9), now_ns});
+    record = {};
+    record.tick = ticks++;
+    record.contact = in_contact ? 1 : 0;
+    record.faults = next_faults;
+    std::copy_n(used.position_m.begin(), 3, record.device_m);
+    put(wanted_N, record.full_force_device_N);
+    put(next_faults & kFaultsWithoutForce ? Vec3(Vec3::Zero()) : wanted_N, record.force_device_N);
+    late_s = 0.0;
+    next_faults = kFaultNone;
+    governor.govern(record);
+    return vec3(record.force_device_N);
+  }
+
+  // Lets the rule *start* pass without contact, so that the governor runs.
+  void run_in() {
+    in_contact = false;
+    const int ticks_of_start = static_cast<int>(std::ceil(1.0 / dt_s));
+    for (int n = 0; n < ticks_of_start; ++n) tick(Vec3::Zero());
+    in_contact = true;
+    EXPECT_EQ(governor.status().state, GovernorState::kRuns);
+  }
+  // Raises the force slowly enough for the slew rule.
+  Vec3 push(const Vec3& wanted_N, int ticks = 10) {
+    Vec3 force_N = Vec3::Zero();
+    for (int n = 0; n < ticks; ++n) force_N = tick(wanted_N);
+    return force_N;
+  }
+
+  SafetyGovernor governor;
+  double dt_s;
+  Vec3 position_m = Vec3::Zero();
+  std::uint64_t sequence = 0;
+  std::int64_t now_ns = 1'000'000'000;
+  std::uint64_t ticks = 0;
+  TickRecord record;
+  DeviceSample used;
+
+  // For the next tick only:
+  bool is_new = true;
+  double late_s = 0.0;
+  std::uint32_t next_faults = kFaultNone;
+
+  bool asks_for_trip = false;
+  bool in_contact = false;
+};
+
+// The force that `factor` leaves of a force, up to the rounding that keeps it below a limit.
+void expect_scaled(const Vec3& force_N, const Vec3& wanted_N, double factor) {
+  const double tolerance_N = 32 * std::numeric_limits<double>::epsilon() * wanted_N.norm();
+  EXPECT_LE((force_N - factor * wanted_N).norm(), tolerance_N)
+      << force_N.transpose() << " instead of " << factor << " of " << wanted_N.transpose();
+}
+
+std::uint32_t rules_of(const TickRecord& record) {
+  return record.faults >> kFirstGovernorFault << kFirstGovernorFault;
+}
+
+TEST(SafetyGovernor, KeepsTheBitsOfForcesThatKeepAllRules) {
+  Rig rig;
+  rig.run_in();
+  Random random(1);
+  Vec3 wanted_N = Vec3::Zero();
+  for (int n = 0; n < 5000; ++n) {
+    const Vec3 step = random.in_box(2.0);
+    if ((wanted_N + step).norm() < 7.9) wanted_N += step;
+    rig.position_m += random.in_box(1e-4);
+    rig.position_m *= 0.99;
+    EXPECT_EQ(rig.tick(wanted_N), wanted_N);
+    ASSERT_EQ(rig.record.faults, kFaultNone) << n;
+  }
+}
+
+TEST(SafetyGovernor, ClampsTheLengthOfAForceAndKeepsItsDirection) {
+  for (const auto& [limit, clamp_N] :
+       {std::pair<std::optional<double>, double>{std::nullopt, 8.0}, {5.0, 5.0}, {100.0, 8.0}}) {
+    Rig rig(motor_device(), limit);
+    rig.run_in();
+    const Vec3 wanted_N = 9.0 * Vec3(1, 2, -2) / 3.0;
+    const Vec3 force_N = rig.push(wanted_N);
+    expect_scaled(force_N, wanted_N, clamp_N / 9.0);
+    EXPECT_LE(force_N.norm(), clamp_N);
+    EXPECT_EQ(rules_of(rig.record), std::uint32_t{kRuleClamp});
+  }
+  DeviceDescription unknown = motor_device();
+  unknown.peak_force_N = 0.0;
+  EXPECT_EQ(SafetyGovernor::clamp_of(unknown, {}), 3.0);
+  unknown.moves_motors = false;
+  EXPECT_EQ(SafetyGovernor::clamp_of(unknown, {}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(SafetyGovernor::clamp_of(unknown, 2.0), 2.0);
+}
+
+TEST(SafetyGovernor, DropsWhatTheMotorsCannotPush) {
+  DeviceDescription device = motor_device();
+  device.motor_count = 2;
+  Rig rig(device);
+  rig.run_in();
+  EXPECT_EQ(rig.push({1.0, 2.0, 3.0}), Vec3(1.0, 2.0, 0.0));
+  EXPECT_EQ(rules_of(rig.record), std::uint32_t{kRuleMotors});
+  device.motor_count = 0;
+  Rig none(device);
+  none.run_in();
+  EXPECT_EQ(none.push({1.0, 2.0, 3.0}), Vec3(0.0, 0.0, 0.0));
+}
+
+// The efforts of oblique motors are chosen first, and the force is their sum.
+TEST(SafetyGovernor, ASaturatedMotorKeepsTheDirectionOfTheForce) {
+  const std::uint64_t seed = 7;
+  std::cout << "seed " << seed << "\n";
+  Random random(seed);
+  int saturated = 0;
+  for (int n = 0; n < 1000; ++n) {
+    DeviceDescription device = motor_device();
+    device.peak_force_N = 1000.0;
+    device.motor_count = 1 + n % 3;
+    Vec3 wanted_N = Vec3::Zero();
+    double overload = 1.0;
+    Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < device.motor_count; ++i) {
+      directions.col(i) = random.unit_vector();
+      MotorDescription& motor = device.motors[static_cast<std::size_t>(i)];
+      std::copy_n(directions.col(i).data(), 3, motor.direction_device.begin());
+      motor.peak_force_N = random.uniform(1.0, 5.0);
+      const double effort_N = random.uniform(-6.0, 6.0);
+      wanted_N += effort_N * directions.col(i);
+      overload = std::max(overload, std::abs(effort_N) / motor.peak_force_N);
+    }
+    Rig rig(device);
+    rig.run_in();
+    const Vec3 force_N = rig.push(wanted_N, 20);
+    // The rounding of an effort grows with the condition of the directions.
+    const double smallest =
+        Eigen::JacobiSVD<Eigen::MatrixXd>(directions.leftCols(device.motor_count))
+            .singularValues()[device.motor_count - 1];
+    const double tolerance_N =
+        1e3 * std::numeric_limits<double>::epsilon() * 10.0 / smallest / smallest;
+    EXPECT_LE((force_N - wanted_N / overload).norm(), tolerance_N) << n;
+    EXPECT_EQ((rig.record.faults & kRulePeak) != 0, overload > 1.0) << n;
+    saturated += overload > 1.0;
+  }
+  EXPECT_GT(saturated, 300);
+}
+
+TEST(SafetyGovernor, LimitsTheGrowthOfAForceAndNeverDelaysAFall) {
+  Rig rig;
+  rig.run_in();
+  for (int n = 1; n <= 4; ++n) {  // 1 kHz: by at most 5 N in a tick
+    const Vec3 force_N = rig.tick({2.0, 0.0, 0.0});
+    EXPECT_EQ(force_N, Vec3(2.0, 0.0, 0.0));
+  }
+  const Vec3 up_N = rig.tick({7.5, 0.0, 0.0});
+  expect_scaled(up_N, {7.0, 0.0, 0.0}, 1.0);
+  EXPECT_EQ(rules_of(rig.record), std::uint32_t{kRuleSlew});
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  EXPECT_EQ(rig.tick({0.5, 0.0, 0.0}), Vec3(0.5, 0.0, 0.0));
+  rig.push({7.5, 0.0, 0.0}, 5);
+  expect_scaled(rig.tick({-7.5, 0.0, 0.0}), {-5.0, 0.0, 0.0}, 1.0);  // from zero
+  expect_scaled(rig.tick({0.0, 7.5, 0.0}), {0.0, 5.0, 0.0}, 1.0);    // to the side: from zero
+  // A measured period counts, up to two periods.
+  rig.push({0.5, 0.0, 0.0}, 5);
+  rig.late_s = 0.7e-3;
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+}
+
+// Moves with a speed for some ticks under a force, and returns whether the governor tripped.
+bool trips_at(double speed_m_per_s, double force_N, double dt_s = kTick_s) {
+  DeviceDescription device = motor_device();
+  device.workspace_low_m.fill(-10.0);
+  device.workspace_high_m.fill(10.0);
+  Rig rig(device, {}, dt_s);
+  rig.run_in();
+  rig.push({force_N, 0.0, 0.0});
+  const int ticks = std::max(30, static_cast<int>(0.03 / dt_s));
+  for (int n = 0; n < ticks; ++n) {
+    rig.position_m += Vec3(0.0, speed_m_per_s * dt_s, 0.0);
+    rig.tick({force_N, 0.0, 0.0});
+  }
+  EXPECT_TRUE(rig.governor.status().trips == 0 ||
+              rig.governor.status().trip.reason == TripReason::kSpeed);
+  return rig.governor.status().trips > 0;
+}
+
+TEST(SafetyGovernor, TripsIfTheDeviceIsTooFastWhileItPushes) {
+  for (const double dt_s : {1e-2, 1e-3, 1e-4, 2e-5}) {
+    EXPECT_TRUE(trips_at(1.55, 2.0, dt_s)) << dt_s;
+    EXPECT_FALSE(trips_at(1.45, 2.0, dt_s)) << dt_s;
+    EXPECT_FALSE(trips_at(5.0, 0.79, dt_s)) << dt_s;  // a tenth of the clamp is 0.8 N
+  }
+  // One encoder step is no speed: 5 mm in a tick are 1 m/s over the window.
+  Rig rig;
+  rig.run_in();
+  rig.push({2.0, 0.0, 0.0});
+  rig.position_m.x() += 5e-3;
+  rig.push({2.0, 0.0, 0.0});
+  EXPECT_EQ(rig.governor.status().trips, 0u);
+  rig.position_m.x() += 8e-3;
+  rig.push({2.0, 0.0, 0.0});
+  EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kSpeed);
+  EXPECT_NEAR(rig.governor.status().trip.value, 1.6, 1e-9);
+  EXPECT_EQ(rig.governor.status().trip.limit, 1.5);
+}
+
+// Repeats the same sample for a time, and returns the forces.
+std::vector<double> forces_without_new_sample(Rig& rig, double time_s, double force_N) {
+  std::vector<double> forces;
+  for (int n = 0; n < static_cast<int>(std::lround(time_s / rig.dt_s)); ++n) {
+    rig.is_new = false;
+    forces.push_back(rig.tick({force_N, 0.0, 0.0}).x());
+  }
+  return forces;
+}
+
+TEST(SafetyGovernor, StopsWhileSamplesAreStaleThenEasesTheForceIn) {
+  for (const double dt_s : {1e-3, 5e-3}) {  // 10 ms, and five periods of 5 ms
+    Rig rig(motor_device(), {}, dt_s);
+    rig.run_in();
+    rig.push({2.0, 0.0, 0.0});
+    const double stale_s = std::max(10e-3, 5 * dt_s);
+    const auto forces = forces_without_new_sample(rig, stale_s + 5 * dt_s, 2.0);
+    for (std::size_t n = 0; n < forces.size(); ++n) {
+      const double age_s = dt_s * static_cast<double>(n + 1);
+      EXPECT_EQ(forces[n], age_s > stale_s + 1e-9 ? 0.0 : 2.0) << age_s;
+    }
+    EXPECT_EQ(rules_of(rig.record) & kRuleStale, std::uint32_t{kRuleStale});
+    for (double eased_s = dt_s; eased_s < 0.1 - 1e-9; eased_s += dt_s) {
+      expect_scaled(rig.tick({2.0, 0.0, 0.0}), {2.0, 0.0, 0.0}, eased_s / 0.1);
+      EXPECT_EQ(rules_of(rig.record), std::uint32_t{kRuleEase});
+    }
+    rig.tick({2.0, 0.0, 0.0});
+    EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), 2.0);
+    EXPECT_EQ(rig.governor.status().trips, 0u);
+  }
+}
+
+TEST(SafetyGovernor, TripsIfSamplesStayStale) {
+  Rig rig;
+  rig.run_in();
+  rig.push({2.0, 0.0, 0.0});
+  forces_without_new_sample(rig, 99e-3, 2.0);
+  EXPECT_EQ(rig.governor.status().trips, 0u);
+  forces_without_new_sample(rig, 3e-3, 2.0);
+  EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kStale);
+}
+
+TEST(SafetyGovernor, MeasuresTheAgeOfASampleByItsTime) {
+  Rig rig;
+  rig.run_in();
+  DeviceSample sample;
+  sample.sequence = rig.sequence + 1;
+  rig.now_ns += 1'000'000;
+  sample.time_ns = rig.now_ns - 11'000'000;
+  rig.governor.begin_tick(sample, {kTick_s, 0, rig.now_ns});
+  TickRecord record;
+  record.force_device_N[0] = 1.0;
+  rig.governor.govern(record);
+  EXPECT_EQ(record.force_device_N[0], 0.0);
+  EXPECT_NE(record.faults & kRuleStale, 0u);
+}
+
+TEST(SafetyGovernor, IgnoresASampleThatIsOlderThanTheLast) {
+  Rig rig;
+  rig.position_m = {0.01, 0.0, 0.0};
+  rig.run_in();
+  rig.push({2.0, 0.0, 0.0});
+  rig.sequence -= 3;
+  rig.position_m = {0.05, 0.0, 0.0};
+  EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), 2.0);
+  EXPECT_EQ(rig.used.position_m[0], 0.01);
+  EXPECT_EQ(rules_of(rig.record), std::uint32_t{kRuleOrder});
+}
+
+TEST(SafetyGovernor, ALateTickEasesInAndAVeryLateOneStartsAgain) {
+  struct Case {
+    double dt_s, late_s;
+    bool is_late, starts;
+  };
+  for (const Case& c : {Case{1e-3, 19e-3, false, false}, Case{1e-3, 21e-3, true, false},
+                        Case{1e-3, 49e-3, true, false}, Case{1e-3, 51e-3, true, true},
+                        Case{1e-2, 49e-3, false, false}, Case{1e-2, 52e-3, true, true}}) {
+    Rig rig(motor_device(), {}, c.dt_s);
+    rig.run_in();
+    rig.push({2.0, 0.0, 0.0});
+    rig.late_s = c.late_s;
+    EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), c.is_late ? 0.0 : 2.0) << c.late_s;
+    EXPECT_EQ((rig.record.faults & kRuleLate) != 0, c.is_late);
+    EXPECT_EQ(rig.governor.status().state, c.starts ? GovernorState::kWaits : GovernorState::kRuns);
+    const double next_N = rig.tick({2.0, 0.0, 0.0}).x();
+    if (c.starts) {
+      EXPECT_EQ(next_N, 0.0);
+    }
+    if (c.is_late && !c.starts) expect_scaled({next_N, 0, 0}, {2.0, 0.0, 0.0}, c.dt_s / 0.1);
+    EXPECT_EQ(rig.governor.status().trips, 0u);
+  }
+}
+
+TEST(SafetyGovernor, FadesTheForceOutsideTheWorkspace) {
+  Rig rig;
+  rig.run_in();
+  for (const double x_m : {-0.125, -0.12, -0.115, -0.11, -0.1, 0.0, 0.1, 0.105, 0.1199, 0.13}) {
+    while (std::abs(rig.position_m.x() - x_m) > 1e-12) {  // slowly
+      const double way_m = std::clamp(x_m - rig.position_m.x(), -1e-3, 1e-3);
+      rig.position_m.x() += way_m;
+      rig.tick({2.0, 0.0, 0.0});
+    }
+    const double factor = std::clamp((0.12 - std::abs(x_m)) / 0.02, 0.0, 1.0);
+    EXPECT_NEAR(rig.tick({2.0, 0.0, 0.0}).x(), 2.0 * factor, 1e-9) << x_m;
+    EXPECT_EQ((rig.record.faults & kRuleWorkspace) != 0, factor < 1.0 - 1e-9) << x_m;
+  }
+}
+
+TEST(SafetyGovernor, ABadSampleEasesInAndThreeWithin100MillisecondsTrip) {
+  for (const std::uint32_t fault :
+       {std::uint32_t{kFaultNonFiniteSample}, std::uint32_t{kFaultInvalidSample},
+        std::uint32_t{kFaultJump}, std::uint32_t{kFaultFarSample}}) {
+    for (const int apart : {1, 49, 50, 51, 60}) {  // ticks between two of three bad samples
+      Rig rig;
+      rig.run_in();
+      rig.push({2.0, 0.0, 0.0});
+      for (int bad = 0; bad < 3; ++bad) {
+        rig.next_faults = fault;
+        EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), 0.0);
+        EXPECT_NE(rig.record.faults & kRuleBadSample, 0u);
+        for (int n = 1; n < apart; ++n) {
+          const Vec3 force_N = rig.tick({2.0, 0.0, 0.0});
+          if (bad < 2) expect_scaled(force_N, {2.0, 0.0, 0.0}, std::min(1.0, n * 0.01));
+        }
+      }
+      EXPECT_EQ(rig.governor.status().trips, apart <= 50 ? 1u : 0u) << apart;
+      if (apart <= 50) {
+        EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kBadSamples);
+        EXPECT_EQ(rig.push({2.0, 0.0, 0.0}).x(), 0.0);
+      }
+    }
+  }
+}
+
+TEST(SafetyGovernor, TripsAtAForceThatIsNotFinite) {
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
+    Rig rig;
+    rig.run_in();
+    EXPECT_EQ(rig.tick({0.0, bad, 0.0}), Vec3(0.0, 0.0, 0.0));
+    EXPECT_NE(rig.record.faults & kFaultNonFiniteForce, 0u);
+    EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kBadForce);
+  }
+  Rig rig;
+  rig.run_in();
+  rig.next_faults = kFaultNonFiniteForce;  // the loop has noticed it
+  rig.tick(Vec3::Zero());
+  EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kBadForce);
+}
+
+TEST(SafetyGovernor, TripsIfTheDeviceAsksForIt) {
+  Rig rig;
+  rig.run_in();
+  rig.push({2.0, 0.0, 0.0});
+  rig.asks_for_trip = true;
+  EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), 0.0);
+  EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kDevice);
+}
+
+TEST(SafetyGovernor, ATripLastsUntilItIsRearmedAndThenStartsAgain) {
+  Rig rig;
+  rig.run_in();
+  rig.governor.rearm();  // without a trip: nothing
+  EXPECT_EQ(rig.push({2.0, 0.0, 0.0}).x(), 2.0);
+  rig.tick({kNan, 0.0, 0.0});
+  EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2000).x(), 0.0);
+  EXPECT_EQ(rig.governor.status().trips, 1u);
+  rig.governor.rearm();
+  EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2000).x(), 0.0) << "the hand presses into the wall";
+  EXPECT_EQ(rig.push({0.25, 0.0, 0.0}, 700).x(), 0.25);
+  EXPECT_EQ(rig.push({2.0, 0.0, 0.0}).x(), 2.0);
+}
+
+TEST(SafetyGovernor, StartsOnlyWithACalmHandAndThenSlowly) {
+  const auto first_force_tick = [](auto before_tick) {
+    Rig rig;
+    rig.in_contact = true;
+    int n = 0;
+    for (; n < 3000; ++n) {
+      const double wanted_N = before_tick(rig, n);
+      const double force_N = rig.tick({wanted_N, 0.0, 0.0}).x();
+      if (force_N > 0.0) break;
+    }
+    return n;
+  };
+  // The speed is known after 5 ticks, and the hand must then be calm for 100.
+  EXPECT_EQ(first_force_tick([](Rig&, int) { return 0.29; }), 5 + 100);
+  EXPECT_EQ(first_force_tick([](Rig&, int) { return 0.31; }), 3000);
+  EXPECT_EQ(first_force_tick([](Rig&, int n) { return n == 90 ? 1.0 : 0.2; }), 91 + 100);
+  EXPECT_EQ(first_force_tick([](Rig& rig, int n) {
+              rig.position_m.x() = n < 200 ? 2.1e-4 * n : 2.1e-4 * 200;  // 0.21 m/s
+              return 0.2;
+            }),
+            201 + 100);  // from 201 on, four of the window's five steps are slow enough
+  // Without contact, an effect such as gravity may want any force.
+  EXPECT_EQ(first_force_tick([](Rig& rig, int) {
+              rig.in_contact = false;
+              return 2.0;
+            }),
+            5 + 100);
+  Rig rig;
+  rig.push({0.0, 0.0, 0.0}, 5 + 100);
+  for (int n = 1; n < 500; ++n) expect_scaled(rig.tick({2.0, 0, 0}), {2.0, 0.0, 0.0}, n / 500.0);
+  EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2).x(), 2.0);
+}
+
+TEST(SafetyGovernor, OfADeviceWithoutMotorsOnlyClampsAndDropsForces) {
+  DeviceDescription device = motor_device();
+  device.moves_motors = false;
+  Rig rig(device);
+  rig.in_contact = true;
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  EXPECT_EQ(rig.tick({-7.5, 0.0, 0.0}), Vec3(-7.5, 0.0, 0.0));
+  rig.late_s = 1.0;
+  rig.position_m = {5.0, 0.0, 0.0};
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  for (int n = 0; n < 500; ++n) rig.is_new = false, rig.tick({7.5, 0.0, 0.0});
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  for (int n = 0; n < 5; ++n) rig.next_faults = kFaultInvalidSample, rig.tick({7.5, 0.0, 0.0});
+  EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  EXPECT_EQ(rules_of(rig.record), 0u);
+  expect_scaled(rig.tick({9.0, 0.0, 0.0}), {8.0, 0.0, 0.0}, 1.0);
+  EXPECT_EQ(rig.tick({kNan, 0.0, 0.0}), Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(rig.governor.status().trips, 0u);
+  device.motor_count = 0;  // a recorded path: nothing is known
+  device.peak_force_N = 0.0;
+  Rig path(device);
+  EXPECT_EQ(path.tick({900.0, 20.0, 0.0}), Vec3(900.0, 20.0, 0.0));
+}
+
+// The work that the motors give, and what masking gives by design: the case of numerics.md 3.
+TEST(SafetyGovernor, SumsTheWorkThatMissingMotorsGive) {
+  constexpr double kStiffness_N_per_m = 100.0;
+  constexpr double kDepth_m = 5e-3;
+  DeviceDescription device = motor_device();
+  device.motor_count = 1;  // along x
+  Rig rig(device);
+  rig.run_in();
+  const double a = 0.7;
+  const Vec3 normal(std::cos(a), std::sin(a), 0.0);
+  constexpr int kSteps = 1000;
+  for (int n = 0; n <= kSteps; ++n) {  // presses at the angle a
+    const double depth_m = kDepth_m * n / kSteps;
+    rig.position_m = -depth_m * normal;
+    rig.tick(kStiffness_N_per_m * depth_m * normal);
+  }
+  // A4 turns the scene until the normal lies along x; the hand lets go along it.
+  const Vec3 pressed_m = rig.position_m;
+  for (int n = kSteps; n >= 0; --n) {
+    const double depth_m = kDepth_m * n / kSteps;
+    rig.position_m = pressed_m + Vec3(kDepth_m - depth_m, 0.0, 0.0);
+    rig.tick({kStiffness_N_per_m * depth_m, 0.0, 0.0});
+  }
+  const double full_J = 0.5 * kStiffness_N_per_m * kDepth_m * kDepth_m;
+  const double given_J = full_J * std::sin(a) * std::sin(a);
+  EXPECT_NEAR(rig.governor.status().given_J, given_J, 2.0 / kSteps * full_J);
+  EXPECT_NEAR(rig.governor.status().given_by_design_J, given_J, 2.0 / kSteps * full_J);
+}
+
+// What holds in every tick, whatever happens: judged from the commands and the schedule alone.
+class Judge {
+ public:
+  void add(const Rig& rig, double step_s, double period_s, bool rearmed, const Vec3& force_N) {
+    const GovernorStatus& status = rig.governor.status();
+    ASSERT_TRUE(force_N.allFinite());
+    ASSERT_LE(force_N.norm(), rig.governor.clamp_N());
+    const double length_N = force_N.norm();
+    if (length_N > 0.0) {
+      const double before_N = std::max(0.0, last_N_.dot(force_N) / length_N);
+      ASSERT_LE(length_N, (before_N + Limits::kSlew_N_per_s * std::min(step_s, 2 * period_s)) *
+                              (1 + 8 * std::numeric_limits<double>::epsilon()));
+    }
+    if (status.trips > trips_) is_tripped_ = true;
+    trips_ = status.trips;
+    if (is_tripped_ && status.trips == trips_ && rearmed)
+      is_tripped_ = status.state == GovernorState::kTripped;
+    if (is_tripped_) {
+      ASSERT_EQ(length_N, 0.0);
+    }
+    // No force for 100 ms before a start ramp.
+    quiet_s_ = length_N > 0.0 ? 0.0 : quiet_s_ + step_s;
+    if (status.state == GovernorState::kStarts && !was_starting_) {
+      ASSERT_GE(quiet_s_, 0.1 - 1e-9);
+    }
+    was_starting_ = status.state == GovernorState::kStarts;
+    last_N_ = force_N;
+  }
+  bool has_tripped() const { return trips_ > 0; }
+
+ private:
+  Vec3 last_N_ = Vec3::Zero();
+  std::uint64_t trips_ = 0;
+  bool is_tripped_ = false;
+  bool was_starting_ = false;
+  double quiet_s_ = 0.0;
+};
+
+TEST(SafetyGovernor, KeepsItsPromisesUnderRandomSchedules) {
+  const std::uint64_t seed = 20;
+  std::cout << "seed " << seed << "\n";
+  Random random(seed);
+  int tripped = 0;
+  std::uint32_t rules = 0;
+  for (int schedule = 0; schedule < 1000; ++schedule) {
+    DeviceDescription device = motor_device();
+    device.motor_count = static_cast<int>(random.index(4));
+    Rig rig(device, random.uniform(1.0, 12.0), random.uniform(0.0, 1.0) < 0.5 ? 1e-3 : 3e-3);
+    const double fault_share = std::pow(10.0, random.uniform(-4.0, -0.5));
+    Judge judge;
+    int stale = 0;
+    Vec3 wanted_N = Vec3::Zero();
+    for (int n = 0; n < 2000; ++n) {
+      const auto happens = [&] { return random.uniform(0.0, 1.0) < fault_share; };
+      wanted_N = happens() ? random.in_box(50.0) : Vec3(0.99 * wanted_N + random.in_box(0.1));
+      rig.position_m =
+          happens() ? random.in_box(0.2) : Vec3(0.99 * rig.position_m + random.in_box(1e-4));
+      rig.in_contact = random.uniform(0.0, 1.0) < 0.5;
+      if (happens()) rig.next_faults = kFaultInvalidSample;
+      if (happens()) rig.sequence -= std::min<std::uint64_t>(rig.sequence, random.index(5));
+      if (happens()) rig.late_s = std::pow(10.0, random.uniform(-4.0, 0.0));
+      if (stale > 0 || happens()) {
+        stale = stale > 0 ? stale - 1 : static_cast<int>(random.index(150));
+        rig.is_new = false;
+      }
+      Vec3 asked_N = wanted_N;
+      if (happens()) asked_N[static_cast<int>(random.index(3))] = kNan;
+      const bool rearms = random.uniform(0.0, 1.0) < 0.01;
+      if (rearms) rig.governor.rearm();
+      const double step_s = rig.dt_s + rig.late_s;
+      const Vec3 force_N = rig.tick(asked_N);
+      rules |= rules_of(rig.record);
+      judge.add(rig, step_s, rig.dt_s, rearms, force_N);
+      if (HasFatalFailure()) FAIL() << "schedule " << schedule << ", tick " << n;
+    }
+    tripped += judge.has_tripped();
+  }
+  EXPECT_GT(tripped, 300);
+  for (int rule = 0; rule < kGovernorRuleCount; ++rule) {
+    EXPECT_NE(rules >> (kFirstGovernorFault + rule) & 1u, 0u)
+        << kGovernorRuleNames[static_cast<std::size_t>(rule)];
+  }
+}
+
+}  // namespace
+}  // namespace palpate
