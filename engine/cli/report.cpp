@@ -47,10 +47,14 @@ std::string memory_text(const SceneStatistics& s) {
 
 std::string faults_text(const RunSummary& s) {
   std::string text;
-  for (std::size_t i = 0; i < s.faults.size(); ++i) {
-    if (s.faults[i] == 0) continue;
+  const auto add = [&](std::uint64_t ticks, std::string_view name) {
+    if (ticks == 0) return;
     if (!text.empty()) text += ", ";
-    text += std::to_string(s.faults[i]) + " " + std::string(kFaultNames[i]);
+    text += std::to_string(ticks) + " " + std::string(name);
+  };
+  for (std::size_t i = 0; i < s.faults.size(); ++i) add(s.faults[i], kFaultNames[i]);
+  for (std::size_t i = 0; i < s.governor_rules.size(); ++i) {
+    add(s.governor_rules[i], "governor_" + std::string(kGovernorRuleNames[i]));
   }
   return text.empty() ? "none" : text;
 }
@@ -264,6 +268,25 @@ ordered_json tree_json(const Scene& scene) {
   return nodes;
 }
 
+ordered_json governor_json(const RunSummary& s) {
+  ordered_json rules = ordered_json::object();
+  for (std::size_t i = 0; i < s.governor_rules.size(); ++i) {
+    rules[std::string(kGovernorRuleNames[i])] = s.governor_rules[i];
+  }
+  ordered_json json = {{"rules", rules}, {"trips", s.trips}, {"last_trip", nullptr}};
+  if (s.trips > 0) {
+    const GovernorTrip& trip = s.last_trip;
+    json["last_trip"] = {{"reason", kTripReasonNames[static_cast<std::size_t>(trip.reason)]},
+                         {"tick", trip.tick},
+                         {"time_s", trip.time_s},
+                         {"value", trip.value},
+                         {"limit", trip.limit},
+                         {"device_m", trip.device_m},
+                         {"wanted_N", trip.wanted_N}};
+  }
+  return json;
+}
+
 ordered_json summary_json(const RunSummary& s, const Scene& scene) {
   ordered_json faults = ordered_json::object();
   for (std::size_t i = 0; i < s.faults.size(); ++i) {
@@ -279,6 +302,7 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
           {"work_lost_J", s.work_lost_J},
           {"port_work_J", s.port_work_J},
           {"faults", faults},
+          {"governor", governor_json(s)},
           {"effects", effects_use_json(s, scene)},
           {"not_understood", not_understood_lines(scene)},
           {"step_ns",

@@ -31,6 +31,10 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   for (int bit = 0; bit < kFaultCount; ++bit) {
     sums_.faults[static_cast<std::size_t>(bit)] += record.faults >> bit & 1u;
   }
+  for (int bit = 0; bit < kGovernorRuleCount; ++bit) {
+    sums_.governor_rules[static_cast<std::size_t>(bit)] +=
+        record.faults >> (kFirstGovernorFault + bit) & 1u;
+  }
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
   was_in_contact_ = record.contact != 0;
   gap_ticks_ = record.contact ? 0 : gap_ticks_ + 1;
@@ -46,6 +50,11 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
   sums_.max_penetration_m = std::max(sums_.max_penetration_m, penetration_m);
   angle_sum_rad_ += record.alpha_rad;
   if (record.alpha_rad <= kFeasibleAngleRad) ++within_30deg_;
+}
+
+void SummaryAccumulator::add(const GovernorTrip& trip) noexcept {
+  ++sums_.trips;
+  sums_.last_trip = trip;
 }
 
 void SummaryAccumulator::add_work(const TickRecord& record) noexcept {

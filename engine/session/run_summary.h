@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptics/haptic_loop.h"
+#include "haptics/safety_governor.h"
 
 namespace palpate {
 
@@ -35,6 +36,10 @@ struct RunSummary {
   double work_lost_J = 0.0;             // sum (f_full - f_commanded) . dx_device
   double port_work_J = 0.0;  // sum f_commanded . dx_device; > 0: the device did work on the hand
   std::array<std::uint64_t, kFaultCount> faults{};
+  // The ticks in which each rule of the governor acted, indexed like kGovernorRuleNames.
+  std::array<std::uint64_t, kGovernorRuleCount> governor_rules{};
+  std::uint64_t trips = 0;
+  GovernorTrip last_trip;  // of trips > 0
   std::uint64_t a4_ticks = 0;  // ticks in which A4 rotated the scene
   // Indexed like compiled_effects().
   std::array<std::uint64_t, kMostEffects> effect_ticks{};              // ticks with active effect
@@ -60,6 +65,7 @@ class SummaryAccumulator {
  public:
   // Does not allocate, so that the haptic thread may call it.
   void add(const TickRecord& record) noexcept;
+  void add(const GovernorTrip& trip) noexcept;
   RunSummary finish(std::vector<std::int64_t> steps_ns) const;
 
  private:

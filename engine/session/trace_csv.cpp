@@ -165,12 +165,19 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
   return std::nullopt;
 }
 
+std::string fault_name(int bit) {
+  if (bit < kFaultCount) return std::string(kFaultNames[static_cast<std::size_t>(bit)]);
+  const int rule = bit - kFirstGovernorFault;
+  const bool is_known = rule >= 0 && rule < kGovernorRuleCount;
+  return "governor_" + (is_known ? std::string(kGovernorRuleNames[static_cast<std::size_t>(rule)])
+                                 : std::to_string(bit));
+}
+
 std::string fault_names(std::uint32_t faults) {
   std::string names;
   for (int bit = 0; faults != 0; ++bit, faults >>= 1) {
     if ((faults & 1u) == 0) continue;
-    join(names, bit < kFaultCount ? std::string(kFaultNames[static_cast<std::size_t>(bit)])
-                                  : "governor_" + std::to_string(bit));
+    join(names, fault_name(bit));
   }
   return names;
 }

@@ -33,6 +33,7 @@ class Recorder final : public TickObserver {
     if (count_ < run_.records.size()) run_.records[count_++] = record;
     summary_.add(record);
   }
+  void on_trip(const GovernorTrip& trip) noexcept override { summary_.add(trip); }
   // The records of an interrupted run end at the interruption.
   RunSummary finish() {
     run_.records.resize(count_);
