@@ -43,7 +43,7 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   const auto start = std::chrono::steady_clock::now();
   TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);
   const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
-  record.step_ns = step.count();
+  record.step_ns = last_step_ns_ = step.count();
   record.late_ns = late_ns;
   const std::uint64_t trips = governor_->status().trips;
   governor_->govern(record);

@@ -49,7 +49,8 @@ class TickObserver {
 struct SessionParts {
   std::vector<BeforeTick*> changes = {};
   std::vector<TickObserver*> observers = {};
-  // The largest force, N, > 0. It can only lower the clamp of the device (SafetyGovernor::clamp_of).
+  // The largest force, N, > 0. It can only lower the clamp of the device
+  // (SafetyGovernor::clamp_of).
   std::optional<double> max_force_N = {};
   // The loop takes the motors of a device whose motors turn (Device::motors_now) as its actuated
   // axes. False: it keeps its own axes.
@@ -78,8 +79,8 @@ class HapticSession {
   std::optional<std::string> start();
 
   // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
-  // last tick. late_ns: how long ago this tick was due; it is stored in the record. now_ns: the time
-  // on the monotonic clock; 0: simulated time, in which a tick takes dt_s.
+  // last tick. late_ns: how long ago this tick was due; it is stored in the record. now_ns: the
+  // time on the monotonic clock; 0: simulated time, in which a tick takes dt_s.
   void tick(double dt_s, std::int64_t late_ns = 0, std::int64_t now_ns = 0) noexcept;
 
   // Commands zero force and stops the device. Does nothing if the session is not running.
@@ -91,6 +92,8 @@ class HapticSession {
 
   // The same for the governor.
   bool latest(GovernorStatus& status) const noexcept { return published_status_.read(status); }
+  // The computing time of the loop in the last tick. Call it on the haptic thread.
+  std::int64_t last_step_ns() const noexcept { return last_step_ns_; }
   // Ends a trip of the governor. Any thread may call it between start() and stop().
   void rearm() noexcept {
     if (governor_) governor_->rearm();
@@ -104,6 +107,7 @@ class HapticSession {
   Device& device_;
   SessionParts parts_;
   double time_s_ = 0.0;
+  std::int64_t last_step_ns_ = 0;
   std::atomic<bool> is_running_{false};
   std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;

@@ -4,18 +4,13 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <cstring>
 #include <pthread.h>
-#include <sched.h>
-#include <sys/mman.h>
 #include <time.h>
 #include <utility>
 
 namespace palpate {
 namespace {
 
-// Above ordinary threads and below the real-time threads of the kernel.
-constexpr int kFifoPriority = 80;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 std::int64_t monotonic_ns() {
@@ -56,8 +51,8 @@ HapticThread::~HapticThread() {
 }
 
 RealtimeStatus HapticThread::start() {
-  RealtimeStatus status;
   if (auto problem = session_.start()) {
+    RealtimeStatus status;
     status.device_problem = std::move(*problem);
     return status;
   }
@@ -66,29 +61,21 @@ RealtimeStatus HapticThread::start() {
     const BlockedSignals blocked;
     thread_ = std::thread([this] { run(); });
   }
-  const sched_param priority{kFifoPriority};
-  const int refused = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
-  status.fifo_priority = refused == 0;
-  status.locked_memory = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
-  locked_memory_ = status.locked_memory;
-  if (!status.fifo_priority) {
-    status.explanation = std::string("SCHED_FIFO was refused (") + std::strerror(refused) +
-                         "): ticks may be late; allow it with `ulimit -r 80` or run as root";
-  }
-  if (!status.locked_memory) {
-    if (!status.explanation.empty()) status.explanation += "; ";
-    status.explanation +=
-        "memory is not locked: a page fault may delay a tick; allow it with `ulimit -l unlimited`";
-  }
+  is_ready_.wait(false, std::memory_order_acquire);
+  RealtimeStatus status = status_;
   begin_.store(true, std::memory_order_release);
   begin_.notify_one();
   return status;
 }
 
 void HapticThread::run() {
+  status_ = make_realtime(settings_.cpu);
+  is_ready_.store(true, std::memory_order_release);
+  is_ready_.notify_one();
   begin_.wait(false, std::memory_order_acquire);
   const double dt_s = 1.0 / settings_.rate_Hz;
   const double period_ns = static_cast<double>(kNanosecondsPerSecond) * dt_s;
+  usage_ = ThreadUsage::now();
   const std::int64_t start_ns = monotonic_ns();
   std::int64_t period = 0;
   for (std::uint64_t n = 0; settings_.max_ticks == 0 || n < settings_.max_ticks; ++n) {
@@ -97,13 +84,12 @@ void HapticThread::run() {
       return start_ns + std::llround(static_cast<double>(k) * period_ns);
     };
     sleep_until(due(period));
-    const std::int64_t now_ns = monotonic_ns();
-    session_.tick(dt_s, std::max<std::int64_t>(0, now_ns - due(period)), now_ns);
+    run_tick(due(period), dt_s);
     ticks_.store(n + 1, std::memory_order_release);
     const std::int64_t now = monotonic_ns();
     ++period;
     if (now > due(period)) {
-      missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
+      add_late_tick(cost_);
       period =
           static_cast<std::int64_t>(std::ceil(static_cast<double>(now - start_ns) / period_ns));
     }
@@ -112,10 +98,39 @@ void HapticThread::run() {
   running_.store(false, std::memory_order_release);
 }
 
+void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
+  const std::int64_t cpu_before_ns = ThreadUsage::cpu_ns();
+  const std::int64_t start_ns = monotonic_ns();
+  const std::int64_t late_ns = std::max<std::int64_t>(0, start_ns - due_ns);
+  session_.tick(dt_s, late_ns, start_ns);
+  const std::int64_t wall_ns = monotonic_ns() - start_ns;
+  const ThreadUsage::Reading usage = ThreadUsage::now();
+  cost_ = {late_ns,
+           wall_ns,
+           session_.last_step_ns(),
+           usage.cpu_ns - cpu_before_ns,
+           usage.faults - usage_.faults,
+           usage.preemptions - usage_.preemptions};
+  usage_ = usage;
+  times_.late.add(late_ns);
+  times_.wall.add(wall_ns);
+  times_.cpu.add(cost_.cpu_ns);
+  if (last_start_ns_ != 0) times_.period.add(start_ns - last_start_ns_);
+  last_start_ns_ = start_ns;
+}
+
+void HapticThread::add_late_tick(const TickCost& cost) {
+  missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
+  ++times_.late_ticks[static_cast<std::size_t>(cause_of(cost))];
+  const auto end_ns = [](const TickCost& c) { return c.late_ns + c.wall_ns; };
+  if (end_ns(cost) > end_ns(times_.longest)) times_.longest = cost;
+}
+
 void HapticThread::join() {
-  if (thread_.joinable()) thread_.join();
-  if (locked_memory_) munlockall();
-  locked_memory_ = false;
+  if (thread_.joinable()) {
+    thread_.join();
+    if (status_.locked_memory) unlock_memory();
+  }
 }
 
 void HapticThread::stop() {

@@ -39,7 +39,7 @@ struct RunSummary {
   // The ticks in which each rule of the governor acted, indexed like kGovernorRuleNames.
   std::array<std::uint64_t, kGovernorRuleCount> governor_rules{};
   std::uint64_t trips = 0;
-  GovernorTrip last_trip;  // of trips > 0
+  GovernorTrip last_trip;      // of trips > 0
   std::uint64_t a4_ticks = 0;  // ticks in which A4 rotated the scene
   // Indexed like compiled_effects().
   std::array<std::uint64_t, kMostEffects> effect_ticks{};              // ticks with active effect
