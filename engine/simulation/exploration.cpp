@@ -185,6 +185,7 @@ void run_realtime(HapticSession& session, const RunSetup& setup, std::size_t tic
   if (is_stopped(stop)) thread.stop();
   thread.join();
   run.missed_deadlines = thread.missed_deadlines();
+  run.tick_times = thread.times();
 }
 
 // Every tick is recorded in memory, 320 bytes each; one hour at 1 kHz is below this limit.

@@ -12,6 +12,7 @@
 #include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
 #include "engine/session/stop_flag.h"
+#include "engine/session/tick_times.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -43,6 +44,7 @@ struct ExplorationRun {
   double near_m = 0.0;
   double proxy_radius_m = 0.0;
   std::optional<std::uint64_t> missed_deadlines;  // no value in simulated time
+  std::optional<TickTimes> tick_times;            // no value in simulated time
   bool exceeds_workspace = false;
   std::string realtime_note;  // which real-time privileges the system denied
 
