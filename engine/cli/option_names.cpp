@@ -32,6 +32,7 @@ constexpr OptionName kOptionNames[] = {
     {"RunSettings", "velocity_estimator", "--velocity-estimator"},
     {"RunSettings", "velocity_window_ticks", "--velocity-window"},
     {"RunSettings", "encoder_quantum_m", "--encoder-quantum"},
+    {"RunSettings", "max_force_N", "--max-force"},
     {"RunSettings", "plane_height_m", "--plane-height"},
     {"RunSettings", "place", "--place"},
     {"HapticSettings", "initial_pose", "--place"},

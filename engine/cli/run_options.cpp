@@ -46,6 +46,10 @@ void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_h
       {{"none", ForceMode::kNone}, {"actuated", ForceMode::kActuated}, {"full", ForceMode::kFull}},
       "actuated", "the commanded force: none, its part along the actuated axes, or all of it")
       ->group(kDeviceGroup);
+  add_real(app, "--max-force", settings.max_force_N, kAboveZero,
+           "largest force, N; a longer force is shortened and keeps its direction [the device's "
+           "peak force]")
+      ->group(kDeviceGroup);
   add_real(app, "--rate", settings.rate_Hz, {1.0 / kLongestTick_s}, "ticks per second, Hz")
       ->group(kDeviceGroup);
   add_real(

@@ -47,7 +47,9 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
     if (!mover) return mover.error();
     PathDevice device(path_m);
     Keeper keeper(result.records, pass == 0 ? &summary : nullptr);
-    HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&keeper}});
+    HapticSession session(
+        loop, device,
+        {.changes = {&*mover}, .observers = {&keeper}, .max_force_N = setup.max_force_N});
     session.start();
     for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup.dt_s);
     if (pass == 0) {

@@ -52,6 +52,19 @@ std::optional<Error> check_numbers(const RunSettings& o) {
   return std::nullopt;
 }
 
+// A limit may only lower the peak force of the device.
+std::optional<Error> check_max_force(const RunSettings& settings) {
+  if (!settings.max_force_N) return std::nullopt;
+  const double limit_N = *settings.max_force_N;
+  if (auto e = check_number("max_force_N", limit_N, false)) return e;
+  const double peak_N = settings.device.peak_force_N;
+  if (peak_N <= 0.0 || limit_N <= peak_N) return std::nullopt;
+  std::ostringstream text;
+  text << "is " << limit_N << " N; expected at most " << peak_N << " N, the peak force of the "
+       << "device";
+  return invalid_argument("max_force_N", text.str());
+}
+
 Result<VelocitySettings> make_velocity(const RunSettings& settings) {
   VelocitySettings velocity;
   velocity.method = settings.velocity_estimator;
@@ -94,6 +107,7 @@ DeviceDescription device_of(const RunSettings& settings, const ActuationModel& a
 
 Result<RunSetup> make_setup(const RunSettings& settings) {
   if (auto error = check_numbers(settings)) return *error;
+  if (auto error = check_max_force(settings)) return *error;
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
   if (settings.work_budget && *settings.work_budget < 1) {
@@ -102,8 +116,12 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   }
   const auto velocity = make_velocity(settings);
   if (!velocity) return velocity.error();
-  RunSetup setup{
-      *actuation, {}, 1.0 / settings.rate_Hz, settings.moves, device_of(settings, *actuation)};
+  RunSetup setup{*actuation,
+                 {},
+                 1.0 / settings.rate_Hz,
+                 settings.moves,
+                 settings.max_force_N,
+                 device_of(settings, *actuation)};
   setup.haptics.god_object.radius_m = settings.radius_m;
   setup.haptics.god_object.accuracy = settings.accuracy;
   if (settings.work_budget) setup.haptics.god_object.accuracy.work_budget = *settings.work_budget;

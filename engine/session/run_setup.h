@@ -36,6 +36,7 @@ struct RunSettings {
   double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
   VelocityMethod velocity_estimator = VelocityMethod::kDifference;
   int velocity_window_ticks = 1;
+  std::optional<double> max_force_N;        // lowers the device's peak force; no value: not lowered
   std::optional<double> encoder_quantum_m;  // quantum of the device and of the adaptive estimator
   double radius_m = 0.0;
   std::optional<double> plane_height_m;  // for a planar device; no value: chosen by the run, or 0
@@ -52,6 +53,7 @@ struct RunSetup {
   HapticSettings haptics;
   double dt_s;
   std::vector<SteadyMotion> moves;
+  std::optional<double> max_force_N = {};     // see SessionParts
   DeviceDescription device = light_device();  // held by the simulated hand
 };
 

@@ -21,7 +21,9 @@ HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantS
               setup.haptics.initial_pose, setup.actuation.is_planar()),
       loop_(scene.world(), setup.actuation, setup.haptics),
       session_(loop_, device_,
-               {.changes = {&mover_}, .observers = with_last(std::move(observers), device_)}) {}
+               {.changes = {&mover_},
+                .observers = with_last(std::move(observers), device_),
+                .max_force_N = setup.max_force_N}) {}
 
 Result<std::unique_ptr<HandSession>> HandSession::create(const Scene& scene, const RunSetup& setup,
                                                          const PlantSettings& plant, HandPlan& plan,
