@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <functional>
 #include <limits>
 #include <new>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <sys/mman.h>
@@ -174,6 +175,143 @@ TEST(HapticSession, GoesTheRoadInItsOrder) {
   EXPECT_EQ(std::memcmp(&latest, &second.last, sizeof latest), 0);
   EXPECT_EQ(log->last_N, vec3(latest.force_device_N).norm());
   EXPECT_GT(log->last_N, 1.0);
+}
+
+// A device whose motors turn with it, and whose hand does what the test says.
+class MotorDevice final : public Device {
+ public:
+  MotorDevice() {
+    description_.name = "motors";
+    description_.motor_count = 3;
+    for (std::size_t i = 0; i < 3; ++i) {
+      description_.motors[i].direction_device = {};
+      description_.motors[i].direction_device[i] = 1.0;
+    }
+    description_.peak_force_N = 10.0;
+  }
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceSample read(double) noexcept override {
+    DeviceSample sample;
+    sample.position_m = {0.0, 0.0, height_m};
+    sample.sequence = ++samples_;
+    sample.asks_for_trip = asks_for_trip;
+    return sample;
+  }
+  void command(const DeviceCommand& command) noexcept override {
+    force_N = Vec3(command.force_N.data());
+  }
+  std::span<const MotorDescription> motors_now() const noexcept override { return motors; }
+
+  double height_m = kHalf_m + 1e-3;
+  bool asks_for_trip = false;
+  std::vector<MotorDescription> motors;
+  Vec3 force_N = Vec3::Zero();
+
+ private:
+  std::uint64_t samples_ = 0;
+  DeviceDescription description_;
+};
+
+class TripLogger final : public TickObserver {
+ public:
+  void on_tick(const TickRecord& record) noexcept override { last_tick = record.tick; }
+  void on_trip(const GovernorTrip& trip) noexcept override {
+    ++trips;
+    last = trip;
+    last_tick_before = last_tick;
+  }
+  int trips = 0;
+  GovernorTrip last;
+  std::uint64_t last_tick = 0, last_tick_before = 0;
+};
+
+struct MotorRig {
+  explicit MotorRig(SessionParts parts = {})
+      : world(test::box_soup(Vec3::Constant(kHalf_m))),
+        loop(world.world(), *ActuationModel::from_counts(3, 3), SessionRig::settings()),
+        session(loop, device, with(std::move(parts), trips)) {
+    session.start();
+  }
+  static SessionParts with(SessionParts parts, TickObserver& observer) {
+    parts.observers.push_back(&observer);
+    return parts;
+  }
+  void run(int ticks) {
+    for (int n = 0; n < ticks; ++n) session.tick(kTick_s);
+  }
+  void press(double depth_m) {  // slowly
+    for (; device.height_m > kHalf_m - depth_m; device.height_m -= 1e-5) session.tick(kTick_s);
+  }
+
+  test::OwnedWorld world;
+  HapticLoop loop;
+  MotorDevice device;
+  TripLogger trips;
+  HapticSession session;
+};
+
+TEST(HapticSession, StartsTheMotorsOnlyWithACalmHandAndThenGivesTheForceOfTheLoop) {
+  MotorRig pressing;
+  pressing.device.height_m = kHalf_m - 2e-3;  // 2 N at once
+  pressing.run(1000);
+  EXPECT_EQ(pressing.device.force_N, Vec3(Vec3::Zero()));
+  MotorRig rig;
+  rig.run(700);
+  rig.press(2e-3);
+  TickRecord record;
+  ASSERT_TRUE(rig.session.latest(record));
+  EXPECT_GT(record.full_force_device_N[2], 1.9);
+  EXPECT_EQ(rig.device.force_N, vec3(record.full_force_device_N));
+  EXPECT_EQ(record.faults, kFaultNone);
+}
+
+TEST(HapticSession, LimitsTheForceToTheUsersLimit) {
+  MotorRig rig({.max_force_N = 1.0});
+  rig.run(700);
+  rig.press(2e-3);
+  EXPECT_NEAR(rig.device.force_N.z(), 1.0, 1e-12);
+  EXPECT_LE(rig.device.force_N.norm(), 1.0);
+}
+
+TEST(HapticSession, ReportsATripToObserversAndToOtherThreadsAndRearms) {
+  MotorRig rig;
+  rig.run(700);
+  rig.press(2e-3);
+  rig.device.asks_for_trip = true;
+  rig.run(1);
+  EXPECT_EQ(rig.device.force_N, Vec3(Vec3::Zero()));
+  rig.device.asks_for_trip = false;
+  rig.run(100);
+  EXPECT_EQ(rig.trips.trips, 1);
+  EXPECT_EQ(rig.trips.last.reason, TripReason::kDevice);
+  EXPECT_EQ(rig.trips.last.tick, rig.trips.last_tick_before + 1) << "before the tick's record";
+  EXPECT_GT(rig.trips.last.wanted_N[2], 1.9);
+  GovernorStatus status;
+  ASSERT_TRUE(rig.session.latest(status));
+  EXPECT_EQ(status.state, GovernorState::kTripped);
+  EXPECT_EQ(status.trips, 1u);
+  rig.session.rearm();
+  rig.device.height_m = kHalf_m + 1e-3;
+  rig.run(700);
+  rig.press(2e-3);
+  EXPECT_GT(rig.device.force_N.z(), 1.9);
+}
+
+TEST(HapticSession, TakesTheMotorsOfADeviceThatTurnsThem) {
+  for (const bool takes : {true, false}) {
+    MotorRig rig({.takes_motors = takes});
+    const Vec3 direction = Vec3(0.6, 0.0, 0.8);
+    rig.device.motors = {{{0.6, 0.0, 0.8}, 5.0, 1.0}};
+    rig.run(700);
+    rig.press(2e-3);
+    TickRecord record;
+    ASSERT_TRUE(rig.session.latest(record));
+    const Vec3 full_N = vec3(record.full_force_device_N);
+    EXPECT_LE((rig.device.force_N - direction.dot(full_N) * direction).norm(), 1e-12);
+    // The loop that keeps its three axes leaves the rest to the governor.
+    EXPECT_EQ((record.faults & kRuleMotors) != 0, !takes);
+    EXPECT_NEAR(record.alpha_rad, takes ? std::acos(0.8) : 0.0, 1e-12);
+  }
 }
 
 TEST(HapticSession, GivesNoForceForASampleThatTheDeviceCallsInvalid) {
