@@ -1,0 +1,26 @@
+#pragma once
+
+// What a driver's thread asks the process that guards its motors.
+
+#include <cstdint>
+
+namespace palpate {
+
+// The guard stops the motors when the driver's thread stops writing (motor_guard.h). No function
+// blocks, allocates or throws.
+class WriteGuard {
+ public:
+  virtual ~WriteGuard() = default;
+  // Called after a command was written. tick_ns: the time of the tick that the command came from,
+  // on the monotonic clock.
+  virtual void beat(std::int64_t tick_ns) noexcept = 0;
+  // Increases when the guard has stopped the motors. The driver compares it before each write, and
+  // writes zero force from then on.
+  virtual std::uint64_t trip_epoch() const noexcept = 0;
+  // The driver has set up the device again after the guard's trip of this epoch.
+  virtual void acknowledge(std::uint64_t epoch) noexcept = 0;
+  // False: nobody stops the motors any more.
+  virtual bool is_alive() const noexcept = 0;
+};
+
+}  // namespace palpate
