@@ -1,0 +1,270 @@
+#include "engine/devices/hapi_link.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/safety_governor.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kSecond_ns = 1e9;
+
+// An older command of the haptic thread does not count.
+std::int64_t oldest_command_ns(std::int64_t period_ns) {
+  return std::max(std::llround(GovernorLimits::kStale_s * kSecond_ns),
+                  std::llround(GovernorLimits::kStalePeriods * static_cast<double>(period_ns)));
+}
+
+}  // namespace
+
+HapiLink::HapiLink(const HapiSettings& settings)
+    : settings_(settings),
+      bar_(settings.links),
+      torques_(settings_),
+      parser_(settings.wiring.device, settings.wiring.rest_deg),
+      period_ns_(std::llround(kSecond_ns / settings.rate_Hz)) {}
+
+void HapiLink::start(std::int64_t now_ns) {
+  begin_clearing(now_ns);
+}
+
+void HapiLink::set_guard(WriteGuard* guard) {
+  guard_ = guard;
+  if (guard_ != nullptr) guard_epoch_ = guard_->trip_epoch();
+}
+
+void HapiLink::set_force(const HapiForce& force) {
+  force_ = force;
+  const bool is_zero = force.force_N == std::array<double, 2>{};
+  if (is_zero && force.tick_ns > trip_ns_) awaits_zero_ = false;
+}
+
+void HapiLink::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
+  for (const std::uint8_t byte : bytes) {
+    if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
+    if (phase_ != Phase::kRunning) continue;
+    switch (parser_.add(byte)) {
+      case HapiAnswerParser::State::kIncomplete:
+        break;
+      case HapiAnswerParser::State::kComplete:
+        take_answer(now_ns);
+        break;
+      case HapiAnswerParser::State::kMalformed:
+        refuse_answer(now_ns);
+        break;
+    }
+  }
+}
+
+void HapiLink::take_answer(std::int64_t now_ns) {
+  if (flights_.is_empty()) {  // nobody waits for it any more
+    ++counts_.late;
+    return;
+  }
+  const auto pose = hapi_pose(bar_, parser_.angles_deg());
+  if (!pose) {
+    refuse_answer(now_ns);
+    return;
+  }
+  const HapiFlights::Flight flight = flights_.take();
+  const std::int64_t age_ns = now_ns - flight.sent_ns;
+  round_trips_.add(age_ns);
+  ++counts_.answers;
+  pose_ = pose;
+  sample_.tip_m = {pose->tip_m.x(), pose->tip_m.y()};
+  const Mat2& j = pose->jacobian;
+  sample_.jacobian = {j(0, 0), j(0, 1), j(1, 0), j(1, 1)};
+  sample_.fade = pose->fade;
+  sample_.sequence = counts_.answers;
+  sample_.time_ns = flight.sent_ns;
+  if (age_ns > kAnswer_ns) {
+    ++counts_.late;
+    if (!flight.is_missed) count_bad(HapiProblem::kNoAnswers, now_ns);
+    return;
+  }
+  if (!flights_.is_empty()) return;
+  bad_in_a_row_ = 0;
+  if (is_guard_gone_) return;
+  sample_.is_working = true;
+  if (owes_acknowledgement_) guard_->acknowledge(guard_epoch_);
+  owes_acknowledgement_ = false;
+}
+
+void HapiLink::refuse_answer(std::int64_t now_ns) {
+  ++counts_.malformed;
+  count_bad(HapiProblem::kBadAnswers, now_ns);
+  if (phase_ == Phase::kRunning) begin_clearing(now_ns);
+}
+
+void HapiLink::count_bad(HapiProblem problem, std::int64_t now_ns) {
+  if (++bad_in_a_row_ < kMostBad) return;
+  bad_in_a_row_ = 0;
+  trip(problem, now_ns);
+  begin_clearing(now_ns);
+}
+
+void HapiLink::trip(HapiProblem problem, std::int64_t now_ns) {
+  trip_ns_ = now_ns;
+  awaits_zero_ = true;
+  if (!sample_.is_working) return;
+  sample_.is_working = false;
+  sample_.problem = problem;
+  ++sample_.trips;
+}
+
+void HapiLink::hang_up(std::int64_t now_ns) {
+  if (phase_ == Phase::kOff) return;
+  trip(HapiProblem::kHungUp, now_ns);
+  phase_ = Phase::kOff;
+  outgoing_.clear();
+  sent_ = 0;
+}
+
+void HapiLink::step(std::int64_t now_ns) {
+  if (phase_ == Phase::kOff) return;
+  watch_guard(now_ns);
+  watch_answers(now_ns);
+  if (phase_ == Phase::kClearing) watch_clearing(now_ns);
+  if (phase_ != Phase::kRunning) return;
+  const bool has_begun = sent_ > 0 || !is_tick_;
+  const bool waits = !to_send().empty();
+  if (waits && !has_begun) {
+    make_tick(now_ns);  // anew, with the newest force
+  } else if (!waits && may_send() && now_ns >= next_tick_ns_) {
+    if (flights_.is_full()) flights_.take();
+    flights_.add(now_ns);
+    ++counts_.messages;
+    make_tick(now_ns);
+    // The messages keep their rhythm unless one was late by a period.
+    const bool is_in_rhythm = now_ns - next_tick_ns_ < period_ns_;
+    next_tick_ns_ = (is_in_rhythm ? next_tick_ns_ : now_ns) + period_ns_;
+  }
+}
+
+void HapiLink::watch_guard(std::int64_t now_ns) {
+  if (guard_ == nullptr || is_guard_gone_) return;
+  if (!guard_->is_alive()) {
+    is_guard_gone_ = true;
+    trip(HapiProblem::kGuardGone, now_ns);
+    return;
+  }
+  const std::uint64_t epoch = guard_->trip_epoch();
+  if (epoch == guard_epoch_) return;
+  guard_epoch_ = epoch;
+  owes_acknowledgement_ = true;
+  trip(HapiProblem::kGuardTripped, now_ns);
+  begin_clearing(now_ns);
+}
+
+void HapiLink::watch_answers(std::int64_t now_ns) {
+  if (phase_ != Phase::kRunning || flights_.is_empty()) return;
+  HapiFlights::Flight& newest = flights_.newest();
+  const std::int64_t age_ns = now_ns - newest.sent_ns;
+  if (flights_.is_newest_met()) {
+    if (age_ns >= kForget_ns) flights_.clear();
+    return;
+  }
+  if (newest.is_missed || age_ns < kAnswer_ns) return;
+  if (parser_.has_part()) {
+    refuse_answer(now_ns);
+    return;
+  }
+  // The message of a line that takes no bytes stays in flight, and each wait for it counts.
+  const bool is_stuck = !to_send().empty();
+  newest.is_missed = !is_stuck;
+  if (is_stuck) newest.sent_ns = now_ns;
+  ++counts_.missed;
+  count_bad(HapiProblem::kNoAnswers, now_ns);
+}
+
+// Only one message is in flight, unless its answer is overdue.
+bool HapiLink::may_send() const {
+  return flights_.is_empty() || (flights_.newest().is_missed && !flights_.is_newest_met());
+}
+
+void HapiLink::begin_clearing(std::int64_t now_ns) {
+  phase_ = Phase::kClearing;
+  quiet_since_ns_ = clearing_since_ns_ = now_ns;
+  flights_.clear();
+  parser_.clear();
+  torques_.confirm_zero();
+  put(hapi_zero_bytes(settings_.wiring));
+  is_tick_ = false;
+  is_zero_ = true;
+}
+
+void HapiLink::watch_clearing(std::int64_t now_ns) {
+  const bool is_long = now_ns - clearing_since_ns_ >= kLongestClearing_ns;
+  if (to_send().empty() && (is_long || now_ns - quiet_since_ns_ >= kForget_ns)) {
+    set_up(now_ns);
+  } else if (is_long) {  // the line takes no bytes
+    trip(HapiProblem::kNoAnswers, now_ns);
+    clearing_since_ns_ = now_ns;
+  }
+}
+
+void HapiLink::set_up(std::int64_t now_ns) {
+  put(hapi_reset());
+  const auto message = hapi_set_up(settings_.wiring, parser_.angles_deg());
+  outgoing_.insert(outgoing_.end(), message.begin(), message.end());
+  is_tick_ = is_zero_ = false;
+  phase_ = Phase::kRunning;
+  next_tick_ns_ = last_tick_ns_ = now_ns;
+  ++counts_.set_ups;
+}
+
+void HapiLink::make_tick(std::int64_t now_ns) {
+  const Vec2 force_N = commands_force(now_ns) ? Vec2(force_.force_N.data()) : Vec2::Zero();
+  const HapiNumbers torques =
+      torques_.next(force_N, pose_.value_or(HapiPose{}), now_ns - last_tick_ns_);
+  put(hapi_tick(settings_.wiring.device, torques));
+  is_tick_ = true;
+  is_zero_ = torques == HapiNumbers{};
+}
+
+bool HapiLink::commands_force(std::int64_t now_ns) const {
+  if (is_released_ || awaits_zero_ || !sample_.is_working || !pose_) return false;
+  if (is_guard_gone_ || (guard_ == nullptr && !settings_.works_without_guard)) return false;
+  if (force_.tick_ns == 0) return false;
+  return now_ns - force_.tick_ns <= oldest_command_ns(period_ns_);
+}
+
+template <typename Message>
+void HapiLink::put(const Message& message) {
+  outgoing_.assign(message.begin(), message.end());
+  sent_ = 0;
+}
+
+void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
+  if (count == 0) return;
+  sent_ = std::min(sent_ + count, outgoing_.size());
+  if (!to_send().empty()) return;
+  if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
+  if (!is_tick_ && !is_zero_) return;  // a set-up
+  has_sent_zero_ = is_released_ && is_zero_;
+  if (is_tick_) {
+    torques_.confirm();
+    last_tick_ns_ = now_ns;
+  }
+  if (guard_ != nullptr && force_.tick_ns != 0) guard_->beat(force_.tick_ns);
+}
+
+std::int64_t HapiLink::wake_ns() const {
+  if (phase_ == Phase::kClearing) {
+    return to_send().empty() ? quiet_since_ns_ + kForget_ns
+                             : clearing_since_ns_ + kLongestClearing_ns;
+  }
+  if (may_send() && to_send().empty()) return next_tick_ns_;
+  if (flights_.is_empty()) return next_tick_ns_;
+  return flights_.newest().sent_ns + (flights_.is_newest_met() ? kForget_ns : kAnswer_ns);
+}
+
+HapiCounts HapiLink::counts() const {
+  HapiCounts counts = counts_;
+  counts.round_trip_median_ns = round_trips_.median_ns();
+  counts.round_trip_longest_ns = round_trips_.longest_ns();
+  return counts;
+}
+
+}  // namespace palpate

@@ -1,0 +1,167 @@
+#pragma once
+
+// The conversation with a hAPI board: what to send and when, and what the answers mean. It does no
+// I/O and reads no clock.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/devices/hapi_flights.h"
+#include "engine/devices/hapi_protocol.h"
+#include "engine/devices/hapi_settings.h"
+#include "engine/devices/hapi_torques.h"
+#include "engine/devices/round_trips.h"
+#include "engine/devices/write_guard.h"
+
+namespace palpate {
+
+// Why the driver has asked for a trip.
+enum class HapiProblem : std::uint8_t {
+  kNone,
+  kNoAnswers,
+  kBadAnswers,
+  kHungUp,
+  kGuardTripped,  // the guard has stopped the motors
+  kGuardGone      // nobody would stop the motors
+};
+
+// The force that a tick commands.
+struct HapiForce {
+  std::array<double, 2> force_N = {};
+  std::int64_t tick_ns = 0;  // time of the tick; 0: there was none
+};
+
+// What the driver knows of the device.
+struct HapiSample {
+  std::array<double, 2> tip_m = {};
+  std::array<double, 4> jacobian = {};  // row by row, m/rad
+  double fade = 0.0;                    // HapiPose::fade
+  std::uint64_t sequence = 0;           // number of the answer; the driver counts it
+  std::int64_t time_ns = 0;  // when its message was sent: the device was sampled no earlier
+  // The motors obey: since the last trip the board was set up again and has answered.
+  bool is_working = false;
+  std::uint64_t trips = 0;
+  HapiProblem problem = HapiProblem::kNone;  // of the last trip
+};
+
+struct HapiCounts {
+  std::uint64_t messages = 0;   // ticks
+  std::uint64_t answers = 0;    // accepted
+  std::uint64_t missed = 0;     // messages without an answer for kAnswer_ns
+  std::uint64_t late = 0;       // answers later than that
+  std::uint64_t malformed = 0;  // answers that were refused or cut
+  std::uint64_t set_ups = 0;
+  std::int64_t round_trip_median_ns = 0;
+  std::int64_t round_trip_longest_ns = 0;
+};
+
+// The conversation. Rules:
+// - At most one message is in flight. If its answer does not come within kAnswer_ns, it is counted
+//   and the next message goes out. If then only one answer comes, nobody knows to which message it
+//   belongs: the link takes the older one, and waits until kForget_ns for another answer.
+// - After a malformed answer, the link sends zero, discards bytes until the line was quiet for
+//   kForget_ns, resets the board, and sets it up with the last good angles.
+// - After kMostBad messages in a row with a bad outcome of either kind, the same happens, and the
+//   link asks for a trip.
+// - Before each message it looks at the guard. If the guard has stopped the motors, the same
+//   happens; if the guard is gone, the link commands zero from then on.
+// - After a trip it commands zero until a later tick has commanded zero.
+// - It commands zero if the newest tick is older than 10 ms or 5 periods, whichever is longer.
+// - A message that is cut is continued, never begun again. A message that waits is made anew.
+//
+// Times are on one monotonic clock and never decrease. One thread owns an object.
+class HapiLink {
+ public:
+  static constexpr std::int64_t kAnswer_ns = 5'000'000;
+  static constexpr std::int64_t kForget_ns = 2 * kAnswer_ns;
+  static constexpr std::int64_t kLongestClearing_ns = 100'000'000;  // on a line that is never quiet
+  static constexpr int kMostBad = 3;
+
+  // The device must be in its rest pose at the first set-up.
+  explicit HapiLink(const HapiSettings& settings);
+  HapiLink(const HapiLink&) = delete;
+  HapiLink& operator=(const HapiLink&) = delete;
+
+  // Stops motors that may still push, and sets up the board.
+  void start(std::int64_t now_ns);
+  // guard: must outlive the link; null: there is none. Its earlier trips are ignored.
+  void set_guard(WriteGuard* guard);
+  void set_force(const HapiForce& force);
+  // From now on, the link commands zero.
+  void release() { is_released_ = true; }
+  // A zero force was sent after release(), or nothing can be sent.
+  bool has_released() const { return has_sent_zero_ || phase_ == Phase::kOff; }
+
+  // Bytes from the board.
+  void receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns);
+  // The line is dead: nothing can be sent from now on.
+  void hang_up(std::int64_t now_ns);
+  // Does what is due. Call it after receive(), and at wake_ns().
+  void step(std::int64_t now_ns);
+  // Bytes to the board, valid until the next call. Call it directly after step().
+  std::span<const std::uint8_t> to_send() const { return std::span(outgoing_).subspan(sent_); }
+  // The first `count` bytes of to_send() were written.
+  void sent(std::size_t count, std::int64_t now_ns);
+  // When the next step is due.
+  std::int64_t wake_ns() const;
+
+  const HapiSample& sample() const { return sample_; }
+  HapiCounts counts() const;
+
+ private:
+  enum class Phase : std::uint8_t { kOff, kClearing, kRunning };
+
+  void watch_guard(std::int64_t now_ns);
+  void watch_answers(std::int64_t now_ns);
+  void take_answer(std::int64_t now_ns);
+  void refuse_answer(std::int64_t now_ns);
+  void count_bad(HapiProblem problem, std::int64_t now_ns);
+  void trip(HapiProblem problem, std::int64_t now_ns);
+  void begin_clearing(std::int64_t now_ns);
+  void watch_clearing(std::int64_t now_ns);
+  void set_up(std::int64_t now_ns);
+  bool may_send() const;
+  void make_tick(std::int64_t now_ns);
+  bool commands_force(std::int64_t now_ns) const;
+  template <typename Message>
+  void put(const Message& message);
+
+  HapiSettings settings_;
+  FiveBar bar_;
+  HapiTorques torques_;
+  HapiAnswerParser parser_;
+  WriteGuard* guard_ = nullptr;
+  std::uint64_t guard_epoch_ = 0;  // the last one that was seen
+  bool owes_acknowledgement_ = false;
+  bool is_guard_gone_ = false;
+
+  Phase phase_ = Phase::kOff;
+  std::int64_t quiet_since_ns_ = 0;
+  std::int64_t clearing_since_ns_ = 0;
+  HapiFlights flights_;
+  int bad_in_a_row_ = 0;
+  std::int64_t period_ns_;
+  std::int64_t next_tick_ns_ = 0;
+  std::int64_t last_tick_ns_ = 0;
+
+  std::vector<std::uint8_t> outgoing_;
+  std::size_t sent_ = 0;
+  bool is_tick_ = false;  // outgoing_ is a tick message
+  bool is_zero_ = false;  // outgoing_ ends with zero torques
+
+  HapiForce force_;
+  bool awaits_zero_ = false;  // since trip_ns_
+  std::int64_t trip_ns_ = 0;
+  bool is_released_ = false;
+  bool has_sent_zero_ = false;
+
+  std::optional<HapiPose> pose_;
+  HapiSample sample_;
+  HapiCounts counts_;
+  RoundTrips round_trips_;
+};
+
+}  // namespace palpate
