@@ -83,7 +83,6 @@ void HapiLink::take_answer(std::int64_t now_ns) {
     if (!flight.is_missed) count_bad(HapiProblem::kNoAnswers, now_ns);
     return;
   }
-  if (!flights_.is_empty()) return;
   bad_in_a_row_ = 0;
   if (is_guard_gone_) return;
   sample_.is_working = true;
@@ -94,7 +93,7 @@ void HapiLink::take_answer(std::int64_t now_ns) {
 void HapiLink::refuse_answer(std::int64_t now_ns) {
   ++counts_.malformed;
   count_bad(HapiProblem::kBadAnswers, now_ns);
-  if (phase_ == Phase::kRunning) begin_clearing(now_ns);
+  begin_clearing(now_ns);
 }
 
 void HapiLink::count_bad(HapiProblem problem, std::int64_t now_ns) {

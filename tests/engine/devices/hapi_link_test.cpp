@@ -204,18 +204,24 @@ TEST(HapiLink, ForceFadesNearASingularPose) {
 TEST(HapiTorques, FadeScalesTheForce) {
   const HapiSettings settings = pushing_settings();
   const FiveBar bar(settings.links);
-  for (double second_deg = 0.0; second_deg > -60.0; second_deg -= 1.0) {
-    const auto pose = hapi_pose(bar, {180.0f, static_cast<float>(second_deg)});
-    if (!pose) continue;
-    HapiTorques torques(settings);
-    const Vec2 force_N(1e-3, 2e-3);  // below every other limit
-    const HapiNumbers numbers = torques.next(force_N, *pose, 1'000'000);
-    const Vec2 full_Nm = pose->jacobian.transpose() * force_N;
-    for (int k = 0; k < 2; ++k) {
-      EXPECT_NEAR(static_cast<double>(numbers[static_cast<std::size_t>(k)]),
-                  pose->fade * full_Nm[k], std::numeric_limits<float>::epsilon() * full_Nm.norm());
+  int fading = 0;
+  for (float first_deg = 90.0f; first_deg < 240.0f; first_deg += 0.5f) {
+    for (float second_deg = -60.0f; second_deg < 90.0f; second_deg += 0.5f) {
+      const auto pose = hapi_pose(bar, {first_deg, second_deg});
+      if (!pose) continue;
+      fading += pose->fade > 0.0 && pose->fade < 1.0;
+      HapiTorques torques(settings);
+      const Vec2 force_N(1e-3, 2e-3);  // below every other limit
+      const HapiNumbers numbers = torques.next(force_N, *pose, 1'000'000);
+      const Vec2 full_Nm = pose->jacobian.transpose() * force_N;
+      for (int k = 0; k < 2; ++k) {
+        EXPECT_NEAR(static_cast<double>(numbers[static_cast<std::size_t>(k)]),
+                    pose->fade * full_Nm[k],
+                    std::numeric_limits<float>::epsilon() * full_Nm.norm());
+      }
     }
   }
+  EXPECT_GT(fading, 10);
 }
 
 TEST(HapiTorques, ForceThatIsNotFiniteIsZero) {
@@ -245,6 +251,18 @@ TEST(HapiLink, CountsAMissingAnswerAndGoesOn) {
   const auto commands = rig.commands_since(lost_ns);
   EXPECT_EQ(commands[1].time_ns - commands[0].time_ns, 5 * kMillisecond_ns);
   EXPECT_EQ(counts.messages, counts.answers + 1);
+  // It soon sends one message a period again.
+  EXPECT_EQ(rig.commands_since(rig.now_ns - 20 * kMillisecond_ns).size(), 20u);
+}
+
+TEST(HapiLink, MissingAnswersThatDoNotFollowEachOtherAreNoTrip) {
+  Pushing rig;
+  for (int n = 0; n < 10; ++n) {
+    rig.board.add_fault(rig.fault(Kind::kSilence, 0, kMillisecond_ns));
+    rig.push(kPush_N, 30 * kMillisecond_ns);
+  }
+  EXPECT_EQ(rig.link.counts().missed, 10u);
+  EXPECT_EQ(rig.link.sample().trips, 0u);
 }
 
 TEST(HapiLink, MatchesALateAnswerWithItsMessage) {
@@ -340,6 +358,36 @@ TEST(HapiLink, CommandsZeroAfterATripUntilATickCommandsZero) {
   EXPECT_FALSE(is_zero(rig.commands_since(rearmed_ns).back()));
 }
 
+TEST(HapiLink, ATickBeforeTheTripDoesNotEndTheZero) {
+  Pushing rig;
+  rig.push(Vec2::Zero(), 5 * kMillisecond_ns);  // in free space
+  const HapiForce old{{0.0, 0.0}, rig.now_ns - kMillisecond_ns};
+  rig.guard.epoch = 1;
+  const std::int64_t trip_ns = rig.now_ns;
+  rig.step();
+  rig.now_ns += HapiRig::kStep_ns;
+  rig.link.set_force(old);  // the mailbox still has it
+  rig.push(kPush_N, 100 * kMillisecond_ns);
+  EXPECT_TRUE(rig.link.sample().is_working);
+  EXPECT_TRUE(all_zero(rig.commands_since(trip_ns)));
+}
+
+TEST(HapiLink, CommandsZeroUntilTheBoardHasAnsweredAgain) {
+  Pushing rig;
+  rig.board.add_fault(rig.fault(Kind::kSilence, 0, 100 * kMillisecond_ns));
+  const std::int64_t fault_ns = rig.now_ns;
+  rig.push(kPush_N, 30 * kMillisecond_ns);
+  ASSERT_EQ(rig.link.sample().trips, 1u);
+  rig.push(Vec2::Zero(), 2 * kMillisecond_ns);
+  rig.push(kPush_N, 100 * kMillisecond_ns);
+  EXPECT_TRUE(rig.link.sample().is_working);
+  for (const BoardCommand& command : rig.commands_since(fault_ns + 15 * kMillisecond_ns)) {
+    if (command.time_ns < fault_ns + 100 * kMillisecond_ns) {
+      EXPECT_TRUE(is_zero(command));
+    }
+  }
+}
+
 // A torque that one byte of an answer garbles: found, drained and counted.
 TEST(HapiLink, FindsALostByteSetsUpAgainAndKeepsTheAngles) {
   for (std::size_t byte = 0; byte < kHapiAnswerSize; ++byte) {
@@ -391,6 +439,54 @@ TEST(HapiLink, SendsZeroBeforeItDrains) {
   ASSERT_EQ(commands.size(), 2u);  // the one with the bad answer, and zero; nothing while draining
   EXPECT_TRUE(is_zero(commands[1]));
   EXPECT_LE(commands[1].time_ns - commands[0].time_ns, 350'000);
+}
+
+TEST(HapiLink, DrainsUntilTheLineWasQuietForTenMilliseconds) {
+  Pushing rig;
+  rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
+  // The answer to the zero comes late, in the middle of the drain.
+  BoardFault late = rig.fault(Kind::kDelay, 0, 5 * kMillisecond_ns);
+  late.delay_ns = 4 * kMillisecond_ns;
+  rig.board.add_fault(late);
+  const std::int64_t fault_ns = rig.now_ns;
+  rig.push(kPush_N, 40 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.counts().malformed, 1u);
+  const auto commands = rig.commands_since(fault_ns);
+  ASSERT_GT(commands.size(), 3u);
+  const std::int64_t last_byte_ns = commands[1].time_ns + 4'300'000;
+  // The set-up goes out in one step, the next message in the next one.
+  EXPECT_EQ(commands[2].time_ns, last_byte_ns + 10 * kMillisecond_ns + HapiRig::kStep_ns);
+}
+
+TEST(HapiLink, ForceGrowsByTheSlewAfterADrain) {
+  HapiSettings settings = pushing_settings();
+  settings.peak_torque_Nm = 10.0;
+  Pushing rig(settings);
+  rig.push({20.0, 0.0}, 50 * kMillisecond_ns);
+  rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
+  const std::int64_t fault_ns = rig.now_ns;
+  rig.push({20.0, 0.0}, 40 * kMillisecond_ns);
+  ASSERT_EQ(rig.link.counts().malformed, 1u);
+  double last_N = 20.0;
+  for (std::size_t k = 1; k < rig.board.log().size(); ++k) {
+    const BoardCommand& command = rig.board.log()[k];
+    if (command.time_ns < fault_ns) continue;
+    const double N = force_N(command, rig.board.log()[k - 1].answered_deg, settings).norm();
+    EXPECT_LE(N, last_N + 5.0 + 1e-3) << command.time_ns - fault_ns;
+    last_N = N;
+  }
+  EXPECT_NEAR(last_N, 20.0, 1e-3);
+}
+
+TEST(HapiLink, ALineThatBlocksWhileItDrainsTrips) {
+  Pushing rig;
+  rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
+  rig.push(kPush_N, 500'000);
+  rig.most_bytes = 0;
+  rig.push(kPush_N, 50 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.sample().trips, 0u);
+  rig.push(kPush_N, 60 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.sample().trips, 1u);
 }
 
 TEST(HapiLink, ThreeMalformedAnswersInARowTrip) {
