@@ -22,7 +22,8 @@ HapiLink::HapiLink(const HapiSettings& settings)
     : settings_(settings),
       bar_(settings.links),
       torques_(settings_),
-      parser_(settings.wiring.device, settings.wiring.rest_deg),
+      angles_deg_(settings.wiring.rest_deg),
+      parser_(settings.wiring.device, angles_deg_),
       period_ns_(std::llround(kSecond_ns / settings.rate_Hz)) {}
 
 void HapiLink::start(std::int64_t now_ns) {
@@ -63,11 +64,12 @@ void HapiLink::take_answer(std::int64_t now_ns) {
     return;
   }
   const auto pose = hapi_pose(bar_, parser_.angles_deg());
-  if (!pose) {
+  if (!pose || !is_reachable(parser_.angles_deg(), now_ns)) {
     refuse_answer(now_ns);
     return;
   }
   const HapiFlights::Flight flight = flights_.take();
+  angles_deg_ = parser_.angles_deg();
   const std::int64_t age_ns = now_ns - flight.sent_ns;
   round_trips_.add(age_ns);
   ++counts_.answers;
@@ -88,6 +90,18 @@ void HapiLink::take_answer(std::int64_t now_ns) {
   sample_.is_working = true;
   if (owes_acknowledgement_) guard_->acknowledge(guard_epoch_);
   owes_acknowledgement_ = false;
+}
+
+// False if a joint would have turned faster than any hand turns it.
+bool HapiLink::is_reachable(const HapiNumbers& angles_deg, std::int64_t now_ns) const {
+  if (!pose_) return true;
+  const double most_deg =
+      kFastestJoint_deg_per_s / kSecond_ns * static_cast<double>(now_ns - sample_.time_ns);
+  for (std::size_t joint = 0; joint < kHapiJoints; ++joint) {
+    const float turn_deg = angles_deg[joint] - angles_deg_[joint];
+    if (std::abs(static_cast<double>(turn_deg)) > most_deg) return false;
+  }
+  return true;
 }
 
 void HapiLink::refuse_answer(std::int64_t now_ns) {
@@ -186,7 +200,7 @@ void HapiLink::begin_clearing(std::int64_t now_ns) {
   phase_ = Phase::kClearing;
   quiet_since_ns_ = clearing_since_ns_ = now_ns;
   flights_.clear();
-  parser_.clear();
+  parser_ = HapiAnswerParser(settings_.wiring.device, angles_deg_);
   torques_.confirm_zero();
   put(hapi_zero_bytes(settings_.wiring));
   is_tick_ = false;
@@ -205,7 +219,7 @@ void HapiLink::watch_clearing(std::int64_t now_ns) {
 
 void HapiLink::set_up(std::int64_t now_ns) {
   put(hapi_reset());
-  const auto message = hapi_set_up(settings_.wiring, parser_.angles_deg());
+  const auto message = hapi_set_up(settings_.wiring, angles_deg_);
   outgoing_.insert(outgoing_.end(), message.begin(), message.end());
   is_tick_ = is_zero_ = false;
   phase_ = Phase::kRunning;

@@ -62,8 +62,11 @@ struct HapiCounts {
 // - At most one message is in flight. If its answer does not come within kAnswer_ns, it is counted
 //   and the next message goes out. If then only one answer comes, nobody knows to which message it
 //   belongs: the link takes the older one, and waits until kForget_ns for another answer.
-// - After a malformed answer, the link sends zero, discards bytes until the line was quiet for
-//   kForget_ns, resets the board, and sets it up with the last good angles.
+// - An answer is malformed if the parser refuses it, if it is cut, if the links cannot have its
+//   angles, or if a joint would have turned faster than kFastestJoint_deg_per_s. A fault that
+//   changes an angle by less cannot be found. After a malformed answer, the link sends zero,
+//   discards bytes until the line was quiet for kForget_ns, resets the board, and sets it up with
+//   the last good angles.
 // - After kMostBad messages in a row with a bad outcome of either kind, the same happens, and the
 //   link asks for a trip.
 // - Before each message it looks at the guard. If the guard has stopped the motors, the same
@@ -79,6 +82,7 @@ class HapiLink {
   static constexpr std::int64_t kForget_ns = 2 * kAnswer_ns;
   static constexpr std::int64_t kLongestClearing_ns = 100'000'000;  // on a line that is never quiet
   static constexpr int kMostBad = 3;
+  static constexpr double kFastestJoint_deg_per_s = 12'000.0;  // a tip of the example at 10 m/s
 
   // The device must be in its rest pose at the first set-up.
   explicit HapiLink(const HapiSettings& settings);
@@ -117,6 +121,7 @@ class HapiLink {
   void watch_guard(std::int64_t now_ns);
   void watch_answers(std::int64_t now_ns);
   void take_answer(std::int64_t now_ns);
+  bool is_reachable(const HapiNumbers& angles_deg, std::int64_t now_ns) const;
   void refuse_answer(std::int64_t now_ns);
   void count_bad(HapiProblem problem, std::int64_t now_ns);
   void trip(HapiProblem problem, std::int64_t now_ns);
@@ -132,6 +137,7 @@ class HapiLink {
   HapiSettings settings_;
   FiveBar bar_;
   HapiTorques torques_;
+  HapiNumbers angles_deg_;  // of the last answer that was accepted
   HapiAnswerParser parser_;
   WriteGuard* guard_ = nullptr;
   std::uint64_t guard_epoch_ = 0;  // the last one that was seen

@@ -11,7 +11,7 @@ namespace {
 using FaultKind = BoardFault::Kind;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::int64_t kPlantStep_ns = 50'000;  // the firmware's loop
+constexpr std::int64_t kPlantStep_ns = 200'000;  // short beside the periods of hand and wall
 
 bool is_active(const BoardFault& fault, std::int64_t now_ns) {
   return fault.from_ns <= now_ns && now_ns < fault.until_ns;

@@ -16,7 +16,7 @@ void PantographPlant::advance(const Vec2& torques_Nm, double dt_s) {
   Vec2 force_N = settings_.hand.stiffness_N_per_m * (hand_m_ - tip_m());
   const auto jacobian = bar_.jacobian(joints_rad_);
   // torques = J^T . force
-  if (jacobian) force_N += jacobian->transpose().fullPivLu().solve(torques_Nm);
+  if (jacobian) force_N += jacobian->transpose().inverse() * torques_Nm;
   const Vec3 before_m = body_.position_m();
   body_.advance({force_N.x(), force_N.y(), 0.0}, dt_s);
   const auto joints_rad = bar_.inverse(tip_m());

@@ -429,6 +429,31 @@ TEST(HapiLink, FindsAWrongDeviceByteAndAJumpAtOnce) {
   }
 }
 
+// The first angle is about 180 degrees, of 0x43 in its last byte: 0x42 is 45 to 90 degrees less,
+// and a change of the third byte is 1 to 64 degrees.
+TEST(HapiLink, FindsAnAngleThatTurnsFasterThanAHand) {
+  for (const auto& [byte, mask] : {std::pair<std::size_t, int>{4, 0x01}, {3, 0x20}, {3, 0x10}}) {
+    Pushing rig;
+    rig.board.set_hand({0.02, 0.05});
+    rig.push(kPush_N, 300 * kMillisecond_ns);
+    BoardFault fault = rig.fault(Kind::kCorrupt, 0, kMillisecond_ns);
+    fault.byte = byte;
+    fault.mask = static_cast<std::uint8_t>(mask);
+    rig.board.add_fault(fault);
+    Vec2 last_m(rig.link.sample().tip_m.data());
+    double longest_m = 0.0;  // between two ticks
+    rig.run(100 * kMillisecond_ns, [&] {
+      rig.link.set_force({{kPush_N.x(), kPush_N.y()}, rig.now_ns});
+      const Vec2 tip_m(rig.link.sample().tip_m.data());
+      longest_m = std::max(longest_m, (tip_m - last_m).norm());
+      last_m = tip_m;
+    });
+    EXPECT_LE(longest_m, 1e-3) << "a wrong position was taken";  // the hand is slower than 1 m/s
+    EXPECT_EQ(rig.link.counts().malformed, 1u);
+    EXPECT_TRUE(rig.link.sample().is_working);
+  }
+}
+
 TEST(HapiLink, SendsZeroBeforeItDrains) {
   Pushing rig;
   BoardFault fault = rig.fault(Kind::kCorrupt, 0, kMillisecond_ns);

@@ -42,27 +42,27 @@ inline HapiSettings pushing_settings() {
 
 class HapiRig {
  public:
-  static constexpr std::int64_t kStep_ns = 50'000;
+  static constexpr std::int64_t kStep_ns = 50'000;  // by default
   static constexpr std::int64_t kStart_ns = 1'000 * kMillisecond_ns;
 
   explicit HapiRig(const HapiSettings& settings = pushing_settings(),
-                   const BoardSettings& board_settings = {})
-      : link(settings), board(board_settings) {
+                   const BoardSettings& board_settings = {}, std::int64_t step_of_rig_ns = kStep_ns)
+      : step_ns(step_of_rig_ns), link(settings), board(board_settings) {
     link.set_guard(&guard);
     link.start(now_ns);
   }
 
   // on_tick is called once per period, at the beginning of a step.
   void run(std::int64_t time_ns, const std::function<void()>& on_tick = {}) {
-    for (const std::int64_t end_ns = now_ns + time_ns; now_ns < end_ns; now_ns += kStep_ns) {
+    for (const std::int64_t end_ns = now_ns + time_ns; now_ns < end_ns; now_ns += step_ns) {
       if (on_tick && (now_ns - kStart_ns) % kMillisecond_ns == 0) on_tick();
       step();
     }
   }
   // Runs until the first answer, and on to the next tick.
   void run_until_working() {
-    for (int n = 0; n < 100'000 && !link.sample().is_working; ++n, now_ns += kStep_ns) step();
-    for (; (now_ns - kStart_ns) % kMillisecond_ns != 0; now_ns += kStep_ns) step();
+    for (int n = 0; n < 100'000 && !link.sample().is_working; ++n, now_ns += step_ns) step();
+    for (; (now_ns - kStart_ns) % kMillisecond_ns != 0; now_ns += step_ns) step();
   }
   // Runs while each tick commands a force.
   void push(const Vec2& force_N, std::int64_t time_ns) {
@@ -95,6 +95,7 @@ class HapiRig {
     return fault;
   }
 
+  const std::int64_t step_ns;
   std::int64_t now_ns = kStart_ns;
   std::size_t most_bytes = 64;  // that the line takes in a step
   FakeGuard guard;
