@@ -111,6 +111,8 @@ class HapiLink {
   void sent(std::size_t count, std::int64_t now_ns);
   // When the next step is due.
   std::int64_t wake_ns() const;
+  // Before start() and after hang_up(): there is nothing to do.
+  bool is_off() const { return phase_ == Phase::kOff; }
 
   const HapiSample& sample() const { return sample_; }
   HapiCounts counts() const;

@@ -7,6 +7,7 @@
 
 #include "engine/devices/five_bar.h"
 #include "engine/devices/hapi_protocol.h"
+#include "geometry/base/result.h"
 
 namespace palpate {
 
@@ -23,5 +24,20 @@ struct HapiSettings {
   // ends (WriteGuard). For tests.
   bool works_without_guard = false;
 };
+
+// What the driver accepts.
+struct HapiLimits {
+  static constexpr double kShortest_m = 1e-3;  // of a link
+  static constexpr double kLongest_m = 1.0;
+  static constexpr double kMostCounts = 1 << 24;  // the protocol's numbers have 24 bits
+  static constexpr double kSlowest_Hz = 50.0;
+  static constexpr double kFastest_Hz = 4000.0;
+  static constexpr double kMostPerNm = 1e6;
+  static constexpr double kMostPeak_Nm = 10.0;
+};
+
+// An Error if a setting is out of range or if the linkage has no workspace. Its element is the
+// setting, by the name of device_options.h.
+std::optional<Error> check_hapi_settings(const HapiSettings& settings);
 
 }  // namespace palpate

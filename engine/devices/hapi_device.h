@@ -1,0 +1,69 @@
+#pragma once
+
+// The driver of a pantograph on a hAPI board (Haply 2DIY).
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/devices/hapi_link.h"
+#include "engine/devices/hapi_settings.h"
+#include "engine/devices/hapi_view.h"
+#include "engine/devices/write_guard.h"
+#include "palpate/device.h"
+
+namespace palpate {
+
+// Talks with the board on a thread of its own, so that the haptic thread does no I/O: a mailbox in
+// each direction holds the newest sample and the newest force.
+//
+// start() opens the port, sets up the board and waits until it answers. The device must be in its
+// rest pose then (HapiWiring). A guard is given after start(), because it needs the open port;
+// without one the driver commands zero (HapiSettings::works_without_guard).
+//
+// The driver has not run on hardware. It cannot tell a frozen encoder behind fresh answers from a
+// hand at rest.
+class HapiDevice final : public Device {
+ public:
+  // A board must answer start() within this time.
+  static constexpr double kAnswerToStart_s = 2.0;
+
+  explicit HapiDevice(HapiSettings settings);
+  ~HapiDevice() override;
+
+  const DeviceDescription& description() const noexcept override { return view_.description(); }
+  std::optional<std::string> start() override;
+  DeviceSample read(double dt_s) noexcept override;
+  void command(const DeviceCommand& command) noexcept override;
+  std::span<const MotorDescription> motors_now() const noexcept override { return view_.motors(); }
+  // Sends zero and closes the port.
+  void stop() noexcept override;
+  DeviceHealth health() const override;
+
+  // For the process that guards the motors, between start() and stop(): the open port, and the
+  // bytes that stop the motors.
+  int descriptor() const noexcept;
+  std::vector<std::uint8_t> zero_bytes() const { return hapi_zero_bytes(settings_.wiring); }
+  // Call it between start() and stop(). guard: must exist until stop() or until another call of
+  // this function has returned; null: none.
+  void set_guard(WriteGuard* guard) noexcept;
+
+  // Of this session or, after stop(), the last one.
+  HapiCounts counts() const;
+  // One line: what counts() says.
+  std::string summary() const;
+
+ private:
+  class Session;
+
+  HapiSettings settings_;
+  HapiView view_;
+  HapiSample sample_;  // the last one of the haptic thread
+  std::unique_ptr<Session> session_;
+  HapiCounts last_counts_;
+  HapiSample last_sample_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,310 @@
+// The driver with its thread, on a pseudo-terminal with a simulated board behind it. No test
+// asserts a time: each one waits until something happens.
+
+#include "engine/devices/hapi_device.h"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "engine/devices/serial_port.h"
+#include "engine/simulation/board_terminal.h"
+
+namespace palpate {
+namespace {
+
+using Kind = BoardFault::Kind;
+
+constexpr std::int64_t kForEver_ns = std::int64_t{1} << 62;
+
+bool wait_until(const std::function<bool()>& is_true) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < end) {
+    if (is_true()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+std::unique_ptr<BoardTerminal> open_board() {
+  auto board = BoardTerminal::open({});
+  EXPECT_TRUE(board) << board.error().to_string();
+  return board ? std::move(*board) : nullptr;
+}
+
+HapiSettings settings_of(const BoardTerminal& board) {
+  HapiSettings settings;
+  settings.port = board.path();
+  settings.torque_per_Nm = 1.0;
+  settings.peak_torque_Nm = 0.1;
+  settings.works_without_guard = true;
+  return settings;
+}
+
+BoardFault fault_now(Kind kind, std::int64_t time_ns) {
+  BoardFault fault;
+  fault.kind = kind;
+  fault.from_ns = BoardTerminal::now_ns();
+  fault.until_ns = time_ns == kForEver_ns ? kForEver_ns : fault.from_ns + time_ns;
+  return fault;
+}
+
+bool is_zero(const BoardCommand& command) {
+  return std::abs(command.torques[0]) < 0x1p-119f && std::abs(command.torques[1]) < 0x1p-119f;
+}
+
+// A guard that the test commands.
+class AtomicGuard final : public WriteGuard {
+ public:
+  void beat(std::int64_t) noexcept override { ++beats; }
+  std::uint64_t trip_epoch() const noexcept override { return epoch; }
+  void acknowledge(std::uint64_t of_epoch) noexcept override { acknowledged = of_epoch; }
+  bool is_alive() const noexcept override { return alive; }
+
+  std::atomic<std::uint64_t> epoch{0}, acknowledged{0}, beats{0};
+  std::atomic<bool> alive{true};
+};
+
+// Ticks at about 1 kHz until something happens.
+bool push_until(HapiDevice& device, const std::function<bool(const DeviceSample&)>& is_true) {
+  return wait_until([&] {
+    const DeviceSample sample = device.read(1e-3);
+    device.command({{0.3, 0.2, 0.0}});
+    return is_true(sample);
+  });
+}
+
+TEST(HapiDevice, GivesSamplesSendsForcesAndEndsWithZero) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  const auto problem = device.start();
+  ASSERT_FALSE(problem) << *problem;
+  EXPECT_TRUE(device.health().is_good) << device.health().problem;
+  std::uint64_t last = 0;
+  EXPECT_TRUE(push_until(device, [&](const DeviceSample& sample) {
+    EXPECT_TRUE(sample.is_valid);
+    EXPECT_GE(sample.sequence, last);
+    last = sample.sequence;
+    return last > 100;
+  }));
+  EXPECT_TRUE(push_until(device, [&](const auto&) { return !is_zero(board->log().back()); }));
+  EXPECT_EQ(device.motors_now().size(), 2u);
+  EXPECT_GE(device.descriptor(), 0);
+  // The session commands zero before stop(); the driver sends it.
+  device.command({});
+  device.stop();
+  EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
+  EXPECT_GE(device.counts().answers, 100u);
+  EXPECT_NE(device.summary().find(" answers, "), std::string::npos);
+  EXPECT_EQ(device.descriptor(), -1);
+}
+
+TEST(HapiDevice, StopSendsZeroAlsoWithoutAZeroCommand) {
+  const auto board = open_board();
+  {
+    HapiDevice device(settings_of(*board));
+    ASSERT_FALSE(device.start());
+    EXPECT_TRUE(push_until(device, [&](const auto&) { return !is_zero(board->log().back()); }));
+  }
+  EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
+}
+
+TEST(HapiDevice, StartsAgainAfterAStop) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  for (int again = 0; again < 3; ++again) {
+    const auto problem = device.start();
+    ASSERT_FALSE(problem) << *problem;
+    const DeviceSample sample = device.read(1e-3);
+    EXPECT_TRUE(sample.is_valid);
+    EXPECT_GE(sample.sequence, 1u);
+    device.command({});
+    device.stop();
+  }
+  EXPECT_GE(board->set_ups(), 3u);
+}
+
+TEST(HapiDevice, PositionMovesAsTheTipOfTheBoard) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  ASSERT_FALSE(device.start());
+  const DeviceSample rest = device.read(1e-3);
+  const Vec2 rest_m = board->log().back().tip_m;
+  const Vec2 hand_m(0.02, 0.06);
+  board->set_hand(hand_m);
+  // The encoders round each joint by half a step, twice.
+  const double quantum_m = device.description().encoder_quantum_m;
+  EXPECT_TRUE(wait_until([&] {
+    const DeviceSample sample = device.read(1e-3);
+    const Vec2 moved_m(sample.position_m[0] - rest.position_m[0],
+                       sample.position_m[1] - rest.position_m[1]);
+    return (moved_m - (hand_m - rest_m)).norm() <= 4.0 * quantum_m;
+  }));
+  device.command({});
+  device.stop();
+}
+
+TEST(HapiDevice, NamesAMissingPort) {
+  HapiSettings settings;
+  settings.port = "/dev/palpate-no-such-port";
+  const auto problem = HapiDevice(settings).start();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(*problem,
+            "/dev/palpate-no-such-port: is missing; expected the serial port of a board (connect "
+            "the board; the command ls /dev/ttyACM* lists ports)");
+}
+
+TEST(HapiDevice, NamesAPortThatIsNoTerminal) {
+  for (const char* path : {"/dev/null", "/tmp"}) {
+    HapiSettings settings;
+    settings.port = path;
+    const auto problem = HapiDevice(settings).start();
+    ASSERT_TRUE(problem);
+    EXPECT_EQ(problem->find(std::string(path) + ": is not a terminal; expected"), 0u) << *problem;
+  }
+}
+
+// Also for the superuser, whom TIOCEXCL does not stop.
+TEST(HapiDevice, NamesABusyPort) {
+  const auto board = open_board();
+  HapiDevice first(settings_of(*board));
+  ASSERT_FALSE(first.start());
+  HapiDevice second(settings_of(*board));
+  const auto problem = second.start();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->find(board->path() + ": is used by another program; expected a free port"), 0u)
+      << *problem;
+  // The first driver goes on.
+  const std::uint64_t before = first.read(1e-3).sequence;
+  EXPECT_TRUE(wait_until([&] { return first.read(1e-3).sequence > before + 10; }));
+  first.stop();
+  EXPECT_FALSE(second.start());
+}
+
+TEST(SerialPort, NamesTheGroupOfAPortThatIsNotPermitted) {
+  const auto board = open_board();
+  ASSERT_EQ(::chmod(board->path().c_str(), 0), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    // The superuser may open everything.
+    if (::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(2);
+    const auto port = SerialPort::open(board->path());
+    const std::string text = port ? "" : port.error().to_string();
+    const bool is_good =
+        text.find(": is not permitted; expected a user in the group ") != std::string::npos &&
+        text.find("sudo usermod -aG ") != std::string::npos;
+    ::_exit(is_good ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(HapiDevice, NamesAPortWithoutAnAnswer) {
+  const auto board = open_board();
+  board->add_fault(fault_now(Kind::kSilence, kForEver_ns));
+  HapiDevice device(settings_of(*board));
+  const auto problem = device.start();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->find(board->path() + ": nobody answers within 2 s; expected a hAPI board"), 0u)
+      << *problem;
+  // A session still calls these.
+  device.command({});
+  device.stop();
+}
+
+TEST(HapiDevice, AHangUpAsksForATrip) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  ASSERT_FALSE(device.start());
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.sequence > 10; }));
+  board->hang_up();
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
+  EXPECT_FALSE(device.health().is_good);
+  EXPECT_NE(device.health().problem.find("disconnected"), std::string::npos);
+  device.command({});
+  device.stop();  // does not hang
+}
+
+TEST(HapiDevice, AHangUpBeforeTheFirstAnswerIsAnError) {
+  const auto board = open_board();
+  HapiSettings settings = settings_of(*board);
+  board->hang_up();
+  EXPECT_TRUE(HapiDevice(settings).start());
+}
+
+TEST(HapiDevice, CountsLateAnswersAndGoesOn) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  ASSERT_FALSE(device.start());
+  const HapiCounts before = device.counts();
+  BoardFault fault = fault_now(Kind::kDelay, 3'000'000);
+  fault.delay_ns = 8'000'000;
+  board->add_fault(fault);
+  EXPECT_TRUE(push_until(device, [&](const auto&) {
+    const HapiCounts now = device.counts();
+    return now.missed > before.missed && now.late > before.late;
+  }));
+  const std::uint64_t answers = device.counts().answers;
+  EXPECT_TRUE(
+      push_until(device, [&](const auto&) { return device.counts().answers > answers + 50; }));
+}
+
+TEST(HapiDevice, SilenceAsksForATripAndTheBoardIsSetUpAgain) {
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  ASSERT_FALSE(device.start());
+  EXPECT_TRUE(push_until(device, [&](const auto&) { return !is_zero(board->log().back()); }));
+  const std::uint64_t set_ups = board->set_ups();
+  board->add_fault(fault_now(Kind::kSilence, 100'000'000));
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return !sample.asks_for_trip; }));
+  EXPECT_GT(board->set_ups(), set_ups);
+  EXPECT_NE(device.health().problem.find("did not answer"), std::string::npos);
+}
+
+TEST(HapiDevice, CommandsZeroUntilItHasAGuardAndTripsWhenTheGuardHasGone) {
+  const auto board = open_board();
+  HapiSettings settings = settings_of(*board);
+  settings.works_without_guard = false;
+  AtomicGuard guard;
+  HapiDevice device(settings);
+  ASSERT_FALSE(device.start());
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.sequence > 100; }));
+  for (const BoardCommand& command : board->log()) ASSERT_TRUE(is_zero(command));
+  device.set_guard(&guard);
+  EXPECT_TRUE(push_until(device, [&](const auto&) { return !is_zero(board->log().back()); }));
+  EXPECT_GT(guard.beats, 0u);
+  guard.epoch = 1;
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
+  EXPECT_TRUE(push_until(device, [&](const auto&) { return guard.acknowledged == 1; }));
+  guard.alive = false;
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
+  EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
+  EXPECT_NE(device.health().problem.find("guard"), std::string::npos);
+  device.set_guard(nullptr);
+}
+
+TEST(HapiDevice, SaysHowToCalibrate) {
+  const auto board = open_board();
+  HapiSettings settings = settings_of(*board);
+  settings.torque_per_Nm.reset();
+  HapiDevice device(settings);
+  ASSERT_FALSE(device.start());
+  EXPECT_TRUE(device.motors_now().empty());
+  EXPECT_NE(device.health().problem.find("to calibrate: "), std::string::npos);
+  EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.sequence > 20; }));
+  for (const BoardCommand& command : board->log()) ASSERT_TRUE(is_zero(command));
+}
+
+}  // namespace
+}  // namespace palpate
