@@ -206,7 +206,7 @@ struct ForceRange {
 ForceRange force_range(const std::vector<BoardCommand>& log, std::size_t k) {
   ForceRange range;
   if (is_zero(log[k])) return {0.0, 0.0};
-  for (std::size_t back = 1; back <= std::min<std::size_t>(k, 8); ++back) {
+  for (std::size_t back = 1; back <= std::min<std::size_t>(k, 4); ++back) {
     const double length_N =
         test::force_N(log[k], log[k - back].answered_deg, schedule_settings()).norm();
     range.least_N = std::min(range.least_N, length_N);
