@@ -14,7 +14,7 @@ bool has_full_force(const FiveBar& bar, const Vec2& p_m) {
 }
 
 // The number of steps to both sides of the middle that have full force; -1 if the middle has none.
-int half_width(const FiveBar& bar, double y_m, double step_m) {
+int steps_beside_middle(const FiveBar& bar, double y_m, double step_m) {
   const double middle_m = 0.5 * bar.links().base_m;
   int steps = 0;
   while (steps <= kGridSteps && has_full_force(bar, {middle_m + steps * step_m, y_m}) &&
@@ -30,7 +30,7 @@ std::optional<PlaneBox> full_force_workspace(const FiveBar& bar) {
   const double step_m = (bar.links().proximal_m + bar.links().distal_m) / kGridSteps;
   std::vector<int> widths;
   for (int row = 1; row <= kGridSteps; ++row) {
-    widths.push_back(half_width(bar, row * step_m, step_m));
+    widths.push_back(steps_beside_middle(bar, row * step_m, step_m));
   }
   int most = 0;
   PlaneBox box;

@@ -81,7 +81,7 @@ bool set_raw(int descriptor) {
 }
 
 // The result of read() or write(): no value if the line is dead.
-std::optional<std::size_t> moved(ssize_t count, bool is_dead_without_bytes) {
+std::optional<std::size_t> moved_bytes(ssize_t count, bool is_dead_without_bytes) {
   if (count > 0) return static_cast<std::size_t>(count);
   if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return 0;
   if (count == 0 && !is_dead_without_bytes) return 0;
@@ -131,12 +131,12 @@ void SerialPort::close() noexcept {
 }
 
 std::optional<std::size_t> SerialPort::read(std::span<std::uint8_t> bytes) noexcept {
-  return moved(::read(descriptor_, bytes.data(), bytes.size()), true);
+  return moved_bytes(::read(descriptor_, bytes.data(), bytes.size()), true);
 }
 
 std::optional<std::size_t> SerialPort::write(std::span<const std::uint8_t> bytes) noexcept {
   if (bytes.empty()) return 0;
-  return moved(::write(descriptor_, bytes.data(), bytes.size()), false);
+  return moved_bytes(::write(descriptor_, bytes.data(), bytes.size()), false);
 }
 
 }  // namespace palpate

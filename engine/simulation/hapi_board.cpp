@@ -13,7 +13,7 @@ using FaultKind = BoardFault::Kind;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kPlantStep_ns = 200'000;  // short beside the periods of hand and wall
 
-bool is_active(const BoardFault& fault, std::int64_t now_ns) {
+bool acts_at(const BoardFault& fault, std::int64_t now_ns) {
   return fault.from_ns <= now_ns && now_ns < fault.until_ns;
 }
 
@@ -73,7 +73,7 @@ void HapiBoard::answer(std::int64_t now_ns) {
   log_.push_back(command);
   std::vector<std::int64_t> due_ns(bytes.size(), now_ns + settings_.answer_ns);
   for (const BoardFault& fault : faults_) {
-    if (!is_active(fault, now_ns)) continue;
+    if (!acts_at(fault, now_ns)) continue;
     const bool has_byte = fault.byte < bytes.size();
     const auto at = static_cast<std::ptrdiff_t>(fault.byte);
     switch (fault.kind) {

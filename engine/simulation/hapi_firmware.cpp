@@ -26,7 +26,7 @@ float float_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   return std::bit_cast<float>(bits);
 }
 
-void append(std::vector<std::uint8_t>& bytes, float number) {
+void append_number(std::vector<std::uint8_t>& bytes, float number) {
   const auto bits = std::bit_cast<std::uint32_t>(number);
   for (int k = 0; k < 4; ++k) bytes.push_back(static_cast<std::uint8_t>(bits >> (8 * k)));
 }
@@ -142,10 +142,11 @@ float HapiFirmware::angle_deg(const Encoder& encoder, double joint_deg) const {
 
 std::vector<std::uint8_t> HapiFirmware::answer(const Joints& joints_deg) const {
   std::vector<std::uint8_t> bytes = {asked_device_};
-  for (std::size_t n = count_of(analog_address_, asked_device_); n > 0; --n) append(bytes, 0.0f);
+  for (std::size_t n = count_of(analog_address_, asked_device_); n > 0; --n)
+    append_number(bytes, 0.0f);
   for (std::size_t port = 0; port < kPorts; ++port) {
     if (encoder_address_[port] == asked_device_) {
-      append(bytes, angle_deg(encoders_[port], joints_deg[port]));
+      append_number(bytes, angle_deg(encoders_[port], joints_deg[port]));
     }
   }
   return bytes;
