@@ -27,7 +27,7 @@ using test::kMillisecond_ns;
 using test::Random;
 using Kind = BoardFault::Kind;
 
-constexpr double kClamp_N = 2.0;
+constexpr double kClamp_N = 12.0;  // the slew needs several ticks for it
 constexpr double kWall_N_per_m = 1'000.0;
 constexpr int kTicks = 3'400;      // of a schedule
 constexpr int kFirstFault = 850;   // when the force has its full size
@@ -40,7 +40,7 @@ constexpr double kRounding = 1.0 + kNoForceCondition * std::numeric_limits<float
 HapiSettings schedule_settings() {
   HapiSettings settings;
   settings.torque_per_Nm = 2.0;
-  settings.peak_torque_Nm = 1.0;  // the clamp counts, not the peak
+  settings.peak_torque_Nm = 3.0;  // the clamp counts, not the peak
   return settings;
 }
 
@@ -94,7 +94,7 @@ class Schedule {
   static BoardSettings board_settings() {
     BoardSettings board;
     board.torque_per_Nm = 2.0;
-    board.largest_torque = 1.0;
+    board.largest_torque = 6.0;
     return board;
   }
 
@@ -160,7 +160,12 @@ class Schedule {
     // The frame of the linkage has its origin at the first motor.
     const double depth_m = rig_.link.sample().tip_m[1] - kWall_m;
     record.contact = depth_m > 0.0;
-    if (depth_m > 0.0) put(kWall_N_per_m * depth_m * Vec3(0.1, -1.0, 0.0), record.force_device_N);
+    if (depth_m > 0.0) {
+      Vec3 force_N = kWall_N_per_m * depth_m * Vec3(0.1, -1.0, 0.0);
+      // The wall has knocks in any direction, so that clamp and slew have to act.
+      if (tick % 40 < 6) force_N += 20.0 * Vec3(std::cos(tick / 40), std::sin(tick / 40), 0.0);
+      put(force_N, record.force_device_N);
+    }
     const GovernorState before = governor_.status().state;
     maybe_rearm();
     governor_.govern(record);
@@ -215,7 +220,8 @@ ForceRange force_range(const std::vector<BoardCommand>& log, std::size_t k) {
   return range;
 }
 
-void judge_forces(const std::vector<BoardCommand>& log) {
+// Also returns the largest force.
+void judge_forces(const std::vector<BoardCommand>& log, double& largest_N) {
   double last_N = 0.0;
   for (std::size_t k = 1; k < log.size(); ++k) {
     const ForceRange force = force_range(log, k);
@@ -225,6 +231,7 @@ void judge_forces(const std::vector<BoardCommand>& log) {
               last_N + GovernorLimits::kSlew_N_per_s * since_s + kClamp_N * (kRounding - 1.0))
         << "above the slew: command " << k;
     last_N = force.most_N;
+    largest_N = std::max(largest_N, force.least_N);
   }
 }
 
@@ -257,6 +264,7 @@ bool has_force(const Schedule& schedule, std::int64_t from_ns, std::int64_t to_n
 TEST(HapiSchedules, TheBoardNeverGetsWhatTheRulesForbid) {
   const std::uint64_t count = test::in_soak_or_else<std::uint64_t>(20'000, 1'000);
   const std::uint64_t first = test::from_environment("PALPATE_FIRST_SCHEDULE", 1);
+  double largest_N = 0.0;
   std::uint64_t pushed = 0;
   std::uint64_t tripped = 0;
   std::uint64_t hung_up = 0;
@@ -265,7 +273,7 @@ TEST(HapiSchedules, TheBoardNeverGetsWhatTheRulesForbid) {
     SCOPED_TRACE("PALPATE_FIRST_SCHEDULE=" + std::to_string(seed));
     Schedule schedule(seed);
     schedule.run();
-    judge_forces(schedule.log());
+    judge_forces(schedule.log(), largest_N);
     judge_zero(schedule);
     if (HasFatalFailure()) return;
     pushed += has_force(schedule, schedule.first_ns(), schedule.now_ns());
@@ -281,6 +289,7 @@ TEST(HapiSchedules, TheBoardNeverGetsWhatTheRulesForbid) {
   }
   std::cout << count << " schedules from " << first << ": " << tripped << " with a trip, "
             << hung_up << " with a hang-up, " << returned << " with force at the end\n";
+  EXPECT_GT(largest_N, kClamp_N * (2.0 - kRounding)) << "no force has reached the clamp";
   EXPECT_GT(pushed, count - count / 20) << "too little to judge";
   EXPECT_GT(tripped, count / 4);
   EXPECT_GT(hung_up, count / 100);
