@@ -77,6 +77,11 @@ std::vector<BoardCommand> BoardTerminal::log() const {
   return board_.log();
 }
 
+std::uint64_t BoardTerminal::commands() const {
+  const std::lock_guard lock(mutex_);
+  return board_.commands();
+}
+
 std::uint64_t BoardTerminal::set_ups() const {
   const std::lock_guard lock(mutex_);
   return board_.set_ups();

@@ -33,6 +33,7 @@ class BoardTerminal {
   void hang_up();
 
   std::vector<BoardCommand> log() const;
+  std::uint64_t commands() const;
   std::uint64_t set_ups() const;
 
  private:

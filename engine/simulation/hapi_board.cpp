@@ -59,18 +59,25 @@ void HapiBoard::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns
   }
 }
 
-// Logs a tick message and queues its answer.
-void HapiBoard::answer(std::int64_t now_ns) {
-  std::vector<std::uint8_t> bytes = firmware_.answer(joints_deg());
+void HapiBoard::log_command(std::span<const std::uint8_t> answer, std::int64_t now_ns) {
   BoardCommand command;
   command.time_ns = now_ns;
   std::copy_n(firmware_.torques().begin(), kHapiJoints, command.torques.begin());
   command.tip_m = plant_.tip_m();
   command.joints_rad = plant_.joints_rad();
-  if (bytes.size() == kHapiAnswerSize) {
-    std::memcpy(command.answered_deg.data(), bytes.data() + 1, kHapiAnswerSize - 1);
+  if (answer.size() == kHapiAnswerSize) {
+    std::memcpy(command.answered_deg.data(), answer.data() + 1, kHapiAnswerSize - 1);
   }
+  const auto kept = static_cast<std::ptrdiff_t>(settings_.kept_commands);
+  if (kept > 0 && std::ssize(log_) >= 2 * kept) log_.erase(log_.begin(), log_.end() - kept);
   log_.push_back(command);
+  ++commands_;
+}
+
+// Logs a tick message and queues its answer.
+void HapiBoard::answer(std::int64_t now_ns) {
+  std::vector<std::uint8_t> bytes = firmware_.answer(joints_deg());
+  log_command(bytes, now_ns);
   std::vector<std::int64_t> due_ns(bytes.size(), now_ns + settings_.answer_ns);
   for (const BoardFault& fault : faults_) {
     if (!acts_at(fault, now_ns)) continue;

@@ -21,6 +21,8 @@ struct BoardSettings {
   double torque_per_Nm = 1.0;        // what the board's numbers mean
   double largest_torque = 0.123;     // the firmware limits numbers to this, in its own unit
   std::int64_t answer_ns = 300'000;  // from the end of a message to its answer
+  // The log keeps at least this many of the newest commands. 0: all.
+  std::size_t kept_commands = 0;
 };
 
 // A fault of the line or of the board, while from_ns <= time < until_ns.
@@ -69,8 +71,10 @@ class HapiBoard {
   std::optional<std::int64_t> next_due_ns() const;
   bool has_hung_up(std::int64_t now_ns) const;
 
-  // All tick messages since the beginning.
+  // The tick messages, oldest first (BoardSettings::kept_commands), and their number since the
+  // beginning.
   const std::vector<BoardCommand>& log() const { return log_; }
+  std::uint64_t commands() const { return commands_; }
   std::uint64_t set_ups() const { return set_ups_; }
   const HapiFirmware& firmware() const { return firmware_; }
   const PantographPlant& plant() const { return plant_; }
@@ -82,6 +86,7 @@ class HapiBoard {
   };
   HapiFirmware::Joints joints_deg() const;
   void answer(std::int64_t now_ns);
+  void log_command(std::span<const std::uint8_t> answer, std::int64_t now_ns);
 
   BoardSettings settings_;
   PantographPlant plant_;
@@ -89,6 +94,7 @@ class HapiBoard {
   std::vector<BoardFault> faults_;
   std::deque<DueByte> to_host_;
   std::vector<BoardCommand> log_;
+  std::uint64_t commands_ = 0;
   std::uint64_t set_ups_ = 0;
   std::int64_t time_ns_ = 0;
   bool has_time_ = false;

@@ -289,8 +289,8 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused({},
-                 {"subcommand is required; expected run, replay, accuracy, experiment or info"});
+  expect_refused(
+      {}, {"subcommand is required; expected run, replay, accuracy, experiment, info or devices"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});

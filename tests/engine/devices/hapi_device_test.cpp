@@ -3,10 +3,16 @@
 
 #include "engine/devices/hapi_device.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <fcntl.h>
 #include <functional>
+#include <memory>
+#include <span>
+#include <stdlib.h>
 #include <string>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -187,6 +193,37 @@ TEST(HapiDevice, NamesABusyPort) {
   EXPECT_TRUE(wait_until([&] { return first.read(1e-3).sequence > before + 10; }));
   first.stop();
   EXPECT_FALSE(second.start());
+}
+
+// A terminal that is not raw echoes bytes, ends lines, and takes some bytes as commands.
+TEST(SerialPort, PassesEveryByteInBothDirections) {
+  const int board = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(board, 0);
+  ASSERT_EQ(::grantpt(board), 0);
+  ASSERT_EQ(::unlockpt(board), 0);
+  auto port = SerialPort::open(::ptsname(board));
+  ASSERT_TRUE(port) << port.error().to_string();
+  std::array<std::uint8_t, 256> all;
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::uint8_t>(k);
+  // read() never waits.
+  std::array<std::uint8_t, 512> bytes;
+  EXPECT_EQ(port->read(bytes), 0u);
+  ASSERT_EQ(::write(board, all.data(), all.size()), std::ssize(all));
+  std::size_t count = 0;
+  EXPECT_TRUE(wait_until([&] {
+    count += port->read(std::span(bytes).subspan(count)).value();
+    return count >= all.size();
+  }));
+  EXPECT_TRUE(std::equal(all.begin(), all.end(), bytes.begin(), bytes.begin() + count));
+  EXPECT_EQ(port->write(all), all.size());
+  for (std::size_t read = 0; read < all.size();) {
+    const ssize_t more = ::read(board, bytes.data() + read, bytes.size() - read);
+    ASSERT_GT(more, 0);
+    read += static_cast<std::size_t>(more);
+  }
+  EXPECT_TRUE(std::equal(all.begin(), all.end(), bytes.begin()));
+  ::close(board);
+  EXPECT_TRUE(wait_until([&] { return !port->read(bytes); }));
 }
 
 TEST(SerialPort, NamesTheGroupOfAPortThatIsNotPermitted) {
