@@ -5,6 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <sstream>
 #include <thread>
@@ -18,10 +20,14 @@ namespace {
 
 using Milliseconds = std::chrono::milliseconds;
 
+// Scheduled as the haptic thread is (haptic_thread.cpp). Where the system refuses this, it refuses
+// it for the haptic thread as well, which reports it.
+constexpr int kDriverPriority = 80;
 constexpr std::int64_t kLongestSleep_ns = 5'000'000;
+constexpr std::int64_t kShortestSleep_ns = 10'000;  // so that other threads can always run
 constexpr auto kLongestRelease = Milliseconds(50);  // a line that takes no bytes is left as it is
 
-std::int64_t monotonic_ns() {
+std::int64_t steady_now_ns() {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
@@ -62,6 +68,8 @@ class HapiDevice::Session {
     pthread_sigmask(SIG_SETMASK, &all, &before);
     thread_ = std::thread([this] { run(); });
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    const sched_param priority{kDriverPriority};
+    pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
   }
   ~Session() { end(); }
   Session(const Session&) = delete;
@@ -101,7 +109,7 @@ class HapiDevice::Session {
 };
 
 void HapiDevice::Session::run() {
-  link_.start(monotonic_ns());
+  link_.start(steady_now_ns());
   while (!ends_) {
     exchange();
     publish();
@@ -123,14 +131,14 @@ void HapiDevice::Session::exchange() {
   used_guard_ = guard;
   std::array<std::uint8_t, 256> bytes;
   const auto count = port_.read(bytes);
-  if (!count) link_.hang_up(monotonic_ns());
-  link_.receive(std::span(bytes).first(count.value_or(0)), monotonic_ns());
+  if (!count) link_.hang_up(steady_now_ns());
+  link_.receive(std::span(bytes).first(count.value_or(0)), steady_now_ns());
   HapiForce force;
   if (forces_.read(force)) link_.set_force(force);
-  link_.step(monotonic_ns());
+  link_.step(steady_now_ns());
   const auto written = port_.write(link_.to_send());
-  if (!written) link_.hang_up(monotonic_ns());
-  link_.sent(written.value_or(0), monotonic_ns());
+  if (!written) link_.hang_up(steady_now_ns());
+  link_.sent(written.value_or(0), steady_now_ns());
 }
 
 void HapiDevice::Session::publish() {
@@ -143,7 +151,7 @@ void HapiDevice::Session::publish() {
 // Waits for an answer, for space in the terminal's queue if bytes wait, or for the next step.
 void HapiDevice::Session::sleep() {
   const std::int64_t wait_ns =
-      std::clamp<std::int64_t>(link_.wake_ns() - monotonic_ns(), 0, kLongestSleep_ns);
+      std::clamp(link_.wake_ns() - steady_now_ns(), kShortestSleep_ns, kLongestSleep_ns);
   const timespec wait{0, static_cast<long>(wait_ns)};
   if (link_.is_off()) {  // a dead port would be ready at once
     std::this_thread::sleep_for(std::chrono::nanoseconds(kLongestSleep_ns));
@@ -192,7 +200,7 @@ DeviceSample HapiDevice::read(double) noexcept {
 }
 
 void HapiDevice::command(const DeviceCommand& command) noexcept {
-  if (session_) session_->command({{command.force_N[0], command.force_N[1]}, monotonic_ns()});
+  if (session_) session_->command({{command.force_N[0], command.force_N[1]}, steady_now_ns()});
 }
 
 void HapiDevice::stop() noexcept {

@@ -99,6 +99,11 @@ TEST(HapiLink, TorquesHaveTheForceOfTheNewestTick) {
     const Vec2 force = force_N(log[k], log[k - 1].answered_deg, settings);
     const double bound = kNoForceCondition * std::numeric_limits<float>::epsilon();
     ASSERT_LE((force - kPush_N).norm(), bound * kPush_N.norm()) << "command " << k;
+    // To the bit: within the limits, nothing changes a force on its way.
+    const auto pose = hapi_pose(FiveBar(settings.links), log[k - 1].answered_deg);
+    const Vec2 torques_Nm = pose->jacobian.transpose() * kPush_N;
+    ASSERT_EQ(log[k].torques,
+              (HapiNumbers{static_cast<float>(torques_Nm[0]), static_cast<float>(torques_Nm[1])}));
   }
   EXPECT_EQ(judged, 150u);
   EXPECT_GT((log.back().tip_m - log.front().tip_m).norm(), 0.01);
