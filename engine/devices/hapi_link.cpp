@@ -16,6 +16,17 @@ std::int64_t oldest_command_ns(std::int64_t period_ns) {
                   std::llround(GovernorLimits::kStalePeriods * static_cast<double>(period_ns)));
 }
 
+// False if a joint would have turned faster than any hand turns it.
+bool can_turn(const HapiNumbers& from_deg, const HapiNumbers& to_deg, std::int64_t time_ns) {
+  const double most_deg =
+      HapiLink::kFastestJoint_deg_per_s / kSecond_ns * static_cast<double>(time_ns);
+  for (std::size_t joint = 0; joint < kHapiJoints; ++joint) {
+    const float turn_deg = to_deg[joint] - from_deg[joint];
+    if (std::abs(static_cast<double>(turn_deg)) > most_deg) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 HapiLink::HapiLink(const HapiSettings& settings)
@@ -44,15 +55,16 @@ void HapiLink::set_force(const HapiForce& force) {
 void HapiLink::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   for (const std::uint8_t byte : bytes) {
     if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
-    if (phase_ != Phase::kRunning) continue;
+    if (phase_ == Phase::kClearing || phase_ == Phase::kOff) continue;
+    const bool is_asking = phase_ == Phase::kAsking;
     switch (parser_.add(byte)) {
       case HapiAnswerParser::State::kIncomplete:
         break;
       case HapiAnswerParser::State::kComplete:
-        take_answer(now_ns);
+        is_asking ? take_angles(now_ns) : take_answer(now_ns);
         break;
       case HapiAnswerParser::State::kMalformed:
-        refuse_answer(now_ns);
+        is_asking ? set_up(now_ns) : refuse_answer(now_ns);
         break;
     }
   }
@@ -64,7 +76,9 @@ void HapiLink::take_answer(std::int64_t now_ns) {
     return;
   }
   const auto pose = hapi_pose(bar_, parser_.angles_deg());
-  if (!pose || !is_reachable(parser_.angles_deg(), now_ns)) {
+  const bool is_first = !pose_;
+  if (!pose ||
+      !(is_first || can_turn(angles_deg_, parser_.angles_deg(), now_ns - sample_.time_ns))) {
     refuse_answer(now_ns);
     return;
   }
@@ -90,18 +104,6 @@ void HapiLink::take_answer(std::int64_t now_ns) {
   sample_.is_working = true;
   if (owes_acknowledgement_) guard_->acknowledge(guard_epoch_);
   owes_acknowledgement_ = false;
-}
-
-// False if a joint would have turned faster than any hand turns it.
-bool HapiLink::is_reachable(const HapiNumbers& angles_deg, std::int64_t now_ns) const {
-  if (!pose_) return true;
-  const double most_deg =
-      kFastestJoint_deg_per_s / kSecond_ns * static_cast<double>(now_ns - sample_.time_ns);
-  for (std::size_t joint = 0; joint < kHapiJoints; ++joint) {
-    const float turn_deg = angles_deg[joint] - angles_deg_[joint];
-    if (std::abs(static_cast<double>(turn_deg)) > most_deg) return false;
-  }
-  return true;
 }
 
 void HapiLink::refuse_answer(std::int64_t now_ns) {
@@ -138,7 +140,7 @@ void HapiLink::step(std::int64_t now_ns) {
   if (phase_ == Phase::kOff) return;
   watch_guard(now_ns);
   watch_answers(now_ns);
-  if (phase_ == Phase::kClearing) watch_clearing(now_ns);
+  if (phase_ != Phase::kRunning) watch_clearing(now_ns);
   if (phase_ != Phase::kRunning) return;
   const bool has_begun = sent_ > 0 || !is_tick_;
   const bool waits = !to_send().empty();
@@ -201,6 +203,7 @@ void HapiLink::begin_clearing(std::int64_t now_ns) {
   quiet_since_ns_ = clearing_since_ns_ = now_ns;
   flights_.clear();
   parser_ = HapiAnswerParser(settings_.wiring.device, angles_deg_);
+  first_asked_deg_.reset();
   torques_.confirm_zero();
   put(hapi_zero_bytes(settings_.wiring));
   is_tick_ = false;
@@ -209,15 +212,45 @@ void HapiLink::begin_clearing(std::int64_t now_ns) {
 
 void HapiLink::watch_clearing(std::int64_t now_ns) {
   const bool is_long = now_ns - clearing_since_ns_ >= kLongestClearing_ns;
-  if (to_send().empty() && (is_long || now_ns - quiet_since_ns_ >= kForget_ns)) {
-    set_up(now_ns);
-  } else if (is_long) {  // the line takes no bytes
+  const std::int64_t quiet_ns = now_ns - quiet_since_ns_;
+  if (!to_send().empty()) {  // the line takes no bytes
+    if (!is_long) return;
     trip(HapiProblem::kNoAnswers, now_ns);
-    clearing_since_ns_ = now_ns;
+    begin_clearing(now_ns);
+  } else if (phase_ == Phase::kAsking) {
+    if (quiet_ns >= kAnswer_ns) set_up(now_ns);
+  } else if (is_long || quiet_ns >= kForget_ns) {
+    // Before the first set-up, the board has no angles.
+    counts_.set_ups > 0 ? ask_for_angles(now_ns) : set_up(now_ns);
   }
 }
 
+// A set-up makes the present pose the angles that it states. The hand has moved since the last good
+// answer.
+void HapiLink::ask_for_angles(std::int64_t now_ns) {
+  phase_ = Phase::kAsking;
+  quiet_since_ns_ = now_ns;
+  put(hapi_tick(settings_.wiring.device, {}));
+  is_zero_ = true;
+}
+
+// A wrong angle would stay wrong. Therefore two answers must agree.
+void HapiLink::take_angles(std::int64_t now_ns) {
+  const HapiNumbers angles_deg = parser_.angles_deg();
+  if (!first_asked_deg_) {
+    first_asked_deg_ = angles_deg;
+    first_asked_ns_ = now_ns;
+    ask_for_angles(now_ns);
+    return;
+  }
+  const bool is_good = can_turn(*first_asked_deg_, angles_deg, now_ns - first_asked_ns_) &&
+                       can_turn(angles_deg_, angles_deg, now_ns - sample_.time_ns);
+  if (is_good && hapi_pose(bar_, angles_deg)) angles_deg_ = angles_deg;
+  set_up(now_ns);
+}
+
 void HapiLink::set_up(std::int64_t now_ns) {
+  parser_ = HapiAnswerParser(settings_.wiring.device, angles_deg_);
   put(hapi_reset());
   const auto message = hapi_set_up(settings_.wiring, angles_deg_);
   outgoing_.insert(outgoing_.end(), message.begin(), message.end());
@@ -253,7 +286,7 @@ void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
   if (count == 0) return;
   sent_ = std::min(sent_ + count, outgoing_.size());
   if (!to_send().empty()) return;
-  if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
+  if (phase_ != Phase::kRunning) quiet_since_ns_ = now_ns;
   if (!is_tick_ && !is_zero_) return;  // a set-up
   has_sent_zero_ = is_released_ && is_zero_;
   if (is_tick_) {
@@ -264,9 +297,9 @@ void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
 }
 
 std::int64_t HapiLink::wake_ns() const {
-  if (phase_ == Phase::kClearing) {
-    return to_send().empty() ? quiet_since_ns_ + kForget_ns
-                             : clearing_since_ns_ + kLongestClearing_ns;
+  if (phase_ != Phase::kRunning) {
+    if (!to_send().empty()) return clearing_since_ns_ + kLongestClearing_ns;
+    return quiet_since_ns_ + (phase_ == Phase::kAsking ? kAnswer_ns : kForget_ns);
   }
   if (may_send() && to_send().empty()) return next_tick_ns_;
   if (flights_.is_empty()) return next_tick_ns_;

@@ -65,8 +65,9 @@ struct HapiCounts {
 // - An answer is malformed if the parser refuses it, if it is cut, if the links cannot have its
 //   angles, or if a joint would have turned faster than kFastestJoint_deg_per_s. A fault that
 //   changes an angle by less cannot be found. After a malformed answer, the link sends zero,
-//   discards bytes until the line was quiet for kForget_ns, resets the board, and sets it up with
-//   the last good angles.
+//   discards bytes until the line was quiet for kForget_ns, asks once for the present angles,
+//   resets the board, and sets it up with these angles; without a good answer, with the last good
+//   ones.
 // - After kMostBad messages in a row with a bad outcome of either kind, the same happens, and the
 //   link asks for a trip.
 // - Before each message it looks at the guard. If the guard has stopped the motors, the same
@@ -118,17 +119,18 @@ class HapiLink {
   HapiCounts counts() const;
 
  private:
-  enum class Phase : std::uint8_t { kOff, kClearing, kRunning };
+  enum class Phase : std::uint8_t { kOff, kClearing, kAsking, kRunning };
 
   void watch_guard(std::int64_t now_ns);
   void watch_answers(std::int64_t now_ns);
   void take_answer(std::int64_t now_ns);
-  bool is_reachable(const HapiNumbers& angles_deg, std::int64_t now_ns) const;
   void refuse_answer(std::int64_t now_ns);
   void count_bad(HapiProblem problem, std::int64_t now_ns);
   void trip(HapiProblem problem, std::int64_t now_ns);
   void begin_clearing(std::int64_t now_ns);
   void watch_clearing(std::int64_t now_ns);
+  void ask_for_angles(std::int64_t now_ns);
+  void take_angles(std::int64_t now_ns);
   void set_up(std::int64_t now_ns);
   bool may_send() const;
   void make_tick(std::int64_t now_ns);
@@ -149,6 +151,8 @@ class HapiLink {
   Phase phase_ = Phase::kOff;
   std::int64_t quiet_since_ns_ = 0;
   std::int64_t clearing_since_ns_ = 0;
+  std::optional<HapiNumbers> first_asked_deg_;  // before a set-up
+  std::int64_t first_asked_ns_ = 0;
   HapiFlights flights_;
   int bad_in_a_row_ = 0;
   std::int64_t period_ns_;

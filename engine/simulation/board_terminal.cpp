@@ -6,6 +6,8 @@
 #include <chrono>
 #include <fcntl.h>
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <system_error>
 #include <termios.h>
@@ -15,6 +17,8 @@
 namespace palpate {
 namespace {
 
+constexpr int kBoardPriority = 81;                 // above the threads of the driver
+constexpr std::int64_t kShortestWait_ns = 10'000;  // so that other threads can always run
 constexpr std::int64_t kLongestWait_ns = 1'000'000;
 
 Error terminal_error() {
@@ -52,6 +56,9 @@ Result<std::unique_ptr<BoardTerminal>> BoardTerminal::open(const BoardSettings& 
 BoardTerminal::BoardTerminal(int descriptor, std::string path, const BoardSettings& settings)
     : descriptor_(descriptor), path_(std::move(path)), board_(settings) {
   thread_ = std::thread([this] { run(); });
+  // A board is punctual. Where the system refuses this, the simulated one may be late.
+  const sched_param priority{kBoardPriority};
+  pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
 }
 
 BoardTerminal::~BoardTerminal() {
@@ -104,7 +111,7 @@ bool BoardTerminal::serve() {
   {
     const std::lock_guard lock(mutex_);
     const auto due_ns = board_.next_due_ns();
-    if (due_ns) wait_ns = std::clamp<std::int64_t>(*due_ns - now_ns(), 0, kLongestWait_ns);
+    if (due_ns) wait_ns = std::clamp(*due_ns - now_ns(), kShortestWait_ns, kLongestWait_ns);
   }
   pollfd waiting{descriptor_, POLLIN, 0};
   const timespec wait{0, static_cast<long>(wait_ns)};

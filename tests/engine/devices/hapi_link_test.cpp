@@ -419,6 +419,48 @@ TEST(HapiLink, FindsALostByteSetsUpAgainAndKeepsTheAngles) {
   }
 }
 
+// A set-up states the present angles, and the hand does not wait for it.
+TEST(HapiLink, KeepsTheAnglesOfAHandThatMovesWhileItDrains) {
+  Pushing rig;
+  rig.board.set_hand({0.02, 0.05});
+  rig.push(kPush_N, 300 * kMillisecond_ns);
+  rig.board.set_hand({-0.01, 0.07});
+  rig.push(kPush_N, 40 * kMillisecond_ns);  // on its way
+  rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
+  const Vec2 before_m = rig.board.plant().tip_m();
+  rig.push(kPush_N, 20 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.counts().malformed, 1u);
+  EXPECT_EQ(rig.board.set_ups(), 2u);
+  const double moved_m = (rig.board.plant().tip_m() - before_m).norm();
+  EXPECT_GT(moved_m, 5e-3);
+  rig.push(Vec2::Zero(), 1'000 * kMillisecond_ns);  // at rest
+  const Vec2 read_m(rig.link.sample().tip_m.data());
+  // What it moves during an answer of 0.3 ms and a few steps of 0.05 ms, at the mean speed of these
+  // 20 ms or twice that; and the steps of the encoders.
+  EXPECT_LE((read_m - rig.board.plant().tip_m()).norm(), 2.0 * 0.5 / 20.0 * moved_m + 1e-4);
+}
+
+// Without an answer to the question, the last good angles count.
+TEST(HapiLink, SetsUpWithTheLastGoodAnglesIfTheBoardDoesNotSayItsAngles) {
+  for (const Kind kind : {Kind::kSilence, Kind::kCorrupt}) {
+    Pushing rig;
+    rig.board.set_hand({0.02, 0.05});
+    rig.push(kPush_N, 1'000 * kMillisecond_ns);
+    rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
+    // The first question comes after 10.6 to 11.6 ms, the second one 0.3 ms later.
+    BoardFault fault = rig.fault(kind, 10 * kMillisecond_ns, kMillisecond_ns);
+    fault.byte = 4;
+    fault.mask = 0x01;  // 45 to 90 degrees
+    rig.board.add_fault(fault);
+    rig.push(kPush_N, 100 * kMillisecond_ns);
+    EXPECT_EQ(rig.link.counts().malformed, 1u);
+    EXPECT_EQ(rig.board.set_ups(), 2u);
+    EXPECT_TRUE(rig.link.sample().is_working);
+    const Vec2 read_m(rig.link.sample().tip_m.data());
+    EXPECT_LE((read_m - rig.board.plant().tip_m()).norm(), 1e-3);
+  }
+}
+
 TEST(HapiLink, FindsAWrongDeviceByteAndAJumpAtOnce) {
   for (const std::size_t byte : {std::size_t{0}, std::size_t{4}, std::size_t{8}}) {
     Pushing rig;
@@ -484,8 +526,8 @@ TEST(HapiLink, DrainsUntilTheLineWasQuietForTenMilliseconds) {
   const auto commands = rig.commands_since(fault_ns);
   ASSERT_GT(commands.size(), 3u);
   const std::int64_t last_byte_ns = commands[1].time_ns + 4'300'000;
-  // The set-up goes out in one step, the next message in the next one.
-  EXPECT_EQ(commands[2].time_ns, last_byte_ns + 10 * kMillisecond_ns + HapiRig::kStep_ns);
+  EXPECT_EQ(commands[2].time_ns, last_byte_ns + 10 * kMillisecond_ns);
+  EXPECT_TRUE(is_zero(commands[2]));  // the question for the angles
 }
 
 TEST(HapiLink, ForceGrowsByTheSlewAfterADrain) {
