@@ -440,24 +440,43 @@ TEST(HapiLink, KeepsTheAnglesOfAHandThatMovesWhileItDrains) {
   EXPECT_LE((read_m - rig.board.plant().tip_m()).norm(), 2.0 * 0.5 / 20.0 * moved_m + 1e-4);
 }
 
-// Without an answer to the question, the last good angles count.
+// A rig at rest away from the rest pose, with one malformed answer every 200 ms.
+struct Draining : Pushing {
+  explicit Draining(int drains) {
+    board.set_hand({0.02, 0.05});
+    push(kPush_N, 1'000 * kMillisecond_ns);
+    for (int n = 0; n < drains; ++n) {
+      if (n > 0) push(kPush_N, 200 * kMillisecond_ns);
+      board.add_fault(fault(Kind::kCorrupt, 0, kMillisecond_ns));
+      drain_ns = now_ns;
+    }
+  }
+  std::int64_t drain_ns = 0;  // of the last malformed answer
+};
+
+// Without two good answers to the questions, the last good angles count. Each question in turn gets
+// no answer, or one that is wrong by 16 to 64 degrees, also in a second drain.
 TEST(HapiLink, SetsUpWithTheLastGoodAnglesIfTheBoardDoesNotSayItsAngles) {
-  for (const Kind kind : {Kind::kSilence, Kind::kCorrupt}) {
-    Pushing rig;
-    rig.board.set_hand({0.02, 0.05});
-    rig.push(kPush_N, 1'000 * kMillisecond_ns);
-    rig.board.add_fault(rig.fault(Kind::kCorrupt, 0, kMillisecond_ns));
-    // The first question comes after 10.6 to 11.6 ms, the second one 0.3 ms later.
-    BoardFault fault = rig.fault(kind, 10 * kMillisecond_ns, kMillisecond_ns);
-    fault.byte = 4;
-    fault.mask = 0x01;  // 45 to 90 degrees
-    rig.board.add_fault(fault);
-    rig.push(kPush_N, 100 * kMillisecond_ns);
-    EXPECT_EQ(rig.link.counts().malformed, 1u);
-    EXPECT_EQ(rig.board.set_ups(), 2u);
-    EXPECT_TRUE(rig.link.sample().is_working);
-    const Vec2 read_m(rig.link.sample().tip_m.data());
-    EXPECT_LE((read_m - rig.board.plant().tip_m()).norm(), 1e-3);
+  for (const int drains : {1, 2}) {
+    for (const std::size_t question : {2u, 3u}) {  // after the malformed answer's message and zero
+      Draining without(drains);
+      without.push(kPush_N, 100 * kMillisecond_ns);
+      const std::int64_t asked_ns = without.commands_since(without.drain_ns)[question].time_ns;
+      for (const Kind kind : {Kind::kSilence, Kind::kCorrupt}) {
+        Draining rig(drains);
+        BoardFault fault = rig.fault(kind, asked_ns - rig.now_ns, 1);
+        fault.byte = 3;
+        fault.mask = 0x20;
+        rig.board.add_fault(fault);
+        rig.push(kPush_N, 100 * kMillisecond_ns);
+        EXPECT_EQ(rig.link.counts().malformed, static_cast<std::uint64_t>(drains));
+        EXPECT_TRUE(rig.link.sample().is_working);
+        const Vec2 read_m(rig.link.sample().tip_m.data());
+        EXPECT_LE((read_m - rig.board.plant().tip_m()).norm(), 1e-3)
+            << "question " << question << ", drain " << drains << ", kind "
+            << static_cast<int>(kind);
+      }
+    }
   }
 }
 
