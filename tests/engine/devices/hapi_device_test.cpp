@@ -151,8 +151,8 @@ TEST(HapiDevice, PositionMovesAsTheTipOfTheBoard) {
   const Vec2 rest_m = board->log().back().tip_m;
   const Vec2 hand_m(0.02, 0.06);
   board->set_hand(hand_m);
-  // The encoders round each joint by half a step, twice. If a loaded machine has delayed answers, so
-  // that the board was set up again, the hand has moved by less than 1 mm meanwhile.
+  // The encoders round each joint by half a step, twice. If a loaded machine has delayed answers,
+  // so that the board was set up again, the hand has moved by less than 1 mm meanwhile.
   const double quantum_m = device.description().encoder_quantum_m;
   EXPECT_TRUE(wait_until([&] {
     const DeviceSample sample = device.read(1e-3);
