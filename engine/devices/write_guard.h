@@ -19,6 +19,10 @@ class WriteGuard {
   virtual std::uint64_t trip_epoch() const noexcept = 0;
   // The driver has set up the device again after the guard's trip of this epoch.
   virtual void acknowledge(std::uint64_t epoch) noexcept = 0;
+  // False while the guard still writes zeros after a trip, which would undo a set-up of the device.
+  // After the driver has compared trip_epoch() with the epoch it knew, it writes zero force and
+  // waits until this is true; then it sets up the device and acknowledges.
+  virtual bool is_quiet() const noexcept { return true; }
   // False: nobody stops the motors any more.
   virtual bool is_alive() const noexcept = 0;
 };

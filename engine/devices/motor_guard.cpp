@@ -1,0 +1,302 @@
+#include "engine/devices/motor_guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <new>
+#include <poll.h>
+#include <pthread.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/pidfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern "C" char** environ;
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kShortestStaleNs = 20'000'000;
+constexpr double kStalePeriods = 10.0;
+constexpr int kAnswerMs = 5000;  // for an answer of the guard, on a busy machine
+constexpr int kEndMs = 2000;     // for the guard's end; it writes zeros for 200 ms
+// An armed guard wakes every 50 ms at least. Without real-time scheduling a busy machine delays a
+// wake-up by 100 ms; ten missed wake-ups mean that the guard is frozen.
+constexpr std::int64_t kFrozenNs = 10 * kGuardWakeNs;
+constexpr const char* kProgram = "palpate-guard";
+
+Error guard_error(std::string problem, std::string hint = "") {
+  return {ErrorCode::kInvalidArgument, "", kProgram, std::move(problem), std::move(hint)};
+}
+
+Error system_error(const std::string& action, int error) {
+  return guard_error(action + " failed: " + std::strerror(error));
+}
+
+// A descriptor that is closed at the end of the scope.
+class ClosedDescriptor {
+ public:
+  explicit ClosedDescriptor(int value) : value_(value) {}
+  ~ClosedDescriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  ClosedDescriptor(const ClosedDescriptor&) = delete;
+  ClosedDescriptor& operator=(const ClosedDescriptor&) = delete;
+  int value() const { return value_; }
+
+ private:
+  int value_;
+};
+
+Result<std::string> find_program() {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", failed).parent_path();
+  const fs::path beside = folder / kProgram;
+  if (!failed && ::access(beside.c_str(), X_OK) == 0) return beside.string();
+  const char* named = std::getenv("PALPATE_GUARD");
+  if (named == nullptr) {
+    return guard_error("is not in " + folder.string() + ", and PALPATE_GUARD is not set",
+                       "put the program there, or name it in this environment variable");
+  }
+  if (::access(named, X_OK) != 0) {
+    return guard_error(std::string("PALPATE_GUARD is ") + named + "; expected a program",
+                       std::strerror(errno));
+  }
+  return std::string(named);
+}
+
+std::optional<Error> check(const GuardSpec& spec) {
+  const std::size_t most = GuardOrder{}.zero_bytes.size();
+  const int flags = fcntl(spec.descriptor, F_GETFL);
+  if (flags < 0) {
+    return invalid_argument("descriptor", "is not open; expected the descriptor of the device");
+  }
+  if ((flags & O_NONBLOCK) == 0) {
+    return invalid_argument("descriptor", "is blocking; expected O_NONBLOCK",
+                            "a write that blocks would stop the guard");
+  }
+  if (!(spec.period_s > 0.0) || !(spec.period_s <= 1.0)) {
+    return invalid_argument(
+        "period_s", "is " + std::to_string(spec.period_s) + "; expected more than 0, at most 1");
+  }
+  if (spec.zero_bytes.empty() || spec.zero_bytes.size() > most) {
+    return invalid_argument("zero_bytes", "is " + std::to_string(spec.zero_bytes.size()) +
+                                              " bytes long; expected 1 to " + std::to_string(most));
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> send_order(int socket, const GuardSpec& spec, int memory, int engine) {
+  const auto order = std::make_unique<GuardOrder>();
+  order->stale_ns = stale_heartbeat_ns(spec.period_s);
+  order->zero_count = static_cast<std::uint32_t>(spec.zero_bytes.size());
+  std::copy(spec.zero_bytes.begin(), spec.zero_bytes.end(), order->zero_bytes.begin());
+  const std::array<int, 3> descriptors = {spec.descriptor, memory, engine};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof descriptors)> control = {};
+  iovec part{order.get(), sizeof *order};
+  msghdr message = {};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr* header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof descriptors);
+  std::memcpy(CMSG_DATA(header), descriptors.data(), sizeof descriptors);
+  if (sendmsg(socket, &message, MSG_NOSIGNAL) < 0) {
+    return system_error("sending the device to the guard", errno);
+  }
+  return std::nullopt;
+}
+
+// Receives one message of exactly `size` bytes.
+bool receive_message(int socket, void* content, std::size_t size) {
+  pollfd waiting{socket, POLLIN, 0};
+  int ready = 0;
+  do {
+    ready = poll(&waiting, 1, kAnswerMs);
+  } while (ready < 0 && errno == EINTR);
+  return ready > 0 && recv(socket, content, size, MSG_DONTWAIT) == static_cast<ssize_t>(size);
+}
+
+std::string fifo_remedy(int error) {
+  return std::string("SCHED_FIFO was refused to palpate-guard (") + std::strerror(error) +
+         "): a zero may be late on a busy machine; write `USER - rtprio " +
+         std::to_string(kGuardPriority) +
+         "`, with your user name, into /etc/security/limits.d/palpate.conf and log in again";
+}
+
+}  // namespace
+
+std::int64_t stale_heartbeat_ns(double period_s) noexcept {
+  return std::max<std::int64_t>(kShortestStaleNs, std::llround(kStalePeriods * 1e9 * period_s));
+}
+
+Result<std::unique_ptr<MotorGuard>> MotorGuard::spawn(const GuardSpec& spec) {
+  if (auto problem = check(spec)) return *problem;
+  std::unique_ptr<MotorGuard> guard(new MotorGuard);
+  if (auto problem = guard->set_up(spec)) return *problem;
+  return guard;
+}
+
+std::optional<Error> MotorGuard::set_up(const GuardSpec& spec) {
+  const Result<std::string> program = find_program();
+  if (!program) return program.error();
+  memory_ = memfd_create(kProgram, MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (memory_ < 0 || ftruncate(memory_, sizeof(GuardMemory)) != 0 ||
+      fcntl(memory_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+    return system_error("creating the shared memory", errno);
+  }
+  void* memory = mmap(nullptr, sizeof(GuardMemory), PROT_READ | PROT_WRITE, MAP_SHARED, memory_, 0);
+  if (memory == MAP_FAILED) return system_error("mapping the shared memory", errno);
+  shared_ = new (memory) GuardMemory;
+
+  std::array<int, 2> sockets = {-1, -1};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) {
+    return system_error("creating a socket", errno);
+  }
+  socket_ = sockets[0];
+  const ClosedDescriptor theirs(sockets[1]);
+  const ClosedDescriptor engine(pidfd_open(getpid(), 0));
+  if (engine.value() < 0) return system_error("pidfd_open", errno);
+  if (auto problem = start_process(*program, theirs.value())) return problem;
+  if (auto problem = send_order(socket_, spec, memory_, engine.value())) return problem;
+  return receive_word();
+}
+
+std::optional<Error> MotorGuard::start_process(const std::string& program, int socket) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_adddup2(&files, socket, kGuardSocket);
+  posix_spawn_file_actions_addclosefrom_np(&files, kGuardSocket + 1);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  sigset_t none;
+  sigset_t all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  // A session of its own: no terminal sends signals to the guard.
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  std::string name = kProgram;
+  const std::array<char*, 2> arguments = {name.data(), nullptr};
+  const int failed =
+      posix_spawn(&process_, program.c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) {
+    process_ = -1;
+    return system_error("starting " + program, failed);
+  }
+  pidfd_ = pidfd_open(process_, 0);
+  if (pidfd_ < 0) return system_error("pidfd_open of the guard", errno);
+  sigset_t before;
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  reaper_ = std::thread([this] { wait_for_end(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return std::nullopt;
+}
+
+std::optional<Error> MotorGuard::receive_word() {
+  GuardWord word;
+  if (!receive_message(socket_, &word, sizeof word)) {
+    return guard_error("ended, or said nothing for 5 s, before it was ready",
+                       "its message, if any, is above");
+  }
+  word.problem.back() = '\0';
+  if (word.magic != kGuardMagic || word.version != kGuardVersion) {
+    return guard_error("is of another build than the engine", "build both again");
+  }
+  if (word.problem[0] != '\0') return guard_error(word.problem.data());
+  if (word.fifo_error != 0) fifo_problem_ = fifo_remedy(word.fifo_error);
+  return std::nullopt;
+}
+
+MotorGuard::~MotorGuard() {
+  if (socket_ >= 0) ::close(socket_);  // the guard ends; if it is armed, it first writes zeros
+  if (process_ > 0 && pidfd_ < 0) ::kill(process_, SIGKILL);
+  if (reaper_.joinable()) {
+    pollfd end{pidfd_, POLLIN, 0};
+    if (poll(&end, 1, kEndMs) == 0) pidfd_send_signal(pidfd_, SIGKILL, nullptr, 0);
+    reaper_.join();
+  }
+  if (shared_ != nullptr) munmap(shared_, sizeof(GuardMemory));
+  if (memory_ >= 0) ::close(memory_);
+  if (pidfd_ >= 0) ::close(pidfd_);
+}
+
+void MotorGuard::wait_for_end() noexcept {
+  pollfd end{pidfd_, POLLIN, 0};
+  while (poll(&end, 1, -1) < 0 && errno == EINTR) {
+  }
+  has_ended_.store(true, std::memory_order_release);
+  siginfo_t ignored = {};
+  waitid(P_PIDFD, static_cast<id_t>(pidfd_), &ignored, WEXITED);
+}
+
+// Tells the guard that `is_armed` has changed, and waits until it has read it.
+std::optional<Error> MotorGuard::ring() {
+  char bell = kGuardBell;
+  if (send(socket_, &bell, 1, MSG_NOSIGNAL) == 1 && receive_message(socket_, &bell, 1)) {
+    return std::nullopt;
+  }
+  return guard_error("has ended or does not answer", "nobody stops the motors; start it again");
+}
+
+std::optional<Error> MotorGuard::arm() {
+  shared_->is_armed.store(1, std::memory_order_release);
+  if (auto problem = ring()) {
+    shared_->is_armed.store(0, std::memory_order_release);
+    return problem;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> MotorGuard::disarm() {
+  shared_->is_armed.store(0, std::memory_order_release);
+  return ring();
+}
+
+void MotorGuard::beat(std::int64_t tick_ns) noexcept {
+  shared_->tick_ns.store(tick_ns, std::memory_order_release);
+  shared_->beat_ns.store(guard_clock_ns(), std::memory_order_release);
+}
+
+std::uint64_t MotorGuard::trip_epoch() const noexcept {
+  const std::uint64_t epoch = shared_->trip_epoch.load(std::memory_order_acquire);
+  if (shared_->seen_epoch.load(std::memory_order_relaxed) != epoch) {
+    shared_->seen_epoch.store(epoch, std::memory_order_release);
+  }
+  return epoch;
+}
+
+void MotorGuard::acknowledge(std::uint64_t epoch) noexcept {
+  shared_->acknowledged_epoch.store(epoch, std::memory_order_release);
+}
+
+bool MotorGuard::is_quiet() const noexcept {
+  return shared_->quiet_epoch.load(std::memory_order_acquire) ==
+         shared_->trip_epoch.load(std::memory_order_acquire);
+}
+
+bool MotorGuard::is_alive() const noexcept {
+  if (has_ended_.load(std::memory_order_acquire)) return false;
+  if (shared_->is_guard_alive.load(std::memory_order_acquire) == 0) return false;
+  return guard_clock_ns() - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
+}
+
+}  // namespace palpate
