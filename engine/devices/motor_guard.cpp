@@ -14,8 +14,8 @@
 #include <pthread.h>
 #include <spawn.h>
 #include <sys/mman.h>
-#include <sys/pidfd.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -39,6 +39,11 @@ Error guard_error(std::string problem, std::string hint = "") {
 
 Error system_error(const std::string& action, int error) {
   return guard_error(action + " failed: " + std::strerror(error));
+}
+
+// <sys/pidfd.h> of glibc 2.36 declares its functions without extern "C".
+int open_pidfd(pid_t process) {
+  return static_cast<int>(syscall(SYS_pidfd_open, process, 0));
 }
 
 // A descriptor that is closed at the end of the scope.
@@ -166,10 +171,13 @@ std::optional<Error> MotorGuard::set_up(const GuardSpec& spec) {
     return system_error("creating a socket", errno);
   }
   socket_ = sockets[0];
-  const ClosedDescriptor theirs(sockets[1]);
-  const ClosedDescriptor engine(pidfd_open(getpid(), 0));
+  {
+    // Closed before the guard's word is awaited, so that the end of the guard ends the waiting.
+    const ClosedDescriptor theirs(sockets[1]);
+    if (auto problem = start_process(*program, theirs.value())) return problem;
+  }
+  const ClosedDescriptor engine(open_pidfd(getpid()));
   if (engine.value() < 0) return system_error("pidfd_open", errno);
-  if (auto problem = start_process(*program, theirs.value())) return problem;
   if (auto problem = send_order(socket_, spec, memory_, engine.value())) return problem;
   return receive_word();
 }
@@ -202,7 +210,7 @@ std::optional<Error> MotorGuard::start_process(const std::string& program, int s
     process_ = -1;
     return system_error("starting " + program, failed);
   }
-  pidfd_ = pidfd_open(process_, 0);
+  pidfd_ = open_pidfd(process_);
   if (pidfd_ < 0) return system_error("pidfd_open of the guard", errno);
   sigset_t before;
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -231,7 +239,7 @@ MotorGuard::~MotorGuard() {
   if (process_ > 0 && pidfd_ < 0) ::kill(process_, SIGKILL);
   if (reaper_.joinable()) {
     pollfd end{pidfd_, POLLIN, 0};
-    if (poll(&end, 1, kEndMs) == 0) pidfd_send_signal(pidfd_, SIGKILL, nullptr, 0);
+    if (poll(&end, 1, kEndMs) == 0) syscall(SYS_pidfd_send_signal, pidfd_, SIGKILL, nullptr, 0);
     reaper_.join();
   }
   if (shared_ != nullptr) munmap(shared_, sizeof(GuardMemory));

@@ -1,0 +1,132 @@
+#pragma once
+
+// A board with a fake firmware behind a pseudo-terminal, and a log of its torques.
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <fcntl.h>
+#include <memory>
+#include <mutex>
+#include <poll.h>
+#include <sched.h>
+#include <string>
+#include <termios.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "engine/devices/guard_memory.h"
+#include "tests/engine/devices/fake_firmware.h"
+
+namespace palpate {
+
+// Reads the host's bytes on a thread of its own and answers. Its port behaves like the board's.
+class FakeBoardTerminal {
+ public:
+  // One tick message that the board has read, or several of zero torque in a row, and when.
+  struct Entry {
+    std::int64_t first_ns = 0;
+    std::int64_t last_ns = 0;
+    bool is_zero = true;
+    std::uint64_t count = 1;
+  };
+
+  FakeBoardTerminal() {
+    terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    grantpt(terminal_);
+    unlockpt(terminal_);
+    port_ = ptsname(terminal_);
+    // A terminal that nobody has opened looks hung up; this descriptor keeps it open.
+    host_side_ = ::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    termios settings = {};
+    tcgetattr(host_side_, &settings);
+    cfmakeraw(&settings);
+    tcsetattr(host_side_, TCSANOW, &settings);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~FakeBoardTerminal() { hang_up(); }
+  FakeBoardTerminal(const FakeBoardTerminal&) = delete;
+  FakeBoardTerminal& operator=(const FakeBoardTerminal&) = delete;
+
+  const std::string& port() const { return port_; }
+
+  // The board stops reading, or reads on.
+  void pause(bool pauses) { is_paused_.store(pauses); }
+  // Whether the board answers tick messages; true at first.
+  void answer(bool answers) { answers_.store(answers); }
+
+  // Closes the board's side.
+  void hang_up() {
+    if (terminal_ < 0) return;
+    ends_.store(true);
+    thread_.join();
+    ::close(terminal_);
+    ::close(host_side_);
+    terminal_ = -1;
+  }
+
+  // The log: neighbouring messages that are both zero, or both not, form one entry.
+  std::vector<Entry> log() const {
+    const std::lock_guard lock(mutex_);
+    return log_;
+  }
+  // The state after the last message.
+  bool is_zero() const {
+    const std::lock_guard lock(mutex_);
+    return log_.empty() || log_.back().is_zero;
+  }
+  std::uint64_t bytes_read() const { return bytes_read_.load(); }
+
+ private:
+  void run() {
+    std::array<std::uint8_t, 4096> bytes;
+    while (!ends_.load()) {
+      pollfd readable{terminal_, POLLIN, 0};
+      if (is_paused_.load()) {
+        ::usleep(1000);
+        continue;
+      }
+      if (poll(&readable, 1, 5) <= 0) continue;
+      const ssize_t size = ::read(terminal_, bytes.data(), bytes.size());
+      const std::int64_t now_ns = guard_clock_ns();
+      bytes_read_ += static_cast<std::uint64_t>(std::max<ssize_t>(0, size));
+      for (ssize_t i = 0; i < size; ++i) take(bytes[static_cast<std::size_t>(i)], now_ns);
+    }
+  }
+
+  void take(std::uint8_t byte, std::int64_t now_ns) {
+    if (!firmware_.take(byte)) return;
+    enter(firmware_.is_zero(), now_ns);
+    if (!answers_.load()) return;
+    const auto answer = firmware_.answer();
+    // The terminal is read by the host; a full queue must not stop the log.
+    pollfd writable{terminal_, POLLOUT, 0};
+    if (poll(&writable, 1, 0) <= 0) return;
+    [[maybe_unused]] const ssize_t ignored = ::write(terminal_, answer.data(), answer.size());
+  }
+
+  void enter(bool is_zero, std::int64_t now_ns) {
+    const std::lock_guard lock(mutex_);
+    if (!log_.empty() && log_.back().is_zero == is_zero) {
+      log_.back().last_ns = now_ns;
+      ++log_.back().count;
+    } else {
+      log_.push_back({now_ns, now_ns, is_zero, 1});
+    }
+  }
+
+  int terminal_ = -1;
+  int host_side_ = -1;
+  std::string port_;
+  FakeFirmware firmware_{ResetKind::kGivesMotorsToDevice0};
+  mutable std::mutex mutex_;
+  std::vector<Entry> log_;
+  std::atomic<bool> is_paused_{false};
+  std::atomic<bool> answers_{true};
+  std::atomic<bool> ends_{false};
+  std::atomic<std::uint64_t> bytes_read_{0};
+  std::thread thread_;
+};
+
+}  // namespace palpate
