@@ -79,7 +79,7 @@ Result<std::string> find_program() {
   return std::string(named);
 }
 
-std::optional<Error> check(const GuardSpec& spec) {
+std::optional<Error> check_guard_spec(const GuardSpec& spec) {
   const std::size_t most = GuardOrder{}.zero_bytes.size();
   const int flags = fcntl(spec.descriptor, F_GETFL);
   if (flags < 0) {
@@ -100,6 +100,11 @@ std::optional<Error> check(const GuardSpec& spec) {
   return std::nullopt;
 }
 
+Error no_word() {
+  return guard_error("ended, or said nothing for 5 s, before it was ready",
+                     "its message, if any, is above");
+}
+
 std::optional<Error> send_order(int socket, const GuardSpec& spec, int memory, int engine) {
   const auto order = std::make_unique<GuardOrder>();
   order->stale_ns = stale_heartbeat_ns(spec.period_s);
@@ -118,10 +123,8 @@ std::optional<Error> send_order(int socket, const GuardSpec& spec, int memory, i
   header->cmsg_type = SCM_RIGHTS;
   header->cmsg_len = CMSG_LEN(sizeof descriptors);
   std::memcpy(CMSG_DATA(header), descriptors.data(), sizeof descriptors);
-  if (sendmsg(socket, &message, MSG_NOSIGNAL) < 0) {
-    return system_error("sending the device to the guard", errno);
-  }
-  return std::nullopt;
+  if (sendmsg(socket, &message, MSG_NOSIGNAL) >= 0) return std::nullopt;
+  return errno == EPIPE ? no_word() : system_error("sending the device to the guard", errno);
 }
 
 // Receives one message of exactly `size` bytes.
@@ -148,7 +151,7 @@ std::int64_t stale_heartbeat_ns(double period_s) noexcept {
 }
 
 Result<std::unique_ptr<MotorGuard>> MotorGuard::spawn(const GuardSpec& spec) {
-  if (auto problem = check(spec)) return *problem;
+  if (auto problem = check_guard_spec(spec)) return *problem;
   std::unique_ptr<MotorGuard> guard(new MotorGuard);
   if (auto problem = guard->set_up(spec)) return *problem;
   return guard;
@@ -222,8 +225,7 @@ std::optional<Error> MotorGuard::start_process(const std::string& program, int s
 std::optional<Error> MotorGuard::receive_word() {
   GuardWord word;
   if (!receive_message(socket_, &word, sizeof word)) {
-    return guard_error("ended, or said nothing for 5 s, before it was ready",
-                       "its message, if any, is above");
+    return no_word();
   }
   word.problem.back() = '\0';
   if (word.magic != kGuardMagic || word.version != kGuardVersion) {
