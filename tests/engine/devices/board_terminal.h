@@ -33,7 +33,7 @@ class FakeBoardTerminal {
   };
 
   FakeBoardTerminal() {
-    terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
     grantpt(terminal_);
     unlockpt(terminal_);
     port_ = ptsname(terminal_);
@@ -55,6 +55,10 @@ class FakeBoardTerminal {
   void pause(bool pauses) { is_paused_.store(pauses); }
   // Whether the board answers tick messages; true at first.
   void answer(bool answers) { answers_.store(answers); }
+
+  // The board answers until the host's queue is full, and reads no command until the host has read
+  // answers, as firmware that waits for room in its own queue.
+  void flood() { floods_.store(true); }
 
   // Closes the board's side.
   void hang_up() {
@@ -83,6 +87,7 @@ class FakeBoardTerminal {
     std::array<std::uint8_t, 4096> bytes;
     while (!ends_.load()) {
       pollfd readable{terminal_, POLLIN, 0};
+      if (floods_.exchange(false)) wait_for_room();
       if (is_paused_.load()) {
         ::usleep(1000);
         continue;
@@ -95,14 +100,20 @@ class FakeBoardTerminal {
     }
   }
 
+  void wait_for_room() {
+    const std::array<char, 256> answers = {};
+    while (::write(terminal_, answers.data(), answers.size()) > 0) {
+    }
+    pollfd writable{terminal_, POLLOUT, 0};
+    while (!ends_.load() && poll(&writable, 1, 5) <= 0) {
+    }
+  }
+
   void take(std::uint8_t byte, std::int64_t now_ns) {
     if (!firmware_.take(byte)) return;
     enter(firmware_.is_zero(), now_ns);
     if (!answers_.load()) return;
     const auto answer = firmware_.answer();
-    // The terminal is read by the host; a full queue must not stop the log.
-    pollfd writable{terminal_, POLLOUT, 0};
-    if (poll(&writable, 1, 0) <= 0) return;
     [[maybe_unused]] const ssize_t ignored = ::write(terminal_, answer.data(), answer.size());
   }
 
@@ -124,6 +135,7 @@ class FakeBoardTerminal {
   std::vector<Entry> log_;
   std::atomic<bool> is_paused_{false};
   std::atomic<bool> answers_{true};
+  std::atomic<bool> floods_{false};
   std::atomic<bool> ends_{false};
   std::atomic<std::uint64_t> bytes_read_{0};
   std::thread thread_;

@@ -14,8 +14,10 @@
 //   hang-tick  its ticks stop after 100 ms; its driver goes on writing
 //   no-fifo    gives up its right to SCHED_FIFO; then as run
 //   end        commands zero, disarms and ends in order after 100 ms
+//   fork       like run, with a child process that keeps all descriptors; writes "child PID"
 //   watch      like run, and writes "lost" when the guard is gone
-//   full       after 100 ms it queues commands until the port takes no more, and hangs
+//   full       after 100 ms it queues commands until the port takes no more, writes "full", and
+//   hangs
 
 #include <cstdio>
 #include <cstdlib>
@@ -72,6 +74,7 @@ class Engine {
     }
     std::printf("guard %d %d\n", guard_->process(), guard_->has_fifo() ? 1 : 0);
     std::fflush(stdout);
+    if (behaviour_ == "fork") fork_child();
     const std::int64_t start_ns = guard_clock_ns();
     for (std::int64_t due_ns = start_ns;; due_ns += kPeriodNs) {
       const std::int64_t now_ns = guard_clock_ns();
@@ -91,6 +94,14 @@ class Engine {
   }
   void command(float torque) {
     send(HostMessages::tick(kDevice, 0, std::vector<float>(kMotors, torque)));
+  }
+
+  // A child that keeps the engine's descriptors until it is killed.
+  static void fork_child() {
+    const pid_t child = ::fork();
+    while (child == 0) ::pause();
+    std::printf("child %d\n", child);
+    std::fflush(stdout);
   }
 
   // Looks at the epoch before each write, as a driver does.
@@ -134,6 +145,8 @@ class Engine {
       const auto message = HostMessages::tick(kDevice, 0, {0.5f, 0.5f});
       while (::write(port_, message.data(), message.size()) > 0) {
       }
+      std::printf("full\n");
+      std::fflush(stdout);
       for (;;) ::pause();
     }
     if (behaviour_ != "end") return false;

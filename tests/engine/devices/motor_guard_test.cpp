@@ -132,7 +132,8 @@ INSTANTIATE_TEST_SUITE_P(All, MotorGuardFaults,
 TEST_F(MotorGuardProcess, StopsTheMotorsWhenTheQueueOfTheBoardIsFull) {
   start("full");
   board.pause(true);
-  sleep_ms(500);  // the engine fills the queue after 100 ms and then writes nothing more
+  ASSERT_EQ(process->read_line(), "full");
+  sleep_ms(500);  // the guard flushes the queue meanwhile
   const std::uint64_t read_before = board.bytes_read();
   std::uint64_t forces_before = 0;
   for (const Entry& entry : board.log()) forces_before += entry.is_zero ? 0 : entry.count;
@@ -144,6 +145,27 @@ TEST_F(MotorGuardProcess, StopsTheMotorsWhenTheQueueOfTheBoardIsFull) {
   for (const Entry& entry : board.log()) forces += entry.is_zero ? 0 : entry.count;
   // The 4,096 bytes that a terminal's reading side holds cannot be flushed; the rest must be.
   EXPECT_LE(forces - forces_before, 4096u / HostMessages::tick(1, 0, {0.5f, 0.5f}).size());
+}
+
+TEST_F(MotorGuardProcess, StopsABoardThatWaitsUntilItsAnswersAreRead) {
+  start("run");
+  const std::int64_t fault_ns = guard_clock_ns();
+  process->engine().send(SIGSTOP);
+  board.flood();
+  expect_zero_for_ever(fault_ns);
+}
+
+TEST_F(MotorGuardProcess, SeesTheEndOfAnEngineWhoseChildKeepsItsDescriptors) {
+  start("fork");
+  pid_t child = 0;
+  ASSERT_EQ(std::sscanf(process->read_line().c_str(), "child %d", &child), 1);
+  const WatchedProcess watched_child(child);
+  const std::int64_t fault_ns = guard_clock_ns();
+  process->engine().send(SIGKILL);
+  expect_zero_for_ever(fault_ns);
+  expect_guard_ends_well();
+  watched_child.send(SIGKILL);
+  watched_child.status_at_end();
 }
 
 TEST_F(MotorGuardProcess, SurvivesTheHangUpOfItsTerminal) {
@@ -295,6 +317,22 @@ TEST_F(MotorGuardClient, WritesZerosAgainIfTheDriverFallsSilentBeforeItAcknowled
   EXPECT_EQ(guard->trip_epoch(), 1u);  // the same trip
 }
 
+// A command may slip until the driver has seen the trip.
+TEST_F(MotorGuardClient, WritesAZeroAfterTheDriverHasSeenTheTrip) {
+  spawn();
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  ASSERT_TRUE(wait_for([&] { return !guard->is_quiet(); }));
+  sleep_ms(20);
+  ::kill(guard->process(), SIGSTOP);
+  sleep_ms(50);
+  written();
+  EXPECT_EQ(guard->trip_epoch(), 1u);
+  EXPECT_FALSE(guard->is_quiet());
+  ::kill(guard->process(), SIGCONT);
+  ASSERT_TRUE(wait_for([&] { return guard->is_quiet(); }));
+  EXPECT_GE(written().size(), spec.zero_bytes.size());
+}
+
 TEST_F(MotorGuardClient, AnOldTickIsStaleThoughTheDriverBeats) {
   spawn();
   const std::int64_t tick_ns = guard_clock_ns();
@@ -364,6 +402,23 @@ TEST_F(MotorGuardClient, SaysWhetherItRunsInRealTime) {
   EXPECT_EQ(guard->has_fifo(), guard->fifo_problem().empty());
   EXPECT_EQ(sched_getscheduler(guard->process()), guard->has_fifo() ? SCHED_FIFO : SCHED_OTHER);
   EXPECT_EQ(getsid(guard->process()), guard->process());
+}
+
+TEST_F(MotorGuardClient, MayRunOnAllProcessors) {
+  cpu_set_t all;
+  cpu_set_t guards;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  std::thread([&] {
+    cpu_set_t first;
+    CPU_ZERO(&first);
+    for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&first) == 0; ++cpu) {
+      if (CPU_ISSET(cpu, &all)) CPU_SET(cpu, &first);
+    }
+    sched_setaffinity(0, sizeof first, &first);
+    spawn();
+  }).join();
+  ASSERT_EQ(sched_getaffinity(guard->process(), sizeof guards, &guards), 0);
+  EXPECT_GE(CPU_COUNT(&guards), CPU_COUNT(&all));
 }
 
 TEST_F(MotorGuardClient, RefusesAWrongSpecification) {
