@@ -21,6 +21,16 @@
 
 namespace palpate {
 
+// Opens the host's side of a pseudo-terminal, which passes all bytes unchanged.
+inline int open_raw(const std::string& port) {
+  const int descriptor = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  termios settings = {};
+  tcgetattr(descriptor, &settings);
+  cfmakeraw(&settings);
+  tcsetattr(descriptor, TCSANOW, &settings);
+  return descriptor;
+}
+
 // Reads the host's bytes on a thread of its own and answers. Its port behaves like the board's.
 class FakeBoardTerminal {
  public:
@@ -38,11 +48,7 @@ class FakeBoardTerminal {
     unlockpt(terminal_);
     port_ = ptsname(terminal_);
     // A terminal that nobody has opened looks hung up; this descriptor keeps it open.
-    host_side_ = ::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    termios settings = {};
-    tcgetattr(host_side_, &settings);
-    cfmakeraw(&settings);
-    tcsetattr(host_side_, TCSANOW, &settings);
+    host_side_ = open_raw(port_);
     thread_ = std::thread([this] { run(); });
   }
   ~FakeBoardTerminal() { hang_up(); }
@@ -75,7 +81,7 @@ class FakeBoardTerminal {
     const std::lock_guard lock(mutex_);
     return log_;
   }
-  // The state after the last message.
+  // Whether the last message was zero, or there was none.
   bool is_zero() const {
     const std::lock_guard lock(mutex_);
     return log_.empty() || log_.back().is_zero;
@@ -102,11 +108,15 @@ class FakeBoardTerminal {
 
   void wait_for_room() {
     const std::array<char, 256> answers = {};
-    while (::write(terminal_, answers.data(), answers.size()) > 0) {
+    // The kernel makes more room a little later, when it moves bytes to the reader's side.
+    for (int ms = 0; ms < 10; ++ms) {
+      for (const std::size_t size : {answers.size(), std::size_t{1}}) {
+        while (::write(terminal_, answers.data(), size) > 0) {
+        }
+      }
+      ::usleep(1000);
     }
-    pollfd writable{terminal_, POLLOUT, 0};
-    while (!ends_.load() && poll(&writable, 1, 5) <= 0) {
-    }
+    while (!ends_.load() && ::write(terminal_, answers.data(), 1) <= 0) ::usleep(1000);
   }
 
   void take(std::uint8_t byte, std::int64_t now_ns) {

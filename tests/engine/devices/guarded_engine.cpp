@@ -19,23 +19,22 @@
 //   full       after 100 ms it queues commands until the port takes no more, writes "full", and
 //   hangs
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
 #include <linux/capability.h>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <termios.h>
 #include <unistd.h>
 #include <vector>
 
 #include "engine/devices/hapi_zero.h"
 #include "engine/devices/motor_guard.h"
-#include "tests/engine/devices/fake_firmware.h"
+#include "tests/engine/devices/board_terminal.h"
 
 namespace palpate {
 namespace {
@@ -44,15 +43,6 @@ constexpr std::uint8_t kDevice = 1;
 constexpr int kMotors = 2;
 constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr std::int64_t kFaultNs = 100'000'000;  // after the start
-
-int open_port(const char* path) {
-  const int port = ::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  termios settings = {};
-  if (port < 0 || tcgetattr(port, &settings) != 0) return -1;
-  cfmakeraw(&settings);
-  tcsetattr(port, TCSANOW, &settings);
-  return port;
-}
 
 void sleep_ns(std::int64_t ns) {
   const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
@@ -178,7 +168,7 @@ int run(const char* path, const std::string& behaviour) {
   if (behaviour == "no-fifo") give_up_realtime();
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  const int port = open_port(path);
+  const int port = open_raw(path);
   if (port < 0) {
     std::fprintf(stderr, "%s: cannot be opened: %s\n", path, std::strerror(errno));
     return 2;
