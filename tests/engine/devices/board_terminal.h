@@ -81,6 +81,11 @@ class FakeBoardTerminal {
     const std::lock_guard lock(mutex_);
     return log_;
   }
+  // The board reads with this real-time priority, if the process may use it.
+  void set_priority(int priority) {
+    const sched_param fifo{priority};
+    pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &fifo);
+  }
   // Whether the last message was zero, or there was none.
   bool is_zero() const {
     const std::lock_guard lock(mutex_);

@@ -4,7 +4,7 @@
 // usage: guarded_engine PORT BEHAVIOUR
 //
 // It writes "guard PID FIFO" to stdout when the guard watches, then commands 0.5 on two motors at
-// 1 kHz. It rearms after a trip. Behaviours:
+// 1 kHz, with the priority of a haptic thread if it may. It rearms after a trip. Behaviours:
 //   run        until it is killed
 //   unarmed    starts the guard without arming it, and does not command
 //   segv       accesses address 0 after 100 ms
@@ -25,6 +25,7 @@
 #include <cstring>
 #include <linux/capability.h>
 #include <memory>
+#include <sched.h>
 #include <stdexcept>
 #include <string>
 #include <sys/prctl.h>
@@ -65,6 +66,8 @@ class Engine {
     std::printf("guard %d %d\n", guard_->process(), guard_->has_fifo() ? 1 : 0);
     std::fflush(stdout);
     if (behaviour_ == "fork") fork_child();
+    const sched_param fifo{kGuardPriority - 1};
+    sched_setscheduler(0, SCHED_FIFO, &fifo);
     const std::int64_t start_ns = guard_clock_ns();
     for (std::int64_t due_ns = start_ns;; due_ns += kPeriodNs) {
       const std::int64_t now_ns = guard_clock_ns();

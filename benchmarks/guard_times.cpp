@@ -1,0 +1,218 @@
+// Measures the time from a fault of an engine until the board has read a command of zero force,
+// with the engine and the guard as real processes and a fake board on a pseudo-terminal, beside a
+// load.
+//
+// usage: guard_times [--repeats=N] [--load=N] [--seed=N] [--csv=FILE]
+//
+// load: processes of ordinary priority that compute without end. The board reads with a priority
+// above the guard's, since a board is not slowed down by the host's load. A sample during which the
+// force was zero already when the fault happened counts as tripped: the load had delayed the
+// engine.
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <random>
+#include <string>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+#include "tests/engine/devices/board_terminal.h"
+#include "tests/engine/devices/engine_process.h"
+
+namespace palpate {
+namespace {
+
+struct Options {
+  int repeats = 100;
+  int load = 7;
+  unsigned seed = 1;
+  std::string csv;
+};
+
+struct Fault {
+  const char* name;
+  int signal;
+};
+constexpr Fault kFaults[] = {
+    {"gone (SIGKILL)", SIGKILL}, {"crashed (SIGSEGV)", SIGSEGV}, {"frozen (SIGSTOP)", SIGSTOP}};
+
+// One row of the table. Times in ms.
+struct Row {
+  const char* scheduling;
+  const char* fault;
+  std::vector<double> times_ms;  // sorted
+  int tripped = 0;
+  int missing = 0;  // no zero within 2 s
+
+  double at(double share) const {  // nearest rank
+    if (times_ms.empty()) return 0.0;
+    const auto rank =
+        static_cast<std::size_t>(share * static_cast<double>(times_ms.size()) + 0.999);
+    return times_ms[std::clamp<std::size_t>(rank, 1, times_ms.size()) - 1];
+  }
+};
+
+class Load {
+ public:
+  explicit Load(int count) {
+    for (int i = 0; i < count; ++i) {
+      const pid_t process = fork();
+      if (process == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        std::atomic<unsigned> n{0};
+        for (;;) n.fetch_add(1, std::memory_order_relaxed);
+      }
+      processes_.push_back(process);
+    }
+  }
+  ~Load() {
+    for (const pid_t process : processes_) {
+      ::kill(process, SIGKILL);
+      waitpid(process, nullptr, 0);
+    }
+  }
+  Load(const Load&) = delete;
+  Load& operator=(const Load&) = delete;
+
+ private:
+  std::vector<pid_t> processes_;
+};
+
+// The priority of the board, and of the thread that causes the fault: above the guard's.
+constexpr int kPriority = kGuardPriority + 5;
+
+// Causes the fault and returns when, without being preempted by the load in between.
+std::int64_t cause(const Fault& fault, const WatchedProcess& engine) {
+  const sched_param above{kPriority};
+  const sched_param ordinary{};
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &above);
+  const std::int64_t now_ns = guard_clock_ns();
+  engine.send(fault.signal);
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
+  return now_ns;
+}
+
+// Adds one sample to the row. Returns false if the engine does not start.
+bool measure_once(const Fault& fault, const char* behaviour, int delay_ms, Row& row) {
+  FakeBoardTerminal board;
+  board.set_priority(kPriority);
+  const EngineProcess process(PALPATE_GUARDED_ENGINE, board.port(), behaviour);
+  if (!process.has_started() || !wait_for([&] { return !board.is_zero(); }, 5.0)) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+  const bool was_zero = board.is_zero();
+  const std::int64_t fault_ns = cause(fault, process.engine());
+  if (was_zero) {
+    ++row.tripped;
+    return true;
+  }
+  std::int64_t zero_ns = 0;
+  const bool came = wait_for([&] {
+    for (const auto& entry : board.log()) {
+      if (entry.is_zero && entry.first_ns >= fault_ns) zero_ns = entry.first_ns;
+    }
+    return zero_ns != 0;
+  });
+  if (came) {
+    row.times_ms.push_back(1e-6 * static_cast<double>(zero_ns - fault_ns));
+  } else {
+    ++row.missing;
+  }
+  return true;
+}
+
+void print(const std::vector<Row>& rows, const Options& options) {
+  std::printf(
+      "seed %u, load %d, %d faults a row; ms from the fault to the zero read by the board\n",
+      options.seed, options.load, options.repeats);
+  std::printf("%-10s %-18s %8s %8s %8s %8s %8s %8s\n", "guard", "fault", "samples", "median",
+              "99 %", "worst", "tripped", "missing");
+  for (const Row& row : rows) {
+    std::printf("%-10s %-18s %8zu %8.2f %8.2f %8.2f %8d %8d\n", row.scheduling, row.fault,
+                row.times_ms.size(), row.at(0.5), row.at(0.99), row.at(1.0), row.tripped,
+                row.missing);
+  }
+}
+
+bool write_csv(const std::vector<Row>& rows, const Options& options) {
+  std::ofstream file(options.csv);
+  file << "seed,load,guard,fault,samples,median_ms,p99_ms,worst_ms,tripped,missing\n";
+  for (const Row& row : rows) {
+    file << options.seed << ',' << options.load << ',' << row.scheduling << ',' << row.fault << ','
+         << row.times_ms.size() << ',' << row.at(0.5) << ',' << row.at(0.99) << ',' << row.at(1.0)
+         << ',' << row.tripped << ',' << row.missing << '\n';
+  }
+  return static_cast<bool>(file.flush());
+}
+
+int measure(const Options& options) {
+  const Load load(options.load);
+  std::mt19937 random(options.seed);
+  std::vector<Row> rows;
+  for (const bool has_fifo : {true, false}) {
+    for (const Fault& fault : kFaults) {
+      Row row{has_fifo ? "FIFO" : "ordinary", fault.name, {}};
+      for (int i = 0; i < options.repeats; ++i) {
+        const int delay_ms = 20 + static_cast<int>(random() % 50);
+        if (!measure_once(fault, has_fifo ? "run" : "no-fifo", delay_ms, row)) {
+          std::fprintf(stderr, "guard_times: the engine did not start\n");
+          return 1;
+        }
+      }
+      std::sort(row.times_ms.begin(), row.times_ms.end());
+      rows.push_back(row);
+    }
+  }
+  print(rows, options);
+  if (!options.csv.empty() && !write_csv(rows, options)) {
+    std::fprintf(stderr, "guard_times: %s: cannot be written\n", options.csv.c_str());
+    return 1;
+  }
+  int missing = 0;
+  for (const Row& row : rows) missing += row.missing;
+  return missing == 0 ? 0 : 1;
+}
+
+// Returns whether all arguments are known.
+bool parse(int count, char** arguments, Options& options) {
+  for (int i = 1; i < count; ++i) {
+    const std::string word = arguments[i];
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const std::string value = equals == std::string::npos ? "" : word.substr(equals + 1);
+    if (value.empty()) return false;
+    if (name == "--csv") {
+      options.csv = value;
+      continue;
+    }
+    const int number = std::atoi(value.c_str());
+    if (name == "--repeats" && number > 0) {
+      options.repeats = number;
+    } else if (name == "--load" && number >= 0) {
+      options.load = number;
+    } else if (name == "--seed" && number >= 0) {
+      options.seed = static_cast<unsigned>(number);
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int count, char** arguments) {
+  palpate::Options options;
+  if (!palpate::parse(count, arguments, options)) {
+    std::fprintf(stderr, "usage: guard_times [--repeats=N] [--load=N] [--seed=N] [--csv=FILE]\n");
+    return 2;
+  }
+  return palpate::measure(options);
+}
