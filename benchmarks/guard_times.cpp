@@ -4,6 +4,10 @@
 //
 // usage: guard_times [--repeats=N] [--load=N] [--seed=N] [--csv=FILE]
 //
+// Each fault is measured twice: through a pseudo-terminal and through a pair of sockets. Bytes for
+// a pseudo-terminal wait for a worker of the kernel, which has ordinary priority, so that the load
+// delays them; the driver of a USB port has no such worker.
+//
 // load: processes of ordinary priority that compute without end. The board reads with a priority
 // above the guard's, since a board is not slowed down by the host's load. A sample during which the
 // force was zero already when the fault happened counts as tripped: the load had delayed the
@@ -39,13 +43,16 @@ struct Options {
 struct Fault {
   const char* name;
   int signal;
+  double aim_ms;
 };
-constexpr Fault kFaults[] = {
-    {"gone (SIGKILL)", SIGKILL}, {"crashed (SIGSEGV)", SIGSEGV}, {"frozen (SIGSTOP)", SIGSTOP}};
+constexpr Fault kFaults[] = {{"gone (SIGKILL)", SIGKILL, 10.0},
+                             {"crashed (SIGSEGV)", SIGSEGV, 10.0},
+                             {"frozen (SIGSTOP)", SIGSTOP, 35.0}};
 
 // One row of the table. Times in ms.
 struct Row {
   const char* scheduling;
+  const char* port;
   const char* fault;
   std::vector<double> times_ms;  // sorted
   int tripped = 0;
@@ -99,14 +106,49 @@ std::int64_t cause(const Fault& fault, const WatchedProcess& engine) {
   return now_ns;
 }
 
+// Records how late a thread of the highest priority wakes.
+class Probe {
+ public:
+  Probe() : thread_([this] { run(); }) {
+    const sched_param highest{sched_get_priority_max(SCHED_FIFO)};
+    pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &highest);
+  }
+  ~Probe() {
+    ends_.store(true);
+    thread_.join();
+  }
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
+
+  // The largest lateness since the last call, ms.
+  double worst_ms() { return 1e-6 * static_cast<double>(worst_ns_.exchange(0)); }
+
+ private:
+  void run() {
+    while (!ends_.load()) {
+      const std::int64_t start_ns = guard_clock_ns();
+      ::usleep(1000);
+      const std::int64_t late_ns = guard_clock_ns() - start_ns - 1'000'000;
+      if (late_ns > worst_ns_.load()) worst_ns_.store(late_ns);
+    }
+  }
+
+  std::atomic<bool> ends_{false};
+  std::atomic<std::int64_t> worst_ns_{0};
+  std::thread thread_;
+};
+
 // Adds one sample to the row. Returns false if the engine does not start.
-bool measure_once(const Fault& fault, const char* behaviour, int delay_ms, Row& row) {
-  FakeBoardTerminal board;
+bool measure_once(const Fault& fault, const char* behaviour, FakeBoardTerminal::Kind kind,
+                  int delay_ms, Probe& probe, Row& row) {
+  FakeBoardTerminal board(kind);
   board.set_priority(kPriority);
   const EngineProcess process(PALPATE_GUARDED_ENGINE, board.port(), behaviour);
   if (!process.has_started() || !wait_for([&] { return !board.is_zero(); }, 5.0)) return false;
   std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
   const bool was_zero = board.is_zero();
+  probe.worst_ms();
+  const auto before = board.log();
   const std::int64_t fault_ns = cause(fault, process.engine());
   if (was_zero) {
     ++row.tripped;
@@ -120,7 +162,14 @@ bool measure_once(const Fault& fault, const char* behaviour, int delay_ms, Row& 
     return zero_ns != 0;
   });
   if (came) {
-    row.times_ms.push_back(1e-6 * static_cast<double>(zero_ns - fault_ns));
+    const double time_ms = 1e-6 * static_cast<double>(zero_ns - fault_ns);
+    row.times_ms.push_back(time_ms);
+    if (time_ms > fault.aim_ms) {
+      const double age_ms = 1e-6 * static_cast<double>(fault_ns - before.back().last_ns);
+      std::printf(
+          "%s, %s, %s: %.2f ms; probe late by %.2f ms; last command %.2f ms before the fault\n",
+          row.scheduling, row.port, fault.name, time_ms, probe.worst_ms(), age_ms);
+    }
   } else {
     ++row.missing;
   }
@@ -131,42 +180,49 @@ void print(const std::vector<Row>& rows, const Options& options) {
   std::printf(
       "seed %u, load %d, %d faults a row; ms from the fault to the zero read by the board\n",
       options.seed, options.load, options.repeats);
-  std::printf("%-10s %-18s %8s %8s %8s %8s %8s %8s\n", "guard", "fault", "samples", "median",
-              "99 %", "worst", "tripped", "missing");
+  std::printf("%-10s %-9s %-18s %8s %8s %8s %8s %8s %8s\n", "guard", "port", "fault", "samples",
+              "median", "99 %", "worst", "tripped", "missing");
   for (const Row& row : rows) {
-    std::printf("%-10s %-18s %8zu %8.2f %8.2f %8.2f %8d %8d\n", row.scheduling, row.fault,
-                row.times_ms.size(), row.at(0.5), row.at(0.99), row.at(1.0), row.tripped,
+    std::printf("%-10s %-9s %-18s %8zu %8.2f %8.2f %8.2f %8d %8d\n", row.scheduling, row.port,
+                row.fault, row.times_ms.size(), row.at(0.5), row.at(0.99), row.at(1.0), row.tripped,
                 row.missing);
   }
 }
 
 bool write_csv(const std::vector<Row>& rows, const Options& options) {
   std::ofstream file(options.csv);
-  file << "seed,load,guard,fault,samples,median_ms,p99_ms,worst_ms,tripped,missing\n";
+  file << "seed,load,guard,port,fault,samples,median_ms,p99_ms,worst_ms,tripped,missing\n";
   for (const Row& row : rows) {
-    file << options.seed << ',' << options.load << ',' << row.scheduling << ',' << row.fault << ','
-         << row.times_ms.size() << ',' << row.at(0.5) << ',' << row.at(0.99) << ',' << row.at(1.0)
-         << ',' << row.tripped << ',' << row.missing << '\n';
+    file << options.seed << ',' << options.load << ',' << row.scheduling << ',' << row.port << ','
+         << row.fault << ',' << row.times_ms.size() << ',' << row.at(0.5) << ',' << row.at(0.99)
+         << ',' << row.at(1.0) << ',' << row.tripped << ',' << row.missing << '\n';
   }
   return static_cast<bool>(file.flush());
 }
 
 int measure(const Options& options) {
   const Load load(options.load);
+  Probe probe;
   std::mt19937 random(options.seed);
   std::vector<Row> rows;
+  using Kind = FakeBoardTerminal::Kind;
   for (const bool has_fifo : {true, false}) {
-    for (const Fault& fault : kFaults) {
-      Row row{has_fifo ? "FIFO" : "ordinary", fault.name, {}};
-      for (int i = 0; i < options.repeats; ++i) {
-        const int delay_ms = 20 + static_cast<int>(random() % 50);
-        if (!measure_once(fault, has_fifo ? "run" : "no-fifo", delay_ms, row)) {
-          std::fprintf(stderr, "guard_times: the engine did not start\n");
-          return 1;
+    for (const Kind kind : {Kind::kTerminal, Kind::kSockets}) {
+      for (const Fault& fault : kFaults) {
+        Row row{has_fifo ? "FIFO" : "ordinary",
+                kind == Kind::kTerminal ? "terminal" : "sockets",
+                fault.name,
+                {}};
+        for (int i = 0; i < options.repeats; ++i) {
+          const int delay_ms = 20 + static_cast<int>(random() % 50);
+          if (!measure_once(fault, has_fifo ? "run" : "no-fifo", kind, delay_ms, probe, row)) {
+            std::fprintf(stderr, "guard_times: the engine did not start\n");
+            return 1;
+          }
         }
+        std::sort(row.times_ms.begin(), row.times_ms.end());
+        rows.push_back(row);
       }
-      std::sort(row.times_ms.begin(), row.times_ms.end());
-      rows.push_back(row);
     }
   }
   print(rows, options);

@@ -36,6 +36,7 @@ struct GuardMemory {
   // The driver's thread writes these.
   alignas(64) std::atomic<std::int64_t> beat_ns{0};  // when the last command was written
   std::atomic<std::int64_t> tick_ns{0};              // the time of the tick it came from
+  std::atomic<std::int32_t> driver_thread{0};        // the thread that beats; 0: none has yet
   // The last trip that the driver has seen. The guard clears it when it needs a new look.
   std::atomic<std::uint64_t> seen_epoch{0};
   std::atomic<std::uint64_t> acknowledged_epoch{0};  // the device is set up again after this trip
@@ -58,6 +59,7 @@ struct GuardMemory {
 struct GuardOrder {
   std::uint32_t magic = kGuardMagic;
   std::uint32_t version = kGuardVersion;
+  std::int32_t engine_pid = 0;
   std::int64_t stale_ns = 0;                       // the age at which a heartbeat is stale, > 0
   std::uint32_t zero_count = 0;                    // > 0
   std::array<std::uint8_t, 4096> zero_bytes = {};  // bring the device to zero force, from any state

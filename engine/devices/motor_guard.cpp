@@ -107,6 +107,7 @@ Error no_word() {
 
 std::optional<Error> send_order(int socket, const GuardSpec& spec, int memory, int engine) {
   const auto order = std::make_unique<GuardOrder>();
+  order->engine_pid = getpid();
   order->stale_ns = stale_heartbeat_ns(spec.period_s);
   order->zero_count = static_cast<std::uint32_t>(spec.zero_bytes.size());
   std::copy(spec.zero_bytes.begin(), spec.zero_bytes.end(), order->zero_bytes.begin());
@@ -268,6 +269,7 @@ std::optional<Error> MotorGuard::ring() {
 }
 
 std::optional<Error> MotorGuard::arm() {
+  shared_->driver_thread.store(0, std::memory_order_release);
   shared_->is_armed.store(1, std::memory_order_release);
   if (auto problem = ring()) {
     shared_->is_armed.store(0, std::memory_order_release);
@@ -282,6 +284,8 @@ std::optional<Error> MotorGuard::disarm() {
 }
 
 void MotorGuard::beat(std::int64_t tick_ns) noexcept {
+  thread_local const pid_t thread = gettid();
+  shared_->driver_thread.store(thread, std::memory_order_relaxed);
   shared_->tick_ns.store(tick_ns, std::memory_order_release);
   shared_->beat_ns.store(guard_clock_ns(), std::memory_order_release);
 }

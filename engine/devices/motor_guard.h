@@ -27,14 +27,14 @@ struct GuardSpec {
 // A heartbeat of this age makes the guard trip: 20 ms or 10 periods, the larger, ns.
 std::int64_t stale_heartbeat_ns(double period_s) noexcept;
 
-// The guard process. While armed, it stops the motors if the engine ends in any way, or if the last
-// beat() or its tick is older than stale_heartbeat_ns(). A stale heartbeat is a trip: the guard
-// writes zeros until the driver has seen the new trip_epoch(). When is_quiet() is true again, the
-// driver sets up the device and calls acknowledge().
+// The guard process. While armed, it stops the motors if the engine or the thread of the last
+// beat() ends in any way, or if the last beat() or its tick is older than stale_heartbeat_ns(). A
+// stale heartbeat is a trip: the guard writes zeros until the driver has seen the new trip_epoch().
+// When is_quiet() is true again, the driver sets up the device and calls acknowledge().
 //
 // Thread-safety: one thread, the owner, calls spawn(), arm(), disarm() and the destructor, which
 // block. The functions of WriteGuard are for the driver's thread; they are wait-free and need no
-// system call.
+// system call, except for the first beat() of a thread.
 class MotorGuard final : public WriteGuard {
  public:
   // Starts the guard and waits for its first word. The program `palpate-guard` must lie in the

@@ -7,11 +7,15 @@
 //   duty    leaves it when                                      does
 //   idle    the engine arms: watch                              nothing
 //   watch   the heartbeat is stale: zero, with a new epoch      nothing
+//           the driver's thread has ended: the same
 //   zero    the driver has seen the epoch: one more zero, quiet zeros at 200 Hz
 //   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up the
 //   device
 //           the heartbeat is stale: zero
 //   last    after 200 ms: ends                                  zeros at 200 Hz
+//
+// The end of the thread is seen earlier than that of the engine. On a busy machine, a killed engine
+// takes tens of milliseconds to end, because its ordinary threads wait for a processor.
 //
 // Whatever the duty, the end of the engine leads to `last` (armed), or to one zero (not armed). The
 // driver looks at the epoch before each write. After it has seen an epoch, it writes no force; so
@@ -39,6 +43,8 @@ namespace {
 
 constexpr std::int64_t kZeroPeriodNs = 5'000'000;  // 200 Hz
 constexpr std::int64_t kLastZerosNs = 200'000'000;
+// A heartbeat that is late, though not yet stale, is looked at so often.
+constexpr std::int64_t kSuspectNs = 1'000'000;
 // A zero begins while bytes are still queued only after this many periods.
 constexpr int kPeriodsForQueue = 5;
 
@@ -159,9 +165,16 @@ class Guard {
     const std::int64_t beat_ns = std::min(memory_.beat_ns.load(std::memory_order_acquire),
                                           memory_.tick_ns.load(std::memory_order_acquire));
     const std::int64_t stale_ns = std::max(since_ns_, beat_ns) + orders_.order.stale_ns;
-    if (now_ns < stale_ns) return std::min(stale_ns, now_ns + kGuardWakeNs);
+    const std::int64_t suspect_ns = stale_ns - orders_.order.stale_ns / 5 * 4;
+    if (now_ns < suspect_ns) return std::min(suspect_ns, now_ns + kGuardWakeNs);
+    if (now_ns < stale_ns && !has_driver_ended()) return std::min(stale_ns, now_ns + kSuspectNs);
     memory_.trip_epoch.fetch_add(1, std::memory_order_acq_rel);
     return begin_zeros(now_ns);
+  }
+
+  bool has_driver_ended() const {
+    const pid_t thread = memory_.driver_thread.load(std::memory_order_relaxed);
+    return thread != 0 && tgkill(orders_.order.engine_pid, thread, 0) != 0 && errno == ESRCH;
   }
 
   std::int64_t begin_zeros(std::int64_t now_ns) {

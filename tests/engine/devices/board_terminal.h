@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <string>
+#include <sys/socket.h>
 #include <termios.h>
 #include <thread>
 #include <unistd.h>
@@ -42,13 +43,16 @@ class FakeBoardTerminal {
     std::uint64_t count = 1;
   };
 
-  FakeBoardTerminal() {
-    terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
-    grantpt(terminal_);
-    unlockpt(terminal_);
-    port_ = ptsname(terminal_);
-    // A terminal that nobody has opened looks hung up; this descriptor keeps it open.
-    host_side_ = open_raw(port_);
+  // A pseudo-terminal passes bytes on through a worker of the kernel, which has ordinary priority.
+  // A pair of sockets passes them at once, but has no flush. Its port is an inherited descriptor.
+  enum class Kind { kTerminal, kSockets };
+
+  explicit FakeBoardTerminal(Kind kind = Kind::kTerminal) {
+    if (kind == Kind::kTerminal) {
+      open_terminal();
+    } else {
+      open_sockets();
+    }
     thread_ = std::thread([this] { run(); });
   }
   ~FakeBoardTerminal() { hang_up(); }
@@ -94,6 +98,23 @@ class FakeBoardTerminal {
   std::uint64_t bytes_read() const { return bytes_read_.load(); }
 
  private:
+  void open_terminal() {
+    terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+    grantpt(terminal_);
+    unlockpt(terminal_);
+    port_ = ptsname(terminal_);
+    // A terminal that nobody has opened looks hung up; this descriptor keeps it open.
+    host_side_ = open_raw(port_);
+  }
+  void open_sockets() {
+    std::array<int, 2> ends = {-1, -1};
+    socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends.data());
+    terminal_ = ends[0];
+    fcntl(terminal_, F_SETFD, FD_CLOEXEC);
+    host_side_ = ends[1];
+    port_ = std::to_string(host_side_);
+  }
+
   void run() {
     std::array<std::uint8_t, 4096> bytes;
     while (!ends_.load()) {

@@ -3,6 +3,7 @@
 //
 // usage: guarded_engine PORT BEHAVIOUR
 //
+// PORT is a path, or the number of an inherited descriptor.
 // It writes "guard PID FIFO" to stdout when the guard watches, then commands 0.5 on two motors at
 // 1 kHz, with the priority of a haptic thread if it may. It rearms after a trip. Behaviours:
 //   run        until it is killed
@@ -11,6 +12,7 @@
 //   throw      throws an exception that nobody catches, after 100 ms
 //   exit       calls exit() after 100 ms
 //   destroy    destroys the client of an armed guard after 100 ms, and lives on
+//   end-thread its driver's thread ends after 100 ms
 //   hang-tick  its ticks stop after 100 ms; its driver goes on writing
 //   no-fifo    gives up its right to SCHED_FIFO; then as run
 //   end        commands zero, disarms and ends in order after 100 ms
@@ -20,6 +22,7 @@
 //   hangs
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -30,6 +33,8 @@
 #include <string>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -130,6 +135,7 @@ class Engine {
       guard_.reset();
       for (;;) ::pause();
     }
+    if (behaviour_ == "end-thread") ::syscall(SYS_exit, 0);
     if (behaviour_ == "hang-tick" && !has_hung_) {
       has_hung_ = true;
       hung_ns_ = guard_clock_ns();
@@ -171,7 +177,8 @@ int run(const char* path, const std::string& behaviour) {
   if (behaviour == "no-fifo") give_up_realtime();
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  const int port = open_raw(path);
+  const bool is_number = path[0] >= '0' && path[0] <= '9';
+  const int port = is_number ? std::atoi(path) : open_raw(path);
   if (port < 0) {
     std::fprintf(stderr, "%s: cannot be opened: %s\n", path, std::strerror(errno));
     return 2;
@@ -185,7 +192,17 @@ int run(const char* path, const std::string& behaviour) {
     std::fprintf(stderr, "%s\n", guard.error().to_string().c_str());
     return 2;
   }
-  return Engine(port, std::move(*guard), behaviour).run();
+  // A driver has a thread of its own.
+  Engine engine(port, std::move(*guard), behaviour);
+  int code = 0;
+  std::thread driver([&] { code = engine.run(); });
+  // A SIGSEGV from outside hits the driver's thread, as its own would.
+  sigset_t own;
+  sigemptyset(&own);
+  sigaddset(&own, SIGSEGV);
+  pthread_sigmask(SIG_BLOCK, &own, nullptr);
+  driver.join();
+  return code;
 }
 
 }  // namespace

@@ -122,7 +122,8 @@ TEST_P(MotorGuardFaults, EndWithZeroForce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MotorGuardFaults,
-                         ::testing::Values("segv", "throw", "exit", "destroy", "hang-tick"),
+                         ::testing::Values("segv", "throw", "exit", "destroy", "hang-tick",
+                                           "end-thread"),
                          [](const auto& instance) {
                            std::string name = instance.param;
                            std::erase(name, '-');
@@ -342,6 +343,25 @@ TEST_F(MotorGuardClient, AnOldTickIsStaleThoughTheDriverBeats) {
     guard->beat(tick_ns);
     return guard->trip_epoch() == 1;
   }));
+}
+
+TEST_F(MotorGuardClient, ADriverWhoseThreadHasEndedIsStaleBeforeItsHeartbeatIs) {
+  spec.period_s = 1.0;  // the heartbeat is stale after ten seconds
+  spawn();
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  std::thread([&] { beat(); }).join();
+  EXPECT_TRUE(wait_for([&] { return guard->trip_epoch() == 1; }, 5.0));
+}
+
+TEST_F(MotorGuardClient, TheThreadOfAnEarlierDriverIsForgotten) {
+  spec.period_s = 1.0;
+  spawn();
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  std::thread([&] { beat(); }).join();
+  ASSERT_EQ(guard->disarm(), std::nullopt);
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  sleep_ms(3000);  // a heartbeat is looked at after two seconds
+  EXPECT_EQ(guard->trip_epoch(), 0u);
 }
 
 TEST_F(MotorGuardClient, DisarmedItDoesNotTrip) {
