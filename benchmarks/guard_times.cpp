@@ -22,8 +22,6 @@
 #include <fstream>
 #include <random>
 #include <string>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
 
@@ -46,7 +44,7 @@ struct Fault {
   double aim_ms;
 };
 constexpr Fault kFaults[] = {{"gone (SIGKILL)", SIGKILL, 10.0},
-                             {"crashed (SIGSEGV)", SIGSEGV, 10.0},
+                             {"crashed (SIGSEGV)", SIGSEGV, 35.0},
                              {"frozen (SIGSTOP)", SIGSTOP, 35.0}};
 
 // One row of the table. Times in ms.
@@ -64,32 +62,6 @@ struct Row {
         static_cast<std::size_t>(share * static_cast<double>(times_ms.size()) + 0.999);
     return times_ms[std::clamp<std::size_t>(rank, 1, times_ms.size()) - 1];
   }
-};
-
-class Load {
- public:
-  explicit Load(int count) {
-    for (int i = 0; i < count; ++i) {
-      const pid_t process = fork();
-      if (process == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGKILL);
-        std::atomic<unsigned> n{0};
-        for (;;) n.fetch_add(1, std::memory_order_relaxed);
-      }
-      processes_.push_back(process);
-    }
-  }
-  ~Load() {
-    for (const pid_t process : processes_) {
-      ::kill(process, SIGKILL);
-      waitpid(process, nullptr, 0);
-    }
-  }
-  Load(const Load&) = delete;
-  Load& operator=(const Load&) = delete;
-
- private:
-  std::vector<pid_t> processes_;
 };
 
 // The priority of the board, and of the thread that causes the fault: above the guard's.
@@ -201,7 +173,7 @@ bool write_csv(const std::vector<Row>& rows, const Options& options) {
 }
 
 int measure(const Options& options) {
-  const Load load(options.load);
+  const BusyProcesses load(options.load);
   Probe probe;
   std::mt19937 random(options.seed);
   std::vector<Row> rows;

@@ -1,8 +1,9 @@
 #pragma once
 
-// Starts the program guarded_engine and its guard.
+// Starts the program guarded_engine and its guard, and processes that keep the machine busy.
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 extern "C" char** environ;
 
@@ -31,6 +33,33 @@ inline bool wait_for(const std::function<bool()>& condition, double seconds = 2.
   }
   return true;
 }
+
+// Processes that compute without end.
+class BusyProcesses {
+ public:
+  explicit BusyProcesses(int count) {
+    for (int i = 0; i < count; ++i) {
+      const pid_t process = fork();
+      if (process == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        std::atomic<unsigned> n{0};
+        for (;;) n.fetch_add(1, std::memory_order_relaxed);
+      }
+      processes_.push_back(process);
+    }
+  }
+  ~BusyProcesses() {
+    for (const pid_t process : processes_) {
+      ::kill(process, SIGKILL);
+      waitpid(process, nullptr, 0);
+    }
+  }
+  BusyProcesses(const BusyProcesses&) = delete;
+  BusyProcesses& operator=(const BusyProcesses&) = delete;
+
+ private:
+  std::vector<pid_t> processes_;
+};
 
 // A process that may end, and whose number may then belong to another process.
 class WatchedProcess {

@@ -18,6 +18,7 @@
 //   end        commands zero, disarms and ends in order after 100 ms
 //   fork       like run, with a child process that keeps all descriptors; writes "child PID"
 //   watch      like run, and writes "lost" when the guard is gone
+//   watch-no-fifo  both
 //   full       after 100 ms it queues commands until the port takes no more, writes "full", and
 //   hangs
 
@@ -112,7 +113,7 @@ class Engine {
       epoch_ = epoch;
       zeros_ = 50;
     }
-    if (behaviour_ == "watch" && !guard_->is_alive() && !is_lost_) {
+    if (behaviour_.starts_with("watch") && !guard_->is_alive() && !is_lost_) {
       is_lost_ = true;
       std::printf("lost\n");
       std::fflush(stdout);
@@ -174,7 +175,7 @@ void give_up_realtime() {
 }
 
 int run(const char* path, const std::string& behaviour) {
-  if (behaviour == "no-fifo") give_up_realtime();
+  if (behaviour.ends_with("no-fifo")) give_up_realtime();
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const bool is_number = path[0] >= '0' && path[0] <= '9';
