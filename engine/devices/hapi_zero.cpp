@@ -1,5 +1,6 @@
 #include "engine/devices/hapi_zero.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 
@@ -15,7 +16,10 @@
 // tick messages are therefore for device 0, whose 14 PWM values and 4 torques are zeros.
 //
 // A byte that is no command leads from both states to "expects a command". After it, the motors are
-// set up anew and zeroed by their own number, for a board that knows no device 0.
+// set up anew and zeroed by their own number, for a board that knows no device 0. They stay set up:
+// a host that has not yet seen that it was stopped may write one more tick message. Without a
+// set-up the board would read the torques in it as commands, and in rare cases as other torques. No
+// encoder is set up, because the firmware that was read takes new memory for it each time.
 //
 // USB carries the bytes in packets of 64. The firmware takes a byte that has not arrived for 255,
 // if the byte is no torque; therefore no message extends over two packets. Most boards read the
@@ -24,12 +28,12 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPacket = 64;
-constexpr std::size_t kPackets = 8;
 constexpr std::size_t kFirstPair = 0;   // in which packet
 constexpr std::size_t kSecondPair = 5;  // begins at byte 351, after the 288
 constexpr std::size_t kSetUp = 7;
+constexpr std::size_t kPwmPins = 14;
 // The length of a tick message for device 0: the command, the device, 14 PWM values, 4 torques.
-constexpr std::size_t kTickZero = 2 + 14 + 4 * 4;
+constexpr std::size_t kTickZero = 2 + kPwmPins + 4 * 4;
 constexpr std::uint8_t kSetUpCommand = 1;
 constexpr std::uint8_t kTickCommand = 2;
 constexpr std::uint8_t kNoCommand = 3;
@@ -43,21 +47,26 @@ void put_pair(std::vector<std::uint8_t>& bytes, std::size_t packet) {
 
 }  // namespace
 
-std::vector<std::uint8_t> hapi_zero_bytes(std::uint8_t device, std::uint8_t motor_ports) {
-  std::vector<std::uint8_t> bytes(kPackets * kPacket, 0);
+std::vector<std::uint8_t> hapi_zero_bytes(const HapiMotors& motors) {
+  std::vector<std::uint8_t> bytes(kSetUp * kPacket, 0);
   put_pair(bytes, kFirstPair);
   put_pair(bytes, kSecondPair);
-
-  std::size_t place = kSetUp * kPacket;
-  bytes[place - 1] = kNoCommand;
-  bytes[place] = kSetUpCommand;
-  bytes[place + 1] = device;
-  bytes[place + 2] = motor_ports & 0x0F;
-  // The directions of the motors, no encoder, no analog pin, no PWM pin.
-  place += 3 + static_cast<std::size_t>(std::popcount(bytes[place + 2])) + 3;
-  bytes[place] = kTickCommand;
-  bytes[place + 1] = device;
   bytes.back() = kNoCommand;
+
+  const auto put = [&bytes](const std::vector<std::uint8_t>& more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  };
+  const std::uint8_t ports = motors.ports & 0x0F;
+  std::vector<std::uint8_t> directions = motors.directions;
+  directions.resize(static_cast<std::size_t>(std::popcount(ports)), 0);
+  std::vector<std::uint8_t> pins = motors.pwm_pins;
+  pins.resize(std::min(pins.size(), kPwmPins));
+  put({kSetUpCommand, motors.device, ports});
+  put(directions);
+  put({0, 0, static_cast<std::uint8_t>(pins.size())});  // no encoder, no analog pin
+  put(pins);
+  put({kTickCommand, motors.device});
+  put(std::vector<std::uint8_t>(pins.size() + 4 * directions.size(), 0));
   return bytes;
 }
 

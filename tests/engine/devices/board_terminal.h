@@ -47,7 +47,9 @@ class FakeBoardTerminal {
   // A pair of sockets passes them at once, but has no flush. Its port is an inherited descriptor.
   enum class Kind { kTerminal, kSockets };
 
-  explicit FakeBoardTerminal(Kind kind = Kind::kTerminal) {
+  explicit FakeBoardTerminal(Kind kind = Kind::kTerminal,
+                             ResetKind reset = ResetKind::kGivesMotorsToDevice0)
+      : firmware_(reset) {
     if (kind == Kind::kTerminal) {
       open_terminal();
     } else {
@@ -166,7 +168,7 @@ class FakeBoardTerminal {
   int terminal_ = -1;
   int host_side_ = -1;
   std::string port_;
-  FakeFirmware firmware_{ResetKind::kGivesMotorsToDevice0};
+  FakeFirmware firmware_;
   mutable std::mutex mutex_;
   std::vector<Entry> log_;
   std::atomic<bool> is_paused_{false};

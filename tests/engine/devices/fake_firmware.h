@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// What a reset does, which differs between firmwares or is not documented.
+// What a reset does, which may differ between firmwares. A set-up replaces the one before.
 enum class ResetKind {
   kGivesMotorsToDevice0,  // the firmware that was read: torques stay
   kZeroesTorques,         // and gives the motors to device 0
@@ -62,9 +62,7 @@ struct FakeFirmware {
   std::uint64_t ticks = 0;  // completed tick messages
 
   explicit FakeFirmware(ResetKind kind = ResetKind::kGivesMotorsToDevice0) : reset_kind(kind) {
-    if (kind != ResetKind::kKeepsEverything && kind != ResetKind::kLosesMotors) return;
-    motor_device.fill(kNobody);
-    pwm_device.fill(kNobody);
+    forget_set_up();
   }
 
   // Returns whether this byte has completed a tick message.
@@ -162,19 +160,24 @@ struct FakeFirmware {
   void begin(std::uint8_t command) {
     if (command == 0) stage = Stage::kResetDevice;
     if (command == 1) {
-      reset();
+      forget_set_up();
       stage = Stage::kSetUpDevice;
     }
     if (command == 2) stage = Stage::kTickDevice;
   }
 
   void reset() {
-    if (reset_kind == ResetKind::kKeepsEverything) return;
-    motor_device.fill(reset_kind == ResetKind::kLosesMotors ? kNobody : 0);
-    pwm_device.fill(reset_kind == ResetKind::kLosesMotors ? kNobody : 0);
+    if (reset_kind != ResetKind::kKeepsEverything) forget_set_up();
+    if (reset_kind == ResetKind::kZeroesTorques) torque = {};
+  }
+
+  void forget_set_up() {
+    const bool gives_to_0 =
+        reset_kind == ResetKind::kGivesMotorsToDevice0 || reset_kind == ResetKind::kZeroesTorques;
+    motor_device.fill(gives_to_0 ? 0 : kNobody);
+    pwm_device.fill(gives_to_0 ? 0 : kNobody);
     encoders = 0;
     analogs = 0;
-    if (reset_kind == ResetKind::kZeroesTorques) torque = {};
   }
 
   void end_byte() {

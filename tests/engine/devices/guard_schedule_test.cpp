@@ -90,7 +90,9 @@ void run_schedule(std::uint64_t seed) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   SeededRandom random(seed);
   const BusyProcesses load(random.index(2) == 0 ? 0 : 4);
-  FakeBoardTerminal board;
+  FakeBoardTerminal board(FakeBoardTerminal::Kind::kTerminal, random.index(2) == 0
+                                                                  ? ResetKind::kGivesMotorsToDevice0
+                                                                  : ResetKind::kKeepsEverything);
   const EngineProcess process(PALPATE_GUARDED_ENGINE, board.port(),
                               random.index(2) == 0 ? "watch" : "watch-no-fifo");
   ASSERT_TRUE(process.has_started());

@@ -187,7 +187,11 @@ int run(const char* path, const std::string& behaviour) {
   GuardSpec spec;
   spec.descriptor = port;
   spec.period_s = 1e-9 * static_cast<double>(kPeriodNs);
-  spec.zero_bytes = hapi_zero_bytes(kDevice, (1 << kMotors) - 1);
+  HapiMotors motors;
+  motors.device = kDevice;
+  motors.ports = (1 << kMotors) - 1;
+  motors.directions = {0, 1};  // as HostMessages
+  spec.zero_bytes = hapi_zero_bytes(motors);
   auto guard = MotorGuard::spawn(spec);
   if (!guard) {
     std::fprintf(stderr, "%s\n", guard.error().to_string().c_str());

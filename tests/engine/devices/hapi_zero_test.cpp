@@ -29,6 +29,16 @@ std::uint8_t ports(int motors) {
   return static_cast<std::uint8_t>((1 << motors) - 1);
 }
 
+// The bytes for a board that HostMessages has set up.
+std::vector<std::uint8_t> zero_bytes(std::uint8_t device, int motors, int pwms = 0) {
+  HapiMotors set_up;
+  set_up.device = device;
+  set_up.ports = ports(motors);
+  for (int i = 0; i < motors; ++i) set_up.directions.push_back(static_cast<std::uint8_t>(i % 2));
+  for (int i = 0; i < pwms; ++i) set_up.pwm_pins.push_back(static_cast<std::uint8_t>(2 + i));
+  return hapi_zero_bytes(set_up);
+}
+
 // The largest number that each torque may have, port by port: what it has now or will have after
 // the torques that the host has written completely.
 std::array<float, 4> commanded(const FakeFirmware& board, const std::vector<float>& torques) {
@@ -78,7 +88,7 @@ TEST(HapiZero, StopsABoardWhoseLastMessageWasCutAfterAnyByte) {
           const std::vector<float> after(all.begin(), all.begin() + joints);
           const auto board = running_board(kind, device, joints, extras, extras, before);
           ASSERT_FALSE(board.is_zero());
-          const auto zero = hapi_zero_bytes(device, ports(joints));
+          const auto zero = zero_bytes(device, joints, extras);
           for (const auto& message :
                {HostMessages::reset(), HostMessages::set_up(device, joints, joints, extras, extras),
                 HostMessages::tick(device, extras, after)}) {
@@ -170,7 +180,7 @@ TEST(HapiZero, StopsABoardInEveryStateOfItsParser) {
         for (const int pwms : {0, 3}) {
           const std::vector<float> torques(static_cast<std::size_t>(joints), 0.5f);
           const auto board = running_board(kind, device, joints, 0, pwms, torques);
-          const auto zero = hapi_zero_bytes(device, ports(joints));
+          const auto zero = zero_bytes(device, joints, pwms);
           auto states = all_states(board, device);
           add_tick_states(states, board, device, joints, pwms);
           for (const FakeFirmware& state : states) {
@@ -195,7 +205,7 @@ TEST(HapiZero, StopsMotorsOfAnotherDevice) {
     for (const std::uint8_t device : kDevices) {
       FakeFirmware board = running_board(kind, device, 2, 0, 0, {0.5f, -0.5f});
       board.motor_device[1] = 200;
-      EXPECT_TRUE(stops(board, hapi_zero_bytes(device, 3), {0.5f, 0.5f, 0.0f, 0.0f}))
+      EXPECT_TRUE(stops(board, zero_bytes(device, 2), {0.5f, 0.5f, 0.0f, 0.0f}))
           << static_cast<int>(kind) << " " << int{device};
     }
   }
@@ -206,7 +216,7 @@ TEST(HapiZero, StopsMotorsOfAnotherDevice) {
 TEST(HapiZero, NeedsNoUnknownCommandIfMotorsCanBeReached) {
   for (const ResetKind kind :
        {ResetKind::kGivesMotorsToDevice0, ResetKind::kZeroesTorques, ResetKind::kKeepsEverything}) {
-    auto zero = hapi_zero_bytes(1, ports(2));
+    auto zero = zero_bytes(1, 2);
     zero.erase(std::find(zero.begin(), zero.end(), 3), zero.end());
     const auto board = running_board(kind, 1, 2, 0, 0, {0.5f, 0.5f});
     for (FakeFirmware& state : all_states(board, 1)) {
@@ -218,7 +228,7 @@ TEST(HapiZero, NeedsNoUnknownCommandIfMotorsCanBeReached) {
 }
 
 TEST(HapiZero, StopsABoardInTimeWithItsFirstPacketsUnlessASetUpWasCut) {
-  const auto zero = hapi_zero_bytes(1, 3);
+  const auto zero = zero_bytes(1, 2);
   const std::vector<std::uint8_t> first(zero.begin(), zero.begin() + 2 * 64);
   const auto message = HostMessages::tick(1, 0, {0.25f, -0.25f});
   for (std::size_t cut = 0; cut <= message.size(); ++cut) {
@@ -232,7 +242,7 @@ TEST(HapiZero, StopsABoardInTimeWithItsFirstPacketsUnlessASetUpWasCut) {
 // The firmware takes a byte of a tick's beginning that has not arrived for 255.
 TEST(HapiZero, NoTickMessageExtendsOverTwoPackets) {
   for (const int joints : {1, 4}) {
-    const auto zero = hapi_zero_bytes(1, ports(joints));
+    const auto zero = zero_bytes(1, joints);
     FakeFirmware board = running_board(ResetKind::kGivesMotorsToDevice0, 1, joints, 0, 0,
                                        std::vector<float>(static_cast<std::size_t>(joints), 1.0f));
     for (std::size_t i = 0; i < zero.size(); ++i) {
@@ -246,10 +256,46 @@ TEST(HapiZero, NoTickMessageExtendsOverTwoPackets) {
   }
 }
 
+// A host that has not yet seen that it was stopped may write one more command.
+TEST(HapiZero, TheBoardReadsALateCommandOfTheHostAsItIsMeant) {
+  const std::vector<float> torques = {1.0e-3f, -2.7f, 3.1e-20f, 0.1f};
+  for (const ResetKind kind : kResetKinds) {
+    for (const std::uint8_t device : kDevices) {
+      for (int joints = 1; joints <= 4; ++joints) {
+        for (const int pwms : {0, 3, 12}) {
+          const std::vector<float> late(torques.begin(), torques.begin() + joints);
+          FakeFirmware board = running_board(kind, device, joints, 0, pwms, late);
+          for (const std::uint8_t byte : zero_bytes(device, joints, pwms)) board.take(byte);
+          ASSERT_TRUE(board.is_zero());
+          for (const std::uint8_t byte : HostMessages::tick(device, pwms, late)) board.take(byte);
+          for (std::size_t i = 0; i < late.size(); ++i) ASSERT_EQ(board.torque[i], late[i]);
+          EXPECT_EQ(board.stage, Stage::kCommand);
+        }
+      }
+    }
+  }
+}
+
+TEST(HapiZero, SetsUpTheMotorsAsTheHostDid) {
+  HapiMotors motors;
+  motors.device = 9;
+  motors.ports = 0b1010;
+  motors.directions = {1, 0};
+  motors.pwm_pins = {5, 11};
+  const auto bytes = hapi_zero_bytes(motors);
+  const std::vector<std::uint8_t> end = {3,                                      // no command
+                                         1, 9, 10, 1, 0, 0, 0, 2, 5, 11,         // set up
+                                         2, 9, 0,  0, 0, 0, 0, 0, 0, 0,  0, 0};  // tick
+  ASSERT_GE(bytes.size(), end.size());
+  EXPECT_EQ(
+      std::vector<std::uint8_t>(bytes.end() - static_cast<std::ptrdiff_t>(end.size()), bytes.end()),
+      end);
+}
+
 TEST(HapiZero, ABoardCanBeSetUpAtOnceAfterwards) {
   FakeFirmware board = running_board(ResetKind::kGivesMotorsToDevice0, 1, 2, 0, 0, {0.5f, 0.5f});
   board.take(0);  // a reset, cut after its first byte
-  for (const std::uint8_t byte : hapi_zero_bytes(1, 3)) board.take(byte);
+  for (const std::uint8_t byte : zero_bytes(1, 2)) board.take(byte);
   for (const std::uint8_t byte : HostMessages::set_up(1, 2, 2, 0, 0)) board.take(byte);
   for (const std::uint8_t byte : HostMessages::tick(1, 0, {0.125f, 0.25f})) board.take(byte);
   EXPECT_EQ(board.torque, (std::array<float, 4>{0.125f, 0.25f, 0.0f, 0.0f}));

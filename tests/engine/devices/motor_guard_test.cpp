@@ -202,7 +202,9 @@ TEST_F(MotorGuardProcess, WritesOneZeroIfAnEngineThatIsNotArmedDies) {
   ASSERT_TRUE(wait_for([&] { return board.bytes_read() == set_up_bytes; }));
   process->engine().send(SIGKILL);
   expect_guard_ends_well();
-  const std::uint64_t zero_bytes = hapi_zero_bytes(1, 3).size();
+  HapiMotors motors;
+  motors.ports = 3;
+  const std::uint64_t zero_bytes = hapi_zero_bytes(motors).size();
   EXPECT_TRUE(wait_for([&] { return board.bytes_read() == set_up_bytes + zero_bytes; }));
   EXPECT_TRUE(board.is_zero());
 }
