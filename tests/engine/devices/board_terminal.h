@@ -71,6 +71,7 @@ class FakeBoardTerminal {
   // The board answers until the host's queue is full, and reads no command until the host has read
   // answers, as firmware that waits for room in its own queue.
   void flood() { floods_.store(true); }
+  bool is_flooding() const { return floods_.load(); }
 
   // Closes the board's side.
   void hang_up() {
@@ -121,7 +122,10 @@ class FakeBoardTerminal {
     std::array<std::uint8_t, 4096> bytes;
     while (!ends_.load()) {
       pollfd readable{terminal_, POLLIN, 0};
-      if (floods_.exchange(false)) wait_for_room();
+      if (floods_.load()) {
+        wait_for_room();
+        floods_.store(false);
+      }
       if (is_paused_.load()) {
         ::usleep(1000);
         continue;
@@ -138,8 +142,9 @@ class FakeBoardTerminal {
     const std::array<char, 256> answers = {};
     // The kernel makes more room a little later, when it moves bytes to the reader's side.
     for (int ms = 0; ms < 10; ++ms) {
+      // Bounded, because the host may read as fast as the board writes.
       for (const std::size_t size : {answers.size(), std::size_t{1}}) {
-        while (::write(terminal_, answers.data(), size) > 0) {
+        for (int n = 0; n < 256 && ::write(terminal_, answers.data(), size) > 0; ++n) {
         }
       }
       ::usleep(1000);

@@ -123,7 +123,7 @@ class Engine {
     command(is_zero ? 0.0f : 0.5f);
     guard_->beat(has_hung_ ? hung_ns_ : now_ns);
     std::array<char, 512> answers;
-    while (::read(port_, answers.data(), answers.size()) > 0) {
+    for (int n = 0; n < 32 && ::read(port_, answers.data(), answers.size()) > 0; ++n) {
     }
   }
 

@@ -43,7 +43,7 @@ class MotorGuardProcess : public ::testing::Test {
     process = std::make_unique<EngineProcess>(PALPATE_GUARDED_ENGINE, board.port(), behaviour);
     ASSERT_TRUE(process->has_started());
     if (behaviour == "unarmed") return;
-    ASSERT_TRUE(wait_for([&] { return !board.is_zero(); }));
+    ASSERT_TRUE(wait_for([&] { return !board.is_zero(); }, 20.0));
   }
 
   // Expects that the force ends and stays zero. A command that the engine was about to write may
@@ -88,7 +88,7 @@ TEST_F(MotorGuardProcess, StopsTheMotorsOfAStoppedEngineWhichCanRearm) {
   // The engine commands 50 zeros after it has rearmed, and then its force. A slipped command
   // comes alone.
   const auto has_rearmed = [&] { return board.log().back().count > 1 && !board.is_zero(); };
-  ASSERT_TRUE(wait_for(has_rearmed));
+  ASSERT_TRUE(wait_for(has_rearmed, 20.0));
   std::uint64_t slipped = 0;
   const auto log = board.log();
   for (std::size_t i = 0; i + 1 < log.size(); ++i) {
