@@ -30,28 +30,28 @@ namespace {
 constexpr std::size_t kPacket = 64;
 constexpr std::size_t kFirstPair = 0;   // in which packet
 constexpr std::size_t kSecondPair = 5;  // begins at byte 351, after the 288
-constexpr std::size_t kSetUp = 7;
+constexpr std::size_t kSetUpPacket = 7;
 constexpr std::size_t kPwmPins = 14;
 // The length of a tick message for device 0: the command, the device, 14 PWM values, 4 torques.
 constexpr std::size_t kTickZero = 2 + kPwmPins + 4 * 4;
-constexpr std::uint8_t kSetUpCommand = 1;
-constexpr std::uint8_t kTickCommand = 2;
-constexpr std::uint8_t kNoCommand = 3;
+constexpr std::uint8_t kSetUpByte = 1;
+constexpr std::uint8_t kTickByte = 2;
+constexpr std::uint8_t kNoCommandByte = 3;
 
 // The zeros between two tick messages of a pair must be an even number: the first message ends its
 // packet, and the second begins the next one.
 void put_pair(std::vector<std::uint8_t>& bytes, std::size_t packet) {
-  bytes[(packet + 1) * kPacket - kTickZero - 1] = kTickCommand;
-  bytes[(packet + 1) * kPacket] = kTickCommand;
+  bytes[(packet + 1) * kPacket - kTickZero - 1] = kTickByte;
+  bytes[(packet + 1) * kPacket] = kTickByte;
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> hapi_zero_bytes(const HapiMotors& motors) {
-  std::vector<std::uint8_t> bytes(kSetUp * kPacket, 0);
+  std::vector<std::uint8_t> bytes(kSetUpPacket * kPacket, 0);
   put_pair(bytes, kFirstPair);
   put_pair(bytes, kSecondPair);
-  bytes.back() = kNoCommand;
+  bytes.back() = kNoCommandByte;
 
   const auto put = [&bytes](const std::vector<std::uint8_t>& more) {
     bytes.insert(bytes.end(), more.begin(), more.end());
@@ -61,11 +61,11 @@ std::vector<std::uint8_t> hapi_zero_bytes(const HapiMotors& motors) {
   directions.resize(static_cast<std::size_t>(std::popcount(ports)), 0);
   std::vector<std::uint8_t> pins = motors.pwm_pins;
   pins.resize(std::min(pins.size(), kPwmPins));
-  put({kSetUpCommand, motors.device, ports});
+  put({kSetUpByte, motors.device, ports});
   put(directions);
   put({0, 0, static_cast<std::uint8_t>(pins.size())});  // no encoder, no analog pin
   put(pins);
-  put({kTickCommand, motors.device});
+  put({kTickByte, motors.device});
   put(std::vector<std::uint8_t>(pins.size() + 4 * directions.size(), 0));
   return bytes;
 }
