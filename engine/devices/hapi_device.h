@@ -45,7 +45,7 @@ class HapiDevice final : public Device {
   // For the process that guards the motors, between start() and stop(): the open port, and the
   // bytes that stop the motors.
   int descriptor() const noexcept;
-  std::vector<std::uint8_t> zero_bytes() const { return hapi_zero_bytes(settings_.wiring); }
+  std::vector<std::uint8_t> zero_bytes() const { return hapi_zero_bytes(hapi_motors(settings_.wiring)); }
   // Call it between start() and stop(). guard: must exist until stop() or until another call of
   // this function has returned; null: none.
   void set_guard(WriteGuard* guard) noexcept;

@@ -205,7 +205,7 @@ void HapiLink::begin_clearing(std::int64_t now_ns) {
   parser_ = HapiAnswerParser(settings_.wiring.device, angles_deg_);
   first_asked_deg_.reset();
   torques_.confirm_zero();
-  put(hapi_zero_bytes(settings_.wiring));
+  put(hapi_stop_bytes(settings_.wiring));
   is_tick_ = false;
   is_zero_ = true;
 }
@@ -217,6 +217,8 @@ void HapiLink::watch_clearing(std::int64_t now_ns) {
     if (!is_long) return;
     trip(HapiProblem::kNoAnswers, now_ns);
     begin_clearing(now_ns);
+  } else if (guard_ != nullptr && !is_guard_gone_ && !guard_->is_quiet()) {
+    quiet_since_ns_ = clearing_since_ns_ = now_ns;  // its zeros would undo a set-up
   } else if (phase_ == Phase::kAsking) {
     if (quiet_ns >= kAnswer_ns) set_up(now_ns);
   } else if (is_long || quiet_ns >= kForget_ns) {
@@ -287,13 +289,13 @@ void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
   sent_ = std::min(sent_ + count, outgoing_.size());
   if (!to_send().empty()) return;
   if (phase_ != Phase::kRunning) quiet_since_ns_ = now_ns;
+  // Before the first tick, no force can be old.
+  if (guard_ != nullptr) guard_->beat(force_.tick_ns != 0 ? force_.tick_ns : now_ns);
   if (!is_tick_ && !is_zero_) return;  // a set-up
   has_sent_zero_ = is_released_ && is_zero_;
-  if (is_tick_) {
-    torques_.confirm();
-    last_tick_ns_ = now_ns;
-  }
-  if (guard_ != nullptr && force_.tick_ns != 0) guard_->beat(force_.tick_ns);
+  if (!is_tick_) return;
+  torques_.confirm();
+  last_tick_ns_ = now_ns;
 }
 
 std::int64_t HapiLink::wake_ns() const {

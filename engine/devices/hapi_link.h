@@ -71,7 +71,9 @@ struct HapiCounts {
 // - After kMostBad messages in a row with a bad outcome of either kind, the same happens, and the
 //   link asks for a trip.
 // - Before each message it looks at the guard. If the guard has stopped the motors, the same
-//   happens; if the guard is gone, the link commands zero from then on.
+// happens
+//   when the guard is quiet again; if the guard is gone, the link commands zero from then on. Every
+//   message that was written is a beat for the guard.
 // - After a trip it commands zero until a later tick has commanded zero.
 // - It commands zero if the newest tick is older than 10 ms or 5 periods, whichever is longer.
 // - A message that is cut is continued, never begun again. A message that waits is made anew.

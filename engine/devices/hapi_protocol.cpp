@@ -47,6 +47,10 @@ std::vector<std::uint8_t> hapi_set_up(const HapiWiring& wiring, const HapiNumber
   return bytes;
 }
 
+HapiMotors hapi_motors(const HapiWiring& wiring) {
+  return {wiring.device, kPortsOneAndTwo, {kForwards, kForwards}, {}};
+}
+
 HapiTick hapi_tick(std::uint8_t device, const HapiNumbers& torques) {
   HapiTick message = {kTickCommand, device};
   for (std::size_t joint = 0; joint < kHapiJoints; ++joint) {
@@ -56,7 +60,7 @@ HapiTick hapi_tick(std::uint8_t device, const HapiNumbers& torques) {
   return message;
 }
 
-std::vector<std::uint8_t> hapi_zero_bytes(const HapiWiring& wiring) {
+std::vector<std::uint8_t> hapi_stop_bytes(const HapiWiring& wiring) {
   const std::size_t longest = hapi_set_up(wiring, wiring.rest_deg).size();
   std::vector<std::uint8_t> bytes(longest, kPadding);
   const HapiTick zero = hapi_tick(wiring.device, {});

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/devices/hapi_zero.h"
+
 namespace palpate {
 
 inline constexpr std::size_t kHapiJoints = 2;
@@ -33,13 +35,17 @@ std::array<std::uint8_t, 2> hapi_reset();
 // Sets up motors and encoders. present_deg: the present angles. The motors hold their torque.
 std::vector<std::uint8_t> hapi_set_up(const HapiWiring& wiring, const HapiNumbers& present_deg);
 
+// The motors as the set-up message states them, for the process that guards them.
+HapiMotors hapi_motors(const HapiWiring& wiring);
+
 // Sets the torques, in the board's own unit, and asks for an answer.
 HapiTick hapi_tick(std::uint8_t device, const HapiNumbers& torques);
 
-// Bytes that end any message which was cut, and then set both torques to zero. The board must be
-// set up; it keeps its set-up and its angles. The bytes begin with a padding that is skipped as a
-// command and that is a torque below 2^-119 as the end of a message.
-std::vector<std::uint8_t> hapi_zero_bytes(const HapiWiring& wiring);
+// Bytes that end any message which was cut, and then set both torques to zero, for the driver
+// itself (the guard, which does not know whether the board is set up, uses hapi_zero.h). The board
+// must be set up; it keeps its set-up and its angles. The bytes begin with a padding that is
+// skipped as a command and that is a torque below 2^-119 as the end of a message.
+std::vector<std::uint8_t> hapi_stop_bytes(const HapiWiring& wiring);
 
 // Reads answers byte by byte: the device byte, then an angle in degrees per encoder.
 //

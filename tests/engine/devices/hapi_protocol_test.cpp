@@ -134,7 +134,7 @@ TEST(HapiProtocol, ZeroBytesEndAnyCutTickMessage) {
       HapiFirmware firmware = pushing_firmware(wiring);
       send(firmware, Bytes(tick.begin(), tick.begin() + static_cast<std::ptrdiff_t>(cut)));
       Event event = Event::kNone;
-      for (const std::uint8_t byte : hapi_zero_bytes(wiring)) {
+      for (const std::uint8_t byte : hapi_stop_bytes(wiring)) {
         event = send(firmware, {byte});
         // On the way, each torque is one that the driver has commanded, or zero.
         for (const float torque : firmware.torques()) {
@@ -159,7 +159,7 @@ TEST(HapiProtocol, ZeroBytesEndAnyCutTickMessage) {
 TEST(HapiProtocol, ZeroBytesEndACutSetUpThatFollowsZeroBytes) {
   for (const std::uint8_t device : Bytes{1, 2, 3, 5, 127}) {
     const HapiWiring wiring{.device = device};
-    Bytes sequence = hapi_zero_bytes(wiring);
+    Bytes sequence = hapi_stop_bytes(wiring);
     for (const Bytes& part : {bytes_of(hapi_reset()), hapi_set_up(wiring, wiring.rest_deg)}) {
       sequence.insert(sequence.end(), part.begin(), part.end());
     }
@@ -167,10 +167,10 @@ TEST(HapiProtocol, ZeroBytesEndACutSetUpThatFollowsZeroBytes) {
       HapiFirmware firmware = pushing_firmware(wiring);
       send(firmware, Bytes(sequence.begin(), sequence.begin() + static_cast<std::ptrdiff_t>(cut)));
       for (int again = 0; again < 3; ++again) {
-        for (const std::uint8_t byte : hapi_zero_bytes(wiring)) {
+        for (const std::uint8_t byte : hapi_stop_bytes(wiring)) {
           send(firmware, {byte});
           // Never a torque on the way, either.
-          if (cut >= hapi_zero_bytes(wiring).size()) {
+          if (cut >= hapi_stop_bytes(wiring).size()) {
             ASSERT_TRUE(is_zero(firmware)) << "cut after " << cut;
           }
         }

@@ -103,7 +103,7 @@ class HapiRig {
   HapiBoard board;
 };
 
-// Zero on the motor: see hapi_zero_bytes().
+// Zero on the motor: see hapi_stop_bytes().
 inline bool is_zero(const BoardCommand& command) {
   return std::abs(command.torques[0]) < 0x1p-119f && std::abs(command.torques[1]) < 0x1p-119f;
 }
