@@ -33,11 +33,16 @@ std::array<std::uint8_t, 2> hapi_reset() {
 }
 
 std::vector<std::uint8_t> hapi_set_up(const HapiWiring& wiring, const HapiNumbers& present_deg) {
-  std::vector<std::uint8_t> bytes = {kSetUpCommand, wiring.device};
-  for (int part = 0; part < 2; ++part) {  // motors, then encoders
-    bytes.insert(bytes.end(), {kPortsOneAndTwo, kForwards, kForwards});
-  }
-  bytes.insert(bytes.end(), {0, 0});  // no analog inputs, no PWM pins
+  std::vector<std::uint8_t> bytes = {kSetUpCommand,
+                                     wiring.device,  // then motors,
+                                     kPortsOneAndTwo,
+                                     kForwards,
+                                     kForwards,  // encoders,
+                                     kPortsOneAndTwo,
+                                     kForwards,
+                                     kForwards,  // and
+                                     0,
+                                     0};  // no analog inputs, no PWM pins
   for (const float angle_deg : present_deg) {
     for (const float number : {angle_deg, wiring.counts_per_turn}) {
       const auto part = little_endian(number);

@@ -87,15 +87,13 @@ Result<VelocitySettings> make_velocity(const RunSettings& settings) {
   return velocity;
 }
 
-// The device description, with sensors, motors, encoders and rate replaced by the settings. Under
-// ForceMode::kFull, the simulated device has a motor on every sensed axis.
+// The device description, with sensors, motors, encoders and rate replaced by the settings.
 DeviceDescription device_of(const RunSettings& settings, const ActuationModel& actuation) {
   DeviceDescription device = settings.device;
   device.sensed_axes = actuation.sensors();
-  const bool is_full = settings.force == ForceMode::kFull;
-  device.motor_count = is_full ? actuation.sensors() : actuation.actuators();
-  for (int i = 0; i < device.motor_count; ++i) {
-    const Vec3 axis = is_full ? Vec3(Vec3::Unit(i)) : actuation.actuated_axis(i);
+  device.motor_count = actuation.actuators();
+  for (int i = 0; i < actuation.actuators(); ++i) {
+    const Vec3& axis = actuation.actuated_axis(i);
     device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
   }
   if (settings.encoder_quantum_m) device.encoder_quantum_m = *settings.encoder_quantum_m;

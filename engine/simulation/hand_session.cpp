@@ -10,6 +10,19 @@ std::vector<TickObserver*> with_last(std::vector<TickObserver*> observers, TickO
   return observers;
 }
 
+// Under ForceMode::kFull, the simulated device has a motor on every sensed axis, as if it were
+// fully actuated.
+PlantSettings with_motors(PlantSettings plant, const RunSetup& setup) {
+  if (setup.haptics.force != ForceMode::kFull) return plant;
+  DeviceDescription& device = plant.device;
+  device.motor_count = setup.actuation.sensors();
+  for (int i = 0; i < device.motor_count; ++i) {
+    const Vec3 axis = Vec3::Unit(i);
+    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
+  }
+  return plant;
+}
+
 }  // namespace
 
 HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantSettings& plant,
@@ -17,7 +30,7 @@ HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantS
                          std::vector<TickObserver*> observers, SteadyMotions mover)
     : dt_s_(setup.dt_s),
       mover_(std::move(mover)),
-      device_(plant, plan, setup.haptics.initial_pose.point(start_scene_m),
+      device_(with_motors(plant, setup), plan, setup.haptics.initial_pose.point(start_scene_m),
               setup.haptics.initial_pose, setup.actuation.is_planar()),
       loop_(scene.world(), setup.actuation, setup.haptics),
       session_(loop_, device_,
