@@ -33,16 +33,14 @@ std::array<std::uint8_t, 2> hapi_reset() {
 }
 
 std::vector<std::uint8_t> hapi_set_up(const HapiWiring& wiring, const HapiNumbers& present_deg) {
-  std::vector<std::uint8_t> bytes = {kSetUpCommand,
-                                     wiring.device,  // then motors,
-                                     kPortsOneAndTwo,
-                                     kForwards,
-                                     kForwards,  // encoders,
-                                     kPortsOneAndTwo,
-                                     kForwards,
-                                     kForwards,  // and
-                                     0,
-                                     0};  // no analog inputs, no PWM pins
+  constexpr std::uint8_t kNone = 0;
+  std::vector<std::uint8_t> bytes = {kSetUpCommand, wiring.device};
+  bytes.reserve(64);
+  for (const std::uint8_t byte : {kPortsOneAndTwo, kForwards, kForwards,  // motors
+                                  kPortsOneAndTwo, kForwards, kForwards,  // encoders
+                                  kNone, kNone}) {                        // analog inputs, PWM pins
+    bytes.push_back(byte);
+  }
   for (const float angle_deg : present_deg) {
     for (const float number : {angle_deg, wiring.counts_per_turn}) {
       const auto part = little_endian(number);
