@@ -16,7 +16,7 @@
 namespace palpate {
 
 struct BoardSettings {
-  PlantSettings plant;
+  PantographSettings plant;
   Vec2 rest_deg = {180.0, 0.0};      // the angles of the joints at the beginning
   double torque_per_Nm = 1.0;        // what the board's numbers mean
   double largest_torque = 0.123;     // the firmware limits numbers to this, in its own unit

@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-PantographPlant::PantographPlant(const PlantSettings& settings, const Vec2& tip_m)
+PantographPlant::PantographPlant(const PantographSettings& settings, const Vec2& tip_m)
     : settings_(settings),
       bar_(settings.links),
       body_(settings.mass_kg + settings.hand.mass_kg,

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-struct PlantSettings {
+struct PantographSettings {
   FiveBarLinks links;
   double mass_kg = 0.1;           // of the device, at its tip
   double damping_Ns_per_m = 0.5;  // of the device
@@ -20,7 +20,7 @@ struct PlantSettings {
 class PantographPlant {
  public:
   // tip_m: the place of tip and hand at the beginning; within reach.
-  PantographPlant(const PlantSettings& settings, const Vec2& tip_m);
+  PantographPlant(const PantographSettings& settings, const Vec2& tip_m);
 
   void set_hand(const Vec2& hand_m) { hand_m_ = hand_m; }
   // Moves on by dt_s, while the motors have constant torques. A tip that leaves the reach of the
@@ -32,7 +32,7 @@ class PantographPlant {
   const FiveBar& bar() const { return bar_; }
 
  private:
-  PlantSettings settings_;
+  PantographSettings settings_;
   FiveBar bar_;
   MassDamper body_;
   Vec2 hand_m_;
