@@ -21,8 +21,8 @@ namespace {
 using test::Random;
 using Limits = GovernorLimits;
 
-constexpr double kTick_s = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPeriod_s = 1e-3;
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // Three orthogonal motors of 10 N in a workspace of 0.2 m.
 DeviceDescription motor_device() {
@@ -44,8 +44,8 @@ DeviceDescription motor_device() {
 class Rig {
  public:
   explicit Rig(const DeviceDescription& device = motor_device(),
-               std::optional<double> max_force_N = {}, double dt_s = kTick_s)
-      : governor(device, SafetyGovernor::clamp_of(device, max_force_N)), dt_s(dt_s) {}
+               std::optional<double> max_force_N = {}, double period_s = kPeriod_s)
+      : governor(device, SafetyGovernor::clamp_of(device, max_force_N)), dt_s(period_s) {}
 
   // Runs a tick and returns the commanded force.
   Vec3 tick(const Vec3& wanted_N) {
@@ -80,9 +80,9 @@ class Rig {
     EXPECT_EQ(governor.status().state, GovernorState::kRuns);
   }
   // Raises the force slowly enough for the slew rule.
-  Vec3 push(const Vec3& wanted_N, int ticks = 10) {
+  Vec3 push(const Vec3& wanted_N, int count = 10) {
     Vec3 force_N = Vec3::Zero();
-    for (int n = 0; n < ticks; ++n) force_N = tick(wanted_N);
+    for (int n = 0; n < count; ++n) force_N = tick(wanted_N);
     return force_N;
   }
 
@@ -222,7 +222,7 @@ TEST(SafetyGovernor, LimitsTheGrowthOfAForceAndNeverDelaysAFall) {
 }
 
 // Moves with a speed for some ticks under a force, and returns whether the governor tripped.
-bool trips_at(double speed_m_per_s, double force_N, double dt_s = kTick_s) {
+bool trips_at(double speed_m_per_s, double force_N, double dt_s = kPeriod_s) {
   DeviceDescription device = motor_device();
   device.workspace_low_m.fill(-10.0);
   device.workspace_high_m.fill(10.0);
@@ -308,7 +308,7 @@ TEST(SafetyGovernor, MeasuresTheAgeOfASampleByItsTime) {
   sample.sequence = rig.sequence + 1;
   rig.now_ns += 1'000'000;
   sample.time_ns = rig.now_ns - 11'000'000;
-  rig.governor.begin_tick(sample, {kTick_s, 0, rig.now_ns});
+  rig.governor.begin_tick(sample, {kPeriod_s, 0, rig.now_ns});
   TickRecord record;
   record.force_device_N[0] = 1.0;
   rig.governor.govern(record);
@@ -329,13 +329,14 @@ TEST(SafetyGovernor, IgnoresASampleThatIsOlderThanTheLast) {
 }
 
 TEST(SafetyGovernor, ALateTickEasesInAndAVeryLateOneStartsAgain) {
-  struct Case {
+  struct LateCase {
     double dt_s, late_s;
     bool is_late, starts;
   };
-  for (const Case& c : {Case{1e-3, 19e-3, false, false}, Case{1e-3, 21e-3, true, false},
-                        Case{1e-3, 49e-3, true, false}, Case{1e-3, 51e-3, true, true},
-                        Case{1e-2, 49e-3, false, false}, Case{1e-2, 52e-3, true, true}}) {
+  for (const LateCase& c :
+       {LateCase{1e-3, 19e-3, false, false}, LateCase{1e-3, 21e-3, true, false},
+        LateCase{1e-3, 49e-3, true, false}, LateCase{1e-3, 51e-3, true, true},
+        LateCase{1e-2, 49e-3, false, false}, LateCase{1e-2, 52e-3, true, true}}) {
     Rig rig(motor_device(), {}, c.dt_s);
     rig.run_in();
     rig.push({2.0, 0.0, 0.0});
@@ -394,7 +395,7 @@ TEST(SafetyGovernor, ABadSampleEasesInAndThreeWithin100MillisecondsTrip) {
 }
 
 TEST(SafetyGovernor, TripsAtAForceThatIsNotFinite) {
-  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {kNoNumber, std::numeric_limits<double>::infinity()}) {
     Rig rig;
     rig.run_in();
     EXPECT_EQ(rig.tick({0.0, bad, 0.0}), Vec3(0.0, 0.0, 0.0));
@@ -422,7 +423,7 @@ TEST(SafetyGovernor, ATripLastsUntilItIsRearmedAndThenStartsAgain) {
   rig.run_in();
   rig.governor.rearm();  // without a trip: nothing
   EXPECT_EQ(rig.push({2.0, 0.0, 0.0}).x(), 2.0);
-  rig.tick({kNan, 0.0, 0.0});
+  rig.tick({kNoNumber, 0.0, 0.0});
   EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2000).x(), 0.0);
   EXPECT_EQ(rig.governor.status().trips, 1u);
   rig.governor.rearm();
@@ -480,7 +481,7 @@ TEST(SafetyGovernor, OfADeviceWithoutMotorsOnlyClampsAndDropsForces) {
   EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
   EXPECT_EQ(rules_of(rig.record), 0u);
   expect_scaled(rig.tick({9.0, 0.0, 0.0}), {8.0, 0.0, 0.0}, 1.0);
-  EXPECT_EQ(rig.tick({kNan, 0.0, 0.0}), Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(rig.tick({kNoNumber, 0.0, 0.0}), Vec3(0.0, 0.0, 0.0));
   EXPECT_EQ(rig.governor.status().trips, 0u);
   device.motor_count = 0;  // a recorded path: nothing is known
   device.peak_force_N = 0.0;
@@ -583,7 +584,7 @@ TEST(SafetyGovernor, KeepsItsPromisesUnderRandomSchedules) {
         rig.is_new = false;
       }
       Vec3 asked_N = wanted_N;
-      if (happens()) asked_N[static_cast<int>(random.index(3))] = kNan;
+      if (happens()) asked_N[static_cast<int>(random.index(3))] = kNoNumber;
       const bool rearms = random.uniform(0.0, 1.0) < 0.01;
       if (rearms) rig.governor.rearm();
       const double step_s = rig.dt_s + rig.late_s;

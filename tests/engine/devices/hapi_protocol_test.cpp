@@ -31,7 +31,7 @@ Bytes answer_of(std::uint8_t device, float first_deg, float second_deg) {
   Bytes bytes = {device};
   for (const float angle : {first_deg, second_deg}) {
     const auto* const part = reinterpret_cast<const std::uint8_t*>(&angle);  // little-endian host
-    bytes.insert(bytes.end(), part, part + 4);
+    for (int k = 0; k < 4; ++k) bytes.push_back(part[k]);
   }
   return bytes;
 }
