@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/devices/guardable_device.h"
 #include "engine/devices/hapi_link.h"
 #include "engine/devices/hapi_settings.h"
 #include "engine/devices/hapi_view.h"
-#include "engine/devices/write_guard.h"
-#include "palpate/device.h"
 
 namespace palpate {
 
@@ -25,7 +24,7 @@ namespace palpate {
 //
 // The driver has not run on hardware. It cannot tell a frozen encoder behind fresh answers from a
 // hand at rest.
-class HapiDevice final : public Device {
+class HapiDevice final : public GuardableDevice {
  public:
   // A board must answer start() within this time.
   static constexpr double kAnswerToStart_s = 2.0;
@@ -42,18 +41,16 @@ class HapiDevice final : public Device {
   void stop() noexcept override;
   DeviceHealth health() const override;
 
-  // For the process that guards the motors, between start() and stop(): the open port, and the
-  // bytes that stop the motors.
-  int descriptor() const noexcept;
-  std::vector<std::uint8_t> zero_bytes() const { return hapi_zero_bytes(hapi_motors(settings_.wiring)); }
-  // Call it between start() and stop(). guard: must exist until stop() or until another call of
-  // this function has returned; null: none.
-  void set_guard(WriteGuard* guard) noexcept;
+  int descriptor() const noexcept override;
+  std::vector<std::uint8_t> zero_bytes() const override {
+    return hapi_zero_bytes(hapi_motors(settings_.wiring));
+  }
+  void set_guard(WriteGuard* guard) noexcept override;
 
   // Of this session or, after stop(), the last one.
   HapiCounts counts() const;
-  // One line: what counts() says.
-  std::string summary() const;
+  // What counts() says.
+  std::string summary() const override;
 
  private:
   class Session;
